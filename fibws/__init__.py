@@ -1,0 +1,3 @@
+"""The ROS graph over WebSockets."""
+
+__version__ = "0.1.0"

@@ -1,0 +1,134 @@
+"""Graph names: what is legal, how relative, private and anonymous names resolve, remapping.
+
+The rules are those of http://wiki.ros.org/Names and http://wiki.ros.org/Remapping%20Arguments.
+Pure: no clock, no environment, no sockets.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+
+from fibws.errors import InvalidName
+
+MAX_LENGTH = 1024
+_LEGAL = re.compile(r"[~/]?[A-Za-z]\w*(/[A-Za-z_]\w*)*", re.ASCII)
+_LEGAL_BASE = re.compile(r"[A-Za-z]\w*", re.ASCII)
+_REMAPPING = re.compile(r"[~/]?\w[\w/]*:=.*", re.ASCII)
+
+
+def check(name: str) -> str:
+    """Return ``name`` if it is a legal graph name, else raise `InvalidName`."""
+    if not name:
+        raise InvalidName(name, "it is empty")
+    if len(name) > MAX_LENGTH:
+        raise InvalidName(name[:40] + "...", f"it is longer than {MAX_LENGTH} characters")
+    if not _LEGAL.fullmatch(name):
+        raise InvalidName(
+            name, "use letters, digits, _ and /, begin with a letter, ~ or /, end in none of these"
+        )
+    return name
+
+
+def check_base(name: str) -> str:
+    """Return ``name`` if it can name a node: a legal name with no namespace in it."""
+    if "/" in name:
+        raise InvalidName(name, "namespaces are not allowed in node names")
+    if not _LEGAL_BASE.fullmatch(name) or len(name) > MAX_LENGTH:
+        raise InvalidName(name, "a node's name is a letter, then letters, digits and _")
+    return name
+
+
+def resolve(name: str, *, namespace: str = "/", node: str = "/") -> str:
+    """The global name that ``name`` stands for.
+
+    Args:
+        name: global (``/a/b``), relative to the namespace (``b``) or private to the node (``~b``).
+        namespace: a global name such as ``/robot``, or ``/``.
+        node: the node's own global name.
+
+    Raises:
+        InvalidName: the name is not legal.
+    """
+    check(name)
+    if name.startswith("/"):
+        return name
+    if name.startswith("~"):
+        return join(node, name[1:])
+    return join(namespace, name)
+
+
+def join(namespace: str, name: str) -> str:
+    """``/robot`` and ``arm`` give ``/robot/arm``; the root is ``/``."""
+    return f"{namespace.rstrip('/')}/{name}"
+
+
+def namespace_of(name: str) -> str:
+    """The namespace that holds a global name: ``/robot/arm`` gives ``/robot``, ``/arm`` gives ``/``."""
+    return name.rpartition("/")[0] or "/"
+
+
+def anonymous(name: str, *, pid: int, milliseconds: int) -> str:
+    """A node name that no other node has, formed as rospy's: ``name_<pid>_<ms since 1970>``."""
+    return f"{name}_{pid}_{milliseconds}"
+
+
+@dataclass(frozen=True, slots=True)
+class Remapping:
+    """What the command line's ``from:=to`` arguments change.
+
+    ``__name`` and ``__ns`` name the node and its namespace; ``names`` holds the others as they
+    were spelled.
+    """
+
+    names: Mapping[str, str] = field(default_factory=dict)
+    node_name: str | None = None
+    namespace: str | None = None
+
+    def apply(self, name: str, *, namespace: str, node: str) -> str:
+        """Resolve ``name``, then replace it if it was remapped."""
+        resolved = resolve(name, namespace=namespace, node=node)
+        for source, target in self.names.items():
+            if resolve(source, namespace=namespace, node=node) == resolved:
+                return resolve(target, namespace=namespace, node=node)
+        return resolved
+
+
+def is_remapping(argument: str) -> bool:
+    """Whether a command-line argument is of the form ``from:=to``."""
+    return _REMAPPING.fullmatch(argument) is not None
+
+
+def parse_remappings(arguments: Iterable[str]) -> Remapping:
+    """Read ``from:=to`` arguments; keys that begin with ``__`` are ROS's special ones.
+
+    ``__name`` and ``__ns`` are obeyed, other special keys and private parameters (``_x:=1``) are
+    read past, as a node that has no use for them does in ROS.
+
+    Raises:
+        InvalidName: an argument is no remapping, or a name in it is not legal.
+    """
+    names: dict[str, str] = {}
+    special: dict[str, str] = {}
+    for argument in arguments:
+        source, mark, target = argument.partition(":=")
+        if not mark:
+            raise InvalidName(argument, "a remapping is written from:=to")
+        if source.startswith("__"):
+            special[source] = target
+        elif not source.startswith("_"):
+            names[check(source)] = check(target)
+    node_name = special.get("__name")
+    namespace = special.get("__ns")
+    return Remapping(
+        names=names,
+        node_name=check_base(node_name) if node_name is not None else None,
+        namespace=check_namespace(namespace) if namespace is not None else None,
+    )
+
+
+def check_namespace(name: str) -> str:
+    """Return a namespace as a global name, ``/`` or ``/a/b``, whichever way it was spelled."""
+    stripped = name.strip("/")
+    return resolve(stripped) if stripped else "/"
