@@ -65,7 +65,7 @@ def join(namespace: str, name: str) -> str:
 
 
 def namespace_of(name: str) -> str:
-    """The namespace that holds a global name: ``/robot/arm`` gives ``/robot``, ``/arm`` gives ``/``."""
+    """The namespace that holds a global name: ``/robot/arm`` gives ``/robot``, ``/arm`` ``/``."""
     return name.rpartition("/")[0] or "/"
 
 
