@@ -129,8 +129,9 @@ def parse_reply(fields: dict[str, Any]) -> Reply:
 
 
 def encode(operation: Operation) -> bytes:
-    """The operation as JSON text, without the fields that are None."""
-    return to_json(operation.model_dump(exclude_none=True), inf_nan_mode="null")
+    """The operation as JSON text, ``op`` first, without the fields that are None."""
+    fields = operation.model_dump(exclude_none=True)
+    return to_json({"op": fields.pop("op"), **fields}, inf_nan_mode="null")
 
 
 def _parse(adapter: TypeAdapter[T], known: list[str], fields: dict[str, Any]) -> T:

@@ -1,0 +1,121 @@
+"""``python -m fibws.hub``: the hub as a program."""
+
+from __future__ import annotations
+
+import asyncio
+import dataclasses
+import logging
+import signal
+import sys
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, get_args, get_origin, get_type_hints
+
+import click
+
+from fibws import __version__
+from fibws.errors import FibwsError
+from fibws.hub.server import Hub
+from fibws.hub.settings import MIB, Settings
+
+logger = logging.getLogger("fibws.hub")
+
+
+_PATH: click.Path = click.Path(path_type=Path)
+
+
+def main() -> None:
+    """Run the hub until Ctrl-C or SIGTERM."""
+    command(prog_name="python -m fibws.hub")
+
+
+def _read_config(context: click.Context, _: click.Parameter, path: Path | None) -> None:
+    if path is None:
+        return
+    try:
+        values = tomllib.loads(path.read_text())
+    except (OSError, ValueError) as error:
+        raise click.BadParameter(f"{path}: {error}") from error
+    known = {field.name for field in dataclasses.fields(Settings)}
+    for name in values:
+        if name not in known:
+            raise click.BadParameter(f"{path}: no setting is called {name}")
+    context.default_map = values
+
+
+def _options(function: Callable[..., None]) -> Callable[..., None]:
+    """One option for each of the settings."""
+    types = get_type_hints(Settings)
+    for field in reversed(dataclasses.fields(Settings)):
+        type_ = types[field.name]
+        many = get_origin(type_) is tuple
+        flag = field.name.replace("_", "-")
+        function = click.option(
+            f"--{flag}/--no-{flag}" if type_ is bool else f"--{flag}",
+            type=_PATH if Path in get_args(type_) else get_args(type_)[0] if many else type_,
+            multiple=many,
+            default=field.default,
+            show_default=not many,
+            envvar=f"FIBWS_{field.name.upper()}",
+            help=field.metadata["help"],
+        )(function)
+    return function
+
+
+@click.command(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100})
+@click.version_option(__version__, message="fibws %(version)s")
+@click.option(
+    "--config",
+    type=click.Path(path_type=Path, dir_okay=False),
+    is_eager=True,
+    expose_value=False,
+    callback=_read_config,
+    envvar="FIBWS_CONFIG",
+    help="TOML file of settings, named as the flags are, with _ for -.",
+)
+@_options
+def command(**values: Any) -> None:
+    """The hub that ROS nodes and web pages meet at: rosbridge v2.0 over WebSockets, with no ROS.
+
+    A flag comes before an environment variable (FIBWS_PORT for --port), that before the file.
+    """
+    logging.basicConfig(format="[%(levelname)s] [%(created)f]: %(message)s", level=logging.INFO)
+    settings = Settings(**values)
+    # Makes glibc keep memory that is freed: else it trims its heap and grows it again with every
+    # large message, which costs more than relaying it.
+    bytearray(8 * MIB)
+    try:
+        with asyncio.Runner(loop_factory=_loop_factory()) as runner:
+            runner.run(_serve(settings))
+    except FibwsError as error:
+        sys.exit(f"fibws.hub: {error}.")
+    except KeyboardInterrupt:
+        pass
+
+
+async def _serve(settings: Settings) -> None:
+    async with Hub(settings) as hub:
+        page = hub.url.replace("ws:", "http:")
+        print(f"The hub listens at {hub.url}; open {page}/ in a browser. Ctrl-C ends it.")
+        sys.stdout.flush()
+        stop = asyncio.Event()
+        for number in (signal.SIGINT, signal.SIGTERM):
+            try:
+                asyncio.get_running_loop().add_signal_handler(number, stop.set)
+            except NotImplementedError:  # Windows: Ctrl-C comes as KeyboardInterrupt.
+                pass
+        await stop.wait()
+
+
+def _loop_factory() -> Callable[[], asyncio.AbstractEventLoop] | None:
+    """uvloop's if it is installed: it takes some 10 % off the hub's work."""
+    try:
+        import uvloop
+    except ImportError:
+        return None
+    return uvloop.new_event_loop
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,354 @@
+"""A client's connection: bytes in, messages to the session, frames out.
+
+An asyncio protocol around websockets' sans-I/O `ServerProtocol`. A message is handled within the
+callback that read it; there is no task and no timer for a connection, only `Connection.sweep`,
+which the server calls for all of them once a second.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import socket
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import cast
+
+from websockets.frames import Frame, Opcode
+from websockets.http11 import Request
+from websockets.protocol import State
+from websockets.server import ServerProtocol
+
+from fibws.hub.framing import Splitter
+from fibws.hub.gate import Gate, node_name
+from fibws.hub.graph import Graph
+from fibws.hub.outbox import Flusher, Outbox
+from fibws.hub.session import Session
+from fibws.hub.settings import KIB, Settings
+from fibws.protocol.closing import FRAGMENTS, INVALID_UTF8, OVERFULL, SILENT, STALLED, Closing
+from fibws.protocol.text import InvalidUtf8
+
+logger = logging.getLogger("fibws.hub")
+_library_logger = logging.getLogger("fibws.hub.websockets")
+_library_logger.setLevel(logging.WARNING)
+
+HIGH_WATER = 64 * KIB
+"""Bytes in a transport's buffer at which its client counts as slow."""
+MAX_FRAGMENTS = 4096
+"""Frames that one fragmented message may have: empty ones do not count towards its size."""
+DROP_REPORT_INTERVAL = 10.0
+"""Seconds between two log lines about one client's dropped messages."""
+
+
+@dataclass(frozen=True, slots=True)
+class Shared:
+    """What all connections of one hub use together.
+
+    ``small`` and ``large`` are the buffers that sockets are read into: what is read is used up
+    within the same callback, so that one buffer serves all. A small one makes a flooding publisher
+    take turns with the others; the large one is for connections that are sending a large frame.
+    """
+
+    settings: Settings
+    gate: Gate
+    graph: Graph
+    loop: asyncio.AbstractEventLoop
+    flusher: Flusher
+    opened: Callable[[Connection], None]
+    lost: Callable[[Connection], None]
+    small: memoryview = field(default_factory=lambda: memoryview(bytearray(16 * KIB)))
+    large: memoryview = field(default_factory=lambda: memoryview(bytearray(256 * KIB)))
+
+
+class Connection(asyncio.BufferedProtocol):
+    """One client's connection, from the socket's opening to its end."""
+
+    __slots__ = (
+        "_binary",
+        "_closing_since",
+        "_fragments",
+        "_head",
+        "_paused_since",
+        "_pinged_at",
+        "_pong_due",
+        "_protocol",
+        "_reported",
+        "_reported_at",
+        "_shared",
+        "_since",
+        "_splitter",
+        "_transport",
+        "outbox",
+        "peer",
+        "session",
+    )
+
+    def __init__(self, shared: Shared) -> None:
+        self._shared = shared
+        self._protocol = ServerProtocol(
+            max_size=shared.settings.max_message_size, logger=_library_logger
+        )
+        self._transport: asyncio.Transport
+        self._since = self._pinged_at = shared.loop.time()
+        self._head: bytearray | None = bytearray()
+        self._splitter: Splitter
+        self._fragments: list[bytes] = []
+        self._binary = False
+        self._pong_due: float | None = None
+        self._paused_since: float | None = None
+        self._closing_since: float | None = None
+        self._reported = 0
+        self._reported_at = float("-inf")
+        self.outbox: Outbox
+        self.session: Session | None = None
+        self.peer = ""
+
+    # asyncio's calls.
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        self._transport = transport = cast(asyncio.Transport, transport)
+        transport.set_write_buffer_limits(HIGH_WATER)
+        sock = transport.get_extra_info("socket")
+        if hasattr(socket, "TCP_NOTSENT_LOWAT"):
+            # Else the kernel keeps megabytes of messages that a slow client will read when stale.
+            sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT, HIGH_WATER)
+        peer = transport.get_extra_info("peername")
+        self.peer = f"{peer[0]}:{peer[1]}" if peer else "unknown"
+        self._shared.opened(self)
+
+    def get_buffer(self, sizehint: int) -> memoryview:
+        if self._head is None and self._splitter.missing > len(self._shared.small):
+            return self._shared.large
+        return self._shared.small
+
+    def buffer_updated(self, nbytes: int) -> None:
+        buffer = self.get_buffer(nbytes)
+        data = bytes(buffer[:nbytes])
+        if nbytes == len(buffer):
+            # There is more: let the other connections have their turn first.
+            self._transport.pause_reading()
+            self._shared.loop.call_soon(self._resume_reading)
+        if self._head is None:
+            self._splitter.receive(data)
+        else:
+            self._shake_hands(data)
+        if self.session is not None and self.outbox.overfull:
+            self._fail(OVERFULL)
+
+    def eof_received(self) -> bool:
+        if self._head is None:
+            self._splitter.end()
+        self._protocol.receive_eof()
+        self._send()
+        return False
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        self._leave()
+        self._shared.lost(self)
+
+    def pause_writing(self) -> None:
+        self._paused_since = self._shared.loop.time()
+        if self.session is not None:
+            self.outbox.pause()
+
+    def resume_writing(self) -> None:
+        self._paused_since = None
+        if self.session is not None:
+            self.outbox.resume()
+
+    def _resume_reading(self) -> None:
+        if not self._transport.is_closing():
+            self._transport.resume_reading()
+
+    # The handshake.
+
+    def _shake_hands(self, data: bytes) -> None:
+        """Hand the library the request's head and no byte more.
+
+        It would act on frames sent behind the request before that is accepted.
+        """
+        assert self._head is not None
+        searched = max(0, len(self._head) - 3)
+        self._head += data
+        end = self._head.find(b"\r\n\r\n", searched)
+        if end < 0:
+            self._feed(data)
+            return
+        rest = bytes(self._head[end + 4 :])
+        self._head = None
+        self._splitter = Splitter(
+            self._on_message, self._feed, max_size=self._shared.settings.max_message_size
+        )
+        if not self._shared.settings.fast_framing:
+            self._splitter.give_up()
+        self._feed(data[: len(data) - len(rest)])
+        if rest and self._protocol.state is State.OPEN:
+            self._splitter.receive(rest)
+
+    def _on_request(self, request: Request) -> None:
+        response = self._shared.gate.answer(request) or self._protocol.accept(request)
+        self._protocol.send_response(response)
+        if self._protocol.state is not State.OPEN:
+            return
+        shared = self._shared
+        self.outbox = Outbox(
+            self._write, shared.flusher, max_bytes=shared.settings.max_queued_bytes
+        )
+        self.session = Session(
+            node_name(request.path),
+            shared.graph,
+            self.outbox,
+            shared.loop,
+            shared.settings,
+            self.close,
+        )
+        logger.info("%s has connected from %s.", self.session.node, self.peer)
+
+    # Reading.
+
+    def _feed(self, data: bytes) -> None:
+        """Let the library read, and do what it says."""
+        if self._protocol.state is State.CLOSED:
+            return
+        self._protocol.receive_data(data)
+        for event in self._protocol.events_received():
+            if isinstance(event, Request):
+                self._on_request(event)
+            elif isinstance(event, Frame):
+                self._on_frame(event)
+        if self._protocol.state is not State.OPEN and self._head is None:
+            self._splitter.give_up()
+        self._send()
+
+    def _on_frame(self, frame: Frame) -> None:
+        if frame.opcode is Opcode.PONG:
+            self._pong_due = None
+        elif frame.opcode is Opcode.CLOSE:
+            self._leave()
+        elif frame.opcode in (Opcode.TEXT, Opcode.BINARY, Opcode.CONT):
+            self._on_data(frame)
+
+    def _on_data(self, frame: Frame) -> None:
+        """Put fragments together; text and binary messages mean the same, as on the real server."""
+        if len(self._fragments) == MAX_FRAGMENTS:
+            self._fail(FRAGMENTS)
+            return
+        if frame.opcode is not Opcode.CONT:
+            self._binary = frame.opcode is Opcode.BINARY
+        self._fragments.append(bytes(frame.data))
+        self._splitter.fragmented = not frame.fin
+        if frame.fin:
+            message, self._fragments = b"".join(self._fragments), []
+            self._on_message(message, binary=self._binary)
+
+    def _on_message(self, message: bytes, *, binary: bool = False) -> None:
+        if self.session is None or self._protocol.state is not State.OPEN:
+            return
+        try:
+            self.session.receive(message)
+        except InvalidUtf8:
+            if binary:
+                self.session.refuse("Expected JSON text in UTF-8 in a binary message")
+            else:
+                self._fail(INVALID_UTF8)
+        except Exception:
+            # An exception here would end the connection of a client that did nothing wrong.
+            logger.exception("%s: an operation failed.", self.session.node)
+
+    # Writing.
+
+    def _write(self, data: bytes) -> None:
+        if self._protocol.state is not State.OPEN:
+            return
+        try:
+            self._transport.write(data)
+        except (OSError, RuntimeError):
+            # uvloop raises where asyncio is silent; the publisher must not pay for it.
+            self._transport.abort()
+
+    def _send(self) -> None:
+        """Write what the library wants written."""
+        for data in self._protocol.data_to_send():
+            if data:
+                self._transport.write(data)
+            elif self._transport.can_write_eof():
+                self._transport.write_eof()
+                self._closing_since = self._shared.loop.time()
+            else:
+                self._transport.close()
+
+    def close(self, closing: Closing) -> None:
+        """Close in good order; a client that does not answer is cut off by a later sweep."""
+        if self._protocol.state is State.OPEN:
+            for frame in self.outbox.take():
+                self._write(frame)
+            self._protocol.send_close(closing.code, closing.reason)
+            self._closing_since = self._shared.loop.time()
+            self._send()
+            self._leave()
+            logger.info("%s is closed: %s.", self.name, closing.reason)
+        elif self._protocol.state is State.CONNECTING:
+            self._transport.abort()
+
+    def abort(self) -> None:
+        """Cut the connection off."""
+        self._transport.abort()
+
+    def _fail(self, closing: Closing) -> None:
+        """Close because of what the client did or left undone."""
+        if self._protocol.state is not State.OPEN:
+            return
+        logger.warning("%s is closed: %s.", self.name, closing.reason)
+        self._protocol.fail(closing.code, closing.reason)
+        self._splitter.give_up()
+        self._send()
+        self._leave()
+
+    def _leave(self) -> None:
+        if self.session is not None:
+            self.session.leave()
+
+    @property
+    def name(self) -> str:
+        """How the log calls the client."""
+        return self.session.node if self.session is not None else self.peer
+
+    # Once a second.
+
+    def sweep(self, now: float) -> None:
+        """See what is overdue: handshake, ping, pong, close, reading."""
+        settings = self._shared.settings
+        if self._closing_since is not None:
+            if now - self._closing_since > settings.close_timeout:
+                self._transport.abort()
+        elif self.session is None:
+            if now - self._since > settings.open_timeout:
+                self._transport.abort()
+        elif self._paused_since is not None and now - self._paused_since > settings.stall_timeout:
+            self._report_drops(now, at_once=True)
+            self._fail(STALLED)
+        elif self._pong_due is not None and now > self._pong_due:
+            self._fail(SILENT)
+        else:
+            self._report_drops(now)
+            if settings.ping_interval and now - self._pinged_at >= settings.ping_interval:
+                self._ping(now)
+
+    def _ping(self, now: float) -> None:
+        self._pinged_at = now
+        if self._pong_due is None and self._paused_since is None:
+            self._pong_due = now + self._shared.settings.ping_timeout
+            self._protocol.send_ping(b"")
+            self._send()
+
+    def _report_drops(self, now: float, *, at_once: bool = False) -> None:
+        new = self.outbox.dropped - self._reported
+        if new and (at_once or now - self._reported_at >= DROP_REPORT_INTERVAL):
+            self._reported = self.outbox.dropped
+            self._reported_at = now
+            logger.warning(
+                "%s reads too slowly: %d messages dropped, %d in all.",
+                self.name,
+                new,
+                self.outbox.dropped,
+            )

@@ -1,0 +1,146 @@
+"""WebSocket frames (RFC 6455, section 5): made once for all, and split without a detour.
+
+Nearly every frame that a client sends is a whole text message. The `Splitter` takes those straight
+from the bytes; whatever else there is, and whatever is wrong, goes to the websockets library, whose
+verdict is the only one. It therefore stops at every frame's boundary by itself, and hands the bytes
+of all other frames on as they come.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable
+
+try:
+    from websockets.speedups import apply_mask
+except ImportError:  # The library's pure Python build has it elsewhere.
+    from websockets.utils import apply_mask
+
+_TEXT = 0x81
+"""The first byte of a whole text message: final frame, no reserved bits, opcode 1."""
+_OPCODES = frozenset({0x0, 0x1, 0x2, 0x8, 0x9, 0xA})
+_LENGTH_16 = struct.Struct("!H")
+_LENGTH_64 = struct.Struct("!Q")
+
+
+def text_frame(*parts: bytes) -> bytes:
+    """An unmasked frame with one whole text message, given in parts to spare a copy."""
+    size = sum(map(len, parts))
+    if size < 126:
+        header = bytes((_TEXT, size))
+    elif size < 65536:
+        header = b"\x81\x7e" + _LENGTH_16.pack(size)
+    else:
+        header = b"\x81\x7f" + _LENGTH_64.pack(size)
+    return b"".join((header, *parts))
+
+
+class Splitter:
+    """Splits one client's bytes after the handshake.
+
+    Args:
+        on_text: takes the payload of a whole text message.
+        on_other: takes the bytes of all other frames, in order; after an error also all the rest.
+        max_size: the bytes that a message may have.
+    """
+
+    __slots__ = (
+        "_given_up",
+        "_max_size",
+        "_on_other",
+        "_on_text",
+        "_tail",
+        "_through",
+        "fragmented",
+        "missing",
+    )
+
+    def __init__(
+        self,
+        on_text: Callable[[bytes], None],
+        on_other: Callable[[bytes], None],
+        *,
+        max_size: int,
+    ) -> None:
+        self._on_text = on_text
+        self._on_other = on_other
+        self._max_size = max_size
+        self._tail = bytearray()
+        self._through = 0
+        self._given_up = False
+        self.missing = 0
+        """Bytes without which the frame that has begun cannot be read."""
+        self.fragmented = False
+        """Whether a fragmented message has begun, within which no text message may come."""
+
+    def receive(self, data: bytes) -> None:
+        """Take what the socket gave, however it cuts the frames."""
+        if self._tail:
+            self._tail += data
+            self.missing -= len(data)
+            if self.missing > 0:
+                return
+            data = bytes(self._tail)
+            self._tail = bytearray()
+            self.missing = 0
+        start, end = 0, len(data)
+        while start < end:
+            if self._given_up:
+                self._on_other(data[start:])
+                return
+            if self._through:
+                stop = min(end, start + self._through)
+                self._through -= stop - start
+                self._on_other(data[start:stop])
+                start = stop
+                continue
+            need = self._frame(data, start, end)
+            if need < 0:
+                start -= need
+            elif need:
+                self._tail += memoryview(data)[start:]
+                self.missing = need
+                return
+
+    def end(self) -> None:
+        """The client sends no more: what is left of a frame is the library's to judge."""
+        if self._tail:
+            self._on_other(bytes(self._tail))
+
+    def give_up(self) -> None:
+        """Hand on all the rest, whatever it is."""
+        self._given_up = True
+
+    def _frame(self, data: bytes, start: int, end: int) -> int:
+        """Read the frame at ``start``.
+
+        Returns minus its size if it was a text message and is done with, the number of bytes that
+        are missing from it, or 0 if it was left to the library.
+        """
+        size = end - start
+        if size < 2:
+            return 2 - size
+        first, length = data[start], data[start + 1] - 128
+        if length < 0 or first & 0x70 or first & 0x0F not in _OPCODES:
+            self.give_up()
+            return 0
+        payload = 6
+        if length == 126:
+            payload = 8
+            if size < payload:
+                return payload - size
+            (length,) = _LENGTH_16.unpack_from(data, start + 2)
+        elif length == 127:
+            payload = 14
+            if size < payload:
+                return payload - size
+            (length,) = _LENGTH_64.unpack_from(data, start + 2)
+        whole = payload + length
+        if first != _TEXT or self.fragmented or length > self._max_size:
+            self._through = whole
+            return 0
+        if size < whole:
+            return whole - size
+        body = start + payload
+        self._on_text(apply_mask(data[body : start + whole], data[body - 4 : body]))
+        return -whole

@@ -1,0 +1,134 @@
+"""The gate: who may come in, and what is answered to those who only speak HTTP.
+
+A web page may speak to the hub only if its origin names a host that the hub is known by: its own
+``Host`` header is no proof, since a page of a stranger's can give its name this machine's address
+(DNS rebinding). Programs other than browsers send no origin and may come in.
+"""
+
+from __future__ import annotations
+
+import email.utils
+import http
+import ipaddress
+from collections.abc import Callable
+from urllib.parse import parse_qs, urlsplit
+
+from pydantic_core import to_json
+from websockets.datastructures import Headers, MultipleValuesError
+from websockets.http11 import Request, Response
+
+from fibws import names
+from fibws.errors import InvalidName
+from fibws.hub.settings import Settings
+
+Health = Callable[[], dict[str, object]]
+
+
+class Gate:
+    """Answers the requests that reach the hub's port.
+
+    Args:
+        page: the HTML text for ``/``.
+        health: gives what ``/healthz`` shows.
+    """
+
+    def __init__(self, settings: Settings, page: bytes, health: Health) -> None:
+        self._origins = frozenset(origin.rstrip("/").lower() for origin in settings.allow_origin)
+        self._host = settings.host.lower()
+        self._page = page
+        self._health = health
+
+    def answer(self, request: Request) -> Response | None:
+        """The response to a plain or refused request; None if a WebSocket may open."""
+        try:
+            if not request.headers.get("Upgrade"):
+                return self._resource(request)
+            refusal = self._refusal(request.headers)
+            if refusal is not None:
+                return _text(http.HTTPStatus.FORBIDDEN, refusal)
+            node_name(request.path)
+        except MultipleValuesError as error:
+            return _text(http.HTTPStatus.BAD_REQUEST, f"More than one header {error}")
+        except InvalidName as error:
+            return _text(http.HTTPStatus.BAD_REQUEST, f"The query's node: {error}")
+        return None
+
+    def _resource(self, request: Request) -> Response:
+        if request.method not in ("GET", "HEAD"):
+            response = _text(http.HTTPStatus.METHOD_NOT_ALLOWED, "Only GET and HEAD are answered")
+            response.headers["Allow"] = "GET, HEAD"
+            return response
+        path = request.path.partition("?")[0]
+        if path == "/":
+            response = _response(http.HTTPStatus.OK, "text/html", self._page)
+            response.headers["Content-Security-Policy"] = (
+                "default-src 'none'; style-src 'unsafe-inline'; frame-ancestors 'none'"
+            )
+        elif path == "/healthz":
+            response = _response(http.HTTPStatus.OK, "application/json", to_json(self._health()))
+        else:
+            response = _text(http.HTTPStatus.NOT_FOUND, f"Nothing is at {path}; see /")
+        if request.method == "HEAD":
+            response.body = b""
+        return response
+
+    def _refusal(self, headers: Headers) -> str | None:
+        origin = headers.get("Origin")
+        if origin is None or "*" in self._origins or origin.lower() in self._origins:
+            return None
+        page, here = _host_of(origin), _host_of(f"//{headers.get('Host', '')}")
+        if page is None or not self._known(page, here):
+            fault = f"Pages of origin {origin} may not connect"
+        elif here is None or not self._known(here, here):
+            fault = f"Pages may not connect by the name {here}, which is not known to be the hub's"
+        else:
+            return None
+        return f"{fault}. Start the hub with --allow-origin {origin} to let them in"
+
+    def _known(self, host: str, dialled: str | None) -> bool:
+        """Whether a name is the hub's; an address that was dialled cannot be a rebound name."""
+        if host in ("localhost", self._host) or host.endswith(".localhost"):
+            return True
+        try:
+            address = ipaddress.ip_address(host)
+        except ValueError:
+            return False
+        return address.is_loopback or host == dialled
+
+
+def node_name(path: str) -> str | None:
+    """The global node name in the query of a URL, as in ``/?node=/talker``.
+
+    Raises:
+        InvalidName: it is not a legal graph name.
+    """
+    values = parse_qs(urlsplit(path).query, keep_blank_values=True).get("node")
+    if not values:
+        return None
+    if values[0].startswith("~"):
+        raise InvalidName(values[0], "a node's own name cannot be private")
+    return names.resolve(values[0])
+
+
+def _host_of(origin: str) -> str | None:
+    try:
+        return urlsplit(origin).hostname
+    except ValueError:
+        return None
+
+
+def _text(status: http.HTTPStatus, text: str) -> Response:
+    return _response(status, "text/plain", f"{text}.\n".encode())
+
+
+def _response(status: http.HTTPStatus, content_type: str, body: bytes) -> Response:
+    headers = Headers(
+        {
+            "Date": email.utils.formatdate(usegmt=True),
+            "Connection": "close",
+            "Content-Length": str(len(body)),
+            "Content-Type": f"{content_type}; charset=utf-8",
+            "X-Content-Type-Options": "nosniff",
+        }
+    )
+    return Response(status.value, status.phrase, headers, body)

@@ -1,0 +1,187 @@
+"""The outbox: the frames that wait for one client, bounded, so that nobody waits for a slow one.
+
+While the client's socket takes data, frames wait only for the end of the loop's turn and leave in
+one write. While it does not, each subscription keeps its newest messages up to its queue's limit,
+and all of them together stay within the client's limit of bytes. Replies are never dropped.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict, deque
+from collections.abc import Callable
+
+
+class Queue:
+    """What one subscription may keep while its client does not read.
+
+    Args:
+        limit: messages; one more drops the oldest (ROS's queue_size).
+    """
+
+    __slots__ = ("dropped", "limit", "waiting")
+
+    def __init__(self, limit: int) -> None:
+        self.limit = limit
+        self.dropped = 0
+        self.waiting: deque[int] = deque()
+        """The numbers of this queue's messages in the outbox, the oldest first."""
+
+
+class Outbox:
+    """The frames that wait for one client.
+
+    Args:
+        write: takes the bytes of one or many frames; must not raise.
+        flusher: is told when there is something to send.
+        max_bytes: what may be kept while the client does not read, frames' headers included.
+    """
+
+    __slots__ = (
+        "_bytes",
+        "_flusher",
+        "_frames",
+        "_kept",
+        "_max_bytes",
+        "_number",
+        "_replies",
+        "_reply_bytes",
+        "dropped",
+        "paused",
+        "write",
+    )
+
+    def __init__(self, write: Callable[[bytes], None], flusher: Flusher, *, max_bytes: int) -> None:
+        self.write = write
+        self.paused = False
+        self.dropped = 0
+        self._flusher = flusher
+        self._max_bytes = max_bytes
+        self._frames: list[bytes] = []
+        self._replies: list[bytes] = []
+        self._kept: OrderedDict[int, tuple[bytes, Queue]] | None = None
+        self._number = 0
+        self._bytes = 0
+        self._reply_bytes = 0
+
+    @property
+    def kept_bytes(self) -> int:
+        """Bytes kept because the client does not read."""
+        return self._bytes
+
+    @property
+    def overfull(self) -> bool:
+        """Whether replies alone, which may not be dropped, break the limit."""
+        return self._reply_bytes > self._max_bytes
+
+    def put(self, frame: bytes, queue: Queue) -> None:
+        """Send a message's frame, or keep it in its subscription's queue if the client is slow."""
+        if self.paused:
+            self._keep(frame, queue)
+            return
+        if not self._frames:
+            self._flusher.add(self)
+        self._frames.append(frame)
+
+    def reply(self, frame: bytes) -> None:
+        """Send a frame that may not be dropped; it overtakes the messages that are kept."""
+        if self.paused:
+            self._replies.append(frame)
+            self._bytes += len(frame)
+            self._reply_bytes += len(frame)
+            return
+        if not self._frames:
+            self._flusher.add(self)
+        self._frames.append(frame)
+
+    def take(self) -> list[bytes]:
+        """The frames to write now: none while paused."""
+        if self.paused:
+            return []
+        frames, self._frames = self._frames, []
+        return frames
+
+    def pause(self) -> None:
+        """The client's socket takes no more."""
+        self.paused = True
+
+    def resume(self) -> None:
+        """The client's socket takes data again: what was kept is due, the replies first."""
+        self.paused = False
+        kept = self._kept or OrderedDict[int, tuple[bytes, Queue]]()
+        for _, queue in kept.values():
+            queue.waiting.clear()
+        self._frames += self._replies
+        self._frames += [frame for frame, _ in kept.values()]
+        self._replies = []
+        self._kept = None
+        self._bytes = self._reply_bytes = 0
+        if self._frames:
+            self._flusher.add(self)
+
+    def forget(self, queue: Queue) -> None:
+        """Drop what is kept for a subscription that has ended."""
+        while queue.waiting:
+            self._drop(queue.waiting.popleft())
+
+    def _keep(self, frame: bytes, queue: Queue) -> None:
+        kept = self._kept
+        if kept is None:
+            kept = self._kept = OrderedDict()
+        self._number += 1
+        kept[self._number] = (frame, queue)
+        queue.waiting.append(self._number)
+        self._bytes += len(frame)
+        # The queue that breaks a bound pays for it; its newest message is always kept.
+        while len(queue.waiting) > 1 and (
+            len(queue.waiting) > queue.limit or self._bytes > self._max_bytes
+        ):
+            self._drop_oldest(queue)
+        while self._bytes > self._max_bytes and len(kept) > 1:
+            self._drop_oldest(next(iter(kept.values()))[1])
+
+    def _drop_oldest(self, queue: Queue) -> None:
+        self._drop(queue.waiting.popleft())
+        queue.dropped += 1
+        self.dropped += 1
+
+    def _drop(self, number: int) -> None:
+        assert self._kept is not None
+        frame, _ = self._kept.pop(number)
+        self._bytes -= len(frame)
+
+
+class Flusher:
+    """Writes what waits in the outboxes at the end of the loop's turn, one write for each.
+
+    However many messages come until then leave together; a lone one waits for nothing.
+
+    Args:
+        call_soon: calls back at the end of the turn.
+    """
+
+    def __init__(self, call_soon: Callable[[Callable[[], None]], object]) -> None:
+        self._call_soon = call_soon
+        self._due: list[Outbox] = []
+
+    def add(self, outbox: Outbox) -> None:
+        """Have an outbox flushed; it says so once a turn."""
+        if not self._due:
+            self._call_soon(self.flush)
+        self._due.append(outbox)
+
+    def flush(self) -> None:
+        """Write what is due.
+
+        Subscribers of the same topics mostly hold equal lists of shared frames: joined once.
+        """
+        due, self._due = self._due, []
+        joined: list[bytes] = []
+        data = b""
+        for outbox in due:
+            frames = outbox.take()
+            if len(frames) == 1:
+                outbox.write(frames[0])
+            elif frames:
+                if frames != joined:
+                    joined, data = frames, b"".join(frames)
+                outbox.write(data)

@@ -1,0 +1,150 @@
+"""The hub as a server: one port, all connections, one timer."""
+
+from __future__ import annotations
+
+import asyncio
+import errno
+import logging
+import time
+from importlib import resources
+from types import TracebackType
+from typing import Self
+
+from fibws import __version__
+from fibws.errors import HubError
+from fibws.hub.connection import Connection, Shared
+from fibws.hub.gate import Gate
+from fibws.hub.graph import Graph
+from fibws.hub.outbox import Flusher
+from fibws.hub.settings import Settings
+from fibws.interfaces import Interfaces
+from fibws.protocol.closing import SHUTDOWN
+
+logger = logging.getLogger("fibws.hub")
+
+SWEEP_INTERVAL = 1.0
+BACKLOG = 1024
+"""Connections that may wait to be accepted: enough for a thousand that come at once."""
+
+
+class Hub:
+    """A hub that listens while its ``async with`` block runs.
+
+    Raises:
+        HubError: on entering, when it cannot listen, most likely because the port is taken.
+        InterfaceError: a folder of definitions is not there.
+    """
+
+    def __init__(self, settings: Settings | None = None) -> None:
+        self.settings = settings or Settings()
+        self.graph = Graph(
+            Interfaces(self.settings.interfaces),
+            time.time_ns,
+            strict_types=self.settings.strict_types,
+        )
+        self._connections: set[Connection] = set()
+        self._server: asyncio.Server
+        self._sweeper: asyncio.TimerHandle
+        self._started = 0.0
+        self._empty = asyncio.Event()
+
+    async def __aenter__(self) -> Self:
+        loop = asyncio.get_running_loop()
+        page = resources.files("fibws").joinpath("web", "index.html").read_bytes()
+        shared = Shared(
+            settings=self.settings,
+            gate=Gate(self.settings, page, self.health),
+            graph=self.graph,
+            loop=loop,
+            flusher=Flusher(loop.call_soon),
+            opened=self._connections.add,
+            lost=self._lost,
+        )
+        host, port = self.settings.host, self.settings.port
+        try:
+            self._server = await loop.create_server(
+                lambda: Connection(shared), host, port, backlog=BACKLOG
+            )
+        except OSError as error:
+            raise HubError(_why_not(host, port, error)) from error
+        self._started = time.monotonic()
+        self._sweeper = loop.call_later(SWEEP_INTERVAL, self._sweep)
+        return self
+
+    async def __aexit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        await self.close()
+
+    @property
+    def port(self) -> int:
+        """The port it listens on, also when the settings left the choice to the system."""
+        port: int = self._server.sockets[0].getsockname()[1]
+        return port
+
+    @property
+    def url(self) -> str:
+        """Where nodes on this machine reach it."""
+        host = self.settings.host
+        host = {"0.0.0.0": "127.0.0.1", "::": "::1", "": "127.0.0.1"}.get(host, host)
+        return f"ws://{f'[{host}]' if ':' in host else host}:{self.port}"
+
+    async def close(self) -> None:
+        """Say good-bye to all clients and stop; those that do not answer are cut off."""
+        self._server.close()
+        self._sweeper.cancel()
+        for connection in list(self._connections):
+            connection.close(SHUTDOWN)
+        if self._connections:
+            self._empty.clear()
+            try:
+                await asyncio.wait_for(self._empty.wait(), self.settings.close_timeout)
+            except TimeoutError:
+                for connection in list(self._connections):
+                    connection.abort()
+        await self._server.wait_closed()
+
+    def health(self) -> dict[str, object]:
+        """What ``/healthz`` shows: counts, and the clients that read too slowly."""
+        open_ = [each for each in self._connections if each.session is not None]
+        return {
+            "status": "ok",
+            "version": __version__,
+            "uptime_seconds": round(time.monotonic() - self._started, 3),
+            "clients": len(open_),
+            "topics": len(self.graph.topics),
+            "dropped": sum(each.outbox.dropped for each in open_),
+            "slow_clients": [
+                {
+                    "node": each.name,
+                    "address": each.peer,
+                    "kept_bytes": each.outbox.kept_bytes,
+                    "dropped": each.outbox.dropped,
+                }
+                for each in open_
+                if each.outbox.dropped
+            ],
+        }
+
+    def _lost(self, connection: Connection) -> None:
+        self._connections.discard(connection)
+        if not self._connections:
+            self._empty.set()
+
+    def _sweep(self) -> None:
+        loop = asyncio.get_running_loop()
+        now = loop.time()
+        for connection in list(self._connections):
+            connection.sweep(now)
+        self._sweeper = loop.call_later(SWEEP_INTERVAL, self._sweep)
+
+
+def _why_not(host: str, port: int, error: OSError) -> str:
+    if error.errno == errno.EADDRINUSE:
+        return f"Port {port} on {host} is taken: another hub may run there. Choose one with --port"
+    if error.errno == errno.EADDRNOTAVAIL:
+        return f"{host} is not an address of this machine"
+    return f"Cannot listen on {host}:{port}: {error.strerror or error}"

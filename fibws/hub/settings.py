@@ -1,0 +1,48 @@
+"""What an operator can set, with its unit, its default and the reason for it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+KIB = 1024
+MIB = 1024 * KIB
+
+
+def _setting(default: Any, help_: str) -> Any:
+    return field(default=default, metadata={"help": help_})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Settings:
+    """The hub's settings; each is a flag of ``python -m fibws.hub`` as well."""
+
+    host: str = _setting("127.0.0.1", "Address to listen on; 0.0.0.0 lets other machines in.")
+    port: int = _setting(9090, "Port to listen on; 0 takes a free one.")
+    allow_origin: tuple[str, ...] = _setting(
+        (),
+        "Web page origin that may connect besides this machine's own, such as "
+        "https://lab.example, null (pages opened as files) or * (any); may be repeated.",
+    )
+    interfaces: tuple[Path, ...] = _setting(
+        (), "Folder of message definitions (PACKAGE/msg/*.msg); may be repeated."
+    )
+    strict_types: bool = _setting(
+        False, "Refuse topics whose type's package is unknown, rather than relay them unchecked."
+    )
+    queue_length: int = _setting(
+        1000, "Messages kept for a subscription that names no queue_length and falls behind."
+    )
+    max_queued_bytes: int = _setting(16 * MIB, "Bytes kept for one client that falls behind.")
+    stall_timeout: float = _setting(
+        30.0, "Seconds for which a client may stop reading before it is closed."
+    )
+    max_message_size: int = _setting(64 * MIB, "Bytes that one incoming message may have.")
+    ping_interval: float = _setting(20.0, "Seconds between two pings; 0 sends none.")
+    ping_timeout: float = _setting(20.0, "Seconds in which a client must answer a ping.")
+    open_timeout: float = _setting(10.0, "Seconds in which a client must finish its handshake.")
+    close_timeout: float = _setting(5.0, "Seconds in which a client must answer a close.")
+    fast_framing: bool = _setting(
+        True, "Take whole text messages from the bytes at once, not by way of the library's parser."
+    )

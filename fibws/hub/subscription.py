@@ -1,0 +1,79 @@
+"""A subscription: what one client wants of one topic, under the spelling it used."""
+
+from __future__ import annotations
+
+from fibws.hub.clock import Clock
+from fibws.hub.outbox import Outbox, Queue
+from fibws.hub.throttle import Throttle
+from fibws.protocol.operations import Id, Subscribe
+
+
+class Subscription:
+    """The requests of one client for one topic, merged as rosbridge's subscribe.py merges them.
+
+    Args:
+        node: the client's name.
+        outbox: where the client's frames go.
+        queue_length: messages kept for a client that falls behind and named no queue_length.
+    """
+
+    __slots__ = ("_clock", "_default", "_throttle", "node", "outbox", "queue", "requests")
+
+    def __init__(self, node: str, outbox: Outbox, clock: Clock, *, queue_length: int) -> None:
+        self.node = node
+        self.outbox = outbox
+        self.queue = Queue(queue_length)
+        self.requests: dict[Id, Subscribe] = {}
+        self._clock = clock
+        self._default = queue_length
+        self._throttle: Throttle | None = None
+
+    @property
+    def typed(self) -> bool:
+        """Whether a request named the type, and so holds the topic to it."""
+        return any(request.type is not None for request in self.requests.values())
+
+    @property
+    def direct(self) -> bool:
+        """Whether each message goes straight to the outbox."""
+        return self._throttle is None
+
+    def request(self, request: Subscribe) -> None:
+        """Add a request; one of the same id replaces the older."""
+        self.requests[request.id] = request
+        self._merge()
+
+    def cancel(self, id_: Id) -> None:
+        """Take back the request of this id, or all if it is None; an unknown id changes nothing."""
+        if id_ is None:
+            self.requests.clear()
+        else:
+            self.requests.pop(id_, None)
+        self._merge()
+
+    def send(self, frame: bytes) -> None:
+        """Send a frame at once, whatever the throttle."""
+        self.outbox.put(frame, self.queue)
+
+    def offer(self, frame: bytes) -> None:
+        """Send a frame when the throttle lets it through."""
+        if self._throttle is None:
+            self.send(frame)
+        else:
+            self._throttle.offer(frame)
+
+    def _merge(self) -> None:
+        if self._throttle is not None:
+            self._throttle.cancel()
+            self._throttle = None
+        requests = self.requests.values()
+        if not requests:
+            self.outbox.forget(self.queue)
+            return
+        throttle_rate = min(max(0, request.throttle_rate) for request in requests)
+        queue_length = min(max(0, request.queue_length) for request in requests)
+        self.queue.limit = queue_length or self._default
+        if throttle_rate:
+            self._throttle = Throttle(
+                self.send, self._clock, period=throttle_rate / 1000, queue_length=queue_length
+            )

@@ -1,0 +1,59 @@
+"""The throttle: at most one message of a subscription in a period, as throttle_rate asks for."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+
+from fibws.hub.clock import Clock, Timer
+
+EARLY = 0.001
+"""Seconds by which a message may come early: timers are no finer than a millisecond."""
+
+
+class Throttle:
+    """Lets one frame through in a period; what comes between waits in a queue or is passed over.
+
+    With a queue, frames leave it one a period, the oldest first, and the oldest is dropped when it
+    is full, as in rosbridge_library's message handlers.
+
+    Args:
+        send: takes a frame when its turn has come.
+        period: seconds.
+        queue_length: frames that may wait; 0 passes over all that come too early.
+    """
+
+    def __init__(
+        self, send: Callable[[bytes], None], clock: Clock, *, period: float, queue_length: int
+    ) -> None:
+        self._send = send
+        self._clock = clock
+        self._period = period
+        self._waiting: deque[bytes] = deque(maxlen=queue_length)
+        self._due = clock.time()
+        self._timer: Timer | None = None
+
+    def offer(self, frame: bytes) -> None:
+        """Send a frame now, later or never."""
+        now = self._clock.time()
+        if self._timer is None and now >= self._due - EARLY:
+            self._due = now + self._period
+            self._send(frame)
+            return
+        self._waiting.append(frame)
+        if self._timer is None and self._waiting:
+            self._timer = self._clock.call_later(self._due - now, self._drain)
+
+    def cancel(self) -> None:
+        """Send nothing more."""
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+        self._waiting.clear()
+
+    def _drain(self) -> None:
+        self._timer = None
+        self._due = max(self._due, self._clock.time() - self._period) + self._period
+        self._send(self._waiting.popleft())
+        if self._waiting:
+            self._timer = self._clock.call_later(self._due - self._clock.time(), self._drain)

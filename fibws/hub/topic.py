@@ -1,0 +1,134 @@
+"""A topic: its type, who publishes it and who hears it.
+
+The way of a message through here: `Publisher.publish` checks and encodes it, `Topic.deliver` hands
+the text to each `Channel`, which makes one frame of it for all its subscriptions.
+"""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+from pydantic_core import to_json
+
+from fibws.hub.framing import text_frame
+from fibws.hub.outbox import Outbox
+from fibws.hub.subscription import Subscription
+from fibws.protocol.operations import Id
+
+
+class MessageType(Protocol):
+    """Checks the messages of one type."""
+
+    @property
+    def type(self) -> str:
+        """The type's name, ``package/Type``."""
+
+    @property
+    def has_sequenced_header(self) -> bool:
+        """Whether the publisher counts its messages in ``header.seq``, as rospy's does."""
+
+    def validate(self, msg: object) -> dict[str, Any]:
+        """The message with every field filled; raises `InvalidMessage`."""
+
+    def missing(self, msg: dict[str, Any]) -> list[str]:
+        """The fields that a message leaves to their defaults."""
+
+
+class Channel:
+    """The subscriptions of one topic that spelled its name alike, since each hears its own."""
+
+    def __init__(self, spelling: str) -> None:
+        self._prefix = b'{"op":"publish","topic":%b,"msg":' % to_json(spelling)
+        self._direct: dict[Outbox, Subscription] = {}
+        self._throttled: dict[Outbox, Subscription] = {}
+
+    def __bool__(self) -> bool:
+        return bool(self._direct or self._throttled)
+
+    def subscriptions(self) -> list[Subscription]:
+        """All of them."""
+        return [*self._direct.values(), *self._throttled.values()]
+
+    def set(self, subscription: Subscription) -> None:
+        """Add a subscription, or take note that it changed or ended."""
+        self._direct.pop(subscription.outbox, None)
+        self._throttled.pop(subscription.outbox, None)
+        if subscription.requests:
+            chosen = self._direct if subscription.direct else self._throttled
+            chosen[subscription.outbox] = subscription
+
+    def frame(self, body: bytes) -> bytes:
+        """The frame of a message whose JSON text is ``body``."""
+        return text_frame(self._prefix, body, b"}")
+
+    def send(self, body: bytes) -> None:
+        """Send a message to every subscription; they share the bytes of its frame."""
+        frame = self.frame(body)
+        for outbox, subscription in self._direct.items():
+            outbox.put(frame, subscription.queue)
+        for subscription in self._throttled.values():
+            subscription.offer(frame)
+
+
+class Topic:
+    """One topic of the graph.
+
+    It has a type while somebody publishes it or subscribes to it with a type; subscriptions that
+    name no type wait for one.
+    """
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.type: MessageType | None = None
+        self.publishers: dict[str, Publisher] = {}
+        self.channels: dict[str, Channel] = {}
+
+    @property
+    def idle(self) -> bool:
+        """Whether nobody has to do with it any more."""
+        return not self.publishers and not self.channels
+
+    def subscriptions(self) -> list[Subscription]:
+        """All subscriptions, however they spelled the name."""
+        return [each for channel in self.channels.values() for each in channel.subscriptions()]
+
+    def holders(self) -> list[str]:
+        """The nodes by which the topic keeps its type."""
+        return [
+            *self.publishers,
+            *(each.node for each in self.subscriptions() if each.typed),
+        ]
+
+    def deliver(self, body: bytes) -> None:
+        """Send a message, as JSON text, to all who hear the topic."""
+        for channel in self.channels.values():
+            channel.send(body)
+
+
+class Publisher:
+    """One client's right to publish on one topic, kept while an advertisement of its stands.
+
+    Args:
+        latch: keep the last message for those who subscribe later (ROS's latched topics).
+    """
+
+    __slots__ = ("_sequence", "advertisements", "latch", "latched", "topic", "type")
+
+    def __init__(self, topic: Topic, type_: MessageType, *, latch: bool) -> None:
+        self.topic = topic
+        self.type = type_
+        self.latch = latch
+        self.latched: bytes | None = None
+        self.advertisements: set[Id] = set()
+        self._sequence = 0
+
+    def publish(self, msg: object) -> None:
+        """Check a message and send it on; raises `InvalidMessage`."""
+        message = self.type.validate(msg)
+        if self.type.has_sequenced_header:
+            self._sequence += 1
+            message["header"]["seq"] = self._sequence & 0xFFFFFFFF
+        body = to_json(message, inf_nan_mode="null")
+        if self.latch:
+            self.latched = body
+        self.topic.deliver(body)
