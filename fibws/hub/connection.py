@@ -192,7 +192,10 @@ class Connection(asyncio.BufferedProtocol):
             return
         shared = self._shared
         self.outbox = Outbox(
-            self._write, shared.flusher, max_bytes=shared.settings.max_queued_bytes
+            self._transport.write,
+            self._transport.abort,
+            shared.flusher,
+            max_bytes=shared.settings.max_queued_bytes,
         )
         self.session = Session(
             node_name(request.path),
@@ -257,15 +260,6 @@ class Connection(asyncio.BufferedProtocol):
 
     # Writing.
 
-    def _write(self, data: bytes) -> None:
-        if self._protocol.state is not State.OPEN:
-            return
-        try:
-            self._transport.write(data)
-        except (OSError, RuntimeError):
-            # uvloop raises where asyncio is silent; the publisher must not pay for it.
-            self._transport.abort()
-
     def _send(self) -> None:
         """Write what the library wants written."""
         for data in self._protocol.data_to_send():
@@ -280,8 +274,7 @@ class Connection(asyncio.BufferedProtocol):
     def close(self, closing: Closing) -> None:
         """Close in good order; a client that does not answer is cut off by a later sweep."""
         if self._protocol.state is State.OPEN:
-            for frame in self.outbox.take():
-                self._write(frame)
+            self.outbox.flush()
             self._protocol.send_close(closing.code, closing.reason)
             self._closing_since = self._shared.loop.time()
             self._send()
@@ -307,6 +300,7 @@ class Connection(asyncio.BufferedProtocol):
     def _leave(self) -> None:
         if self.session is not None:
             self.session.leave()
+            self.outbox.close()
 
     @property
     def name(self) -> str:

@@ -23,16 +23,18 @@ _LENGTH_16 = struct.Struct("!H")
 _LENGTH_64 = struct.Struct("!Q")
 
 
-def text_frame(*parts: bytes) -> bytes:
-    """An unmasked frame with one whole text message, given in parts to spare a copy."""
-    size = sum(map(len, parts))
+def text_frame(text: bytes) -> bytes:
+    """An unmasked frame with one whole text message."""
+    return text_header(len(text)) + text
+
+
+def text_header(size: int) -> bytes:
+    """What goes before a text of ``size`` bytes to make a frame of it."""
     if size < 126:
-        header = bytes((_TEXT, size))
-    elif size < 65536:
-        header = b"\x81\x7e" + _LENGTH_16.pack(size)
-    else:
-        header = b"\x81\x7f" + _LENGTH_64.pack(size)
-    return b"".join((header, *parts))
+        return bytes((_TEXT, size))
+    if size < 65536:
+        return b"\x81\x7e" + _LENGTH_16.pack(size)
+    return b"\x81\x7f" + _LENGTH_64.pack(size)
 
 
 class Splitter:

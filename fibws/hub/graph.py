@@ -39,8 +39,6 @@ class Unchecked:
 
     def validate(self, msg: object) -> dict[str, Any]:
         """Only that it is an object can be checked."""
-        if msg is None:
-            return {}
         if not isinstance(msg, dict):
             raise InvalidMessage(
                 f"Expected a JSON object for type {self.type} but received a {type(msg).__name__}"

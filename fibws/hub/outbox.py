@@ -31,32 +31,43 @@ class Outbox:
     """The frames that wait for one client.
 
     Args:
-        write: takes the bytes of one or many frames; must not raise.
+        write: takes the bytes of one or many frames.
+        broken: is called when ``write`` raised.
         flusher: is told when there is something to send.
         max_bytes: what may be kept while the client does not read, frames' headers included.
     """
 
     __slots__ = (
+        "_broken",
         "_bytes",
-        "_flusher",
-        "_frames",
         "_kept",
         "_max_bytes",
         "_number",
         "_replies",
         "_reply_bytes",
+        "_write",
         "dropped",
+        "flusher",
+        "frames",
         "paused",
-        "write",
     )
 
-    def __init__(self, write: Callable[[bytes], None], flusher: Flusher, *, max_bytes: int) -> None:
-        self.write = write
+    def __init__(
+        self,
+        write: Callable[[bytes], object],
+        broken: Callable[[], object],
+        flusher: Flusher,
+        *,
+        max_bytes: int,
+    ) -> None:
+        self.flusher = flusher
+        self.frames: list[bytes] = []
+        """What leaves at the end of the turn."""
         self.paused = False
         self.dropped = 0
-        self._flusher = flusher
+        self._write = write
+        self._broken = broken
         self._max_bytes = max_bytes
-        self._frames: list[bytes] = []
         self._replies: list[bytes] = []
         self._kept: OrderedDict[int, tuple[bytes, Queue]] | None = None
         self._number = 0
@@ -76,11 +87,11 @@ class Outbox:
     def put(self, frame: bytes, queue: Queue) -> None:
         """Send a message's frame, or keep it in its subscription's queue if the client is slow."""
         if self.paused:
-            self._keep(frame, queue)
+            self.keep(frame, queue)
             return
-        if not self._frames:
-            self._flusher.add(self)
-        self._frames.append(frame)
+        if not self.frames:
+            self.flusher.add(self)
+        self.frames.append(frame)
 
     def reply(self, frame: bytes) -> None:
         """Send a frame that may not be dropped; it overtakes the messages that are kept."""
@@ -89,16 +100,28 @@ class Outbox:
             self._bytes += len(frame)
             self._reply_bytes += len(frame)
             return
-        if not self._frames:
-            self._flusher.add(self)
-        self._frames.append(frame)
+        if not self.frames:
+            self.flusher.add(self)
+        self.frames.append(frame)
 
-    def take(self) -> list[bytes]:
-        """The frames to write now: none while paused."""
-        if self.paused:
-            return []
-        frames, self._frames = self._frames, []
-        return frames
+    def write(self, data: bytes) -> None:
+        """Write the bytes of whole frames, unless the connection is lost or closed."""
+        try:
+            self._write(data)
+        except (OSError, RuntimeError):
+            # uvloop raises where asyncio is silent; the publisher must not pay for it.
+            self.close()
+            self._broken()
+
+    def flush(self) -> None:
+        """Write what waits, unless paused."""
+        if self.frames and not self.paused:
+            frames, self.frames = self.frames, []
+            self.write(b"".join(frames))
+
+    def close(self) -> None:
+        """Nothing may be written any more."""
+        self._write = _discard
 
     def pause(self) -> None:
         """The client's socket takes no more."""
@@ -110,20 +133,16 @@ class Outbox:
         kept = self._kept or OrderedDict[int, tuple[bytes, Queue]]()
         for _, queue in kept.values():
             queue.waiting.clear()
-        self._frames += self._replies
-        self._frames += [frame for frame, _ in kept.values()]
+        self.frames += self._replies
+        self.frames += [frame for frame, _ in kept.values()]
         self._replies = []
         self._kept = None
         self._bytes = self._reply_bytes = 0
-        if self._frames:
-            self._flusher.add(self)
+        if self.frames:
+            self.flusher.add(self)
 
-    def forget(self, queue: Queue) -> None:
-        """Drop what is kept for a subscription that has ended."""
-        while queue.waiting:
-            self._drop(queue.waiting.popleft())
-
-    def _keep(self, frame: bytes, queue: Queue) -> None:
+    def keep(self, frame: bytes, queue: Queue) -> None:
+        """Keep a message's frame in its subscription's queue until the client reads again."""
         kept = self._kept
         if kept is None:
             kept = self._kept = OrderedDict()
@@ -139,6 +158,11 @@ class Outbox:
         while self._bytes > self._max_bytes and len(kept) > 1:
             self._drop_oldest(next(iter(kept.values()))[1])
 
+    def forget(self, queue: Queue) -> None:
+        """Drop what is kept for a subscription that has ended."""
+        while queue.waiting:
+            self._drop(queue.waiting.popleft())
+
     def _drop_oldest(self, queue: Queue) -> None:
         self._drop(queue.waiting.popleft())
         queue.dropped += 1
@@ -148,6 +172,10 @@ class Outbox:
         assert self._kept is not None
         frame, _ = self._kept.pop(number)
         self._bytes -= len(frame)
+
+
+def _discard(data: bytes) -> None:
+    """Where the bytes for a closed connection go."""
 
 
 class Flusher:
@@ -178,10 +206,10 @@ class Flusher:
         joined: list[bytes] = []
         data = b""
         for outbox in due:
-            frames = outbox.take()
-            if len(frames) == 1:
-                outbox.write(frames[0])
-            elif frames:
-                if frames != joined:
-                    joined, data = frames, b"".join(frames)
+            if outbox.paused:
+                continue
+            frames, outbox.frames = outbox.frames, []
+            if frames != joined:
+                joined, data = frames, b"".join(frames)
+            if frames:
                 outbox.write(data)

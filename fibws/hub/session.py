@@ -21,6 +21,7 @@ from fibws.hub.topic import Channel, Publisher, Topic
 from fibws.protocol.closing import REPLACED, Closing
 from fibws.protocol.fragments import Reassembly
 from fibws.protocol.operations import (
+    REQUESTS,
     Advertise,
     Fragment,
     Id,
@@ -59,7 +60,6 @@ class Session:
         "_outbox",
         "_reassembly",
         "_settings",
-        "_told",
         "node",
         "publishers",
         "subscriptions",
@@ -120,20 +120,31 @@ class Session:
 
     def _perform(self, fields: dict[str, Any]) -> None:
         try:
-            request = parse_request(fields)
-        except OperationError as error:
-            id_ = fields.get("id")
-            self._complain(str(error), id_ if isinstance(id_, str | int | float) else None)
-            return
-        try:
-            self._handle(request)
+            publisher = self._publisher(fields)
+            if publisher is None:
+                self._handle(parse_request(fields))
+            else:
+                self._publish(publisher, fields.get("msg"), fields.get("id"))
         except FibwsError as error:
-            self._complain(f"{request.op}: {error}", request.id)
+            operation = fields.get("op")
+            prefix = f"{operation}: " if operation in REQUESTS else ""
+            self._complain(f"{prefix}{error}", fields.get("id"))
+
+    def _publisher(self, fields: dict[str, Any]) -> Publisher | None:
+        """The publisher at hand for a publish, which nearly every operation is.
+
+        Such a publish needs no model: but for its topic and message, its fields mean nothing.
+        """
+        if fields.get("op") != "publish":
+            return None
+        topic = fields.get("topic")
+        return self.publishers.get(topic) if isinstance(topic, str) else None
 
     def _handle(self, request: Request) -> None:
         match request:
             case Publish():
-                self._publish(request)
+                publisher = self._advertise_by_publishing(request)
+                self._publish(publisher, request.msg, request.id)
             case Subscribe():
                 self._subscribe(request)
             case Unsubscribe():
@@ -149,13 +160,12 @@ class Session:
             case _:
                 assert_never(request)
 
-    def _publish(self, request: Publish) -> None:
-        publisher = self.publishers.get(request.topic)
-        if publisher is None:
-            publisher = self._advertise_by_publishing(request)
-        publisher.publish(request.msg)
+    def _publish(self, publisher: Publisher, msg: object, id_: object) -> None:
+        publisher.publish(msg)
         if self._level == _GRAVITY["info"]:
-            self._tell_missing(request, publisher)
+            missing = publisher.type.missing(msg if isinstance(msg, dict) else {})
+            if missing:
+                self._say("info", id_, f"publish: defaults stand for {', '.join(missing)}")
 
     def _advertise(self, request: Advertise) -> None:
         topic = self._topic(request.topic)
@@ -244,18 +254,16 @@ class Session:
     def _topic(self, spelling: str) -> Topic:
         return self._graph.topic(names.resolve(spelling, node=self.node))
 
-    def _tell_missing(self, request: Publish, publisher: Publisher) -> None:
-        missing = publisher.type.missing(request.msg if request.msg is not None else {})
-        if missing:
-            self._say("info", request.id, f"publish: defaults stand for {', '.join(missing)}")
-
-    def _complain(self, fault: str, id_: Id) -> None:
+    def _complain(self, fault: str, id_: object) -> None:
         self._complaints += 1
         # A client that errs a thousand times in a second must not fill the disk.
         if str(self._complaints).strip("0") == "1":
             logger.warning("%s: %s (error %d of this client)", self.node, fault, self._complaints)
         self._say("error", id_, fault)
 
-    def _say(self, level: Level, id_: Id, text: str) -> None:
+    def _say(self, level: Level, id_: object, text: str) -> None:
         if _GRAVITY[level] <= self._level:
-            self._outbox.reply(text_frame(encode(Status(id=id_, level=level, msg=text))))
+            status = Status(
+                id=id_ if isinstance(id_, str | int | float) else None, level=level, msg=text
+            )
+            self._outbox.reply(text_frame(encode(status)))

@@ -10,10 +10,12 @@ from typing import Any, Protocol
 
 from pydantic_core import to_json
 
-from fibws.hub.framing import text_frame
+from fibws.hub.framing import text_header
 from fibws.hub.outbox import Outbox
 from fibws.hub.subscription import Subscription
 from fibws.protocol.operations import Id
+
+_AFTER = b"}"
 
 
 class MessageType(Protocol):
@@ -38,7 +40,8 @@ class Channel:
     """The subscriptions of one topic that spelled its name alike, since each hears its own."""
 
     def __init__(self, spelling: str) -> None:
-        self._prefix = b'{"op":"publish","topic":%b,"msg":' % to_json(spelling)
+        self._before = b'{"op":"publish","topic":%b,"msg":' % to_json(spelling)
+        self._around = len(self._before) + len(_AFTER)
         self._direct: dict[Outbox, Subscription] = {}
         self._throttled: dict[Outbox, Subscription] = {}
 
@@ -59,13 +62,19 @@ class Channel:
 
     def frame(self, body: bytes) -> bytes:
         """The frame of a message whose JSON text is ``body``."""
-        return text_frame(self._prefix, body, b"}")
+        return b"".join((text_header(self._around + len(body)), self._before, body, _AFTER))
 
     def send(self, body: bytes) -> None:
         """Send a message to every subscription; they share the bytes of its frame."""
         frame = self.frame(body)
+        # The hub's innermost loop: `Outbox.put`, written out.
         for outbox, subscription in self._direct.items():
-            outbox.put(frame, subscription.queue)
+            if outbox.paused:
+                outbox.keep(frame, subscription.queue)
+                continue
+            if not outbox.frames:
+                outbox.flusher.add(outbox)
+            outbox.frames.append(frame)
         for subscription in self._throttled.values():
             subscription.offer(frame)
 
@@ -123,8 +132,8 @@ class Publisher:
         self._sequence = 0
 
     def publish(self, msg: object) -> None:
-        """Check a message and send it on; raises `InvalidMessage`."""
-        message = self.type.validate(msg)
+        """Check a message and send it on; None stands for the default. Raises `InvalidMessage`."""
+        message = self.type.validate({} if msg is None else msg)
         if self.type.has_sequenced_header:
             self._sequence += 1
             message["header"]["seq"] = self._sequence & 0xFFFFFFFF

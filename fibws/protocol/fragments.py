@@ -47,22 +47,20 @@ class Reassembly:
         self._expire(now)
         if not 0 <= fragment.num < fragment.total:
             raise OperationError(
-                f"fragment: num must be from 0 to total - 1, "
+                f"num must be from 0 to total - 1, "
                 f"but num is {fragment.num} and total is {fragment.total}"
             )
         message = self._messages.get(fragment.id)
         if message is None:
             if len(self._messages) >= self._max_messages:
                 raise OperationError(
-                    f"fragment: {self._max_messages} messages are unfinished already; "
-                    "finish one first"
+                    f"{self._max_messages} messages are unfinished already; finish one first"
                 )
             message = self._messages[fragment.id] = _Message(fragment.total, now)
         if fragment.total != message.total:
             self._drop(fragment.id)
             raise OperationError(
-                f"fragment: total of message {fragment.id} was {message.total}, "
-                f"now it is {fragment.total}"
+                f"total of message {fragment.id} was {message.total}, now it is {fragment.total}"
             )
         if fragment.num not in message.pieces:
             message.pieces[fragment.num] = fragment.data
@@ -71,9 +69,7 @@ class Reassembly:
             self._size += cost
         if self._size > self._max_size:
             self._drop(fragment.id)
-            raise OperationError(
-                f"fragment: unfinished messages may take {self._max_size} bytes together"
-            )
+            raise OperationError(f"unfinished messages may take {self._max_size} bytes together")
         if len(message.pieces) < message.total:
             return None
         self._drop(fragment.id)

@@ -166,16 +166,13 @@ def _fault(error: ValidationError, known: list[str], fields: dict[str, Any]) -> 
         return f"Unknown operation: {operation}.  Allowed operations: {known}"
     name = str(first["loc"][1])
     if first["type"] == "missing":
-        return f"{operation}: Expected a {name} field but none was found."
+        return f"Expected a {name} field but none was found."
     wanted = (
         "str, int"
         if name == "id"
         else _WANTED.get(first["type"]) or first.get("ctx", {}).get("expected", first["msg"])
     )
-    return (
-        f"{operation}: Expected field {name} to be one of {wanted}. "
-        f"Invalid value: {quoted(first['input'])}"
-    )
+    return f"Expected field {name} to be one of {wanted}. Invalid value: {quoted(first['input'])}"
 
 
 def quoted(value: Any) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 from pydantic_core import from_json
@@ -18,7 +18,7 @@ class InvalidUtf8(Exception):
     """The bytes of a text are not UTF-8, which ends a WebSocket (RFC 6455, section 8.1)."""
 
 
-def objects(text: bytes) -> Iterator[dict[str, Any]]:
+def objects(text: bytes) -> Iterable[dict[str, Any]]:
     """The JSON objects in ``text``, which may stand one behind another.
 
     Raises:
@@ -26,11 +26,9 @@ def objects(text: bytes) -> Iterator[dict[str, Any]]:
         InvalidUtf8: the bytes are no text.
     """
     try:
-        value = from_json(text)
+        return [_object(from_json(text))]
     except ValueError as error:
-        yield from _several(text, error)
-        return
-    yield _object(value)
+        return _several(text, error)
 
 
 def _several(text: bytes, fault: ValueError) -> Iterator[dict[str, Any]]:
