@@ -80,6 +80,7 @@ def command(**values: Any) -> None:
 
     A flag comes before an environment variable (FIBWS_PORT for --port), that before the file.
     """
+    logging.addLevelName(logging.WARNING, "WARN")  # as ROS calls it
     logging.basicConfig(format="[%(levelname)s] [%(created)f]: %(message)s", level=logging.INFO)
     settings = Settings(**values)
     # Makes glibc keep memory that is freed: else it trims its heap and grows it again with every

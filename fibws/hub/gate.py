@@ -62,8 +62,8 @@ class Gate:
         if path == "/":
             response = _response(http.HTTPStatus.OK, "text/html", self._page)
             response.headers["Content-Security-Policy"] = (
-                "default-src 'none'; style-src 'unsafe-inline'; connect-src ws: wss:; "
-                "frame-ancestors 'none'"
+                "default-src 'none'; style-src 'unsafe-inline'; img-src data:; "
+                "connect-src ws: wss:; frame-ancestors 'none'"
             )
         elif path == "/healthz":
             response = _response(http.HTTPStatus.OK, "application/json", to_json(self._health()))
