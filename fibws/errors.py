@@ -1,21 +1,21 @@
 """Every error that fibws raises on purpose, each naming whose fault it is.
 
-    FibwsError
-    ├── InvalidName            a graph name that ROS does not allow
-    ├── InterfaceError         something is wrong with a type
-    │   ├── DefinitionError        a .msg, .srv or .action text that does not parse
-    │   ├── InvalidTypeName        not of the form package/Type
-    │   ├── UnknownType            the package is known, the type is not
-    │   └── UnknownPackage         nobody ever defined this package
-    ├── InvalidMessage         a message that does not fit its type
-    ├── OperationError         an operation that the hub refuses; its text goes to the client
-    │   └── TypeConflict           a topic that already has another type
-    ├── HubError               the hub cannot start or go on
-    └── NodeError              a node cannot go on
-        ├── HubUnreachable         no hub answers at the address
-        ├── OperationRejected      the hub refused what the node asked for
-        ├── NodeReplaced           another node took this node's name
-        └── NodeClosed             the node was used after its end
+FibwsError
+├── InvalidName            a graph name that ROS does not allow
+├── InterfaceError         something is wrong with a type
+│   ├── DefinitionError        a .msg, .srv or .action text that does not parse
+│   ├── InvalidTypeName        not of the form package/Type
+│   ├── UnknownType            the package is known, the type is not
+│   └── UnknownPackage         nobody ever defined this package
+├── InvalidMessage         a message that does not fit its type
+├── OperationError         an operation that the hub refuses; its text goes to the client
+│   └── TypeConflict           a topic that already has another type
+├── HubError               the hub cannot start or go on
+└── NodeError              a node cannot go on
+    ├── HubUnreachable         no hub answers at the address
+    ├── OperationRejected      the hub refused what the node asked for
+    ├── NodeReplaced           another node took this node's name
+    └── NodeClosed             the node was used after its end
 """
 
 from __future__ import annotations

@@ -1,0 +1,280 @@
+"""Reads the text of .msg, .srv and .action files, in the spellings of ROS 1 and ROS 2.
+
+The grammar is that of http://wiki.ros.org/msg as genmsg reads it, with what ROS 2 added: bounded
+arrays and strings, ``wstring``, ``package/msg/Type`` and default values.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+
+from pydantic_core import from_json
+
+from fibws.errors import DefinitionError
+from fibws.interfaces import builtin
+from fibws.interfaces.definition import (
+    ActionDefinition,
+    Array,
+    Constant,
+    Field,
+    MessageDefinition,
+    Scalar,
+    ServiceDefinition,
+)
+
+FULL_TEXT_SEPARATOR = "=" * 80
+"""The line between the definitions of a full text."""
+
+# What stands before a comment; a # inside quotes (the default of a ROS 2 string) begins none.
+_CODE = re.compile(r"""(?:[^#"']|"[^"]*"|'[^']*')*""")
+_CONSTANT = re.compile(r"(?P<type>[\w/]+)(?:<=\d+)?\s+(?P<name>\w+)\s*=(?P<value>.*)", re.ASCII)
+_FIELD = re.compile(
+    r"(?P<type>[A-Za-z][\w/]*)(?:<=(?P<limit>\d{1,9}))?"
+    r"(?P<array>\[(?P<bounded><=)?(?P<size>\d{0,9})\])?"
+    r"\s+(?P<name>\w+)(?:\s+(?P<default>\S.*))?",
+    re.ASCII,
+)
+_TYPE = re.compile(r"[A-Za-z]\w*(/[A-Za-z]\w*)?", re.ASCII)
+_NAME = re.compile(r"[A-Za-z]\w*", re.ASCII)
+_TITLE = re.compile(r"MSG:\s*([A-Za-z]\w*)(?:/msg)?/([A-Za-z]\w*)", re.ASCII)
+_BOOLEANS = {"true": True, "True": True, "1": True, "false": False, "False": False, "0": False}
+
+
+def parse_message(
+    text: str, package: str, name: str, source: str = "", first_line: int = 1
+) -> MessageDefinition:
+    """The message that ``text`` defines.
+
+    Args:
+        text: what a .msg file holds.
+        package: where relative type names are looked for.
+        name: the message's own, without its package.
+        source: the file's name, for errors.
+        first_line: the number of the text's first line in that file.
+
+    Raises:
+        DefinitionError: a line does not parse, or says what cannot be.
+    """
+    source = source or f"{package}/{name}"
+    fields: dict[str, Field] = {}
+    constants: dict[str, Constant] = {}
+    lines = text.split("\n")
+    for index, raw in enumerate(lines):
+        number = first_line + index
+        try:
+            member = _member(raw, package, number)
+            if member is None:
+                continue
+            if member.name in fields or member.name in constants:
+                raise _Fault(f"the name {member.name} is taken")
+        except _Fault as fault:
+            raise DefinitionError(source, number, raw[:200], str(fault)) from None
+        if isinstance(member, Constant):
+            constants[member.name] = member
+        else:
+            fields[member.name] = member
+            lines[index] = _in_ros1(raw, member)
+    return MessageDefinition(
+        package, name, tuple(fields.values()), tuple(constants.values()), "\n".join(lines), source
+    )
+
+
+def parse_service(text: str, package: str, name: str, source: str = "") -> ServiceDefinition:
+    """The service that ``text``, what a .srv file holds, defines.
+
+    Raises:
+        DefinitionError: a line does not parse, or there are not two parts.
+    """
+    source = source or f"{package}/{name}"
+    request, response = (
+        parse_message(part, package, name + suffix, source, first_line)
+        for suffix, (first_line, part) in zip(
+            ("Request", "Response"), _parts(text, 2, source), strict=True
+        )
+    )
+    return ServiceDefinition(package, name, request, response)
+
+
+def parse_action(text: str, package: str, name: str, source: str = "") -> ActionDefinition:
+    """The action that ``text``, what an .action file holds, defines.
+
+    Raises:
+        DefinitionError: a line does not parse, or there are not three parts.
+    """
+    source = source or f"{package}/{name}"
+    goal, result, feedback = (
+        parse_message(part, package, name + suffix, source, first_line)
+        for suffix, (first_line, part) in zip(
+            ("Goal", "Result", "Feedback"), _parts(text, 3, source), strict=True
+        )
+    )
+    return ActionDefinition(package, name, goal, result, feedback)
+
+
+def parse_full_text(text: str, name: str) -> dict[str, MessageDefinition]:
+    """The message ``name`` (package/Type) and those that follow in genmsg's full text, by type.
+
+    Raises:
+        DefinitionError: a line does not parse, or a part does not begin with its type.
+    """
+    source = f"the definition of {name}"
+    definitions: dict[str, MessageDefinition] = {}
+    lines = text.split("\n")
+    for begin, end in _between(lines, lambda line: line.strip() == FULL_TEXT_SEPARATOR):
+        kind = name
+        if begin > 0:
+            title = lines[begin] if begin < end else ""
+            found = _TITLE.fullmatch(title.strip())
+            if found is None:
+                raise DefinitionError(source, begin + 1, title[:200], "MSG: package/Type is needed")
+            begin += 1
+            kind = f"{found[1]}/{found[2]}"
+        package, _, short = kind.partition("/")
+        body = "\n".join(lines[begin:end])
+        definitions[kind] = parse_message(body, package, short, source, begin + 1)
+    return definitions
+
+
+class _Fault(ValueError):
+    """What is wrong with a line, whose number and text the caller knows."""
+
+
+def _parts(text: str, count: int, source: str) -> Iterator[tuple[int, str]]:
+    """The parts between lines of ``---``, each with the number of its first line."""
+    lines = text.split("\n")
+    parts = list(_between(lines, lambda line: line.startswith("---")))
+    if len(parts) != count:
+        number = max(1, parts[min(count, len(parts) - 1)][0])
+        fault = f"{count - 1} lines of --- are needed, there are {len(parts) - 1}"
+        raise DefinitionError(source, number, lines[number - 1][:200], fault)
+    for begin, end in parts:
+        yield begin + 1, "\n".join(lines[begin:end])
+
+
+def _between(lines: list[str], separates: Callable[[str], bool]) -> Iterator[tuple[int, int]]:
+    """Where the lines between those that separate begin and end."""
+    cuts = [number for number, line in enumerate(lines) if separates(line)]
+    return zip((0, *(cut + 1 for cut in cuts)), (*cuts, len(lines)), strict=True)
+
+
+def _member(raw: str, package: str, number: int) -> Field | Constant | None:
+    """The field or the constant that a line declares, if any."""
+    line = _CODE.match(raw)[0].strip()  # type: ignore[index]  # it matches the empty string
+    rest = raw.strip()
+    if not line and (not rest or rest.startswith("#")):
+        return None
+    if found := _CONSTANT.fullmatch(rest):
+        return _constant(found, line)
+    found = _FIELD.fullmatch(line)
+    if found is None or len(line) < len(rest.partition("#")[0].rstrip()):
+        raise _Fault("this is neither a field, as in int32 x, nor a constant, as in int32 X=1")
+    return _field(found, package, number)
+
+
+def _constant(found: re.Match[str], line: str) -> Constant:
+    kind, name, text = found["type"], found["name"], found["value"].strip()
+    _check_name(name)
+    if kind not in builtin.CONSTANTS:
+        raise _Fault(f"a constant cannot be of type {kind}")
+    # A string's value is all that follows the =, a # included (http://wiki.ros.org/msg).
+    if kind not in builtin.STRINGS:
+        text = line.partition("=")[2].strip()
+    return Constant(name, kind, _scalar(kind, text), text)
+
+
+def _field(found: re.Match[str], package: str, number: int) -> Field:
+    kind, name = _type(found["type"], package), found["name"]
+    _check_name(name)
+    limit = int(found["limit"]) if found["limit"] else None
+    if limit is not None and kind not in builtin.STRINGS:
+        raise _Fault(f"only strings have a length, {kind} has none")
+    array = None
+    if found["array"]:
+        array = Array(int(found["size"]) if found["size"] else None, bool(found["bounded"]))
+        if array.size is None and array.bounded:
+            raise _Fault("the bound of the array is missing")
+    member = Field(name, kind, array, limit, line=number)
+    if found["default"] is None:
+        return member
+    return Field(name, kind, array, limit, _default(member, found["default"].strip()), number)
+
+
+def _type(spelled: str, package: str) -> str:
+    """``Point`` of geometry_msgs and ``geometry_msgs/msg/Point`` are geometry_msgs/Point."""
+    first, slash, rest = spelled.partition("/msg/")
+    name = f"{first}/{rest}" if slash else spelled
+    if not _TYPE.fullmatch(name):
+        raise _Fault(f"{spelled} is not a type")
+    if name in builtin.NAMES:
+        return name
+    return builtin.ALIASES.get(name) or (name if "/" in name else f"{package}/{name}")
+
+
+def _check_name(name: str) -> None:
+    if not _NAME.fullmatch(name):
+        raise _Fault(f"{name} is not a legal name: begin with a letter")
+
+
+def _default(field: Field, text: str) -> Scalar | tuple[Scalar, ...]:
+    if field.type not in builtin.CONSTANTS:
+        raise _Fault(f"{field.type} cannot have a default")
+    if field.array is None:
+        value = _scalar(field.type, _unquoted(text) if field.type in builtin.STRINGS else text)
+        _check_limit(field, value)
+        return value
+    try:
+        values = from_json(text)
+    except ValueError:
+        values = None
+    if not isinstance(values, list):
+        raise _Fault("the default of an array is written as in JSON, [1, 2]")
+    size = field.array.size
+    if size is not None and (len(values) > size or (len(values) < size and field.array.fixed)):
+        raise _Fault(f"the default of {field.full_type} has {len(values)} elements")
+    for value in values:
+        if isinstance(value, str) != (field.type in builtin.STRINGS):
+            raise _Fault(f"{value!r} is not a {field.type}")
+        _check_limit(field, value)
+    return tuple(_scalar(field.type, str(value)) for value in values)
+
+
+def _check_limit(field: Field, value: Scalar) -> None:
+    if field.limit is not None and isinstance(value, str) and len(value) > field.limit:
+        raise _Fault(f"the default has more than {field.limit} characters")
+
+
+def _unquoted(text: str) -> str:
+    return text[1:-1] if len(text) > 1 and text[0] == text[-1] and text[0] in "\"'" else text
+
+
+def _scalar(kind: str, text: str) -> Scalar:
+    """The value that ``text`` spells."""
+    if kind in builtin.STRINGS:
+        return text
+    if kind == "bool":
+        if text not in _BOOLEANS:
+            raise _Fault(f"{text[:40]!r} is not a bool")
+        return _BOOLEANS[text]
+    try:
+        if kind in builtin.FLOATS:
+            return float(text)
+        # Base 0 reads ROS 2's 0x10, but not ROS 1's 007.
+        value = int(text, 0 if "x" in text else 10)
+    except ValueError:
+        raise _Fault(f"{text[:40]!r} is not a {kind}") from None
+    low, high = builtin.INTEGERS[kind]
+    if not low <= value <= high:
+        raise _Fault(f"{text[:40]} is not in {low}..{high}")
+    return value
+
+
+def _in_ros1(raw: str, field: Field) -> str:
+    """The line, or if ROS 1 cannot read it what ROS 1 would write in its place."""
+    plain = (
+        field.default is None
+        and field.full_type == field.ros1_type
+        and "/msg/" not in raw
+        and not raw.lstrip().startswith("builtin_interfaces/")
+    )
+    return raw if plain else f"{field.ros1_type} {field.name}"
