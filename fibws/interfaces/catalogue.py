@@ -1,0 +1,251 @@
+"""Which types there are: the standard ones, those of the user's folders, those clients brought."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from difflib import get_close_matches
+from pathlib import Path
+
+from fibws.errors import (
+    DefinitionError,
+    InterfaceError,
+    InvalidTypeName,
+    UnknownPackage,
+    UnknownType,
+)
+from fibws.interfaces import fingerprint, parser
+from fibws.interfaces.definition import (
+    ACTION_SUFFIXES,
+    ActionDefinition,
+    MessageDefinition,
+    ServiceDefinition,
+)
+from fibws.interfaces.linker import Linker
+from fibws.interfaces.package import Kind, Package, find_packages
+
+STANDARD = Path(__file__).parent / "definitions"
+"""The folder of the standard packages."""
+
+MOST_LEARNED = 1000
+"""How many types clients may bring, so that they cannot fill the memory."""
+LONGEST_TEXT = 2**18
+"""How many characters a definition that a client brings may have."""
+
+_TYPE_NAME = re.compile(r"([A-Za-z]\w{0,99})(?:/(?:msg|srv|action))?/([A-Za-z]\w{0,99})", re.ASCII)
+
+
+class Interfaces:
+    """All types by name, each read when first asked for.
+
+    Args:
+        folders: the user's own; each holds packages side by side, or is one. Of two packages of
+            one name the later one counts, and each of them before the standard one.
+
+    Raises:
+        InterfaceError: there is no such folder.
+    """
+
+    def __init__(self, folders: Iterable[Path] = ()) -> None:
+        self._folders = [STANDARD]
+        self._learned: dict[str, MessageDefinition] = {}
+        self._forget()
+        for folder in folders:
+            self.add_folder(folder)
+
+    def add_folder(self, folder: Path) -> None:
+        """Know the types of one more folder; nothing happens if it is known.
+
+        Raises:
+            InterfaceError: there is no such folder.
+        """
+        if folder in self._folders:
+            return
+        if not folder.is_dir():
+            raise InterfaceError(f"There is no folder {folder} of definitions")
+        self._folders.append(folder)
+        self._forget()
+
+    def _forget(self) -> None:
+        self._packages: dict[str, Package] = {}
+        self._linker = Linker(self._read)
+        self._services: dict[str, ServiceDefinition] = {}
+        self._actions: dict[str, ActionDefinition] = {}
+        self._md5s: dict[str, str] = {}
+
+    @staticmethod
+    def canonical(name: str) -> str:
+        """``package/Type`` for it and for ROS 2's ``package/msg/Type``, /srv/ and /action/ too.
+
+        Raises:
+            InvalidTypeName: the name has another form.
+        """
+        found = _TYPE_NAME.fullmatch(name)
+        if found is None:
+            raise InvalidTypeName(name if len(name) <= 200 else f"{name[:200]}...")
+        return f"{found[1]}/{found[2]}"
+
+    def message(self, name: str) -> MessageDefinition:
+        """The message of that name, whose nested types are sure to exist.
+
+        Raises:
+            InvalidTypeName, UnknownPackage, UnknownType: there is none.
+            DefinitionError: its definition, or that of a nested type, is wrong.
+        """
+        return self._linker.known.get(name) or self._linker.message(self.canonical(name))
+
+    def service(self, name: str) -> ServiceDefinition:
+        """The service of that name; it raises as `message` does."""
+        name = self.canonical(name)
+        if name not in self._services:
+            service = parser.parse_service(*self._file(name, "srv"))
+            self._linker.check(service.request)
+            self._linker.check(service.response)
+            self._services[name] = service
+        return self._services[name]
+
+    def action(self, name: str) -> ActionDefinition:
+        """The action of that name; it raises as `message` does."""
+        action = self._read_action(self.canonical(name))
+        for message in action.messages():
+            self.message(message.type)
+        return action
+
+    def packages(self) -> list[str]:
+        """The names of all packages, sorted."""
+        return sorted({*self._all_packages(), *map(_package_of, self._learned)})
+
+    def is_users(self, package: str) -> bool:
+        """Whether the package is in one of the user's folders, not among the standard ones."""
+        if len(self._folders) == 1:
+            return False  # without a look at the folder of the standard ones
+        found = self._all_packages().get(package)
+        return found is not None and found.folder.parent != STANDARD
+
+    def messages(self, package: str) -> list[str]:
+        """The package's messages as ``package/Name``, sorted, with those made from its actions.
+
+        Raises:
+            UnknownPackage: there is none of that name.
+        """
+        self._check_package(package)
+        names = {name for name in self._learned if _package_of(name) == package}
+        for name in self._names(package, "msg"):
+            names.add(f"{package}/{name}")
+        for name in self._names(package, "action"):
+            names.update(f"{package}/{name}{suffix}" for suffix in ACTION_SUFFIXES)
+        return sorted(names)
+
+    def services(self, package: str) -> list[str]:
+        """The package's services as ``package/Name``, sorted; it raises as `messages` does."""
+        self._check_package(package)
+        return [f"{package}/{name}" for name in self._names(package, "srv")]
+
+    def actions(self, package: str) -> list[str]:
+        """The package's actions as ``package/Name``, sorted; it raises as `messages` does."""
+        self._check_package(package)
+        return [f"{package}/{name}" for name in self._names(package, "action")]
+
+    def md5(self, name: str) -> str:
+        """The md5 of a message, as ROS 1 computes it; it raises as `message` does."""
+        definition = self.message(name)
+        if definition.type not in self._md5s:
+            self._md5s[definition.type] = fingerprint.message_md5(definition, self.message)
+        return self._md5s[definition.type]
+
+    def service_md5(self, name: str) -> str:
+        """The md5 of a service, as ROS 1 computes it; it raises as `message` does."""
+        return fingerprint.service_md5(self.service(name), self.message)
+
+    def full_text(self, name: str) -> str:
+        """The text of a message and of all types in it, as genmsg writes it for other programs."""
+        return fingerprint.full_text(self.message(name), self.message)
+
+    def learn(self, name: str, text: str) -> MessageDefinition:
+        """Take over a definition that a client brings, and its dependencies: all or nothing.
+
+        Args:
+            name: the type's.
+            text: its own text, with nested types that are not known here behind it as in
+                `full_text`.
+
+        Raises:
+            InvalidTypeName: the name is none.
+            DefinitionError: a text is wrong, or a type is already defined otherwise.
+            InterfaceError: there is no room for more.
+        """
+        name = self.canonical(name)
+        if len(text) > LONGEST_TEXT:
+            raise InterfaceError(
+                f"The definition of {name} has more than {LONGEST_TEXT} characters"
+            )
+        drafts = parser.parse_full_text(text, name)
+        trial = Linker(lambda nested: drafts.get(nested) or self.message(nested))
+        unknown = {}
+        for draft in drafts.values():
+            trial.message(draft.type)
+            try:
+                known = self.md5(draft.type)
+            except (UnknownType, UnknownPackage):
+                unknown[draft.type] = draft
+                continue
+            if fingerprint.message_md5(draft, trial.message) != known:
+                fault = f"{draft.type} is known here with other fields (md5 {known})"
+                raise DefinitionError(draft.source, 1, draft.text[:200], fault)
+        if len(self._learned) + len(unknown) > MOST_LEARNED:
+            raise InterfaceError(f"Clients have brought {MOST_LEARNED} types, {name} is too many")
+        self._learned.update(unknown)
+        return self.message(name)
+
+    def _read(self, name: str) -> MessageDefinition:
+        """The definition of a message, whose nested types may not exist."""
+        if name in self._learned:
+            return self._learned[name]
+        package, _, short = name.partition("/")
+        for suffix in ACTION_SUFFIXES:
+            base = short.removesuffix(suffix)
+            if base != short and base in self._names(package, "action"):
+                messages = self._read_action(f"{package}/{base}").messages()
+                return next(message for message in messages if message.type == name)
+        return parser.parse_message(*self._file(name, "msg"))
+
+    def _read_action(self, name: str) -> ActionDefinition:
+        if name not in self._actions:
+            self._actions[name] = parser.parse_action(*self._file(name, "action"))
+        return self._actions[name]
+
+    def _file(self, name: str, kind: Kind) -> tuple[str, str, str, str]:
+        """The text that defines a type, its package, its own name and the file's name."""
+        package, _, short = name.partition("/")
+        self._check_package(package)
+        path = self._names(package, kind).get(short)
+        if path is None:
+            raise UnknownType(kind, package, short, self._nearest(name, kind))
+        # A comment in Latin-1 does no harm.
+        return path.read_text("utf-8", errors="replace"), package, short, str(path)
+
+    def _check_package(self, package: str) -> None:
+        if package not in self._all_packages() and package not in self.packages():
+            raise UnknownPackage(package)
+
+    def _nearest(self, name: str, kind: Kind) -> str | None:
+        package, _, short = name.partition("/")
+        listing = {"msg": self.messages, "srv": self.services, "action": self.actions}[kind]
+        by_lower = {other.partition("/")[2].lower(): other for other in listing(package)}
+        nearest = get_close_matches(short.lower(), by_lower, 1)
+        return by_lower[nearest[0]] if nearest else None
+
+    def _names(self, package: str, kind: Kind) -> dict[str, Path]:
+        """The files of one kind in a package by the name of what they define."""
+        found = self._all_packages().get(package)
+        return found.files(kind) if found else {}
+
+    def _all_packages(self) -> dict[str, Package]:
+        if not self._packages:
+            for folder in self._folders:
+                self._packages.update((found.name, found) for found in find_packages(folder))
+        return self._packages
+
+
+def _package_of(name: str) -> str:
+    return name.partition("/")[0]
