@@ -1,0 +1,99 @@
+"""Says what is wrong with a message in the words of the real rosbridge_server.
+
+The texts are those of its ``message_conversion.py``, which clients know; what it leaves unsaid,
+such as the range of an integer, follows in parentheses.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic_core import ErrorDetails, ValidationError
+
+from fibws.errors import InvalidMessage
+from fibws.interfaces import builtin, leaves
+from fibws.interfaces.definition import Field, MessageDefinition
+from fibws.interfaces.fingerprint import Lookup
+
+MOST_EXPLAINED = 1000
+"""Looking for the first of more faults than this would take longer than the message deserves."""
+
+LONGEST_PATH = 200
+"""How much of a name that some client made up is repeated to it."""
+
+
+def explain(
+    definition: MessageDefinition, lookup: Lookup, error: ValidationError
+) -> InvalidMessage:
+    """The error to raise for a message that pydantic_core found wrong."""
+    count = error.error_count()
+    if count > MOST_EXPLAINED:
+        return InvalidMessage(f"Message type {definition.type} does not fit in {count} places")
+    details = error.errors(include_url=False)
+    # A time with a part missing is legal, so that fault is never the reason.
+    first = next((detail for detail in details if detail["type"] != "missing"), details[0])
+    if not first["loc"]:
+        found = type(first["input"]).__name__
+        return InvalidMessage(
+            f"Expected a JSON object for type {definition.type} but received a {found}"
+        )
+    return InvalidMessage(_describe(definition, lookup, first))
+
+
+def _describe(definition: MessageDefinition, lookup: Lookup, detail: ErrorDetails) -> str:
+    """What is wrong, and where: ``detail``'s path is followed through the definitions."""
+    path, expected, inside = "", definition.type, definition.type
+    field: Field | None = None
+    is_list = False
+    for step in detail["loc"]:
+        if inside in builtin.TIMES and str(step).startswith(leaves.CHOICE):
+            continue
+        if is_list and field is not None:
+            path, expected, is_list = f"{path}[{step}]", field.element_type, False
+            continue
+        path = f"{path}.{step}" if path else str(step)
+        field = _field(definition, lookup, inside, step)
+        if field is None:
+            return f"Message type {definition.type} does not have a field {path[:LONGEST_PATH]}"
+        expected, inside, is_list = field.full_type, field.type, field.array is not None
+    found = type(detail["input"]).__name__
+    reason = field and _reason(field, detail)
+    because = f" ({reason})" if reason else ""
+    return (
+        f"{definition.type} message requires a {expected} for field {path}, "
+        f"but got a {found}{because}"
+    )
+
+
+def _field(
+    definition: MessageDefinition, lookup: Lookup, inside: str, name: str | int
+) -> Field | None:
+    """The field of the type ``inside``, which is ``definition``'s own or one that it holds."""
+    if inside in builtin.TIMES:
+        return Field(str(name), builtin.TIMES[inside])
+    members = definition if inside == definition.type else lookup(inside)
+    return next((member for member in members.fields if member.name == name), None)
+
+
+def _reason(field: Field, detail: ErrorDetails) -> str | None:
+    """Why a value of the right JSON type is wrong all the same, if it is of that type."""
+    value: Any = detail["input"]
+    match detail["type"]:
+        case leaves.FAULT:
+            return detail["msg"]
+        case "less_than_equal" | "greater_than_equal":
+            low, high = builtin.INTEGERS[field.type]
+            # Python refuses to spell very long integers.
+            shown = value if abs(value) < 2**128 else "this integer"
+            return f"{shown} is not in {low}..{high}"
+        case "too_short" | "too_long":
+            assert field.array is not None
+            most = "at most " if field.array.bounded else ""
+            return f"it has {len(value)} elements, not {most}{field.array.size}"
+        case "string_too_long":
+            return f"it has {len(value)} characters, not at most {field.limit}"
+        case "string_unicode":
+            return "it holds half of a surrogate pair"
+        case "float_type" if type(value) is int:
+            return "it is too large"
+    return None

@@ -1,0 +1,175 @@
+"""The schemas of builtin types: what JSON may stand for each, and what it becomes.
+
+pydantic_core checks the ordinary values by itself. Python functions take part only where ROS has a
+rule of its own: float32's rounding, byte strings, and times that are relative to now.
+"""
+
+from __future__ import annotations
+
+from binascii import Error as Base64Error
+from binascii import a2b_base64, b2a_base64
+from collections.abc import Callable
+from math import nan
+from struct import Struct, pack, unpack
+from struct import error as StructError
+from typing import Any, Final, TypeAlias
+
+from pydantic_core import PydanticCustomError, SchemaValidator, core_schema
+
+from fibws.interfaces import builtin
+from fibws.interfaces.definition import Array, Field
+
+Stamp: TypeAlias = Callable[[], dict[str, int]]
+"""Gives a time as ``{"secs": .., "nsecs": ..}``, a new object each time."""
+
+FAULT: Final = "fibws"
+"""The error type of a fault that these functions find; its text is the reason."""
+CHOICE: Final = "#"
+"""How those steps of an error's path begin that only choose between schemas."""
+TIME_PARTS: Final[dict[str, list[list[str | int]]]] = {
+    "secs": [["secs"], ["sec"]],
+    "nsecs": [["nsecs"], ["nanosec"], ["nsec"]],
+}
+"""The parts of a time and the spellings that are understood."""
+
+_FLOAT32 = Struct("<f")
+_pack, _unpack = _FLOAT32.pack, _FLOAT32.unpack
+
+
+def scalar(field: Field) -> core_schema.CoreSchema:
+    """The schema of one value of the field's type, which is neither a time nor nested."""
+    if field.type in builtin.INTEGERS:
+        low, high = builtin.INTEGERS[field.type]
+        return core_schema.int_schema(strict=True, ge=low, le=high)
+    if field.type in builtin.STRINGS:
+        # The minimum makes pydantic_core look at the characters: lone surrogates cannot be sent.
+        return core_schema.str_schema(strict=True, min_length=0, max_length=field.limit)
+    if field.type == "bool":
+        return core_schema.bool_schema(strict=True)
+    schema: core_schema.CoreSchema = core_schema.float_schema(strict=True)
+    if field.type == "float32":
+        schema = core_schema.no_info_after_validator_function(_round, schema)
+    return core_schema.nullable_schema(schema)
+
+
+def array(field: Field, element: core_schema.CoreSchema) -> core_schema.CoreSchema:
+    """The schema of the array field whose elements are ``element``."""
+    assert field.array is not None
+    if field.is_bytes:
+        return core_schema.no_info_plain_validator_function(_bytes_reader(element, field.array))
+    if field.type == "float32":
+        floats = core_schema.nullable_schema(core_schema.float_schema(strict=True))
+        return core_schema.no_info_after_validator_function(
+            _round_all, _list_of(floats, field.array)
+        )
+    return _list_of(element, field.array)
+
+
+def time(kind: str, base: Stamp, now: Stamp | None) -> core_schema.CoreSchema:
+    """The schema of ``time`` or ``duration``: an object of secs and nsecs.
+
+    Args:
+        kind: ``time`` or ``duration``.
+        base: gives what the object's absent parts are.
+        now: gives what the word "now" stands for, if it stands for anything.
+    """
+    partial = SchemaValidator(_secs_and_nsecs(kind, required=False))
+
+    def complete(value: object) -> dict[str, int]:
+        if now is not None and isinstance(value, str) and value == "now":
+            return now()
+        given: dict[str, int] = partial.validate_python(value)
+        return base() | given
+
+    return core_schema.union_schema(
+        [
+            (_secs_and_nsecs(kind, required=True), f"{CHOICE}whole"),
+            (core_schema.no_info_plain_validator_function(complete), f"{CHOICE}partial"),
+        ],
+        mode="left_to_right",
+    )
+
+
+def zero() -> dict[str, int]:
+    """The time, or the duration, that an absent one is."""
+    return {"secs": 0, "nsecs": 0}
+
+
+def _secs_and_nsecs(kind: str, *, required: bool) -> core_schema.CoreSchema:
+    """An object of both, by the names they have in ROS 1, in ROS 2 or in older clients."""
+    low, high = builtin.INTEGERS[builtin.TIMES[kind]]
+    part = core_schema.int_schema(strict=True, ge=low, le=high)
+    return core_schema.typed_dict_schema(
+        {
+            name: core_schema.typed_dict_field(part, required=required, validation_alias=spellings)
+            for name, spellings in TIME_PARTS.items()
+        },
+        extra_behavior="ignore",
+        strict=True,
+    )
+
+
+def _list_of(element: core_schema.CoreSchema, array: Array) -> core_schema.ListSchema:
+    # One wrong element is enough: a list of a million must not make a million errors.
+    return core_schema.list_schema(
+        element, min_length=array.fixed, max_length=array.size, strict=True, fail_fast=True
+    )
+
+
+def _bytes_reader(element: core_schema.CoreSchema, array: Array) -> Callable[[object], str]:
+    """Makes canonical base64 of base64, of a list of integers, or of bytes as CBOR has them."""
+    numbers = SchemaValidator(_list_of(element, Array()))
+
+    def read(value: object) -> str:
+        if isinstance(value, str):
+            data, text = _from_base64(value)
+        else:
+            is_bytes = isinstance(value, (bytes, bytearray))
+            elements: Any = value if is_bytes else numbers.validate_python(value)
+            data = bytes(elements)
+            text = _to_base64(data)
+        if len(data) < (array.fixed or 0) or (array.size is not None and len(data) > array.size):
+            most = "" if array.fixed else "at most "
+            raise fault(f"it has {len(data)} elements, not {most}{array.size}")
+        return text
+
+    return read
+
+
+def _from_base64(text: str) -> tuple[bytes, str]:
+    """The bytes, and the text as it is usually spelled: the last letter's spare bits are zero."""
+    try:
+        data = a2b_base64(text, strict_mode=True)
+    except (Base64Error, ValueError) as error:
+        raise fault(f"bad base64: {error}") from None
+    # Four letters make three bytes; to encode all the others again would take an image's time.
+    last = _to_base64(data[len(text) // 4 * 3 - 3 :])
+    return data, text if text.endswith(last) else text[:-4] + last
+
+
+def _to_base64(data: bytes) -> str:
+    return b2a_base64(data, newline=False).decode()
+
+
+def _round(value: float) -> float:
+    """The float32 next to ``value``."""
+    try:
+        return _unpack(_pack(value))[0]  # type: ignore[no-any-return]
+    except OverflowError:
+        raise fault(f"{value!r} does not fit a float32") from None
+
+
+def _round_all(values: list[float | None]) -> list[float]:
+    layout = f"<{len(values)}f"
+    try:
+        return list(unpack(layout, pack(layout, *values)))
+    except StructError:  # a None among them
+        return _round_all([nan if value is None else value for value in values])
+    except OverflowError:
+        # One by one, the value at fault is named.
+        return [_round(nan if value is None else value) for value in values]
+
+
+def fault(reason: str) -> PydanticCustomError:
+    """An error whose text is ``reason``, whatever characters that holds."""
+    return PydanticCustomError(FAULT, "{reason}", {"reason": reason})

@@ -1,0 +1,158 @@
+"""Checks messages against their types: a dict goes in, one with every field filled comes out.
+
+How JSON becomes a message is ROS's own rule, as rosbridge_library's ``message_conversion.py`` has
+it. The result is ready for ``pydantic_core.to_json(..., inf_nan_mode="null")``: byte strings are
+base64, and NaN is either itself or None, since JSON has null for both.
+"""
+
+from __future__ import annotations
+
+from base64 import b64encode
+from collections.abc import Callable, Iterable, Iterator
+from functools import partial
+from typing import Any
+
+from pydantic_core import SchemaValidator, ValidationError, core_schema
+
+from fibws.interfaces import builtin, faults, leaves
+from fibws.interfaces.catalogue import Interfaces
+from fibws.interfaces.definition import Field, MessageDefinition
+
+
+class Validators:
+    """The validators of all types, each built when first asked for.
+
+    Args:
+        interfaces: where the types are looked up.
+        now: gives the nanoseconds since 1970, for stamps and the word "now".
+    """
+
+    def __init__(self, interfaces: Interfaces, now: Callable[[], int]) -> None:
+        self._interfaces = interfaces
+        self._now = now
+        self._by_name: dict[str, MessageValidator] = {}
+        self._schemas: dict[str, core_schema.CoreSchema] = {
+            "time": leaves.time("time", base=leaves.zero, now=self._now_parts),
+            "duration": leaves.time("duration", base=leaves.zero, now=None),
+        }
+        self._stamp = core_schema.with_default_schema(
+            leaves.time("time", base=self._now_parts, now=self._now_parts),
+            default_factory=self._now_parts,
+        )
+
+    def of(self, name: str) -> MessageValidator:
+        """The validator of a message type; it raises as `Interfaces.message` does."""
+        found = self._by_name.get(name)
+        if found is None:
+            definition = self._interfaces.message(name)
+            found = self._by_name.get(definition.type) or self.of_definition(definition)
+            self._by_name[name] = self._by_name[definition.type] = found
+        return found
+
+    def of_definition(self, definition: MessageDefinition) -> MessageValidator:
+        """A new validator of a message that has no name of its own, as a service's request."""
+        return MessageValidator(definition, self._message(definition), self._interfaces)
+
+    def _now_parts(self) -> dict[str, int]:
+        secs, nsecs = divmod(self._now(), 1_000_000_000)
+        return {"secs": secs, "nsecs": nsecs}
+
+    def _message(self, definition: MessageDefinition) -> core_schema.CoreSchema:
+        """An object that may leave out fields, but has no others."""
+        fields = {field.name: self._field(field) for field in definition.fields}
+        if definition.type == builtin.HEADER:
+            fields["stamp"] = self._stamp
+        return core_schema.typed_dict_schema(
+            {
+                name: core_schema.typed_dict_field(schema, required=False)
+                for name, schema in fields.items()
+            },
+            extra_behavior="forbid",
+            strict=True,
+        )
+
+    def _field(self, field: Field) -> core_schema.CoreSchema:
+        """The schema of a field and of what stands in for it where it is left out."""
+        schema = self._element(field)
+        if field.array is not None:
+            schema = leaves.array(field, schema)
+        return _with_default(field, schema)
+
+    def _element(self, field: Field) -> core_schema.CoreSchema:
+        if not field.is_nested and field.type not in builtin.TIMES:
+            return leaves.scalar(field)
+        if field.type not in self._schemas:
+            self._schemas[field.type] = self._message(self._interfaces.message(field.type))
+        return self._schemas[field.type]
+
+
+class MessageValidator:
+    """Checks the messages of one type."""
+
+    __slots__ = ("_interfaces", "_validate", "definition", "has_sequenced_header", "type")
+
+    def __init__(
+        self, definition: MessageDefinition, schema: core_schema.CoreSchema, interfaces: Interfaces
+    ) -> None:
+        self.definition = definition
+        self.type = definition.type
+        self.has_sequenced_header = definition.has_sequenced_header
+        self._interfaces = interfaces
+        self._validate = SchemaValidator(schema).validate_python
+
+    def validate(self, msg: object) -> dict[str, Any]:
+        """The message with every field filled.
+
+        Raises:
+            InvalidMessage: it does not fit the type; the text names the first field at fault.
+        """
+        try:
+            return self._validate(msg)  # type: ignore[no-any-return]
+        except ValidationError as error:
+            raise faults.explain(self.definition, self._interfaces.message, error) from None
+
+    def default(self) -> dict[str, Any]:
+        """The message of which nothing was given: zeros, empty strings, now in headers."""
+        return self.validate({})
+
+    def missing(self, msg: dict[str, Any]) -> list[str]:
+        """The fields that ``msg``, which is valid, leaves to their defaults: ``pose.x``."""
+        return list(self._missing(self.definition, msg, ""))
+
+    def _missing(
+        self, definition: MessageDefinition, msg: dict[str, Any], prefix: str
+    ) -> Iterator[str]:
+        for field in definition.fields:
+            path = f"{prefix}{field.name}"
+            if field.name not in msg:
+                yield path
+            elif field.is_nested:
+                nested = self._interfaces.message(field.type)
+                value = msg[field.name]
+                if field.array is None:
+                    yield from self._missing(nested, value, f"{path}.")
+                    continue
+                for index, element in enumerate(value):
+                    yield from self._missing(nested, element, f"{path}[{index}].")
+
+
+def _with_default(field: Field, schema: core_schema.CoreSchema) -> core_schema.CoreSchema:
+    """The schema of a field that may be left out."""
+    with_default = core_schema.with_default_schema
+    if field.is_bytes:
+        return with_default(
+            schema, default=b64encode(bytes(map(int, field.default_elements))).decode()
+        )
+    if field.array is not None:
+        elements: Iterable[object] = field.default_elements
+        if field.type not in builtin.CONSTANTS:
+            elements = [{}] * field.fixed_size
+        return with_default(schema, default_factory=partial(list, elements), validate_default=True)
+    if field.type in builtin.TIMES:
+        return with_default(schema, default_factory=leaves.zero)
+    if field.is_nested:
+        # What stands in for a nested message is whatever its schema makes of an empty object.
+        return with_default(schema, default_factory=dict, validate_default=True)
+    return with_default(
+        schema, default=field.default_value, validate_default=field.default is not None
+    )
