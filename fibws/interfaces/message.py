@@ -1,0 +1,153 @@
+"""The base of the Python classes that stand for messages, which `generator` writes."""
+
+from __future__ import annotations
+
+import keyword
+from base64 import b64decode, b64encode
+from collections.abc import Callable
+from dataclasses import Field, dataclass, fields
+from functools import partial
+from math import nan
+from typing import Any, ClassVar, NamedTuple, Self, TypeAlias, get_args, get_origin, get_type_hints
+
+from fibws.interfaces.times import Duration, Time
+
+_Convert: TypeAlias = Callable[[Any], Any]
+
+RESERVED = frozenset(keyword.kwlist) | {
+    *("bool", "bytes", "float", "int", "list", "str"),
+    *("ClassVar", "dataclass", "field", "ros"),
+    *("from_dict", "to_dict"),
+}
+"""The names that a field cannot have in Python: it gets a ``_`` behind it there."""
+
+
+def python_name(name: str) -> str:
+    """The attribute for a field: ``from_`` for ``from``, and ``from__`` for ``from_``."""
+    return f"{name}_" if name.rstrip("_") in RESERVED else name
+
+
+def ros_name(attribute: str) -> str:
+    """The field that an attribute stands for."""
+    return attribute[:-1] if attribute.rstrip("_") in RESERVED else attribute
+
+
+# Its subclasses are dataclasses without methods of their own for == and repr: to write those for
+# each of a package's classes takes longer than all the rest of the package's import.
+@dataclass(slots=True, eq=False, repr=False)
+class Message:
+    """A message; its classes are called as rospy's are, ``Int32(5)`` or ``Int32(data=5)``."""
+
+    _type: ClassVar[str] = ""
+
+    def __eq__(self, other: object) -> bool:
+        if type(self) is not type(other):
+            return NotImplemented
+        return all(_value(self, field) == _value(other, field) for field in fields(self))
+
+    def __repr__(self) -> str:
+        values = (f"{field.name}={_value(self, field)!r}" for field in fields(self))
+        return f"{type(self).__name__}({', '.join(values)})"
+
+    def to_dict(self) -> dict[str, Any]:
+        """The message as JSON has it: bytes are base64.
+
+        What is of the wrong type stays as it is, for `MessageValidator.validate` to name.
+        """
+        return {
+            member.name: member.write(getattr(self, member.attribute))
+            for member in _members(type(self))
+        }
+
+    @classmethod
+    def from_dict(cls, values: dict[str, Any]) -> Self:
+        """The message that a valid dict with every field in it stands for; None becomes NaN."""
+        return cls(
+            **{member.attribute: member.read(values[member.name]) for member in _members(cls)}
+        )
+
+
+def _value(message: object, field: Field[Any]) -> Any:
+    return getattr(message, field.name)
+
+
+class _Member(NamedTuple):
+    """A field of a message class: its names, and how its value becomes JSON and comes from it."""
+
+    attribute: str
+    name: str
+    write: _Convert
+    read: _Convert
+
+
+_known_members: dict[type[Message], tuple[_Member, ...]] = {}
+
+
+def _members(message: type[Message]) -> tuple[_Member, ...]:
+    """The fields of a message class, found out on first use."""
+    if message not in _known_members:
+        hints = get_type_hints(message)
+        _known_members[message] = tuple(
+            _Member(field.name, ros_name(field.name), *_converters(hints[field.name]))
+            for field in fields(message)
+        )
+    return _known_members[message]
+
+
+def _converters(hint: Any) -> tuple[_Convert, _Convert]:
+    """How a value of the annotated type becomes JSON, and how it comes from it."""
+    if get_origin(hint) is list:
+        (element,) = get_args(hint)
+        if element is float:
+            return _same, _read_floats
+        write, read = _converters(element)
+        if write is _same:
+            return _same, _same
+        return partial(_write_all, write), partial(_read_all, read)
+    if hint is bytes:
+        return _write_bytes, b64decode
+    if hint is float:
+        return _same, _read_float
+    if hint in (Time, Duration):
+        return _write_time, partial(_read_time, hint)
+    if issubclass(hint, Message):
+        return _write_message, hint.from_dict
+    return _same, _same
+
+
+def _same(value: Any) -> Any:
+    return value
+
+
+def _write_all(write: _Convert, values: Any) -> Any:
+    return [write(value) for value in values] if isinstance(values, (list, tuple)) else values
+
+
+def _read_all(read: _Convert, values: list[Any]) -> list[Any]:
+    return [read(value) for value in values]
+
+
+def _write_message(value: Any) -> Any:
+    return value.to_dict() if isinstance(value, Message) else value
+
+
+def _write_bytes(value: Any) -> Any:
+    return b64encode(value).decode() if isinstance(value, (bytes, bytearray)) else value
+
+
+def _read_float(value: float | None) -> float:
+    return nan if value is None else value
+
+
+def _read_floats(values: list[float | None]) -> list[float]:
+    return [nan if value is None else value for value in values]
+
+
+def _write_time(value: Any) -> Any:
+    if isinstance(value, (Time, Duration)):
+        return {"secs": value.secs, "nsecs": value.nsecs}
+    return value
+
+
+def _read_time(kind: type[Time | Duration], value: dict[str, int]) -> Time | Duration:
+    return kind(value["secs"], value["nsecs"])

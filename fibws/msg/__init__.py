@@ -1,0 +1,18 @@
+"""Messages as Python classes, a module for each package.
+
+    from fibws.msg.std_msgs import Int32
+
+The standard packages are ordinary files here, written by `fibws.interfaces.generator`. A package of
+the user's own is written when it is imported, from the folders that the environment variable
+``FIBWS_INTERFACES`` names or that `add_folder` was given; it then also goes before a standard one
+of its name.
+"""
+
+import sys
+
+from fibws.msg._finder import PackageFinder, add_folder, default_interfaces, message_class
+
+__all__ = ["add_folder", "default_interfaces", "message_class"]
+
+if PackageFinder not in sys.meta_path:
+    sys.meta_path.insert(0, PackageFinder)

@@ -1,0 +1,90 @@
+"""The messages of example_interfaces, written by fibws.interfaces.generator: do not edit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import fibws.interfaces as ros
+from fibws.msg import actionlib_msgs, std_msgs
+
+__all__ = [
+    "FibonacciAction",
+    "FibonacciActionFeedback",
+    "FibonacciActionGoal",
+    "FibonacciActionResult",
+    "FibonacciFeedback",
+    "FibonacciGoal",
+    "FibonacciResult",
+]
+
+
+@dataclass(slots=True, eq=False, repr=False)
+class FibonacciGoal(ros.Message):
+    """example_interfaces/FibonacciGoal"""
+
+    _type: ClassVar[str] = "example_interfaces/FibonacciGoal"
+
+    order: int = 0
+
+
+@dataclass(slots=True, eq=False, repr=False)
+class FibonacciActionGoal(ros.Message):
+    """example_interfaces/FibonacciActionGoal"""
+
+    _type: ClassVar[str] = "example_interfaces/FibonacciActionGoal"
+
+    header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
+    goal_id: actionlib_msgs.GoalID = field(default_factory=lambda: actionlib_msgs.GoalID())
+    goal: FibonacciGoal = field(default_factory=FibonacciGoal)
+
+
+@dataclass(slots=True, eq=False, repr=False)
+class FibonacciResult(ros.Message):
+    """example_interfaces/FibonacciResult"""
+
+    _type: ClassVar[str] = "example_interfaces/FibonacciResult"
+
+    sequence: list[int] = field(default_factory=list)
+
+
+@dataclass(slots=True, eq=False, repr=False)
+class FibonacciActionResult(ros.Message):
+    """example_interfaces/FibonacciActionResult"""
+
+    _type: ClassVar[str] = "example_interfaces/FibonacciActionResult"
+
+    header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
+    status: actionlib_msgs.GoalStatus = field(default_factory=lambda: actionlib_msgs.GoalStatus())
+    result: FibonacciResult = field(default_factory=FibonacciResult)
+
+
+@dataclass(slots=True, eq=False, repr=False)
+class FibonacciFeedback(ros.Message):
+    """example_interfaces/FibonacciFeedback"""
+
+    _type: ClassVar[str] = "example_interfaces/FibonacciFeedback"
+
+    sequence: list[int] = field(default_factory=list)
+
+
+@dataclass(slots=True, eq=False, repr=False)
+class FibonacciActionFeedback(ros.Message):
+    """example_interfaces/FibonacciActionFeedback"""
+
+    _type: ClassVar[str] = "example_interfaces/FibonacciActionFeedback"
+
+    header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
+    status: actionlib_msgs.GoalStatus = field(default_factory=lambda: actionlib_msgs.GoalStatus())
+    feedback: FibonacciFeedback = field(default_factory=FibonacciFeedback)
+
+
+@dataclass(slots=True, eq=False, repr=False)
+class FibonacciAction(ros.Message):
+    """example_interfaces/FibonacciAction"""
+
+    _type: ClassVar[str] = "example_interfaces/FibonacciAction"
+
+    action_goal: FibonacciActionGoal = field(default_factory=FibonacciActionGoal)
+    action_result: FibonacciActionResult = field(default_factory=FibonacciActionResult)
+    action_feedback: FibonacciActionFeedback = field(default_factory=FibonacciActionFeedback)

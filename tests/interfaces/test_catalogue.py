@@ -1,0 +1,268 @@
+"""The catalogue finds types by name, the user's before the standard ones, and learns new ones."""
+
+from pathlib import Path
+
+import pytest
+
+from fibws.errors import (
+    DefinitionError,
+    InterfaceError,
+    InvalidTypeName,
+    UnknownPackage,
+    UnknownType,
+)
+from fibws.interfaces import Interfaces, catalogue
+from fibws.interfaces.definition import Field
+
+SEPARATOR = "=" * 80
+
+
+def write(folder: Path, **files: str) -> Path:
+    """Write definitions into a folder: ``my_msgs__msg__Mine="int32 x"``."""
+    for name, text in files.items():
+        package, kind, short = name.split("__")
+        path = folder / package / kind / f"{short}.{kind}"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, "utf-8")
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("name", "canonical"),
+    [
+        ("std_msgs/Int32", "std_msgs/Int32"),
+        ("std_msgs/msg/Int32", "std_msgs/Int32"),
+        ("std_srvs/srv/Empty", "std_srvs/Empty"),
+        ("my_msgs/action/Count", "my_msgs/Count"),
+    ],
+)
+def test_a_name_has_one_canonical_form(name: str, canonical: str) -> None:
+    assert Interfaces.canonical(name) == canonical
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "",
+        "Int32",
+        "/std_msgs/Int32",
+        "std_msgs/",
+        "a/b/C",
+        "std_msgs/Int32 ",
+        "1/A",
+        "a/" + "B" * 999,
+    ],
+)
+def test_other_names_are_no_types(name: str) -> None:
+    with pytest.raises(InvalidTypeName, match="is not a valid type string") as caught:
+        Interfaces().message(name)
+    assert len(str(caught.value)) < 300
+
+
+def test_the_standard_types_are_known_by_either_spelling() -> None:
+    interfaces = Interfaces()
+    assert interfaces.message("std_msgs/Int32").fields == (Field("data", "int32"),)
+    assert interfaces.message("std_msgs/msg/Int32") is interfaces.message("std_msgs/Int32")
+    service = interfaces.service("rospy_tutorials/AddTwoInts")
+    assert service.response.fields == (Field("sum", "int64"),)
+    assert service is interfaces.service("rospy_tutorials/srv/AddTwoInts")
+    assert interfaces.action("actionlib_tutorials/Fibonacci").goal.fields[0].name == "order"
+
+
+def test_every_standard_definition_is_sound() -> None:
+    interfaces = Interfaces()
+    for package in interfaces.packages():
+        for name in interfaces.messages(package):
+            assert interfaces.message(name).type == name
+        for name in interfaces.services(package):
+            assert interfaces.service(name).type == name
+        for name in interfaces.actions(package):
+            assert interfaces.action(name).type == name
+
+
+def test_packages_list_what_they_hold() -> None:
+    interfaces = Interfaces()
+    assert {"actionlib_msgs", "std_msgs", "turtlesim"} <= set(interfaces.packages())
+    assert interfaces.packages() == sorted(interfaces.packages())
+    assert interfaces.messages("turtlesim") == ["turtlesim/Color", "turtlesim/Pose"]
+    assert interfaces.services("std_srvs") == [
+        "std_srvs/Empty",
+        "std_srvs/SetBool",
+        "std_srvs/Trigger",
+    ]
+    assert interfaces.actions("example_interfaces") == ["example_interfaces/Fibonacci"]
+    assert "example_interfaces/FibonacciActionGoal" in interfaces.messages("example_interfaces")
+
+
+def test_a_package_that_nobody_has_lists_nothing() -> None:
+    for listing in (Interfaces().messages, Interfaces().services, Interfaces().actions):
+        with pytest.raises(UnknownPackage):
+            listing("nobodys_msgs")
+
+
+@pytest.mark.parametrize(
+    ("wrong", "right"),
+    [("std_msgs/Int23", "std_msgs/Int32"), ("std_msgs/string", "std_msgs/String")],
+)
+def test_a_typing_error_is_told_the_nearest_type(wrong: str, right: str) -> None:
+    with pytest.raises(UnknownType, match=f"did you mean {right}\\?") as caught:
+        Interfaces().message(wrong)
+    assert caught.value.nearest == right
+
+
+def test_a_type_unlike_any_other_is_only_unknown() -> None:
+    with pytest.raises(UnknownType, match="no such msg in turtlesim"):
+        Interfaces().message("turtlesim/Xyzzy")
+    with pytest.raises(UnknownType, match="did you mean std_srvs/SetBool"):
+        Interfaces().service("std_srvs/SetBol")
+    with pytest.raises(UnknownType, match="no such action in std_srvs"):
+        Interfaces().action("std_srvs/Empty")
+
+
+def test_an_unknown_package_is_another_error() -> None:
+    with pytest.raises(UnknownPackage, match="package nobodys_msgs"):
+        Interfaces().message("nobodys_msgs/Mine")
+
+
+def test_a_folder_of_packages_adds_to_the_standard_ones(tmp_path: Path) -> None:
+    write(tmp_path, my_msgs__msg__Mine="std_msgs/Int32 number", my_msgs__srv__Ask="---\nMine mine")
+    write(tmp_path, **{"no-package__msg__Mine": "", "my_msgs__msg__no-type": ""})
+    (tmp_path / "README").touch()
+    interfaces = Interfaces([tmp_path])
+    assert interfaces.message("my_msgs/Mine").fields[0].type == "std_msgs/Int32"
+    assert interfaces.service("my_msgs/Ask").response.fields[0].type == "my_msgs/Mine"
+    assert interfaces.messages("my_msgs") == ["my_msgs/Mine"]
+    assert "no-package" not in interfaces.packages()
+    assert interfaces.is_users("my_msgs")
+    assert not interfaces.is_users("std_msgs")
+    assert not interfaces.is_users("nobodys_msgs")
+
+
+def test_a_folder_may_be_one_package(tmp_path: Path) -> None:
+    write(tmp_path, my_msgs__action__Count="int32 to\n---\n---\n")
+    interfaces = Interfaces([tmp_path / "my_msgs"])
+    assert interfaces.message("my_msgs/CountGoal").fields == (Field("to", "int32"),)
+
+
+def test_the_users_package_goes_before_the_standard_one(tmp_path: Path) -> None:
+    write(tmp_path, std_msgs__msg__Int32="int64 data")
+    interfaces = Interfaces()
+    assert not interfaces.is_users("std_msgs")
+    assert interfaces.message("std_msgs/Int32").fields[0].type == "int32"
+    interfaces.add_folder(tmp_path)
+    interfaces.add_folder(tmp_path)
+    assert interfaces.is_users("std_msgs")
+    assert interfaces.message("std_msgs/Int32").fields[0].type == "int64"
+    assert interfaces.messages("std_msgs") == ["std_msgs/Int32"]
+
+
+def test_a_folder_that_is_not_there_is_an_error(tmp_path: Path) -> None:
+    with pytest.raises(InterfaceError, match="There is no folder"):
+        Interfaces([tmp_path / "nowhere"])
+
+
+def test_a_comment_in_latin_1_does_no_harm(tmp_path: Path) -> None:
+    write(tmp_path, my_msgs__msg__Mine="")
+    (tmp_path / "my_msgs/msg/Mine.msg").write_bytes("int32 x # \xb5m".encode("latin-1"))
+    assert Interfaces([tmp_path]).message("my_msgs/Mine").fields == (Field("x", "int32"),)
+
+
+def test_a_missing_nested_type_is_named_with_the_file(tmp_path: Path) -> None:
+    write(tmp_path, my_msgs__msg__Mine="int32 x\nstd_msgs/Int23[] y", my_msgs__msg__Its="No no")
+    interfaces = Interfaces([tmp_path])
+    with pytest.raises(DefinitionError, match="did you mean std_msgs/Int32") as caught:
+        interfaces.message("my_msgs/Mine")
+    assert caught.value.source == str(tmp_path / "my_msgs/msg/Mine.msg")
+    assert (caught.value.line, caught.value.text) == (2, "std_msgs/Int23[] y")
+    with pytest.raises(DefinitionError, match="class No from package my_msgs"):
+        interfaces.message("my_msgs/Its")
+
+
+def test_a_missing_type_in_a_request_is_found_too(tmp_path: Path) -> None:
+    write(tmp_path, my_msgs__srv__Ask="\n---\nnobodys_msgs/Mine x")
+    with pytest.raises(DefinitionError, match=r"line 3: .*package nobodys_msgs"):
+        Interfaces([tmp_path]).service("my_msgs/Ask")
+
+
+def test_a_type_cannot_hold_itself(tmp_path: Path) -> None:
+    write(tmp_path, my_msgs__msg__A="B b", my_msgs__msg__B="int8 x\nA[] a")
+    with pytest.raises(DefinitionError, match="my_msgs/A would hold itself") as caught:
+        Interfaces([tmp_path]).message("my_msgs/A")
+    assert caught.value.source.endswith("B.msg")
+
+
+def test_types_nest_only_so_deep(tmp_path: Path) -> None:
+    for number in range(60):
+        write(tmp_path, **{f"my_msgs__msg__T{number}": f"T{number + 1} x"})
+    write(tmp_path, my_msgs__msg__T60="int32 x")
+    with pytest.raises(DefinitionError, match="more than 50 messages in each other"):
+        Interfaces([tmp_path]).message("my_msgs/T0")
+
+
+@pytest.mark.parametrize("array", ["[100]", ""])
+def test_a_message_that_would_fill_the_memory_is_refused(tmp_path: Path, array: str) -> None:
+    for number in range(40):
+        text = f"T{number + 1}{array} x\nT{number + 1}{array} y"
+        write(tmp_path, **{f"my_msgs__msg__T{number}": text})
+    write(tmp_path, my_msgs__msg__T40="int32 x")
+    with pytest.raises(DefinitionError, match="the message becomes too large"):
+        Interfaces([tmp_path]).message("my_msgs/T0")
+
+
+def test_a_client_may_bring_a_type() -> None:
+    interfaces = Interfaces()
+    text = f"Inner inner\nHeader h\n{SEPARATOR}\nMSG: new_msgs/Inner\nint32 x\n"
+    assert interfaces.learn("new_msgs/msg/Outer", text).type == "new_msgs/Outer"
+    assert interfaces.message("new_msgs/Inner").fields == (Field("x", "int32"),)
+    assert "new_msgs" in interfaces.packages()
+    assert interfaces.messages("new_msgs") == ["new_msgs/Inner", "new_msgs/Outer"]
+    with pytest.raises(UnknownType, match="did you mean new_msgs/Inner"):
+        interfaces.message("new_msgs/Iner")
+
+
+def test_what_was_learned_outlives_a_new_folder(tmp_path: Path) -> None:
+    interfaces = Interfaces()
+    interfaces.learn("new_msgs/Mine", "int32 x")
+    interfaces.add_folder(tmp_path)
+    assert interfaces.message("new_msgs/Mine").fields == (Field("x", "int32"),)
+
+
+def test_every_standard_type_may_be_brought_again() -> None:
+    interfaces, same = Interfaces(), Interfaces()
+    for package in interfaces.packages():
+        for name in interfaces.messages(package):
+            assert same.learn(name, interfaces.full_text(name)) == interfaces.message(name)
+
+
+@pytest.mark.parametrize("name", ["std_msgs/Int32", "new_msgs/Outer"])
+def test_a_type_cannot_be_brought_with_other_fields(name: str) -> None:
+    interfaces = Interfaces()
+    text = f"std_msgs/Int32 data\n{SEPARATOR}\nMSG: std_msgs/Int32\nint64 data"
+    with pytest.raises(DefinitionError, match="is known here with other fields"):
+        interfaces.learn(name, text)
+
+
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        (f"Inner inner\n{SEPARATOR}\nMSG: new_msgs/Inner\nint32", "line 4: this is neither"),
+        (f"Inner inner\n{SEPARATOR}\nMSG: new_msgs/Inner\nOuter o", "would hold itself"),
+        (f"Inner i\nNo no\n{SEPARATOR}\nMSG: new_msgs/Inner\nint8 x", "for package new_msgs"),
+    ],
+)
+def test_a_wrong_definition_teaches_nothing(text: str, fault: str) -> None:
+    interfaces = Interfaces()
+    with pytest.raises(DefinitionError, match=fault):
+        interfaces.learn("new_msgs/Outer", text)
+    assert "new_msgs" not in interfaces.packages()
+
+
+def test_clients_can_bring_only_so_much(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(catalogue, "MOST_LEARNED", 1)
+    interfaces = Interfaces()
+    with pytest.raises(InterfaceError, match="more than 262144 characters"):
+        interfaces.learn("new_msgs/Long", "#" * 300_000)
+    interfaces.learn("new_msgs/One", "int32 x")
+    interfaces.learn("new_msgs/One", "int32 x # once more")
+    with pytest.raises(InterfaceError, match="new_msgs/Two is too many"):
+        interfaces.learn("new_msgs/Two", "int32 x")

@@ -1,0 +1,73 @@
+"""The md5 sums are those of the real ROS, and the full text is genmsg's."""
+
+from pathlib import Path
+
+import pytest
+
+from fibws.interfaces import Interfaces
+
+SUMS = [
+    line.split() for line in (Path(__file__).parent / "MD5SUMS").read_text("utf-8").splitlines()
+]
+
+
+@pytest.fixture(scope="module")
+def interfaces() -> Interfaces:
+    return Interfaces()
+
+
+def test_all_sums_are_there() -> None:
+    assert len(SUMS) == 154
+
+
+@pytest.mark.parametrize(("expected", "kind", "name"), SUMS)
+def test_the_md5_is_that_of_real_ros(
+    interfaces: Interfaces, expected: str, kind: str, name: str
+) -> None:
+    assert (interfaces.md5(name) if kind == "msg" else interfaces.service_md5(name)) == expected
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("actionlib_tutorials/FibonacciAction", "f59df5767bf7634684781c92598b2406"),
+        ("actionlib_tutorials/AveragingAction", "628678f2b4fa6a5951746a4a2d39e716"),
+        ("rospy_tutorials/Floats", "420cd38b6b071cd49f2970c3e2cee511"),
+        ("rospy_tutorials/HeaderString", "c99a9440709e4d4a9716d55b8270d5e7"),
+        ("turtlesim/Pose", "863b248d5016ca62ea2e895ae5265cf9"),
+        ("turtlesim/Color", "353891e354491c51aabe32df673fb446"),
+        ("tf/tfMessage", "94810edda583a504dfda3829e70d7eec"),
+    ],
+)
+def test_the_tutorials_types_have_the_published_md5(
+    interfaces: Interfaces, name: str, expected: str
+) -> None:
+    assert interfaces.md5(name) == expected
+
+
+def test_the_md5_knows_no_comments_and_no_ros_2(tmp_path: Path) -> None:
+    folder = tmp_path / "my_msgs" / "msg"
+    folder.mkdir(parents=True)
+    (folder / "Old.msg").write_text("time t # when\nstring[] s\nstd_msgs/Int32 x")
+    (folder / "New.msg").write_text(
+        "builtin_interfaces/Time t\nwstring<=3[<=4] s\n\nstd_msgs/msg/Int32 x"
+    )
+    interfaces = Interfaces([tmp_path])
+    assert interfaces.md5("my_msgs/Old") == interfaces.md5("my_msgs/New")
+
+
+def test_the_full_text_has_each_nested_type_once_depth_first(interfaces: Interfaces) -> None:
+    separator = "=" * 80
+    parts = interfaces.full_text("geometry_msgs/PoseStamped").split(f"\n{separator}\n")
+    assert [part.partition("\n")[0] for part in parts] == [
+        "Header header",
+        "MSG: std_msgs/Header",
+        "MSG: geometry_msgs/Pose",
+        "MSG: geometry_msgs/Point",
+        "MSG: geometry_msgs/Quaternion",
+    ]
+    assert parts[1] == "MSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n"
+
+
+def test_the_full_text_of_a_flat_type_is_its_text(interfaces: Interfaces) -> None:
+    assert interfaces.full_text("std_msgs/Int32") == "int32 data\n"

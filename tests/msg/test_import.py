@@ -1,0 +1,94 @@
+"""``from fibws.msg.<package> import <Message>`` works for the user's packages too."""
+
+import importlib
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import fibws.msg
+from fibws.errors import InterfaceError, UnknownPackage
+from fibws.interfaces import Interfaces
+from fibws.msg import _finder
+
+
+@pytest.fixture(autouse=True)
+def fresh(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Let each test begin with the standard types alone."""
+    monkeypatch.setattr(_finder, "_interfaces", Interfaces())
+    monkeypatch.delenv("FIBWS_INTERFACES", raising=False)
+    before = set(sys.modules)
+    yield
+    for name in set(sys.modules) - before:
+        if name.startswith("fibws.msg."):
+            del sys.modules[name]
+            delattr(fibws.msg, name.rpartition(".")[2])
+
+
+def write(folder: Path, package: str, name: str, text: str) -> Path:
+    path = folder / package / "msg" / f"{name}.msg"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(text, "utf-8")
+    return folder
+
+
+def test_a_standard_package_is_an_ordinary_file() -> None:
+    module = importlib.import_module("fibws.msg.std_msgs")
+    assert module.__file__ is not None
+    assert Path(module.__file__).name == "std_msgs.py"
+
+
+def test_the_environment_names_folders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write(tmp_path / "a", "fibonacci", "Fibonacci", "int32 a\nother_msgs/Other other")
+    write(tmp_path / "b", "other_msgs", "Other", "std_msgs/Header header")
+    monkeypatch.setenv("FIBWS_INTERFACES", f"{tmp_path / 'a'}:{tmp_path / 'b'}:")
+    module = importlib.import_module("fibws.msg.fibonacci")
+    message = module.Fibonacci(5)
+    assert message.to_dict()["a"] == 5
+    assert message.to_dict()["other"]["header"]["frame_id"] == ""
+    assert module.Fibonacci.from_dict(message.to_dict()) == message
+
+
+def test_a_folder_may_be_added(tmp_path: Path) -> None:
+    fibws.msg.add_folder(write(tmp_path, "fibonacci", "Fibonacci", "int32 a"))
+    assert fibws.msg.message_class("fibonacci/msg/Fibonacci")._type == "fibonacci/Fibonacci"
+
+
+def test_packages_may_hold_messages_of_each_other(tmp_path: Path) -> None:
+    write(tmp_path, "this_msgs", "Outer", "that_msgs/Middle middle")
+    write(tmp_path, "that_msgs", "Middle", "this_msgs/Inner inner")
+    fibws.msg.add_folder(write(tmp_path, "this_msgs", "Inner", "int32 x"))
+    outer = fibws.msg.message_class("this_msgs/Outer")()
+    assert outer.to_dict() == {"middle": {"inner": {"x": 0}}}
+    assert type(outer).from_dict(outer.to_dict()) == outer
+
+
+def test_the_users_package_goes_before_the_standard_one(tmp_path: Path) -> None:
+    fibws.msg.add_folder(write(tmp_path, "turtlesim", "Pose", "float64 x"))
+    sys.modules.pop("fibws.msg.turtlesim", None)
+    assert fibws.msg.message_class("turtlesim/Pose")().to_dict() == {"x": 0.0}
+
+
+def test_a_package_that_nobody_has_is_an_import_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(ModuleNotFoundError, match=r"FIBWS_INTERFACES \(not set\)") as caught:
+        importlib.import_module("fibws.msg.nobodys_msgs")
+    assert caught.value.name == "fibws.msg.nobodys_msgs"
+    with pytest.raises(UnknownPackage):
+        fibws.msg.message_class("nobodys_msgs/Mine")
+
+
+def test_a_private_module_is_none_of_ours() -> None:
+    with pytest.raises(ModuleNotFoundError, match=r"No module named 'fibws.msg._nothing'$"):
+        importlib.import_module("fibws.msg._nothing")
+
+
+def test_a_folder_that_is_not_there_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("FIBWS_INTERFACES", "/nowhere")
+    with pytest.raises(InterfaceError, match="There is no folder /nowhere"):
+        fibws.msg.default_interfaces()
+
+
+def test_the_finder_is_installed_once() -> None:
+    importlib.reload(fibws.msg)
+    assert sys.meta_path.count(_finder.PackageFinder) == 1
