@@ -177,7 +177,7 @@ class Connection(asyncio.BufferedProtocol):
         rest = bytes(self._head[end + 4 :])
         self._head = None
         self._splitter = Splitter(
-            self._on_message, self._feed, max_size=self._shared.settings.max_message_size
+            self._on_text, self._feed, max_size=self._shared.settings.max_message_size
         )
         if not self._shared.settings.fast_framing:
             self._splitter.give_up()
@@ -232,7 +232,9 @@ class Connection(asyncio.BufferedProtocol):
             self._on_data(frame)
 
     def _on_data(self, frame: Frame) -> None:
-        """Put fragments together; text and binary messages mean the same, as on the real server."""
+        """Put fragments together."""
+        if self._protocol.state is not State.OPEN:
+            return
         if len(self._fragments) == MAX_FRAGMENTS:
             self._fail(FRAGMENTS)
             return
@@ -242,21 +244,28 @@ class Connection(asyncio.BufferedProtocol):
         self._splitter.fragmented = not frame.fin
         if frame.fin:
             message, self._fragments = b"".join(self._fragments), []
-            self._on_message(message, binary=self._binary)
+            on_message = self._on_binary if self._binary else self._on_text
+            on_message(message)
 
-    def _on_message(self, message: bytes, *, binary: bool = False) -> None:
-        if self.session is None or self._protocol.state is not State.OPEN:
-            return
+    def _on_text(self, text: bytes) -> None:
+        assert self.session is not None
         try:
-            self.session.receive(message)
+            self.session.receive(text)
         except InvalidUtf8:
-            if binary:
-                self.session.refuse("Expected JSON text in UTF-8 in a binary message")
-            else:
-                self._fail(INVALID_UTF8)
+            self._fail(INVALID_UTF8)
         except Exception:
             # An exception here would end the connection of a client that did nothing wrong.
             logger.exception("%s: an operation failed.", self.session.node)
+
+    def _on_binary(self, data: bytes) -> None:
+        """Binary messages may hold JSON, too, as the real server takes them."""
+        assert self.session is not None
+        try:
+            data.decode()
+        except UnicodeDecodeError:
+            self.session.refuse("Expected JSON text in UTF-8 in a binary message")
+        else:
+            self._on_text(data)
 
     # Writing.
 
@@ -277,6 +286,7 @@ class Connection(asyncio.BufferedProtocol):
             self.outbox.flush()
             self._protocol.send_close(closing.code, closing.reason)
             self._closing_since = self._shared.loop.time()
+            self._splitter.give_up()
             self._send()
             self._leave()
             logger.info("%s is closed: %s.", self.name, closing.reason)

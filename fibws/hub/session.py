@@ -41,6 +41,7 @@ from fibws.protocol.text import objects
 logger = logging.getLogger("fibws.hub")
 
 _GRAVITY: dict[Level, int] = {"none": 0, "error": 1, "warning": 2, "info": 3}
+_INFO = _GRAVITY["info"]
 
 
 class Session:
@@ -120,25 +121,19 @@ class Session:
 
     def _perform(self, fields: dict[str, Any]) -> None:
         try:
-            publisher = self._publisher(fields)
-            if publisher is None:
-                self._handle(parse_request(fields))
-            else:
-                self._publish(publisher, fields.get("msg"), fields.get("id"))
+            topic = fields.get("topic")
+            if fields.get("op") == "publish" and isinstance(topic, str):
+                # Nearly every operation is this one. With a publisher at hand it needs no model:
+                # but for its topic and its message, its fields mean nothing any more.
+                publisher = self.publishers.get(topic)
+                if publisher is not None:
+                    self._publish(publisher, fields.get("msg"), fields.get("id"))
+                    return
+            self._handle(parse_request(fields))
         except FibwsError as error:
             operation = fields.get("op")
             prefix = f"{operation}: " if operation in REQUESTS else ""
             self._complain(f"{prefix}{error}", fields.get("id"))
-
-    def _publisher(self, fields: dict[str, Any]) -> Publisher | None:
-        """The publisher at hand for a publish, which nearly every operation is.
-
-        Such a publish needs no model: but for its topic and message, its fields mean nothing.
-        """
-        if fields.get("op") != "publish":
-            return None
-        topic = fields.get("topic")
-        return self.publishers.get(topic) if isinstance(topic, str) else None
 
     def _handle(self, request: Request) -> None:
         match request:
@@ -162,7 +157,7 @@ class Session:
 
     def _publish(self, publisher: Publisher, msg: object, id_: object) -> None:
         publisher.publish(msg)
-        if self._level == _GRAVITY["info"]:
+        if self._level == _INFO:
             missing = publisher.type.missing(msg if isinstance(msg, dict) else {})
             if missing:
                 self._say("info", id_, f"publish: defaults stand for {', '.join(missing)}")

@@ -26,9 +26,10 @@ def objects(text: bytes) -> Iterable[dict[str, Any]]:
         InvalidUtf8: the bytes are no text.
     """
     try:
-        return [_object(from_json(text))]
+        value = from_json(text)
     except ValueError as error:
         return _several(text, error)
+    return (_object(value),)
 
 
 def _several(text: bytes, fault: ValueError) -> Iterator[dict[str, Any]]:
