@@ -131,4 +131,6 @@ def parse_remappings(arguments: Iterable[str]) -> Remapping:
 def check_namespace(name: str) -> str:
     """Return a namespace as a global name, ``/`` or ``/a/b``, whichever way it was spelled."""
     stripped = name.strip("/")
+    if stripped.startswith("~"):
+        raise InvalidName(name, "a namespace cannot be private")
     return resolve(stripped) if stripped else "/"

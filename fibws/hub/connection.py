@@ -144,6 +144,8 @@ class Connection(asyncio.BufferedProtocol):
 
     def connection_lost(self, exc: Exception | None) -> None:
         self._leave()
+        if self.session is not None:
+            logger.info("%s has left.", self.session.node)
         self._shared.lost(self)
 
     def pause_writing(self) -> None:

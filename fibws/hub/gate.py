@@ -103,7 +103,7 @@ def node_name(path: str) -> str | None:
     Raises:
         InvalidName: it is not a legal graph name.
     """
-    values = parse_qs(urlsplit(path).query, keep_blank_values=True).get("node")
+    values = parse_qs(path.partition("?")[2], keep_blank_values=True).get("node")
     if not values:
         return None
     if values[0].startswith("~"):

@@ -12,6 +12,7 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 from fibws.errors import (
+    InterfaceError,
     InvalidMessage,
     TypeConflict,
     UnknownPackage,
@@ -66,7 +67,7 @@ class Graph:
         self._interfaces = interfaces
         self._validators = Validators(interfaces, now)
         self._strict_types = strict_types
-        self._unchecked: dict[str, Unchecked] = {}
+        self._times_unchecked = 0
         self._clients = 0
 
     def enter(self, client: Client, name: str | None) -> str:
@@ -75,13 +76,19 @@ class Graph:
         Whoever had the name is told that it lost it, as ROS's master shuts down the older node.
         """
         if name is None:
-            self._clients += 1
-            name = f"/client_{self._clients}"
+            name = self._new_name()
         older = self.nodes.pop(name, None)
         if older is not None:
             older.replaced()
         self.nodes[name] = client
         return name
+
+    def _new_name(self) -> str:
+        while True:
+            self._clients += 1
+            name = f"/client_{self._clients}"
+            if name not in self.nodes:
+                return name
 
     def leave(self, client: Client, name: str) -> None:
         """Forget a client, unless its name has gone to another."""
@@ -102,7 +109,11 @@ class Graph:
             TypeConflict: it has another type, and nodes that hold it to that.
             InterfaceError: the type's name is not valid, or its package does not have it.
         """
-        wanted = self._type(type_, definition)
+        try:
+            wanted = self._type(type_, definition)
+        except InterfaceError:
+            self.settle(topic)
+            raise
         if topic.type is None:
             topic.type = wanted
         elif topic.type.type != wanted.type:
@@ -130,7 +141,7 @@ class Graph:
         except UnknownPackage as error:
             if self._strict_types:
                 raise
-            if name not in self._unchecked:
-                self._unchecked[name] = Unchecked(name)
+            self._times_unchecked += 1
+            if str(self._times_unchecked).strip("0") == "1":
                 logger.warning("%s. Messages of type %s are relayed unchecked.", error, name)
-            return self._unchecked[name]
+            return Unchecked(name)

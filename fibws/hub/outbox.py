@@ -27,6 +27,25 @@ class Queue:
         """The numbers of this queue's messages in the outbox, the oldest first."""
 
 
+class Budget:
+    """The bytes that all queues of one client may keep together.
+
+    Args:
+        limit: bytes, frames' headers included.
+    """
+
+    __slots__ = ("limit", "used")
+
+    def __init__(self, limit: int) -> None:
+        self.limit = limit
+        self.used = 0
+
+    @property
+    def exceeded(self) -> bool:
+        """Whether something must be dropped."""
+        return self.used > self.limit
+
+
 class Outbox:
     """The frames that wait for one client.
 
@@ -34,18 +53,17 @@ class Outbox:
         write: takes the bytes of one or many frames.
         broken: is called when ``write`` raised.
         flusher: is told when there is something to send.
-        max_bytes: what may be kept while the client does not read, frames' headers included.
+        max_bytes: what may be kept for the client, frames' headers included.
     """
 
     __slots__ = (
         "_broken",
-        "_bytes",
         "_kept",
-        "_max_bytes",
         "_number",
         "_replies",
         "_reply_bytes",
         "_write",
+        "budget",
         "dropped",
         "flusher",
         "frames",
@@ -61,28 +79,27 @@ class Outbox:
         max_bytes: int,
     ) -> None:
         self.flusher = flusher
+        self.budget = Budget(max_bytes)
         self.frames: list[bytes] = []
         """What leaves at the end of the turn."""
         self.paused = False
         self.dropped = 0
         self._write = write
         self._broken = broken
-        self._max_bytes = max_bytes
         self._replies: list[bytes] = []
         self._kept: OrderedDict[int, tuple[bytes, Queue]] | None = None
         self._number = 0
-        self._bytes = 0
         self._reply_bytes = 0
 
     @property
     def kept_bytes(self) -> int:
-        """Bytes kept because the client does not read."""
-        return self._bytes
+        """Bytes that wait for their turn, or for the client to read."""
+        return self.budget.used
 
     @property
     def overfull(self) -> bool:
         """Whether replies alone, which may not be dropped, break the limit."""
-        return self._reply_bytes > self._max_bytes
+        return self._reply_bytes > self.budget.limit
 
     def put(self, frame: bytes, queue: Queue) -> None:
         """Send a message's frame, or keep it in its subscription's queue if the client is slow."""
@@ -97,7 +114,7 @@ class Outbox:
         """Send a frame that may not be dropped; it overtakes the messages that are kept."""
         if self.paused:
             self._replies.append(frame)
-            self._bytes += len(frame)
+            self.budget.used += len(frame)
             self._reply_bytes += len(frame)
             return
         if not self.frames:
@@ -130,14 +147,15 @@ class Outbox:
     def resume(self) -> None:
         """The client's socket takes data again: what was kept is due, the replies first."""
         self.paused = False
-        kept = self._kept or OrderedDict[int, tuple[bytes, Queue]]()
-        for _, queue in kept.values():
-            queue.waiting.clear()
         self.frames += self._replies
-        self.frames += [frame for frame, _ in kept.values()]
+        self.budget.used -= self._reply_bytes
         self._replies = []
+        self._reply_bytes = 0
+        for frame, queue in (self._kept or {}).values():
+            self.frames.append(frame)
+            self.budget.used -= len(frame)
+            queue.waiting.clear()
         self._kept = None
-        self._bytes = self._reply_bytes = 0
         if self.frames:
             self.flusher.add(self)
 
@@ -149,13 +167,11 @@ class Outbox:
         self._number += 1
         kept[self._number] = (frame, queue)
         queue.waiting.append(self._number)
-        self._bytes += len(frame)
+        self.budget.used += len(frame)
         # The queue that breaks a bound pays for it; its newest message is always kept.
-        while len(queue.waiting) > 1 and (
-            len(queue.waiting) > queue.limit or self._bytes > self._max_bytes
-        ):
+        while len(queue.waiting) > 1 and (len(queue.waiting) > queue.limit or self.budget.exceeded):
             self._drop_oldest(queue)
-        while self._bytes > self._max_bytes and len(kept) > 1:
+        while self.budget.exceeded and len(kept) > 1:
             self._drop_oldest(next(iter(kept.values()))[1])
 
     def forget(self, queue: Queue) -> None:
@@ -171,7 +187,7 @@ class Outbox:
     def _drop(self, number: int) -> None:
         assert self._kept is not None
         frame, _ = self._kept.pop(number)
-        self._bytes -= len(frame)
+        self.budget.used -= len(frame)
 
 
 def _discard(data: bytes) -> None:

@@ -243,8 +243,12 @@ class Session:
         if self._reassembly is None:
             self._reassembly = Reassembly(max_size=self._settings.max_message_size)
         text = self._reassembly.add(fragment, self._clock.time())
-        if text is not None:
-            self.receive(text.encode())
+        if text is None:
+            return
+        for fields in objects(text.encode()):
+            if fields.get("op") == "fragment":
+                raise OperationError("fragments within fragments are not put together")
+            self._perform(fields)
 
     def _topic(self, spelling: str) -> Topic:
         return self._graph.topic(names.resolve(spelling, node=self.node))
@@ -253,12 +257,21 @@ class Session:
         self._complaints += 1
         # A client that errs a thousand times in a second must not fill the disk.
         if str(self._complaints).strip("0") == "1":
-            logger.warning("%s: %s (error %d of this client)", self.node, fault, self._complaints)
+            logger.warning(
+                "%s: %s (error %d of this client)", self.node, _shortened(fault), self._complaints
+            )
         self._say("error", id_, fault)
 
     def _say(self, level: Level, id_: object, text: str) -> None:
         if _GRAVITY[level] <= self._level:
             status = Status(
-                id=id_ if isinstance(id_, str | int | float) else None, level=level, msg=text
+                id=id_ if isinstance(id_, str | int | float) else None,
+                level=level,
+                msg=_shortened(text),
             )
             self._outbox.reply(text_frame(encode(status)))
+
+
+def _shortened(text: str) -> str:
+    """What is fit to be read of a text that repeats names of the client's making."""
+    return text if len(text) <= 1000 else f"{text[:1000]}..."

@@ -17,7 +17,16 @@ class Subscription:
         queue_length: messages kept for a client that falls behind and named no queue_length.
     """
 
-    __slots__ = ("_clock", "_default", "_throttle", "node", "outbox", "queue", "requests")
+    __slots__ = (
+        "_clock",
+        "_default",
+        "_throttle",
+        "_throttled_by",
+        "node",
+        "outbox",
+        "queue",
+        "requests",
+    )
 
     def __init__(self, node: str, outbox: Outbox, clock: Clock, *, queue_length: int) -> None:
         self.node = node
@@ -27,6 +36,7 @@ class Subscription:
         self._clock = clock
         self._default = queue_length
         self._throttle: Throttle | None = None
+        self._throttled_by = (0.0, 0)
 
     @property
     def typed(self) -> bool:
@@ -47,8 +57,8 @@ class Subscription:
         """Take back the request of this id, or all if it is None; an unknown id changes nothing."""
         if id_ is None:
             self.requests.clear()
-        else:
-            self.requests.pop(id_, None)
+        elif self.requests.pop(id_, None) is None:
+            return
         self._merge()
 
     def send(self, frame: bytes) -> None:
@@ -63,17 +73,28 @@ class Subscription:
             self._throttle.offer(frame)
 
     def _merge(self) -> None:
-        if self._throttle is not None:
-            self._throttle.cancel()
-            self._throttle = None
         requests = self.requests.values()
         if not requests:
             self.outbox.forget(self.queue)
+            self._throttle_by(0, 0)
             return
         throttle_rate = min(max(0, request.throttle_rate) for request in requests)
         queue_length = min(max(0, request.queue_length) for request in requests)
         self.queue.limit = queue_length or self._default
-        if throttle_rate:
+        self._throttle_by(throttle_rate / 1000, queue_length)
+
+    def _throttle_by(self, period: float, queue_length: int) -> None:
+        if (period, queue_length) == self._throttled_by:
+            return
+        self._throttled_by = period, queue_length
+        if self._throttle is not None:
+            self._throttle.cancel()
+            self._throttle = None
+        if period:
             self._throttle = Throttle(
-                self.send, self._clock, period=throttle_rate / 1000, queue_length=queue_length
+                self.send,
+                self._clock,
+                period=period,
+                queue_length=queue_length,
+                budget=self.outbox.budget,
             )

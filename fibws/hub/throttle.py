@@ -6,6 +6,7 @@ from collections import deque
 from collections.abc import Callable
 
 from fibws.hub.clock import Clock, Timer
+from fibws.hub.outbox import Budget
 
 EARLY = 0.001
 """Seconds by which a message may come early: timers are no finer than a millisecond."""
@@ -21,15 +22,24 @@ class Throttle:
         send: takes a frame when its turn has come.
         period: seconds.
         queue_length: frames that may wait; 0 passes over all that come too early.
+        budget: bytes that the client's queues may keep together.
     """
 
     def __init__(
-        self, send: Callable[[bytes], None], clock: Clock, *, period: float, queue_length: int
+        self,
+        send: Callable[[bytes], None],
+        clock: Clock,
+        *,
+        period: float,
+        queue_length: int,
+        budget: Budget,
     ) -> None:
         self._send = send
         self._clock = clock
         self._period = period
-        self._waiting: deque[bytes] = deque(maxlen=queue_length)
+        self._queue_length = queue_length
+        self._budget = budget
+        self._waiting: deque[bytes] = deque()
         self._due = clock.time()
         self._timer: Timer | None = None
 
@@ -40,8 +50,15 @@ class Throttle:
             self._due = now + self._period
             self._send(frame)
             return
+        if not self._queue_length:
+            return
         self._waiting.append(frame)
-        if self._timer is None and self._waiting:
+        self._budget.used += len(frame)
+        while len(self._waiting) > 1 and (
+            len(self._waiting) > self._queue_length or self._budget.exceeded
+        ):
+            self._pop()
+        if self._timer is None:
             self._timer = self._clock.call_later(self._due - now, self._drain)
 
     def cancel(self) -> None:
@@ -49,11 +66,17 @@ class Throttle:
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None
-        self._waiting.clear()
+        while self._waiting:
+            self._pop()
 
     def _drain(self) -> None:
         self._timer = None
         self._due = max(self._due, self._clock.time() - self._period) + self._period
-        self._send(self._waiting.popleft())
+        self._send(self._pop())
         if self._waiting:
             self._timer = self._clock.call_later(self._due - self._clock.time(), self._drain)
+
+    def _pop(self) -> bytes:
+        frame = self._waiting.popleft()
+        self._budget.used -= len(frame)
+        return frame

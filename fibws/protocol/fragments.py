@@ -56,7 +56,9 @@ class Reassembly:
                 raise OperationError(
                     f"{self._max_messages} messages are unfinished already; finish one first"
                 )
-            message = self._messages[fragment.id] = _Message(fragment.total, now)
+            size = len(str(fragment.id))
+            message = self._messages[fragment.id] = _Message(fragment.total, now, size=size)
+            self._size += size
         if fragment.total != message.total:
             self._drop(fragment.id)
             raise OperationError(
@@ -64,7 +66,7 @@ class Reassembly:
             )
         if fragment.num not in message.pieces:
             message.pieces[fragment.num] = fragment.data
-            cost = len(fragment.data) + PIECE_COST
+            cost = len(fragment.data.encode()) + PIECE_COST
             message.size += cost
             self._size += cost
         if self._size > self._max_size:

@@ -15,7 +15,7 @@ from pydantic_core import to_json
 from fibws.errors import OperationError
 
 T = TypeVar("T")
-Id = str | int | float | None
+Id = str | int | float | bool | None
 Level = Literal["error", "warning", "info", "none"]
 
 QUOTED_LENGTH = 200
