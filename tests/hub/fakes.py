@@ -1,0 +1,160 @@
+"""A hub without sockets and without time: what is said goes in, what is heard comes out."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from heapq import heappop, heappush
+from itertools import count
+from typing import Any
+
+from fibws.hub.graph import Graph
+from fibws.hub.outbox import Flusher, Outbox
+from fibws.hub.session import Session
+from fibws.hub.settings import Settings
+from fibws.interfaces import Interfaces
+from fibws.protocol.closing import Closing
+
+NANOSECONDS = 1_700_000_000_000_000_005
+"""When the tests take place."""
+
+
+class FakeTimer:
+    """One of the clock's timers."""
+
+    def __init__(self, callback: Callable[[], Any]) -> None:
+        self.callback = callback
+        self.cancelled = False
+
+    def cancel(self) -> None:
+        self.cancelled = True
+
+
+class FakeClock:
+    """A clock whose time passes when the test says so; it has an event loop's turns as well."""
+
+    def __init__(self) -> None:
+        self.late = 0.0
+        """By how much timers go off too late."""
+        self._now = 0.0
+        self._timers: list[tuple[float, int, FakeTimer]] = []
+        self._number = count()
+        self._soon: list[Callable[[], Any]] = []
+
+    def time(self) -> float:
+        return self._now
+
+    def call_later(self, delay: float, callback: Callable[[], Any], /) -> FakeTimer:
+        timer = FakeTimer(callback)
+        heappush(self._timers, (self._now + delay, next(self._number), timer))
+        return timer
+
+    def call_soon(self, callback: Callable[[], Any]) -> None:
+        self._soon.append(callback)
+
+    def advance_to(self, moment: float) -> None:
+        """Let time pass, and what is due happen when it is due."""
+        while self._timers and self._timers[0][0] + self.late <= moment:
+            due, _, timer = heappop(self._timers)
+            self._now = max(self._now, due + self.late)
+            if not timer.cancelled:
+                timer.callback()
+        self._now = moment
+
+    def advance(self, seconds: float) -> None:
+        self.advance_to(self._now + seconds)
+
+    def turn(self) -> None:
+        """End the loop's turn."""
+        due, self._soon = self._soon, []
+        for callback in due:
+            callback()
+
+    @property
+    def timers(self) -> int:
+        """How many timers are to go off."""
+        return sum(not timer.cancelled for _, _, timer in self._timers)
+
+
+def payloads(data: bytes) -> Iterator[bytes]:
+    """What is in a row of unmasked WebSocket frames, each a whole text."""
+    while data:
+        assert data[0] == 0x81
+        start, size = 2, data[1]
+        if size == 126:
+            start, size = 4, int.from_bytes(data[2:4])
+        elif size == 127:
+            start, size = 10, int.from_bytes(data[2:10])
+        yield data[start : start + size]
+        data = data[start + size :]
+
+
+class FakeHub:
+    """A graph, and clients that have no sockets."""
+
+    def __init__(self, **settings: Any) -> None:
+        self.settings = Settings(**settings)
+        self.clock = FakeClock()
+        self.flusher = Flusher(self.clock.call_soon)
+        self.graph = Graph(
+            Interfaces(), lambda: NANOSECONDS, strict_types=self.settings.strict_types
+        )
+
+    def client(self, node: str | None = None) -> Client:
+        return Client(self, node)
+
+    @property
+    def empty(self) -> bool:
+        """Whether nothing is left in the graph."""
+        return not self.graph.topics and not self.graph.nodes
+
+
+class Client:
+    """A client of the hub: says operations, hears operations."""
+
+    def __init__(self, hub: FakeHub, node: str | None) -> None:
+        self.writes: list[bytes] = []
+        self.closings: list[Closing] = []
+        self.outbox = Outbox(
+            self.writes.append, self.fail, hub.flusher, max_bytes=hub.settings.max_queued_bytes
+        )
+        self._hub = hub
+        self.session = Session(
+            node, hub.graph, self.outbox, hub.clock, hub.settings, self.closings.append
+        )
+
+    def says(self, op: str, topic: str | None = None, **fields: Any) -> None:
+        """Send an operation."""
+        self.says_text(json.dumps({"op": op, "topic": topic, **fields}))
+
+    def says_text(self, text: str) -> None:
+        self.session.receive(text.encode())
+
+    def hears(self) -> list[dict[str, Any]]:
+        """What has come since this was last asked, at the end of the loop's turn."""
+        self._hub.clock.turn()
+        heard = [json.loads(text) for data in self.writes for text in payloads(data)]
+        self.writes.clear()
+        return heard
+
+    def hears_messages(self, topic: str) -> list[dict[str, Any]]:
+        """The messages of one topic, spelled so; nothing else may have come."""
+        heard = self.hears()
+        assert all((each["op"], each["topic"]) == ("publish", topic) for each in heard), heard
+        return [each["msg"] for each in heard]
+
+    def hears_numbers(self, topic: str) -> list[int]:
+        """What is in a topic's ``data``; nothing else may have come."""
+        return [msg["data"] for msg in self.hears_messages(topic)]
+
+    def hears_statuses(self, level: str = "error") -> list[str]:
+        """The texts of the statuses that have come, all of one level; nothing else may have."""
+        heard = self.hears()
+        assert all((each["op"], each["level"]) == ("status", level) for each in heard), heard
+        return [each["msg"] for each in heard]
+
+    def fail(self) -> None:
+        raise AssertionError("nothing breaks here")
+
+    def leaves(self) -> None:
+        self.session.leave()

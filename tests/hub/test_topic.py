@@ -1,0 +1,212 @@
+"""The way of a message through a topic."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import pytest
+
+from fibws.errors import InvalidMessage
+from fibws.hub.outbox import Flusher, Outbox
+from fibws.hub.subscription import Subscription
+from fibws.hub.topic import Channel, Publisher, Topic
+from fibws.interfaces import Interfaces, Validators
+from fibws.protocol.operations import Subscribe
+
+from .fakes import NANOSECONDS, FakeClock, payloads
+
+VALIDATORS = Validators(Interfaces(), lambda: NANOSECONDS)
+
+
+class Listeners:
+    """A topic and subscriptions to it."""
+
+    def __init__(self) -> None:
+        self.clock = FakeClock()
+        self.flusher = Flusher(self.clock.call_soon)
+        self.topic = Topic("/a")
+
+    def subscribe(
+        self, spelling: str = "/a", *, outbox: Outbox | None = None, **fields: Any
+    ) -> tuple[Subscription, list[bytes]]:
+        """A new subscription, and where its frames are written."""
+        writes: list[bytes] = []
+        outbox = outbox or Outbox(writes.append, print, self.flusher, max_bytes=1000)
+        subscription = Subscription("/listener", outbox, self.clock, queue_length=10)
+        subscription.request(Subscribe(topic=spelling, **fields))
+        self.topic.channels.setdefault(spelling, Channel(spelling)).set(subscription)
+        return subscription, writes
+
+    def publisher(self, type_: str = "std_msgs/Int32", *, latch: bool = False) -> Publisher:
+        return Publisher(self.topic, VALIDATORS.of(type_), latch=latch)
+
+    def deliver(self, body: bytes) -> None:
+        self.topic.deliver(body)
+        self.clock.turn()
+
+
+def test_all_who_spelled_the_name_alike_share_the_bytes_of_a_message() -> None:
+    listeners = Listeners()
+    (_, first), (_, second) = listeners.subscribe(), listeners.subscribe()
+    listeners.deliver(b'{"data":1}')
+    assert list(payloads(first[0])) == [b'{"op":"publish","topic":"/a","msg":{"data":1}}']
+    assert first[0] is second[0]
+
+
+@pytest.mark.parametrize("spelling", ["/a", "a", "~a"])
+def test_each_hears_the_name_as_it_was_spelled(spelling: str) -> None:
+    listeners = Listeners()
+    _, writes = listeners.subscribe(spelling)
+    listeners.deliver(b"{}")
+    assert [json.loads(text)["topic"] for text in payloads(writes[0])] == [spelling]
+
+
+@pytest.mark.parametrize("size", [0, 50, 1000, 70_000])
+def test_a_message_may_have_any_size(size: int) -> None:
+    listeners = Listeners()
+    _, writes = listeners.subscribe()
+    body = json.dumps("x" * size).encode()
+    listeners.deliver(body)
+    assert [json.loads(text)["msg"] for text in payloads(writes[0])] == ["x" * size]
+
+
+def test_throttled_subscriptions_hear_what_their_throttle_lets_through() -> None:
+    listeners = Listeners()
+    _, writes = listeners.subscribe(throttle_rate=300)
+    for number in range(3):
+        listeners.deliver(b"%d" % number)
+    assert [json.loads(text)["msg"] for data in writes for text in payloads(data)] == [0]
+
+
+def test_a_slow_client_keeps_as_many_messages_as_it_asked_for() -> None:
+    listeners = Listeners()
+    subscription, writes = listeners.subscribe(queue_length=2)
+    subscription.outbox.pause()
+    for number in range(5):
+        listeners.deliver(b"%d" % number)
+    subscription.outbox.resume()
+    listeners.clock.turn()
+    assert [json.loads(text)["msg"] for data in writes for text in payloads(data)] == [3, 4]
+    assert subscription.queue.dropped == 3
+
+
+def test_a_channel_takes_note_of_a_throttle_that_comes_and_goes() -> None:
+    listeners = Listeners()
+    subscription, writes = listeners.subscribe()
+    channel = listeners.topic.channels["/a"]
+    for rate in (300, 0):
+        subscription.request(Subscribe(topic="/a", throttle_rate=rate))
+        channel.set(subscription)
+        assert channel.subscriptions() == [subscription]
+        writes.clear()
+        for number in range(2):
+            listeners.deliver(b"%d" % number)
+        assert len(writes) == (1 if rate else 2)
+
+
+def test_a_channel_forgets_a_subscription_that_ended() -> None:
+    listeners = Listeners()
+    subscription, writes = listeners.subscribe()
+    channel = listeners.topic.channels["/a"]
+    subscription.cancel(None)
+    channel.set(subscription)
+    listeners.deliver(b"{}")
+    assert not channel
+    assert writes == []
+
+
+def test_a_topic_is_idle_when_nobody_has_to_do_with_it() -> None:
+    listeners = Listeners()
+    assert listeners.topic.idle
+    listeners.subscribe()
+    assert not listeners.topic.idle
+
+
+def test_a_topic_is_held_by_publishers_and_by_subscriptions_that_name_the_type() -> None:
+    listeners = Listeners()
+    listeners.topic.publishers["/talker"] = listeners.publisher()
+    listeners.subscribe()
+    listeners.subscribe("a", type="std_msgs/Int32")
+    assert len(listeners.topic.subscriptions()) == 2
+    assert listeners.topic.holders() == ["/talker", "/listener"]
+
+
+def test_a_message_is_checked_and_filled() -> None:
+    listeners = Listeners()
+    _, writes = listeners.subscribe()
+    listeners.publisher("geometry_msgs/Vector3").publish({"y": 2})
+    listeners.clock.turn()
+    assert [json.loads(text)["msg"] for text in payloads(writes[0])] == [{"x": 0, "y": 2, "z": 0}]
+
+
+def test_a_message_that_does_not_fit_is_not_sent() -> None:
+    listeners = Listeners()
+    _, writes = listeners.subscribe()
+    publisher = listeners.publisher(latch=True)
+    with pytest.raises(InvalidMessage):
+        publisher.publish({"data": "x"})
+    listeners.clock.turn()
+    assert writes == []
+    assert publisher.latched is None
+
+
+def test_a_latching_publisher_keeps_its_last_message() -> None:
+    publisher = Listeners().publisher(latch=True)
+    for number in range(3):
+        publisher.publish({"data": number})
+    assert publisher.latched == b'{"data":2}'
+
+
+def test_another_publisher_keeps_none() -> None:
+    publisher = Listeners().publisher()
+    publisher.publish({"data": 1})
+    assert publisher.latched is None
+
+
+def heard_by(listeners: Listeners, writes: list[bytes]) -> list[Any]:
+    listeners.clock.turn()
+    return [json.loads(text)["msg"] for data in writes for text in payloads(data)]
+
+
+def test_each_publisher_counts_its_messages_in_the_header() -> None:
+    listeners = Listeners()
+    _, writes = listeners.subscribe()
+    first, second = (listeners.publisher("rospy_tutorials/HeaderString") for _ in range(2))
+    for publisher in (first, first, second, first):
+        publisher.publish({"header": {"seq": 99}})
+    assert [msg["header"]["seq"] for msg in heard_by(listeners, writes)] == [1, 2, 1, 3]
+
+
+def test_the_count_is_an_uint32() -> None:
+    listeners = Listeners()
+    _, writes = listeners.subscribe()
+    publisher = listeners.publisher("rospy_tutorials/HeaderString")
+    publisher._sequence = 2**32 - 2
+    for _ in range(3):
+        publisher.publish({})
+    assert [msg["header"]["seq"] for msg in heard_by(listeners, writes)] == [2**32 - 1, 0, 1]
+
+
+@pytest.mark.parametrize(
+    ("type_", "msg"),
+    [
+        ("std_msgs/Header", {"seq": 99}),
+        ("tf2_msgs/TFMessage", {"transforms": [{"header": {"seq": 99}}]}),
+    ],
+)
+def test_a_header_that_is_not_the_messages_own_is_left_as_it_is(
+    type_: str, msg: dict[str, Any]
+) -> None:
+    listeners = Listeners()
+    _, writes = listeners.subscribe()
+    listeners.publisher(type_).publish(msg)
+    [heard] = heard_by(listeners, writes)
+    assert heard.get("seq") == 99 or heard["transforms"][0]["header"]["seq"] == 99
+
+
+def test_a_number_that_json_does_not_have_is_null() -> None:
+    listeners = Listeners()
+    _, writes = listeners.subscribe()
+    listeners.publisher("std_msgs/Float64").publish({"data": float("inf")})
+    assert heard_by(listeners, writes) == [{"data": None}]

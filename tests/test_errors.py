@@ -1,0 +1,73 @@
+"""The error tree."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+from fibws import errors
+from fibws.errors import (
+    DefinitionError,
+    FibwsError,
+    HubUnreachable,
+    InvalidName,
+    InvalidTypeName,
+    TypeConflict,
+    UnknownPackage,
+    UnknownType,
+)
+
+
+def drawn(parent: type[FibwsError], depth: int = 0) -> list[tuple[int, str]]:
+    """The tree below a class as it should be drawn: how deep each name stands."""
+    children = [child for child in parent.__subclasses__() if child.__module__ == errors.__name__]
+    return [
+        (depth, parent.__name__),
+        *(line for child in children for line in drawn(child, depth + 1)),
+    ]
+
+
+def test_the_tree_in_the_docstring_is_the_tree() -> None:
+    assert errors.__doc__ is not None
+    lines = re.findall(r"^([│├└─ ]*)([A-Z]\w+)(?:  .*)?$", errors.__doc__, re.MULTILINE)
+    assert [(len(indent) // 4, name) for indent, name in lines] == drawn(FibwsError)
+
+
+@pytest.mark.parametrize(
+    ("error", "text"),
+    [
+        (InvalidName("a b", "it has a space"), "'a b' is not a legal name: it has a space"),
+        (
+            DefinitionError("Int.msg", 3, " int33 x\n", "unknown type"),
+            "Int.msg, line 3: unknown type: 'int33 x'",
+        ),
+        (InvalidTypeName("String"), "String is not a valid type string"),
+        (
+            UnknownType("msg", "std_msgs", "Sting", "std_msgs/String"),
+            "Unable to import msg class Sting from package std_msgs. "
+            "Caused by: did you mean std_msgs/String?",
+        ),
+        (
+            UnknownType("srv", "std_srvs", "Qwertz", None),
+            "Unable to import srv class Qwertz from package std_srvs. "
+            "Caused by: no such srv in std_srvs",
+        ),
+        (
+            UnknownPackage("my_msgs"),
+            "Unable to load the manifest for package my_msgs. "
+            "Caused by: no folder of definitions holds it",
+        ),
+        (
+            TypeConflict("/a", "std_msgs/Int32", "std_msgs/String", "/talker"),
+            "Tried to register topic /a with type std_msgs/Int32 "
+            "but it is already established with type std_msgs/String (by /talker)",
+        ),
+        (
+            HubUnreachable("ws://localhost:9090", "refused"),
+            "No hub at ws://localhost:9090 (refused). Start one with: python -m fibws.hub",
+        ),
+    ],
+)
+def test_the_text_says_what_is_wrong(error: FibwsError, text: str) -> None:
+    assert str(error) == text

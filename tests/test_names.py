@@ -1,0 +1,182 @@
+"""Graph names, as http://wiki.ros.org/Names has them."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fibws import names
+from fibws.errors import InvalidName
+from fibws.names import Remapping
+
+LEGAL = ["a", "chat", "/chat", "~chat", "a/b/c", "/a1/b_2", "A", "/fib/_action/status", "a" * 1024]
+ILLEGAL = ["", "/", "~", "1a", "/1a", "a/", "a//b", "a b", "a-b", "ä", "a~", "~/a", "a\n", "//a"]
+PARTS = st.from_regex(r"[A-Za-z][A-Za-z0-9_]{0,8}", fullmatch=True)
+GLOBAL = st.lists(PARTS, min_size=1, max_size=4).map(lambda parts: "/" + "/".join(parts))
+
+
+@pytest.mark.parametrize("name", LEGAL)
+def test_a_legal_name_is_returned_as_it_is(name: str) -> None:
+    assert names.check(name) == name
+
+
+@pytest.mark.parametrize("name", [*ILLEGAL, "a" * 1025])
+def test_an_illegal_name_is_refused(name: str) -> None:
+    with pytest.raises(InvalidName):
+        names.check(name)
+
+
+def test_the_error_about_a_long_name_is_short() -> None:
+    with pytest.raises(InvalidName, match="longer than 1024") as caught:
+        names.check("a" * 10_000)
+    assert len(str(caught.value)) < 150
+
+
+@pytest.mark.parametrize("name", ["talker", "t1", "T_"])
+def test_a_node_can_have_a_base_name(name: str) -> None:
+    assert names.check_base(name) == name
+
+
+@pytest.mark.parametrize(
+    ("name", "fault"),
+    [
+        ("/talker", "namespaces are not allowed"),
+        ("a/b", "namespaces are not allowed"),
+        ("", "a letter"),
+        ("1", "a letter"),
+        ("~a", "a letter"),
+        ("a" * 1025, "a letter"),
+    ],
+)
+def test_a_node_cannot_have_another(name: str, fault: str) -> None:
+    with pytest.raises(InvalidName, match=fault):
+        names.check_base(name)
+
+
+@pytest.mark.parametrize(
+    ("name", "resolved"),
+    [
+        ("/chat", "/chat"),
+        ("/a/b", "/a/b"),
+        ("chat", "/robot/chat"),
+        ("a/b", "/robot/a/b"),
+        ("~gain", "/robot/arm/gain"),
+        ("~pid/gain", "/robot/arm/pid/gain"),
+    ],
+)
+def test_names_are_global_relative_or_private(name: str, resolved: str) -> None:
+    assert names.resolve(name, namespace="/robot", node="/robot/arm") == resolved
+
+
+def test_the_namespace_is_the_root_unless_told() -> None:
+    assert names.resolve("chat") == "/chat"
+
+
+def test_what_is_illegal_does_not_resolve() -> None:
+    with pytest.raises(InvalidName):
+        names.resolve("not legal")
+
+
+@given(GLOBAL, GLOBAL)
+def test_a_name_that_was_resolved_stays_as_it_is(namespace: str, name: str) -> None:
+    resolved = names.resolve(name[1:], namespace=namespace)
+    assert names.resolve(resolved, namespace="/elsewhere", node="/elsewhere/node") == resolved
+
+
+@given(GLOBAL, PARTS)
+def test_a_joined_name_is_in_its_namespace(namespace: str, name: str) -> None:
+    assert names.namespace_of(names.join(namespace, name)) == namespace
+
+
+@pytest.mark.parametrize(("name", "namespace"), [("/arm", "/"), ("/a/b/c", "/a/b")])
+def test_every_name_has_a_namespace(name: str, namespace: str) -> None:
+    assert names.namespace_of(name) == namespace
+
+
+def test_an_anonymous_name_ends_in_process_and_time() -> None:
+    assert names.anonymous("talker", pid=42, milliseconds=1700) == "talker_42_1700"
+
+
+@pytest.mark.parametrize("spelling", ["/a/b", "a/b", "/a/b/", "a/b/"])
+def test_a_namespace_may_be_spelled_in_many_ways(spelling: str) -> None:
+    assert names.check_namespace(spelling) == "/a/b"
+
+
+@pytest.mark.parametrize("spelling", ["", "/"])
+def test_the_root_is_a_namespace(spelling: str) -> None:
+    assert names.check_namespace(spelling) == "/"
+
+
+@pytest.mark.parametrize("spelling", ["a b", "1", "a//b", "~a", "/~a"])
+def test_some_are_no_namespace(spelling: str) -> None:
+    with pytest.raises(InvalidName):
+        names.check_namespace(spelling)
+
+
+@pytest.mark.parametrize(
+    ("argument", "it_is"),
+    [
+        ("chat:=/talk", True),
+        ("/chat:=talk", True),
+        ("~chat:=talk", True),
+        ("__name:=other", True),
+        ("_gain:=1.5", True),
+        ("a:=b:=c", True),
+        ("chat", False),
+        (":=chat", False),
+        ("--rate=5", False),
+        ("a b:=c", False),
+    ],
+)
+def test_a_remapping_is_known_by_its_form(argument: str, it_is: bool) -> None:
+    assert names.is_remapping(argument) is it_is
+
+
+def apply(remapping: Remapping, name: str) -> str:
+    return remapping.apply(name, namespace="/robot", node="/robot/arm")
+
+
+@pytest.mark.parametrize(
+    ("argument", "name", "applied"),
+    [
+        ("chat:=talk", "chat", "/robot/talk"),
+        ("chat:=/talk", "/robot/chat", "/talk"),
+        ("/robot/chat:=talk", "chat", "/robot/talk"),
+        ("/chat:=/talk", "chat", "/robot/chat"),
+        ("~gain:=/gain", "~gain", "/gain"),
+        ("gain:=~gain", "gain", "/robot/arm/gain"),
+        ("chat:=talk", "other", "/robot/other"),
+    ],
+)
+def test_a_remapping_compares_what_the_names_stand_for(
+    argument: str, name: str, applied: str
+) -> None:
+    assert apply(names.parse_remappings([argument]), name) == applied
+
+
+def test_a_remapping_is_applied_once() -> None:
+    swapped = names.parse_remappings(["a:=b", "b:=a"])
+    assert [apply(swapped, name) for name in ("a", "b")] == ["/robot/b", "/robot/a"]
+
+
+def test_special_keys_name_the_node_and_its_namespace() -> None:
+    remapping = names.parse_remappings(["__name:=left", "__ns:=robot/", "chat:=talk"])
+    assert remapping == Remapping({"chat": "talk"}, node_name="left", namespace="/robot")
+
+
+def test_without_arguments_nothing_is_remapped() -> None:
+    assert names.parse_remappings([]) == Remapping()
+
+
+def test_other_special_keys_and_private_parameters_are_read_past() -> None:
+    assert names.parse_remappings(["__log:=/tmp/x y", "_gain:=1.5"]) == Remapping()
+
+
+@pytest.mark.parametrize(
+    "argument",
+    ["chat", "chat:=", ":=chat", "a b:=c", "a:=b c", "__name:=/a/b", "__name:=", "__ns:=a b"],
+)
+def test_a_wrong_remapping_is_refused(argument: str) -> None:
+    with pytest.raises(InvalidName):
+        names.parse_remappings([argument])
