@@ -1,0 +1,188 @@
+"""Parsing, validating and serialising one publish operation, without any network."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from pydantic import BaseModel
+from pydantic_core import from_json, to_json
+
+from bench import naive
+from bench.plan import HUB, Plan
+from bench.repeated import Repeated
+from bench.report import Report
+from fibws.interfaces import Interfaces, Validators
+
+
+class Int32(BaseModel):
+    """std_msgs/Int32."""
+
+    data: int
+
+
+class Time(BaseModel):
+    """A time, as ROS 1 and rosbridge write it."""
+
+    secs: int
+    nsecs: int
+
+
+class Header(BaseModel):
+    """std_msgs/Header."""
+
+    seq: int
+    stamp: Time
+    frame_id: str
+
+
+class Point(BaseModel):
+    """geometry_msgs/Point."""
+
+    x: float
+    y: float
+    z: float
+
+
+class Quaternion(BaseModel):
+    """geometry_msgs/Quaternion."""
+
+    x: float
+    y: float
+    z: float
+    w: float
+
+
+class Pose(BaseModel):
+    """geometry_msgs/Pose."""
+
+    position: Point
+    orientation: Quaternion
+
+
+class PoseStamped(BaseModel):
+    """geometry_msgs/PoseStamped."""
+
+    header: Header
+    pose: Pose
+
+
+class LaserScan(BaseModel):
+    """sensor_msgs/LaserScan."""
+
+    header: Header
+    angle_min: float
+    angle_max: float
+    angle_increment: float
+    time_increment: float
+    scan_time: float
+    range_min: float
+    range_max: float
+    ranges: list[float]
+    intensities: list[float]
+
+
+STAMP: dict[str, Any] = {"secs": 1735689600, "nsecs": 123456789}
+HEADER: dict[str, Any] = {"seq": 7, "stamp": STAMP, "frame_id": "map"}
+POSE: dict[str, Any] = {
+    "position": {"x": 1.25, "y": -0.5, "z": 0.0},
+    "orientation": {"x": 0.0, "y": 0.0, "z": 0.7071067811865476, "w": 0.7071067811865476},
+}
+SCAN: dict[str, Any] = {
+    "header": HEADER,
+    "angle_min": -3.14159,
+    "angle_max": 3.14159,
+    "angle_increment": 0.00873,
+    "time_increment": 0.0,
+    "scan_time": 0.1,
+    "range_min": 0.12,
+    "range_max": 12.0,
+    "ranges": [round(0.5 + i * 0.013, 3) for i in range(720)],
+    "intensities": [],
+}
+
+
+@dataclass(frozen=True)
+class Sample:
+    """A message, its naive model, and the limit for ours as a share of naive's time."""
+
+    type_name: str
+    msg: dict[str, Any]
+    model: type[BaseModel]
+    against_naive: float
+
+    @property
+    def text(self) -> str:
+        """Return the operation as a client sends it."""
+        operation = {"op": "publish", "topic": "/bench/codecs", "msg": self.msg}
+        return json.dumps(operation, separators=(",", ":"))
+
+
+SAMPLES = (
+    Sample("std_msgs/Int32", {"data": 123456}, Int32, 0.25),
+    Sample("geometry_msgs/PoseStamped", {"header": HEADER, "pose": POSE}, PoseStamped, 0.4),
+    Sample("sensor_msgs/LaserScan", SCAN, LaserScan, 0.3),
+)
+
+
+def codecs(plan: Plan, report: Report) -> None:
+    """Time ours and naive's on each sample in turn."""
+    validators = Validators(Interfaces(), time.time_ns)
+    rounds = 20 * plan.reps
+    rows = []
+    for sample in SAMPLES:
+        text, data = sample.text, sample.text.encode()
+        validate = validators.of(sample.type_name).validate
+
+        def ours(data: bytes = data, validate: Callable[[Any], Any] = validate) -> bytes:
+            operation = from_json(data)
+            operation["msg"] = validate(operation["msg"])
+            return to_json(operation, inf_nan_mode="null")
+
+        def reference(text: str = text, model: type[BaseModel] = sample.model) -> str:
+            return naive.relayed(json.loads(text), model)
+
+        # Ours narrows float32 fields to what a float32 holds: narrow naive's as well.
+        if json.loads(ours())["msg"] != validate(json.loads(reference())["msg"]):
+            report.fault(HUB, sample.type_name, "ours and naive disagree")
+        times = _microseconds((ours, reference), rounds)
+        cost, its_cost = (Repeated.of(each) for each in times)
+        ratio = cost / its_cost
+        report.record("codecs", type=sample.type_name, ours=times[0], naive=times[1])
+        rows.append(
+            (
+                f"{sample.type_name}, {len(data):,} B",
+                f"{cost}",
+                f"{its_cost}",
+                f"{ratio}",
+                report.check(HUB, f"codecs, {sample.type_name}", ratio.least, sample.against_naive),
+            )
+        )
+    report.table(
+        f"Parse, validate, serialise: CPU µs, minimum (median) of {rounds}",
+        ("message", "hub", "naive", "hub : naive", "limit"),
+        rows,
+    )
+
+
+def _microseconds(
+    calls: tuple[Callable[[], object], ...], rounds: int, round_seconds: float = 0.005
+) -> list[list[float]]:
+    """Return the CPU time per call of each round, the calls taking turns."""
+    repeats = []
+    for call in calls:
+        start = time.process_time()
+        call()
+        once = max(time.process_time() - start, 1e-6)
+        repeats.append(max(1, int(round_seconds / once)))
+    times: list[list[float]] = [[] for _ in calls]
+    for _ in range(rounds):
+        for call, repeat, found in zip(calls, repeats, times, strict=True):
+            start = time.process_time()
+            for _ in range(repeat):
+                call()
+            found.append((time.process_time() - start) / repeat * 1e6)
+    return times

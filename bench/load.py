@@ -1,0 +1,147 @@
+"""Runs the load generator and reads what it reports."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from itertools import count
+from typing import Self, TypeVar
+
+from pydantic import BaseModel, ConfigDict, ValidationError
+
+from bench.binaries import binary
+from bench.errors import BenchError
+from bench.machine import cpus
+from bench.plan import Plan
+from bench.servers import Server
+
+TOPICS = count(1)
+Result = TypeVar("Result", bound=BaseModel)
+
+
+class Latency(BaseModel):
+    """One-way latency, publisher to subscriber, in µs."""
+
+    p50: float
+    p99: float
+    max: float
+
+
+class Load(BaseModel):
+    """What one run with publishers and subscribers showed."""
+
+    model_config = ConfigDict(extra="allow")
+
+    cpu_us_per_delivery: float
+    client_cpu_percent: float
+    server_cpu_percent: float
+    deliveries: int
+    deliveries_per_s: float
+    publishes_per_s: float
+    lat_us: Latency
+    loss: int
+    dups: int
+    out_of_order: int
+    conn_errors: int
+    masked_frames: int
+    first_error: str = ""
+
+    @property
+    def fault(self) -> str:
+        """Return what the server did wrong, or nothing."""
+        wrong = ("loss", "dups", "out_of_order", "conn_errors", "masked_frames")
+        found = [f"{name} {n}" for name in wrong if (n := getattr(self, name))]
+        return ", ".join([*found, *filter(None, [self.first_error])])
+
+
+class Idle(BaseModel):
+    """What a crowd of silent connections showed."""
+
+    model_config = ConfigDict(extra="allow")
+
+    open: int
+    server_rss_kb_per_conn: float
+    server_cpu_us_per_connect: float
+    connects_per_s: float
+    server_cpu_percent: float
+    conn_errors: int
+    first_error: str = ""
+
+
+def load(server: Server, plan: Plan, *options: str) -> Load:
+    """Publish and subscribe on a topic of its own for the planned time."""
+    timing = ("--warm", f"{plan.warm_seconds}", "--dur", f"{plan.seconds}")
+    return _parsed(Load, server, _finished(server, *timing, *options))
+
+
+def idle(server: Server, connections: int, hold_seconds: float) -> Idle:
+    """Hold subscribed connections that say nothing."""
+    options = ("--idle", f"{connections}", "--hold", f"{hold_seconds}")
+    return _parsed(Idle, server, _finished(server, *options))
+
+
+class Flood:
+    """One publisher that sends as fast as TCP takes it, and one subscriber."""
+
+    def __init__(self, server: Server, longest_seconds: float) -> None:
+        """Begin to flood."""
+        self._server = server
+        options = ("--window", "1", "--window-at", "none", "--drain", "0")
+        timing = ("--warm", "0", "--dur", f"{longest_seconds}")
+        self._generator = _start(server, *timing, *options)
+        if chosen := cpus():
+            os.sched_setaffinity(self._generator.pid, {chosen.flood})
+        # Where two generators share a CPU, the one that measures goes first.
+        os.setpriority(os.PRIO_PROCESS, self._generator.pid, 19)
+
+    def stop(self) -> Load:
+        """End the flood and return what it was; what it lost is its own fault."""
+        if self._generator.poll() is not None:
+            raise BenchError(f"the flood on {self._server.name} ended early")
+        self._generator.terminate()
+        return _parsed(Load, self._server, _output(self._generator, self._server))
+
+    def __enter__(self) -> Self:
+        """Do nothing; the flood is on."""
+        return self
+
+    def __exit__(self, *failure: object) -> None:
+        """Make sure that the flood ends."""
+        self._generator.kill()
+        self._generator.communicate()
+
+
+def _start(server: Server, *options: str) -> subprocess.Popen[str]:
+    topic = f"/bench/t{next(TOPICS)}"
+    address = ("--port", f"{server.port}", "--pid", f"{server.pid}", "--topic", topic)
+    generator = subprocess.Popen(
+        [binary("wsload"), *address, *options],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    if chosen := cpus():
+        os.sched_setaffinity(generator.pid, {chosen.load})
+    return generator
+
+
+def _finished(server: Server, *options: str) -> str:
+    return _output(_start(server, *options), server)
+
+
+def _output(generator: subprocess.Popen[str], server: Server) -> str:
+    try:
+        output, complaint = generator.communicate()
+    finally:
+        generator.kill()
+    if not output:
+        raise BenchError(f"{server.name}: {complaint.strip() or 'the load generator died'}")
+    return output
+
+
+def _parsed(model: type[Result], server: Server, output: str) -> Result:
+    try:
+        return model.model_validate_json(output)
+    except ValidationError as error:
+        raise BenchError(f"{server.name}: unreadable report: {output[:200]}") from error

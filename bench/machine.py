@@ -1,0 +1,127 @@
+"""The machine the figures belong to, and which of its CPUs does what."""
+
+from __future__ import annotations
+
+import os
+import platform
+import resource
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+from bench.errors import BenchError
+
+
+@dataclass(frozen=True)
+class Cpus:
+    """The CPU of the server, of the load generator, and of a second, flooding generator."""
+
+    server: int
+    load: int
+    flood: int
+
+
+def require_linux() -> None:
+    """Raise unless the load generator, which stands on epoll, can run here."""
+    if not sys.platform.startswith("linux"):
+        raise BenchError(f"the load generator needs Linux, this is {sys.platform}")
+
+
+def cpus() -> Cpus | None:
+    """Return three CPUs on different cores as far as there are enough, or None on a single one."""
+    free = sorted(os.sched_getaffinity(0))
+    if len(free) < 2:
+        return None
+    server = free.pop(0)
+    # The sibling thread of a core slows its twin, so it comes last.
+    free.sort(key=lambda cpu: cpu in _siblings(server))
+    load = free.pop(0)
+    free.sort(key=lambda cpu: cpu in _siblings(server) | _siblings(load))
+    return Cpus(server, load, free[0] if free else load)
+
+
+def _siblings(cpu: int) -> set[int]:
+    path = Path(f"/sys/devices/system/cpu/cpu{cpu}/topology/thread_siblings_list")
+    try:
+        ranges = path.read_text().strip().split(",")
+    except OSError:
+        return {cpu}
+    found: set[int] = set()
+    for each in ranges:
+        first, _, last = each.partition("-")
+        found.update(range(int(first), int(last or first) + 1))
+    return found
+
+
+@contextmanager
+def pinned(cpu: int) -> Iterator[None]:
+    """Keep this process on one CPU for the length of the block."""
+    before = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, {cpu})
+    try:
+        yield
+    finally:
+        os.sched_setaffinity(0, before)
+
+
+class Disturbance:
+    """The CPU time that processes other than ours take, from now on."""
+
+    def __init__(self) -> None:
+        """Begin to count."""
+        self._wall = time.monotonic()
+        self._others = _busy_seconds() - _own_seconds()
+
+    def percent(self) -> float:
+        """Return the share of all CPUs that others took; only right once our children ended."""
+        others = _busy_seconds() - _own_seconds() - self._others
+        available = (time.monotonic() - self._wall) * (os.cpu_count() or 1)
+        return max(0.0, 100 * others / available)
+
+
+def _busy_seconds() -> float:
+    fields = Path("/proc/stat").read_text().splitlines()[0].split()[1:]
+    user, nice, system, _idle, _iowait, irq, softirq, steal = map(int, fields[:8])
+    ticks = user + nice + system + irq + softirq + steal
+    return ticks / os.sysconf("SC_CLK_TCK")
+
+
+def _own_seconds() -> float:
+    used = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
+    return sum(each.ru_utime + each.ru_stime for each in used)
+
+
+def describe() -> str:
+    """Return one line: CPU, system, Python and the packages that matter."""
+    packages = ("websockets", "pydantic", "pydantic-core", "uvloop")
+    versions = [f"{name} {found}" for name in packages if (found := _version(name))]
+    return ", ".join(
+        [
+            f"{_cpu_model()}, {os.cpu_count()} CPUs",
+            f"{platform.system()} {platform.release()}",
+            f"{platform.python_implementation()} {platform.python_version()}",
+            *versions,
+        ]
+    )
+
+
+def _cpu_model() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+    except OSError:
+        lines = []
+    for line in lines:
+        if line.startswith("model name"):
+            return line.partition(":")[2].strip()
+    return platform.machine()
+
+
+def _version(package: str) -> str | None:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return None
