@@ -1,0 +1,205 @@
+"""The socket between a node and its hub, made again whenever it breaks."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import os
+import random
+import re
+from collections.abc import Iterator
+from contextlib import suppress
+
+from websockets.asyncio.client import ClientConnection, connect
+from websockets.exceptions import (
+    ConnectionClosed,
+    InvalidHandshake,
+    InvalidProxy,
+    InvalidStatus,
+    InvalidURI,
+)
+from websockets.protocol import State
+
+from fibws.errors import HubUnreachable, NodeReplaced
+from fibws.node.address import node_url
+from fibws.node.session import Session
+from fibws.protocol.closing import REPLACED
+
+FIRST_RETRY = 0.1
+LONGEST_RETRY = 1.0
+OPENING = 5.0
+FLUSHING = 0.6
+CLOSING = 0.3
+"""Seconds, all five; the last two together bound how long a node's end takes."""
+
+MAX_SIZE = 64 << 20
+"""Bytes that a message may have: images and point clouds pass."""
+
+_TRY_LATER = (408, 425, 429)
+_ERRNO = re.compile(r"\[Errno (\d+)\]")
+
+
+class Connection:
+    """Keeps one node connected to its hub until it is closed."""
+
+    def __init__(self, hub: str, node: str, session: Session, log: logging.Logger) -> None:
+        self._hub = hub
+        self._node = node
+        self._session = session
+        self._log = log
+        self._answered = asyncio.Event()
+        self._missed = False
+        self._task: asyncio.Task[None] | None = None
+
+    async def open(self) -> None:
+        """Wait until the hub has answered, for as long as that takes.
+
+        Raises:
+            HubUnreachable: it never will.
+        """
+        self._task = asyncio.create_task(self._run(), name=f"connection of {self._node}")
+        try:
+            await self._answered.wait()
+            self._session.check()
+        except BaseException:
+            await self.close()
+            raise
+
+    async def close(self) -> None:
+        """Send what still waits if that is possible soon, then leave."""
+        self._session.end()
+        if self._task is None:
+            return
+        if not self._session.outbox.connected:
+            self._task.cancel()
+        try:
+            await asyncio.wait({self._task}, timeout=FLUSHING)
+        finally:
+            self._task.cancel()
+            await asyncio.wait({self._task})
+
+    async def _run(self) -> None:
+        """Connect and converse, again and again, until the node is over."""
+        delays = _delays()
+        try:
+            while not self._session.over:
+                if await self._visit():
+                    delays = _delays()
+                if not self._session.over:
+                    await asyncio.sleep(next(delays))
+        except Exception as fault:
+            # The hub's last word; or a mistake of ours, which must not leave a program waiting.
+            self._session.end(fault)
+        finally:
+            self._answered.set()
+
+    async def _visit(self) -> bool:
+        """Connect and converse once; tell whether that went well for a while."""
+        try:
+            websocket = await self._connect()
+        except (OSError, InvalidHandshake) as error:
+            self._missing(_reason(error))
+            return False
+        loop = asyncio.get_running_loop()
+        began = loop.time()
+        closed = await self._converse(websocket)
+        if closed.rcvd is not None and closed.rcvd.code == REPLACED.code:
+            raise NodeReplaced(f"another node took the name {self._node}")
+        if not self._session.over:
+            reason = closed.rcvd.reason if closed.rcvd is not None else ""
+            self._missing(reason or str(closed))
+        return loop.time() - began > LONGEST_RETRY
+
+    async def _connect(self) -> ClientConnection:
+        try:
+            return await connect(
+                node_url(self._hub, self._node),
+                compression=None,
+                max_size=MAX_SIZE,
+                open_timeout=OPENING,
+                close_timeout=CLOSING,
+                # A hub is next door: a proxy that the environment names is for the world outside.
+                proxy=True if self._hub.startswith("wss:") else None,
+            )
+        except InvalidStatus as error:
+            status = error.response.status_code
+            if status >= 500 or status in _TRY_LATER:
+                raise
+            text = error.response.body.decode("utf-8", "replace").strip()
+            raise HubUnreachable(self._hub, f"HTTP {status}: {text[:500]}") from None
+        except (InvalidURI, InvalidProxy, ValueError) as error:  # The last for odd host names.
+            raise HubUnreachable(self._hub, str(error)) from None
+
+    async def _converse(self, websocket: ClientConnection) -> ConnectionClosed:
+        """Talk until one side hangs up."""
+        outbox = self._session.outbox
+        greeting = self._session.greeting()
+        outbox.open()
+        writer = asyncio.create_task(self._write(websocket, greeting), name=f"to {self._hub}")
+        try:
+            self._found()
+            while True:
+                self._session.receive(await websocket.recv(decode=False))
+        except ConnectionClosed as closed:
+            reason = closed
+        finally:
+            outbox.lose()
+            writer.cancel()
+            await asyncio.wait({writer})
+            websocket.transport.abort()  # Does nothing if the writer could hang up in good order.
+        if not writer.cancelled():
+            writer.result()
+        return reason
+
+    async def _write(self, websocket: ClientConnection, greeting: list[bytes]) -> None:
+        """Send what there is to send until there never will be more, then hang up."""
+        outbox = self._session.outbox
+        try:
+            for text in greeting:
+                await websocket.send(text, text=True)
+            # A frame is taken once it can be written, so that none is lost or sent twice.
+            while await outbox.arrival() and websocket.state is State.OPEN:
+                await websocket.send(outbox.pop(), text=True)
+        except ConnectionClosed:
+            pass  # The reader hears of it, too.
+        finally:
+            await _hang_up(websocket)
+
+    def _missing(self, reason: str) -> None:
+        """Say that there is no hub, once each time."""
+        if self._missed:
+            return
+        self._missed = True
+        if self._answered.is_set():
+            self._log.warning("Lost the hub at %s (%s); trying again.", self._hub, reason)
+        else:
+            self._log.warning("Waiting for a hub at %s (%s).", self._hub, reason)
+
+    def _found(self) -> None:
+        if self._missed:
+            word = "back" if self._answered.is_set() else "there"
+            self._log.info("The hub at %s is %s.", self._hub, word)
+        self._missed = False
+        self._answered.set()
+
+
+async def _hang_up(websocket: ClientConnection) -> None:
+    with suppress(TimeoutError):
+        # Its own close_timeout does not count while it waits for a full socket to drain.
+        async with asyncio.timeout(CLOSING):
+            await websocket.close()
+
+
+def _delays() -> Iterator[float]:
+    """Seconds to wait before each retry, with some jitter so that nodes come back one by one."""
+    delay = FIRST_RETRY
+    while True:
+        yield delay * random.uniform(0.8, 1)
+        delay = min(2 * delay, LONGEST_RETRY)
+
+
+def _reason(error: Exception) -> str:
+    """Why there is no connection, without the address, which whoever reads this knows."""
+    if number := _ERRNO.search(str(error)):
+        return os.strerror(int(number[1]))
+    return getattr(error, "strerror", None) or str(error) or type(error).__name__

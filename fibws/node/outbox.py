@@ -1,0 +1,126 @@
+"""What a node has yet to send: in order, and bounded."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import OrderedDict, deque
+from dataclasses import dataclass, field
+
+from fibws.errors import NodeError
+from fibws.protocol.operations import Advertise
+
+LIMIT = 1 << 20
+"""Bytes above which those who publish wait for the socket."""
+
+FRAME_COST = 128
+"""What a waiting frame costs beside its text, in bytes; it bounds floods of small ones."""
+
+
+@dataclass(slots=True, eq=False)
+class Advertisement:
+    """One publisher's registration, and what of its messages waits."""
+
+    operation: Advertise
+    waiting: deque[int] = field(default_factory=deque)
+    latched: bytes | None = None
+    dropped: int = 0
+    closed: bool = False
+    fault: NodeError | None = None
+
+
+class Outbox:
+    """The frames that wait for the socket, oldest first.
+
+    With a hub at the other end it is bounded in bytes, and whoever publishes waits for `room`.
+    Without one each advertisement keeps the newest messages of its queue, and nobody waits.
+    """
+
+    def __init__(self, limit: int = LIMIT) -> None:
+        self._limit = limit
+        self._frames: OrderedDict[int, tuple[Advertisement | None, bytes]] = OrderedDict()
+        self._number = 0
+        self._size = 0
+        self._connected = False
+        self._closed = False
+        self._arrival = asyncio.Event()
+        self._room = asyncio.Event()
+        self._room.set()
+
+    @property
+    def connected(self) -> bool:
+        """Whether frames leave."""
+        return self._connected
+
+    def __len__(self) -> int:
+        return len(self._frames)
+
+    def put(self, text: bytes, source: Advertisement | None = None) -> None:
+        """Add a message of ``source``, or an operation that the connection's end voids."""
+        crowded = not self._connected or not self._room.is_set()
+        self._number += 1
+        self._frames[self._number] = (source, text)
+        self._size += len(text) + FRAME_COST
+        if source is not None:
+            source.waiting.append(self._number)
+            if crowded:
+                self._trim(source, source.operation.queue_size)
+        self._changed()
+
+    def pop(self) -> bytes:
+        """Take the oldest frame, which from now on is never sent again."""
+        _, (source, text) = self._frames.popitem(last=False)
+        self._size -= len(text) + FRAME_COST
+        if source is not None:
+            source.waiting.popleft()
+        self._changed()
+        return text
+
+    async def arrival(self) -> bool:
+        """Wait until there is a frame to take; false once there never will be."""
+        await self._arrival.wait()
+        return bool(self._frames)
+
+    async def room(self) -> None:
+        """Wait until there is room for another message; without a hub, give way for a moment."""
+        if not self._connected:
+            await asyncio.sleep(0)
+        while not self._room.is_set():
+            await self._room.wait()
+
+    def open(self) -> None:
+        """There is a hub now."""
+        self._connected = True
+        self._changed()
+
+    def lose(self) -> None:
+        """There is no hub any more: keep what still can be of use once there is one again."""
+        self._connected = False
+        for number, (source, text) in list(self._frames.items()):
+            if source is None:
+                del self._frames[number]
+                self._size -= len(text) + FRAME_COST
+            else:
+                self._trim(source, 0 if source.closed else source.operation.queue_size)
+        self._changed()
+
+    def close(self) -> None:
+        """Nothing more will be put; what waits may still leave."""
+        self._closed = True
+        self._changed()
+
+    def _trim(self, source: Advertisement, keep: int) -> None:
+        while len(source.waiting) > keep:
+            _, text = self._frames.pop(source.waiting.popleft())
+            self._size -= len(text) + FRAME_COST
+            source.dropped += 1
+
+    def _changed(self) -> None:
+        _signal(self._arrival, bool(self._frames) or self._closed)
+        _signal(self._room, not self._connected or self._closed or self._size < self._limit)
+
+
+def _signal(event: asyncio.Event, on: bool) -> None:
+    if on:
+        event.set()
+    else:
+        event.clear()

@@ -1,0 +1,74 @@
+"""The sending end of a topic."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Generic, TypeVar
+
+from fibws.interfaces import Message
+from fibws.node.outbox import Advertisement
+from fibws.node.session import Session
+from fibws.protocol.operations import Publish, encode
+
+M = TypeVar("M", bound=Message)
+
+
+class Publisher(Generic[M]):
+    """Publishes messages of one type on one topic."""
+
+    def __init__(
+        self,
+        session: Session,
+        advertisement: Advertisement,
+        message_class: type[M],
+        validate: Callable[[Any], dict[str, Any]],
+    ) -> None:
+        self._session = session
+        self._advertisement = advertisement
+        self._class = message_class
+        self._validate = validate
+
+    @property
+    def topic(self) -> str:
+        """The topic's global name."""
+        return self._advertisement.operation.topic
+
+    @property
+    def type(self) -> str:
+        """The type of its messages, such as ``std_msgs/Int32``."""
+        return self._advertisement.operation.type
+
+    @property
+    def dropped(self) -> int:
+        """How many messages made way for newer ones while there was no hub."""
+        return self._advertisement.dropped
+
+    async def publish(self, *fields: Any, **named: Any) -> None:
+        """Publish a message: one of the topic's class, or its fields in order, or by name.
+
+        Waits while the connection is slower than the program. Without a hub it waits for nothing:
+        the newest ``queue_size`` messages are kept for when there is one again.
+
+        Raises:
+            InvalidMessage: a field does not fit the type.
+            TypeError: fields both in order and by name, or a message of another class.
+            OperationRejected: the hub refused the topic, so that nobody can hear this.
+            NodeClosed: the publisher or its node was closed.
+        """
+        message = self._message(fields, named)
+        text = encode(Publish(topic=self.topic, msg=self._validate(message.to_dict())))
+        await self._session.outbox.room()
+        self._session.publish(self._advertisement, text)
+
+    def close(self) -> None:
+        """Publish no more. Does nothing when called again."""
+        self._session.unadvertise(self._advertisement)
+
+    def _message(self, fields: tuple[Any, ...], named: dict[str, Any]) -> Message:
+        if fields and named:
+            raise TypeError("publish() can be called with arguments or keywords, but not both.")
+        if len(fields) == 1 and isinstance(fields[0], Message):
+            if not isinstance(fields[0], self._class):
+                raise TypeError(f"expected [{self.type}] but got [{fields[0]._type}]")
+            return fields[0]
+        return self._class(*fields, **named)

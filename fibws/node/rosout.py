@@ -1,0 +1,86 @@
+"""A node's log on /rosout, where the whole graph can read it."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from contextlib import suppress
+from typing import Any
+
+from fibws.node.session import Session
+from fibws.protocol.operations import Advertise, Publish, encode
+
+TOPIC = "/rosout"
+QUEUE_SIZE = 100
+
+_TEXT = logging.Formatter()
+
+
+class Rosout(logging.Handler):
+    """Publishes each record as a rosgraph_msgs/Log, from any thread, and waits for nothing."""
+
+    def __init__(self, node: str, session: Session) -> None:
+        super().__init__()
+        self._node = node
+        self._session = session
+        self._advertisement = session.advertise(
+            Advertise(
+                id=f"advertise:{TOPIC}",
+                topic=TOPIC,
+                type="rosgraph_msgs/Log",
+                queue_size=QUEUE_SIZE,
+            )
+        )
+        self.loop: asyncio.AbstractEventLoop | None = None
+        """The node's loop, once it has one."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Publish the record."""
+        try:
+            message = self._message(record)
+        except Exception:
+            self.handleError(record)
+            return
+        if self.loop is None or self.loop is _running_loop():
+            self._publish(message)
+            return
+        with suppress(RuntimeError):  # The loop is closed: nobody hears this node any more.
+            self.loop.call_soon_threadsafe(self._publish, message)
+
+    def _message(self, record: logging.LogRecord) -> dict[str, Any]:
+        secs, nsecs = divmod(round(record.created * 1e9), 1_000_000_000)
+        return {
+            "header": {"seq": 0, "stamp": {"secs": secs, "nsecs": nsecs}, "frame_id": ""},
+            "level": level(record.levelno),
+            "name": self._node,
+            "msg": _unicode(_TEXT.format(record)),
+            "file": _unicode(record.pathname),
+            "function": record.funcName or "",
+            "line": record.lineno,
+            "topics": self._session.topics(),
+        }
+
+    def _publish(self, message: dict[str, Any]) -> None:
+        if not self._session.over and not self._advertisement.closed:
+            text = encode(Publish(topic=TOPIC, msg=message))
+            self._session.publish(self._advertisement, text)
+
+
+def level(number: int) -> int:
+    """The level of rosgraph_msgs/Log for one of `logging`."""
+    for python, ros in ((50, 16), (40, 8), (30, 4), (20, 2)):
+        if number >= python:
+            return ros
+    return 1
+
+
+def _unicode(text: str) -> str:
+    """``text`` without halves of surrogate pairs, which no JSON can hold."""
+    return text.encode("utf-8", "replace").decode()
+
+
+def _running_loop() -> asyncio.AbstractEventLoop | None:
+    try:
+        return asyncio.get_running_loop()
+    except RuntimeError:
+        return None
