@@ -1,0 +1,85 @@
+"""``fibws demo``: the first tutorial in one process, for those who have just installed this."""
+
+from __future__ import annotations
+
+import asyncio
+import errno
+from contextlib import AsyncExitStack
+
+import click
+
+import fibws
+from fibws.broadcaster import broadcast
+from fibws.cli import options
+from fibws.cli.program import run
+from fibws.errors import HubError
+from fibws.hub import Hub, Settings
+from fibws.listener import listen
+
+TYPE = "std_msgs/Int32"
+LINE = "[${severity}] [${time}]: ${message}"
+
+
+async def demo(port: int, rate: float) -> None:
+    """Run a hub, unless there is one, and the tutorial's two nodes."""
+    async with AsyncExitStack() as stack:
+        try:
+            hub = await stack.enter_async_context(Hub(Settings(host="127.0.0.1", port=port)))
+            url = hub.url
+            click.echo(f"A hub is at {url} now.")
+        except HubError as error:
+            if not _is_taken(error):
+                raise
+            url = f"ws://127.0.0.1:{port}"
+            if not await _is_hub(url):
+                raise HubError(
+                    f"Port {port} is taken, and not by a hub. Choose another one with --port."
+                ) from None
+            click.echo(f"There is a hub at {url} already, so this uses it.")
+        click.echo(f"To look at it, open {url.replace('ws:', 'http:')}/ in a browser.")
+        click.echo("Below, a broadcaster publishes numbers and a listener hears them: Ctrl-C ends.")
+        await _run_nodes(url, rate)
+
+
+async def _run_nodes(url: str, rate: float) -> None:
+    listener = _node("fibonacci_listener", url, f"listener    {LINE}")
+    broadcaster = _node("fibonacci_broadcaster", url, f"broadcaster {LINE}")
+    try:
+        async with listener, asyncio.TaskGroup() as tasks:
+            tasks.create_task(listen(listener, TYPE))
+            async with broadcaster:
+                await broadcast(broadcaster, TYPE, rate, "restart")
+    except ExceptionGroup as group:
+        raise group.exceptions[0] from None
+
+
+def _node(name: str, url: str, log_format: str) -> fibws.Node:
+    return fibws.Node(name, hub=url, anonymous=True, log_format=log_format)
+
+
+def _is_taken(error: HubError) -> bool:
+    return isinstance(error.__cause__, OSError) and error.__cause__.errno == errno.EADDRINUSE
+
+
+async def _is_hub(url: str) -> bool:
+    probe = fibws.Node("fibws_demo", hub=url, anonymous=True)
+    probe.log.disabled = True
+    try:
+        async with asyncio.timeout(2), probe:
+            return True
+    except (TimeoutError, fibws.HubUnreachable):
+        return False
+
+
+@click.command(context_settings=options.SETTINGS)
+@click.option(
+    "--port",
+    type=click.IntRange(0, 65535),
+    default=9090,
+    show_default=True,
+    help="Where the hub is, or is to be.",
+)
+@options.rate
+def command(port: int, rate: float) -> None:
+    """Run the first tutorial: a hub, a broadcaster of Fibonacci numbers, and a listener."""
+    run(demo(port, rate))

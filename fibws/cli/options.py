@@ -1,0 +1,109 @@
+"""The options that nodes' programs have in common."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable
+from functools import wraps
+from typing import Any
+
+import click
+
+import fibws
+from fibws.msg import message_class
+
+SETTINGS = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
+
+
+def node(default_name: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Give a command the options of a node, and the node itself as its argument ``node``."""
+
+    def decorate(command: Callable[..., None]) -> Callable[..., None]:
+        @wraps(command)
+        def with_node(
+            hub: str | None, node_name: str | None, remapping: fibws.Remapping, **others: Any
+        ) -> None:
+            try:
+                node = fibws.Node(
+                    node_name or default_name,
+                    hub=hub,
+                    anonymous=node_name is None,
+                    remapping=remapping,
+                )
+            except (ValueError, fibws.FibwsError) as error:
+                raise click.UsageError(str(error)) from None
+            command(node=node, **others)
+
+        for option in (
+            click.argument(
+                "remapping", nargs=-1, callback=_remapping, metavar="[FROM:=TO]...", type=str
+            ),
+            click.option(
+                "--node-name",
+                metavar="NAME",
+                help=f"The node's name, used as it is.  [default: {default_name}_<pid>_<ms>]",
+            ),
+            click.option(
+                "--hub",
+                metavar="URL",
+                help="The hub's address.  [default: $FIBWS_HUB, else ws://127.0.0.1:9090]",
+            ),
+        ):
+            with_node = option(with_node)
+        return with_node
+
+    return decorate
+
+
+number_type: Callable[[Callable[..., None]], Callable[..., None]] = click.option(
+    "--type",
+    "type_",
+    metavar="TYPE",
+    default="std_msgs/Int32",
+    show_default=True,
+    callback=lambda context, parameter, name: _number_type(name),
+    help="The numbers' type: any that has one number, called data.",
+)
+
+rate: Callable[[Callable[..., None]], Callable[..., None]] = click.option(
+    "--rate",
+    metavar="HZ",
+    type=float,
+    default=1.0,
+    show_default=True,
+    callback=lambda context, parameter, hz: _rate(hz),
+    help="Numbers a second.",
+)
+
+
+def _remapping(
+    context: click.Context, parameter: click.Parameter, arguments: tuple[str, ...]
+) -> fibws.Remapping:
+    for argument in arguments:
+        if ":=" not in argument:
+            raise click.UsageError(
+                f"Got unexpected argument {argument!r}: it is neither an option nor a remapping, "
+                "which is written from:=to."
+            )
+    try:
+        return fibws.parse_remappings(arguments)
+    except fibws.InvalidName as error:
+        raise click.UsageError(str(error)) from None
+
+
+def _number_type(name: str) -> str:
+    try:
+        message = message_class(name)
+    except fibws.FibwsError as error:
+        raise click.BadParameter(str(error)) from None
+    fields = [field.name for field in dataclasses.fields(message)]
+    if fields != ["data"] or type(message().data) not in (int, float):  # type: ignore[attr-defined]
+        raise click.BadParameter(f"{name} does not hold one number, called data.")
+    return message._type
+
+
+def _rate(hz: float) -> float:
+    if not 0 < hz < math.inf:
+        raise click.BadParameter(f"{hz:g} is not above 0.")
+    return hz

@@ -1,0 +1,36 @@
+"""The tutorial's second node: it says which numbers it heard."""
+
+from __future__ import annotations
+
+import click
+
+import fibws
+from fibws.cli import options
+from fibws.cli.program import run
+
+
+async def listen(node: fibws.Node, type_: str) -> None:
+    """Log every number on ``fibonacci``."""
+    async for number in node.subscribe("fibonacci", type_, queue_size=10):
+        node.log.info("I heard %s", number.data)
+
+
+@click.command(context_settings=options.SETTINGS)
+@options.node("fibonacci_listener")
+@options.number_type
+def command(node: fibws.Node, type_: str) -> None:
+    """Listen to the numbers on the topic fibonacci.
+
+    FROM:=TO renames a topic (fibonacci:=numbers), the node (__name:=ear) or its namespace
+    (__ns:=/robot), as in ROS.
+    """
+
+    async def program() -> None:
+        async with node:
+            await listen(node, type_)
+
+    run(program())
+
+
+if __name__ == "__main__":
+    command(prog_name="python -m fibws.listener")

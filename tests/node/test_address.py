@@ -1,0 +1,55 @@
+"""Where a node finds its hub."""
+
+import pytest
+
+from fibws.node.address import hub_url, node_url
+
+
+@pytest.mark.parametrize(
+    ("address", "url"),
+    [
+        ("ws://127.0.0.1:9090", "ws://127.0.0.1:9090"),
+        ("wss://robot/bridge?token=x", "wss://robot/bridge?token=x"),
+        ("robot:9090", "ws://robot:9090"),
+        ("robot", "ws://robot:9090"),
+        ("robot/bridge?token=x", "ws://robot:9090/bridge?token=x"),
+        ("ws://robot", "ws://robot"),
+        (" robot:9090\n", "ws://robot:9090"),
+        ("[::1]", "ws://[::1]:9090"),
+        ("[::1]:9090", "ws://[::1]:9090"),
+        ("127.0.0.1:9090/path", "ws://127.0.0.1:9090/path"),
+    ],
+)
+def test_an_address_may_leave_out_what_is_clear(address: str, url: str) -> None:
+    assert hub_url(address) == url
+
+
+@pytest.mark.parametrize(
+    ("address", "fault"),
+    [
+        ("http://robot:9090", "not http://"),
+        ("ws://", "no host"),
+        ("", "no host"),
+        ("ws://:9090", "no host"),
+        ("my robot:9090", "no host"),
+        ("ws://robot:ninety", "Port could not be cast"),
+        ("ws://robot:70000", "Port out of range"),
+        ("ws://robot:0", "port is 0"),
+        ("ws://[::1", "Invalid IPv6"),
+        ("ws://robot/#there", "# part"),
+    ],
+)
+def test_what_is_no_address_is_explained(address: str, fault: str) -> None:
+    with pytest.raises(ValueError, match="is not the address of a hub") as caught:
+        hub_url(address)
+    assert fault in str(caught.value)
+    assert "Write ws://host:port" in str(caught.value)
+
+
+def test_the_node_says_its_name_in_the_query() -> None:
+    assert node_url("ws://robot:9090", "/talker_7") == "ws://robot:9090/?node=/talker_7"
+
+
+def test_the_query_that_was_there_stays_but_for_another_node() -> None:
+    url = node_url("wss://robot/bridge?token=a%20b&node=/old&flag=", "/talker")
+    assert url == "wss://robot/bridge?token=a%20b&flag=&node=/talker"

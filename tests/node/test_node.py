@@ -1,0 +1,328 @@
+"""A node, as a program uses it; the hub at the other end does what the test says."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import re
+from http import HTTPStatus
+
+import pytest
+
+import fibws
+from fibws.msg.std_msgs import Float64, Int32, String
+
+from .conftest import ScriptedHub
+
+# Names
+
+
+def test_a_node_is_in_the_root_unless_told_otherwise(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("ROS_NAMESPACE", raising=False)
+    node = fibws.Node("talker")
+    assert (node.name, node.namespace) == ("/talker", "/")
+
+
+def test_the_environment_gives_namespace_and_hub(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_NAMESPACE", "robot")
+    monkeypatch.setenv("FIBWS_HUB", "robot:9090")
+    node = fibws.Node("talker")
+    assert (node.name, node.namespace, node.hub) == ("/robot/talker", "/robot", "ws://robot:9090")
+
+
+def test_arguments_go_before_the_environment(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_NAMESPACE", "robot")
+    monkeypatch.setenv("FIBWS_HUB", "robot:9090")
+    node = fibws.Node("talker", hub="arm:9090", namespace="/arm")
+    assert (node.name, node.hub) == ("/arm/talker", "ws://arm:9090")
+
+
+def test_without_either_the_hub_is_on_this_machine(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("FIBWS_HUB", raising=False)
+    assert fibws.Node("talker").hub == "ws://127.0.0.1:9090"
+
+
+def test_an_anonymous_name_is_formed_as_rospy_forms_it() -> None:
+    name = fibws.Node("talker", anonymous=True).name
+    assert re.fullmatch(rf"/talker_{os.getpid()}_\d{{13}}", name)
+
+
+def test_the_command_line_names_the_node_and_its_namespace() -> None:
+    remapping = fibws.parse_remappings(["__name:=ear", "__ns:=/robot"])
+    node = fibws.Node("listener", anonymous=True, namespace="/arm", remapping=remapping)
+    assert node.name == "/robot/ear"
+
+
+@pytest.mark.parametrize("name", ["", "a/b", "/talker", "7", "~x"])
+def test_a_node_needs_a_legal_name(name: str) -> None:
+    with pytest.raises(fibws.InvalidName):
+        fibws.Node(name)
+
+
+def test_names_are_resolved_and_remapped() -> None:
+    remapping = fibws.parse_remappings(["fibonacci:=numbers", "~gain:=/gain"])
+    node = fibws.Node("talker", namespace="/robot", remapping=remapping)
+    assert node.resolve("fibonacci") == "/robot/numbers"
+    assert node.resolve("/fibonacci") == "/fibonacci"
+    assert node.resolve("~offset") == "/robot/talker/offset"
+    assert node.resolve("~gain") == "/gain"
+
+
+def test_a_hub_has_an_address() -> None:
+    with pytest.raises(ValueError, match="not the address of a hub"):
+        fibws.Node("talker", hub="http://robot")
+
+
+def test_it_knows_the_time_of_day() -> None:
+    assert fibws.Node("talker").now().secs > 1_700_000_000
+
+
+# Publishing
+
+
+async def test_it_says_its_name_and_publishes(hub: ScriptedHub) -> None:
+    async with fibws.Node("talker", hub=hub.url) as node:
+        peer = await hub.peer()
+        assert peer.path == "/?node=/talker"
+        numbers = await node.advertise("fibonacci", Int32, queue_size=5, latch=True)
+        await numbers.publish(1)
+        await numbers.publish(data=2)
+        await numbers.publish(Int32(3))
+        assert (numbers.topic, numbers.type) == ("/fibonacci", "std_msgs/Int32")
+        advertise = await peer.hears("advertise")
+        assert advertise["topic"] == "/fibonacci"
+        assert advertise["type"] == "std_msgs/Int32"
+        assert (advertise["queue_size"], advertise["latch"]) == (5, True)
+        assert "definition" not in advertise
+        for number in (1, 2, 3):
+            assert (await peer.hears("publish"))["msg"] == {"data": number}
+        numbers.close()
+        numbers.close()
+        unadvertise = await peer.hears("unadvertise")
+        assert (unadvertise["topic"], unadvertise["id"]) == ("/fibonacci", advertise["id"])
+        with pytest.raises(fibws.NodeClosed):
+            await numbers.publish(4)
+
+
+async def test_a_bad_message_raises_in_the_line_that_publishes_it(hub: ScriptedHub) -> None:
+    async with fibws.Node("talker", hub=hub.url) as node:
+        numbers = await node.advertise("fibonacci", Int32)
+        with pytest.raises(fibws.InvalidMessage, match="2147483648"):
+            await numbers.publish(2**31)
+        with pytest.raises(fibws.InvalidMessage, match="data"):
+            await numbers.publish("1")
+        with pytest.raises(TypeError, match="arguments or keywords, but not both"):
+            await numbers.publish(1, data=1)
+        with pytest.raises(TypeError, match=r"expected \[std_msgs/Int32\] but got \[std_msgs/St"):
+            await numbers.publish(String("1"))
+        with pytest.raises(TypeError):
+            await numbers.publish(date=1)
+
+
+async def test_a_type_can_be_named(hub: ScriptedHub) -> None:
+    async with fibws.Node("talker", hub=hub.url) as node:
+        peer = await hub.peer()
+        numbers = await node.advertise("numbers", "std_msgs/msg/Float64")
+        assert numbers.type == "std_msgs/Float64"
+        await numbers.publish(Float64(1.5))
+        await peer.hears("advertise")
+        assert (await peer.hears("publish"))["msg"] == {"data": 1.5}
+        with pytest.raises(fibws.InterfaceError, match="did you mean std_msgs/Int32"):
+            await node.advertise("numbers", "std_msgs/Int23")
+        with pytest.raises(fibws.InterfaceError):
+            node.subscribe("numbers", "std_msgs/Int23")
+
+
+async def test_a_queue_holds_something(hub: ScriptedHub) -> None:
+    async with fibws.Node("talker", hub=hub.url) as node:
+        with pytest.raises(ValueError, match="queue_size"):
+            await node.advertise("fibonacci", Int32, queue_size=0)
+        with pytest.raises(ValueError, match="queue_size"):
+            node.subscribe("fibonacci", Int32, queue_size=0)
+
+
+async def test_a_refused_advertisement_is_raised_by_the_next_publish(hub: ScriptedHub) -> None:
+    async with fibws.Node("talker", hub=hub.url) as node:
+        peer = await hub.peer()
+        numbers = await node.advertise("fibonacci", Int32)
+        other = node.subscribe("other", Int32)
+        advertise = await peer.hears("advertise")
+        await peer.says("status", level="error", id=advertise["id"], msg="not this type")
+        await peer.says("publish", topic="/other", msg={"data": 1})
+        await anext(other)
+        with pytest.raises(fibws.OperationRejected, match="not this type"):
+            await numbers.publish(1)
+        with pytest.raises(fibws.OperationRejected):
+            await numbers.publish(1)
+        numbers.close()
+
+
+# Subscribing
+
+
+async def test_messages_come_as_objects(hub: ScriptedHub) -> None:
+    async with fibws.Node("listener", hub=hub.url) as node:
+        peer = await hub.peer()
+        async with node.subscribe("fibonacci", Int32) as numbers:
+            assert (numbers.topic, numbers.type) == ("/fibonacci", "std_msgs/Int32")
+            subscribe = await peer.hears("subscribe")
+            assert (subscribe["topic"], subscribe["type"]) == ("/fibonacci", "std_msgs/Int32")
+            await peer.says("publish", topic="/elsewhere", msg={"data": 7})
+            await peer.says("publish", topic="/fibonacci", msg={"data": 8})
+            assert await anext(numbers) == Int32(8)
+        unsubscribe = await peer.hears("unsubscribe")
+        assert (unsubscribe["topic"], unsubscribe["id"]) == ("/fibonacci", subscribe["id"])
+        assert [number async for number in numbers] == []
+
+
+async def test_what_does_not_fit_is_logged_and_passed_over(
+    hub: ScriptedHub, capsys: pytest.CaptureFixture[str]
+) -> None:
+    async with fibws.Node("listener", hub=hub.url) as node:
+        peer = await hub.peer()
+        numbers = node.subscribe("fibonacci", Int32)
+        await peer.says("publish", topic="/fibonacci", msg={"data": "8"})
+        await peer.says("publish", topic="/fibonacci")
+        await peer.websocket.send("hello")
+        await peer.websocket.send(b"\xff")
+        await peer.says("nonsense")
+        await peer.says("publish", topic="/fibonacci", msg={"data": 13})
+        assert await anext(numbers) == Int32(13)
+    errors = capsys.readouterr().err
+    assert errors.count("Dropped a message on /fibonacci: ") == 2
+    assert errors.count("The hub sent what this node does not understand: ") == 3
+
+
+async def test_a_slow_reader_gets_the_newest(hub: ScriptedHub) -> None:
+    async with fibws.Node("listener", hub=hub.url) as node:
+        peer = await hub.peer()
+        numbers = node.subscribe("fibonacci", Int32, queue_size=2)
+        last = node.subscribe("last", Int32)
+        for number in range(5):
+            await peer.says("publish", topic="/fibonacci", msg={"data": number})
+        await peer.says("publish", topic="/last", msg={"data": 0})
+        await anext(last)
+        assert numbers.dropped == 3
+        assert [await anext(numbers), await anext(numbers)] == [Int32(3), Int32(4)]
+
+
+async def test_a_refused_subscription_is_raised_by_its_iteration(hub: ScriptedHub) -> None:
+    async with fibws.Node("listener", hub=hub.url) as node:
+        peer = await hub.peer()
+        numbers = node.subscribe("fibonacci", Int32)
+        subscribe = await peer.hears("subscribe")
+        await peer.says("status", level="error", id=subscribe["id"], msg="not this type")
+        with pytest.raises(fibws.OperationRejected, match="not this type"):
+            await anext(numbers)
+
+
+async def test_two_subscriptions_of_a_topic_both_hear_it(hub: ScriptedHub) -> None:
+    async with fibws.Node("listener", hub=hub.url) as node:
+        peer = await hub.peer()
+        first = node.subscribe("fibonacci", Int32)
+        second = node.subscribe("fibonacci", Int32)
+        assert (await peer.hears("subscribe"))["id"] != (await peer.hears("subscribe"))["id"]
+        await peer.says("publish", topic="/fibonacci", msg={"data": 1})
+        assert await anext(first) == await anext(second) == Int32(1)
+
+
+async def test_other_statuses_go_to_the_log(
+    hub: ScriptedHub, capsys: pytest.CaptureFixture[str]
+) -> None:
+    async with fibws.Node("listener", hub=hub.url):
+        peer = await hub.peer()
+        for level in ("error", "warning", "info", "none"):
+            await peer.says("status", level=level, msg=f"a matter of {level}")
+        for expected in (8, 4, 2, 2):
+            assert (await peer.logged())["level"] == expected
+    printed = capsys.readouterr()
+    assert re.search(r"\[ERROR\] \[\d+\.\d{6}\]: The hub: a matter of error", printed.err)
+    assert re.search(r"\[WARN\] \[\d+\.\d{6}\]: The hub: a matter of warning", printed.err)
+    assert re.search(r"\[INFO\] \[\d+\.\d{6}\]: The hub: a matter of info", printed.out)
+
+
+# The end
+
+
+async def test_leaving_ends_what_the_node_had_and_sends_what_waits(hub: ScriptedHub) -> None:
+    async with fibws.Node("talker", hub=hub.url) as node:
+        peer = await hub.peer()
+        numbers = await node.advertise("fibonacci", Int32)
+        subscription = node.subscribe("other", Int32)
+        reading = asyncio.create_task(anext(subscription, None))
+        spinning = asyncio.create_task(node.spin())
+        for number in range(1000):
+            await numbers.publish(number)
+    await peer.hears("advertise")
+    await peer.hears("subscribe")
+    for number in range(1000):
+        assert (await peer.hears("publish"))["msg"] == {"data": number}
+    await peer.websocket.wait_closed()
+    assert peer.websocket.close_code == 1000
+    assert await reading is None
+    await spinning
+    with pytest.raises(StopAsyncIteration):
+        await anext(node.rate(1))
+    with pytest.raises(fibws.NodeClosed):
+        await numbers.publish(1)
+    with pytest.raises(fibws.NodeClosed):
+        node.subscribe("other", Int32)
+    numbers.close()
+    subscription.close()
+    node.log.info("this goes to the console only")
+
+
+async def test_a_node_that_is_replaced_ends(hub: ScriptedHub) -> None:
+    async with fibws.Node("talker", hub=hub.url) as node:
+        peer = await hub.peer()
+        numbers = await node.advertise("fibonacci", Int32)
+        reading = asyncio.create_task(anext(node.subscribe("other", Int32)))
+        await peer.websocket.close(4001, "new node registered with same name")
+        with pytest.raises(fibws.NodeReplaced, match="/talker"):
+            await reading
+        with pytest.raises(fibws.NodeReplaced):
+            await numbers.publish(1)
+        with pytest.raises(fibws.NodeReplaced):
+            async for _ in node.rate(1000):
+                pass
+        with pytest.raises(fibws.NodeReplaced):
+            await node.spin()
+    assert hub.attempts == 1
+
+
+async def test_the_last_messages_are_read_before_the_end_is_told(hub: ScriptedHub) -> None:
+    async with fibws.Node("listener", hub=hub.url) as node:
+        peer = await hub.peer()
+        numbers = node.subscribe("fibonacci", Int32)
+        await peer.says("publish", topic="/fibonacci", msg={"data": 1})
+        await peer.websocket.close(4001, "new node registered with same name")
+        with pytest.raises(fibws.NodeReplaced):
+            await node.spin()
+        assert await anext(numbers) == Int32(1)
+        with pytest.raises(fibws.NodeReplaced):
+            await anext(numbers)
+
+
+@pytest.mark.parametrize(
+    "status", [HTTPStatus.BAD_REQUEST, HTTPStatus.FORBIDDEN, HTTPStatus.NOT_FOUND]
+)
+async def test_a_hub_that_does_not_want_the_node_is_believed(
+    hub: ScriptedHub, status: HTTPStatus
+) -> None:
+    hub.refusal = (status, "not you\n")
+    with pytest.raises(fibws.HubUnreachable, match=f"HTTP {status}: not you"):
+        async with fibws.Node("talker", hub=hub.url):
+            pytest.fail("there is no hub")
+    assert hub.attempts == 1
+
+
+async def test_a_node_may_be_prepared_before_it_is_entered(
+    hub: ScriptedHub,
+) -> None:
+    node = fibws.Node("listener", hub=hub.url)
+    numbers = node.subscribe("fibonacci", Int32)
+    async with node:
+        peer = await hub.peer()
+        assert (await peer.hears("subscribe"))["topic"] == "/fibonacci"
+        await peer.says("publish", topic="/fibonacci", msg={"data": 1})
+        assert await anext(numbers) == Int32(1)

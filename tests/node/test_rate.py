@@ -1,0 +1,82 @@
+"""A loop's rhythm."""
+
+import asyncio
+import logging
+import math
+
+import pytest
+
+import fibws
+from fibws.node.rate import Rate, Schedule
+from fibws.node.session import Session
+
+
+def test_the_first_tick_is_due_at_once() -> None:
+    assert Schedule(10).delay(1000) == 0
+
+
+def test_work_between_ticks_does_not_make_them_drift() -> None:
+    schedule = Schedule(10)
+    schedule.delay(0)
+    assert schedule.delay(0.03) == pytest.approx(0.07)
+    assert schedule.delay(0.17) == pytest.approx(0.03)
+
+
+def test_a_late_tick_is_at_once_and_the_next_ones_catch_up() -> None:
+    schedule = Schedule(10)
+    schedule.delay(0)
+    assert schedule.delay(0.25) == 0
+    assert schedule.delay(0.25) == 0
+    assert schedule.delay(0.25) == pytest.approx(0.05)
+
+
+def test_who_is_more_than_two_periods_late_does_not_catch_up() -> None:
+    schedule = Schedule(10)
+    schedule.delay(0)
+    assert schedule.delay(0.5) == 0
+    assert schedule.delay(0.5) == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize("hz", [0, -1, math.inf, math.nan])
+def test_a_rate_is_above_nothing(hz: float) -> None:
+    with pytest.raises(ValueError, match="above 0"):
+        Schedule(hz)
+
+
+async def test_it_ticks_until_the_node_ends() -> None:
+    session = Session(logging.Logger("test"))
+    ticks = 0
+    async for _ in Rate(1000, session.ended):
+        ticks += 1
+        if ticks == 3:
+            session.end()
+    assert ticks == 3
+
+
+async def test_a_wait_ends_with_the_node() -> None:
+    session = Session(logging.Logger("test"))
+    rate = Rate(0.01, session.ended)
+    await anext(rate)
+    waiting = asyncio.create_task(anext(rate, "the end"))
+    await asyncio.sleep(0)
+    session.end()
+    assert await waiting == "the end"
+
+
+async def test_a_loop_that_is_always_late_gives_way_to_others() -> None:
+    session = Session(logging.Logger("test"))
+
+    async def other() -> None:
+        session.end()
+
+    task = asyncio.create_task(other())
+    async for _ in Rate(1e9, session.ended):
+        pass
+    await task
+
+
+async def test_the_nodes_fault_is_raised() -> None:
+    session = Session(logging.Logger("test"))
+    session.end(fibws.NodeReplaced("by another"))
+    with pytest.raises(fibws.NodeReplaced, match="by another"):
+        await anext(Rate(1, session.ended))

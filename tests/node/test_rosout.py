@@ -1,0 +1,106 @@
+"""A node's log on /rosout."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import time
+
+import pytest
+
+import fibws
+from fibws.msg.rosgraph_msgs import Log
+from fibws.msg.std_msgs import Int32
+from fibws.node.rosout import Rosout, level
+from fibws.node.session import Session
+
+from .conftest import ScriptedHub
+
+
+@pytest.mark.parametrize(
+    ("python", "ros"),
+    [
+        (logging.DEBUG, Log.DEBUG),
+        (5, Log.DEBUG),
+        (logging.INFO, Log.INFO),
+        (25, Log.INFO),
+        (logging.WARNING, Log.WARN),
+        (logging.ERROR, Log.ERROR),
+        (logging.CRITICAL, Log.FATAL),
+        (99, Log.FATAL),
+    ],
+)
+def test_levels_are_those_of_ros(python: int, ros: int) -> None:
+    assert level(python) == ros
+
+
+async def test_a_line_says_who_wrote_it_and_where(hub: ScriptedHub) -> None:
+    async with fibws.Node("talker", hub=hub.url) as node:
+        peer = await hub.peer()
+        await node.advertise("fibonacci", Int32)
+        node.subscribe("other", Int32)
+        node.log.warning("%d is large", 89)
+        message = await peer.logged()
+    stamp = message["header"]["stamp"]
+    assert abs(stamp["secs"] + stamp["nsecs"] / 1e9 - time.time()) < 5
+    assert message["level"] == Log.WARN
+    assert message["name"] == "/talker"
+    assert message["msg"] == "89 is large"
+    assert message["file"] == __file__
+    assert message["function"] == "test_a_line_says_who_wrote_it_and_where"
+    assert message["line"] > 40
+    assert message["topics"] == ["/fibonacci", "/other", "/rosout"]
+
+
+async def test_other_threads_may_log(hub: ScriptedHub) -> None:
+    async with fibws.Node("talker", hub=hub.url) as node:
+        peer = await hub.peer()
+        await asyncio.to_thread(node.log.info, "from elsewhere")
+        assert (await peer.logged())["msg"] == "from elsewhere"
+
+
+def test_other_threads_may_log_even_when_the_loop_is_gone() -> None:
+    session = Session(logging.Logger("test"))
+    rosout = Rosout("/talker", session)
+    rosout.loop = asyncio.new_event_loop()
+    rosout.loop.close()
+    rosout.handle(logging.LogRecord("test", logging.INFO, "file", 1, "text", (), None))
+    assert len(session.outbox) == 0
+
+
+def test_without_a_hub_the_newest_lines_are_kept() -> None:
+    session = Session(logging.Logger("test"))
+    rosout = Rosout("/talker", session)
+    for _ in range(1000):
+        rosout.handle(logging.LogRecord("test", logging.INFO, "file", 1, "text", (), None))
+    assert len(session.outbox) == 100
+
+
+def test_half_a_character_is_sent_as_a_question_mark() -> None:
+    session = Session(logging.Logger("test"))
+    rosout = Rosout("/talker", session)
+    rosout.handle(logging.LogRecord("test", logging.INFO, "\udcff.py", 1, "\ud83d", (), None))
+    text = session.outbox.pop()
+    assert b'"msg":"?"' in text
+    assert b'"file":"?.py"' in text
+
+
+def test_a_wrong_log_line_does_not_stop_the_program(capsys: pytest.CaptureFixture[str]) -> None:
+    session = Session(logging.Logger("test"))
+    rosout = Rosout("/talker", session)
+    rosout.handle(logging.LogRecord("test", logging.INFO, "file", 1, "%d", ("thirteen",), None))
+    assert "%d format" in capsys.readouterr().err
+    assert len(session.outbox) == 0
+
+
+async def test_a_hub_that_refuses_the_log_is_not_sent_it(hub: ScriptedHub) -> None:
+    async with fibws.Node("talker", hub=hub.url) as node:
+        peer = await hub.peer()
+        other = node.subscribe("other", Int32)
+        await peer.says("status", level="error", id="advertise:/rosout:1", msg="no")
+        await peer.says("publish", topic="/other", msg={"data": 1})
+        await anext(other)
+        node.log.info("nobody hears this")
+        await node.advertise("fibonacci", Int32)
+        assert (await peer.hears("subscribe"))["topic"] == "/other"
+        assert (await peer.hears("advertise"))["topic"] == "/fibonacci"

@@ -1,0 +1,72 @@
+"""The types that a node speaks."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+
+import pytest
+
+import fibws
+from fibws.msg.std_msgs import Int32
+from fibws.node.types import Types
+
+from .conftest import ScriptedHub
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A folder of the user's, with a package ``garden``."""
+    messages = tmp_path / "garden" / "msg"
+    messages.mkdir(parents=True)
+    (messages / "Bed.msg").write_text("string crop\nPlant[] plants\n")
+    (messages / "Plant.msg").write_text("float32 height\n")
+    return tmp_path
+
+
+def types(*folders: Path) -> Types:
+    return Types(fibws.Interfaces(folders), time.time_ns)
+
+
+def test_a_class_is_found_by_its_types_name() -> None:
+    assert types().message_class("std_msgs/Int32") is Int32
+    assert types().message_class(Int32) is Int32
+
+
+def test_what_is_no_type_is_refused() -> None:
+    class Lost(fibws.Message):
+        _type = "garden/Lost"
+
+    with pytest.raises(fibws.InterfaceError, match="garden"):
+        types().message_class("garden/Bed")
+    with pytest.raises(fibws.InterfaceError, match="garden"):
+        types().message_class(Lost)
+
+
+def test_a_message_off_the_wire_is_checked_before_it_is_read() -> None:
+    read = types().reader(Int32)
+    assert read({"data": 5}) == Int32(5)
+    assert read({}) == Int32(0)
+    with pytest.raises(fibws.InvalidMessage):
+        read({"data": 2**31})
+
+
+def test_only_the_users_own_types_are_explained_to_the_hub(folder: Path) -> None:
+    mine = types(folder)
+    assert mine.definition("std_msgs/Int32") is None
+    text = mine.definition("garden/Bed")
+    assert text is not None
+    assert text.startswith("string crop\nPlant[] plants\n")
+    assert "MSG: garden/Plant" in text
+
+
+async def test_the_definition_goes_with_the_advertisement(
+    hub: ScriptedHub, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("FIBWS_INTERFACES", str(folder))
+    async with fibws.Node("gardener", hub=hub.url) as node:
+        peer = await hub.peer()
+        beds = await node.advertise("beds", "garden/Bed")
+        await beds.publish("beans", [])
+        assert "MSG: garden/Plant" in (await peer.hears("advertise"))["definition"]
+        assert (await peer.hears("publish"))["msg"] == {"crop": "beans", "plants": []}

@@ -1,0 +1,117 @@
+"""Nodes and a real hub, from end to end."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator
+from pathlib import Path
+
+import pytest
+
+import fibws
+from fibws.hub import Hub, Settings
+from fibws.msg.geometry_msgs import Twist, Vector3
+from fibws.msg.rosgraph_msgs import Log
+from fibws.msg.sensor_msgs import Image
+from fibws.msg.std_msgs import Float64, Int32, String
+
+from .conftest import Lines
+
+
+@pytest.fixture
+async def real_hub() -> AsyncIterator[Hub]:
+    async with Hub(Settings(port=0)) as hub:
+        yield hub
+
+
+async def test_one_node_hears_another(real_hub: Hub) -> None:
+    url = real_hub.url
+    async with fibws.Node("talker", hub=url) as talker, fibws.Node("ear", hub=url) as ear:
+        speeds = ear.subscribe("speed", Twist)
+        lines = ear.subscribe("/rosout", Log)
+        publisher = await talker.advertise("speed", Twist)
+        # The hub knows of the subscription once it has answered for what came after it.
+        probe = await ear.advertise("speed", Twist)
+        await probe.publish()
+        assert await anext(speeds) == Twist()
+        await publisher.publish(linear=Vector3(1, 2, 3))
+        assert await anext(speeds) == Twist(linear=Vector3(1.0, 2.0, 3.0))
+        talker.log.error("too fast")
+        assert (await anext(lines)).msg == "too fast"
+
+
+async def test_every_message_arrives_once_and_in_order(real_hub: Hub) -> None:
+    count = 20_000
+    async with fibws.Node("node", hub=real_hub.url) as node:
+        numbers = node.subscribe("numbers", Int32, queue_size=count)
+        publisher = await node.advertise("numbers", Int32)
+
+        async def publish() -> None:
+            for number in range(count):
+                await publisher.publish(number)
+
+        async with asyncio.timeout(30), asyncio.TaskGroup() as tasks:
+            tasks.create_task(publish())
+            for number in range(count):
+                assert (await anext(numbers)).data == number
+
+
+async def test_large_messages_pass(real_hub: Hub) -> None:
+    async with fibws.Node("node", hub=real_hub.url) as node:
+        images = node.subscribe("image", Image)
+        publisher = await node.advertise("image", Image)
+        await publisher.publish(height=2000, width=2000, step=6000, data=bytes(12_000_000))
+        assert len((await anext(images)).data) == 12_000_000
+
+
+async def test_a_refused_type_is_told_to_who_asked(real_hub: Hub) -> None:
+    async with fibws.Node("node", hub=real_hub.url) as node:
+        await node.advertise("numbers", Int32)
+        with pytest.raises(fibws.OperationRejected, match="already established"):
+            await anext(node.subscribe("numbers", Float64))
+
+
+async def test_the_users_own_type_reaches_a_hub_that_does_not_know_it(
+    real_hub: Hub, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    messages = tmp_path / "orchard" / "msg"
+    messages.mkdir(parents=True)
+    (messages / "Tree.msg").write_text("string fruit\nuint8 apples\n")
+    monkeypatch.setenv("FIBWS_INTERFACES", str(tmp_path))
+    async with fibws.Node("node", hub=real_hub.url) as node:
+        trees = await node.advertise("trees", "orchard/Tree")
+        heard = node.subscribe("trees", "orchard/Tree")
+        with pytest.raises(fibws.InvalidMessage, match="apples"):
+            await trees.publish("apple", 256)
+        await trees.publish("apple", 255)
+        assert (await anext(heard)).apples == 255
+
+
+async def test_a_second_node_of_the_name_ends_the_first(real_hub: Hub) -> None:
+    async with fibws.Node("talker", hub=real_hub.url) as first:
+        async with fibws.Node("talker", hub=real_hub.url):
+            with pytest.raises(fibws.NodeReplaced):
+                await first.spin()
+
+
+async def test_nodes_are_back_within_two_seconds_of_the_hub() -> None:
+    async with Hub(Settings(port=0)) as hub:
+        port, url = hub.port, hub.url
+        talker, ear = fibws.Node("talker", hub=url), fibws.Node("ear", hub=url)
+        lines = Lines(ear.log)
+        await talker.__aenter__()
+        await ear.__aenter__()
+        numbers = ear.subscribe("numbers", Int32)
+        latched = await talker.advertise("latched", String, latch=True)
+        publisher = await talker.advertise("numbers", Int32)
+        await latched.publish("kept")
+    assert "Lost the hub" in await lines.next()
+    await publisher.publish(1)
+    async with Hub(Settings(port=port)):
+        async with asyncio.timeout(2):
+            assert (await anext(ear.subscribe("latched", String))).data == "kept"
+            await publisher.publish(2)
+            while (await anext(numbers)).data != 2:
+                pass
+        await talker.__aexit__()
+        await ear.__aexit__()

@@ -1,0 +1,177 @@
+"""The tutorial's first node."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import re
+import signal
+
+import pytest
+from click.testing import CliRunner
+from websockets.asyncio.client import connect
+
+import fibws
+from fibws.broadcaster import command
+from fibws.hub import Hub
+from fibws.msg.rosgraph_msgs import Log
+from fibws.msg.std_msgs import Int32, UInt8
+
+from .conftest import Start
+
+BROADCASTER = "fibws.broadcaster"
+INT8 = [0, 1, 1, 2, 3, 5, 8, 13, 21, 34, 55, 89]
+
+
+async def hear(hub: Hub, topic: str, until: int) -> list[int]:
+    """The numbers on a topic, whatever their type, from the first 0 to ``until``."""
+    numbers: list[int] = []
+    async with asyncio.timeout(20), connect(hub.url) as websocket:
+        await websocket.send(json.dumps({"op": "subscribe", "topic": topic}))
+        while until not in numbers:
+            number = json.loads(await websocket.recv())["msg"]["data"]
+            if numbers or number == 0:
+                numbers.append(number)
+    return numbers
+
+
+async def test_it_broadcasts_the_series_and_prints_it(hub: Hub, start: Start) -> None:
+    async with fibws.Node("test", hub=hub.url) as node:
+        numbers = node.subscribe("fibonacci", Int32, queue_size=1000)
+        lines = node.subscribe("/rosout", Log)
+        program = await start(BROADCASTER, "--rate", "100", FIBWS_HUB=hub.url)
+        heard = [(await anext(numbers)).data for _ in range(8)]
+        assert heard == [0, 1, 1, 2, 3, 5, 8, 13]
+        for number in heard:
+            line = await program.line()
+            assert re.fullmatch(rf"\[INFO\] \[\d{{10}}\.\d{{6}}\]: {number}\n", line)
+        entry = await anext(lines)
+        assert re.fullmatch(rf"/fibonacci_broadcaster_{program.pid}_\d{{13}}", entry.name)
+        assert entry.topics == ["/fibonacci", "/rosout"]
+
+
+async def test_names_can_be_chosen(hub: Hub, start: Start) -> None:
+    async with fibws.Node("test", hub=hub.url) as node:
+        lines = node.subscribe("/rosout", Log)
+        numbers = node.subscribe("/robot/numbers", Int32)
+        remappings = ("fibonacci:=numbers", "__ns:=/robot")
+        await start(BROADCASTER, "--hub", hub.url, "--node-name", "counter", *remappings)
+        assert (await anext(numbers)).data == 0
+        assert (await anext(lines)).name == "/robot/counter"
+
+
+async def test_it_starts_over_when_the_type_is_full(hub: Hub, start: Start) -> None:
+    listening = asyncio.create_task(hear(hub, "/fibonacci", until=89))
+    program = await start(BROADCASTER, "--hub", hub.url, "--rate", "200", "--type", "std_msgs/Int8")
+    assert re.fullmatch(
+        r"\[WARN\] \[.*\]: 144 does not fit a std_msgs/Int8: the series starts over\.\n",
+        await program.error_line(),
+    )
+    assert await listening == INT8
+    printed = [int((await program.line()).split()[-1]) for _ in range(14)]
+    assert printed == [*INT8, 0, 1]
+
+
+async def test_an_int32_holds_47_numbers(hub: Hub, start: Start) -> None:
+    program = await start(BROADCASTER, "--hub", hub.url, "--rate", "1000")
+    warning = await program.error_line()
+    assert ": 2971215073 does not fit a std_msgs/Int32: the series starts over.\n" in warning
+    printed = [int((await program.line()).split()[-1]) for _ in range(48)]
+    assert printed[46:] == [1836311903, 0]
+
+
+async def test_it_can_end_when_the_type_is_full(hub: Hub, start: Start) -> None:
+    program = await start(
+        *(BROADCASTER, "--hub", hub.url, "--rate", "1000"),
+        *("--type", "std_msgs/Int8", "--on-overflow", "stop"),
+    )
+    code, out, err = await program.end()
+    assert code == 0
+    assert [int(line.split()[-1]) for line in out.splitlines()] == INT8
+    assert re.fullmatch(r"\[WARN\] \[.*\]: 144 does not fit a std_msgs/Int8: .* ends\.\n", err)
+
+
+async def test_it_can_go_on_with_a_wider_type(hub: Hub, start: Start) -> None:
+    listening = asyncio.create_task(hear(hub, "/fibonacci", until=377))
+    program = await start(
+        *(BROADCASTER, "--hub", hub.url, "--rate", "100"),
+        *("--type", "std_msgs/UInt8", "--on-overflow", "widen"),
+    )
+    assert await listening == [*INT8, 144, 233, 377]
+    assert "377 does not fit a std_msgs/UInt8: on with std_msgs/UInt16.\n" in (
+        await program.error_line()
+    )
+
+
+async def test_while_others_need_the_old_type_it_starts_over_instead(
+    hub: Hub, start: Start
+) -> None:
+    async with fibws.Node("test", hub=hub.url) as node:
+        numbers = node.subscribe("fibonacci", UInt8, queue_size=1000)
+        program = await start(
+            *(BROADCASTER, "--hub", hub.url, "--rate", "20"),
+            *("--type", "std_msgs/UInt8", "--on-overflow", "widen"),
+        )
+        async with asyncio.timeout(20):
+            heard = [(await anext(numbers)).data for _ in range(16)]
+        assert heard == [*INT8, 144, 233, 0, 1]
+    assert ": on with std_msgs/UInt16.\n" in await program.error_line()
+    refusal = await program.error_line()
+    assert "already established with type std_msgs/UInt8" in refusal
+    assert refusal.endswith(": the series starts over with std_msgs/UInt8.\n")
+
+
+async def test_another_type_on_the_topic_ends_it_with_the_reason(hub: Hub, start: Start) -> None:
+    async with fibws.Node("test", hub=hub.url) as node:
+        node.subscribe("fibonacci", UInt8)
+        program = await start(BROADCASTER, "--hub", hub.url, "--rate", "100")
+        code, _, err = await program.end()
+    assert code == 1
+    assert "Error: " in err
+    assert "already established with type std_msgs/UInt8 (by /test)" in err
+    assert "Traceback" not in err
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+async def test_ctrl_c_ends_it(hub: Hub, start: Start, number: signal.Signals) -> None:
+    program = await start(BROADCASTER, "--hub", hub.url)
+    await program.line()
+    program.send(number)
+    async with asyncio.timeout(2):
+        assert await program.end() == (0, "", "")
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+async def test_ctrl_c_ends_it_while_it_waits_for_a_hub(
+    hub: Hub, start: Start, number: signal.Signals
+) -> None:
+    url = hub.url
+    await hub.close()
+    program = await start(BROADCASTER, "--hub", url)
+    assert "Waiting for a hub" in await program.error_line()
+    program.send(number)
+    async with asyncio.timeout(2):
+        assert await program.end() == (0, "", "")
+
+
+async def test_it_ends_quietly_when_nobody_reads_what_it_prints(hub: Hub, start: Start) -> None:
+    program = await start(BROADCASTER, "--hub", hub.url, "--rate", "100")
+    await program.line()
+    program.stop_reading()
+    code, _, err = await program.end()
+    assert (code, err) == (0, "")
+
+
+async def test_a_second_one_of_the_same_name_ends_the_first(hub: Hub, start: Start) -> None:
+    first = await start(BROADCASTER, "--hub", hub.url, "--node-name", "counter")
+    await first.line()
+    second = await start(BROADCASTER, "--hub", hub.url, "--node-name", "counter")
+    code, _, err = await first.end()
+    assert (code, err) == (1, "Error: another node took the name /counter\n")
+    await second.line()
+
+
+def test_there_are_three_ways_to_go_on() -> None:
+    result = CliRunner().invoke(command, ["--on-overflow", "explode"])
+    assert result.exit_code == 2
+    assert "'explode' is not one of 'restart', 'stop', 'widen'" in result.stderr

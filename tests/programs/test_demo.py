@@ -1,0 +1,96 @@
+"""``fibws demo``."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+import signal
+from collections.abc import AsyncIterator
+from typing import NoReturn
+
+import pytest
+from click.testing import CliRunner
+
+from fibws.cli import demo
+from fibws.errors import HubError
+from fibws.hub import Hub
+
+from .conftest import Start
+
+DEMO = ("fibws", "demo", "--rate", "100")
+
+
+async def test_it_runs_a_hub_and_both_nodes(start: Start) -> None:
+    program = await start(*DEMO, "--port", "0")
+    found = re.fullmatch(r"A hub is at (ws://127\.0\.0\.1:\d+) now\.\n", await program.line())
+    assert found is not None
+    assert found[1].replace("ws", "http") in await program.line()
+    assert "Ctrl-C" in await program.line()
+    lines = [await program.line() for _ in range(10)]
+    said = [line.split()[-1] for line in lines if line.startswith("broadcaster [INFO] [")]
+    heard = [line.split()[-1] for line in lines if line.startswith("listener    [INFO] [")]
+    assert said[:4] == heard[:4] == ["0", "1", "1", "2"]
+    assert all(": I heard " in line for line in lines if line.startswith("listener"))
+    program.send(signal.SIGINT)
+    async with asyncio.timeout(2):
+        code, _, err = await program.end()
+    assert (code, err) == (0, "")
+
+
+async def test_it_uses_a_hub_that_is_there(hub: Hub, start: Start) -> None:
+    program = await start(*DEMO, "--port", str(hub.port))
+    assert await program.line() == f"There is a hub at {hub.url} already, so this uses it.\n"
+    for _ in range(6):
+        last = await program.line()
+    assert "[INFO]" in last
+    program.send(signal.SIGTERM)
+    code, _, err = await program.end()
+    assert (code, err) == (0, "")
+
+
+@pytest.fixture
+async def stranger() -> AsyncIterator[int]:
+    """The port of a web server."""
+
+    async def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        await reader.readuntil(b"\r\n\r\n")
+        writer.write(b"HTTP/1.1 200 OK\r\nContent-Length: 0\r\n\r\n")
+        writer.close()
+        await writer.wait_closed()
+
+    server = await asyncio.start_server(serve, "127.0.0.1", 0)
+    yield server.sockets[0].getsockname()[1]
+    server.close()
+    await server.wait_closed()
+
+
+async def test_a_port_that_is_taken_by_something_else_is_said_in_a_line(
+    stranger: int, start: Start
+) -> None:
+    program = await start(*DEMO, "--port", str(stranger))
+    code, out, err = await program.end()
+    assert (code, out) == (1, "")
+    assert err == (
+        f"Error: Port {stranger} is taken, and not by a hub. Choose another one with --port.\n"
+    )
+
+
+async def test_it_ends_quietly_when_nobody_reads_what_it_prints(start: Start) -> None:
+    program = await start(*DEMO, "--port", "0")
+    await program.line()
+    program.stop_reading()
+    code, _, err = await program.end()
+    assert (code, err) == (0, "")
+
+
+def test_a_hub_that_cannot_start_for_another_reason_says_which(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    class NoHub(Hub):
+        async def __aenter__(self) -> NoReturn:
+            raise HubError("Cannot listen on 127.0.0.1:80: Permission denied")
+
+    monkeypatch.setattr(demo, "Hub", NoHub)
+    result = CliRunner().invoke(demo.command, ["--port", "80"])
+    assert (result.exit_code, result.stdout) == (1, "")
+    assert result.stderr == "Error: Cannot listen on 127.0.0.1:80: Permission denied\n"

@@ -1,0 +1,63 @@
+"""The tutorial's second node."""
+
+from __future__ import annotations
+
+import re
+import signal
+
+import fibws
+from fibws.hub import Hub
+from fibws.msg.rosgraph_msgs import Log
+from fibws.msg.std_msgs import Float64, Int32
+
+from .conftest import Start
+
+LISTENER = "fibws.listener"
+
+
+async def test_it_says_what_it_heard(hub: Hub, start: Start) -> None:
+    async with fibws.Node("test", hub=hub.url) as node:
+        numbers = await node.advertise("fibonacci", Int32, latch=True)
+        lines = node.subscribe("/rosout", Log)
+        await numbers.publish(8)
+        program = await start(LISTENER, FIBWS_HUB=hub.url)
+        assert re.fullmatch(r"\[INFO\] \[\d{10}\.\d{6}\]: I heard 8\n", await program.line())
+        await numbers.publish(13)
+        assert (await program.line()).endswith(": I heard 13\n")
+        line = await anext(lines)
+        assert re.fullmatch(rf"/fibonacci_listener_{program.pid}_\d{{13}}", line.name)
+
+
+async def test_names_and_type_can_be_chosen(hub: Hub, start: Start) -> None:
+    async with fibws.Node("test", hub=hub.url) as node:
+        numbers = await node.advertise("numbers", Float64, latch=True)
+        lines = node.subscribe("/rosout", Log)
+        await numbers.publish(0.5)
+        program = await start(
+            *(LISTENER, "--hub", hub.url, "--node-name", "ear"),
+            *("--type", "std_msgs/Float64", "fibonacci:=numbers"),
+        )
+        assert (await program.line()).endswith(": I heard 0.5\n")
+        assert (await anext(lines)).name == "/ear"
+
+
+async def test_it_hears_a_broadcaster(hub: Hub, start: Start) -> None:
+    listener = await start(LISTENER, "--hub", hub.url, "--node-name", "ear")
+    await start("fibws.broadcaster", "--hub", hub.url, "--rate", "50")
+    first = int((await listener.line()).split()[-1])
+    second = int((await listener.line()).split()[-1])
+    assert second >= first
+    listener.send(signal.SIGINT)
+    code, _, err = await listener.end()
+    assert (code, err) == (0, "")
+
+
+async def test_the_topics_type_is_another_one(hub: Hub, start: Start) -> None:
+    async with fibws.Node("test", hub=hub.url) as node:
+        await node.advertise("fibonacci", Float64)
+        await (await node.advertise("sync", Float64)).publish(0)
+        program = await start(LISTENER, "--hub", hub.url)
+        code, out, err = await program.end()
+    assert (code, out) == (1, "")
+    assert "already established with type std_msgs/Float64 (by /test)" in err
+    assert "Traceback" not in err

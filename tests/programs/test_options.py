@@ -1,0 +1,36 @@
+"""The options that nodes' programs have in common."""
+
+from __future__ import annotations
+
+import pytest
+from click.testing import CliRunner
+
+from fibws.broadcaster import command
+
+
+@pytest.mark.parametrize(
+    ("arguments", "fault"),
+    [
+        (["numbers"], "'numbers': it is neither an option nor a remapping"),
+        (["fibonacci:=9"], "'9' is not a legal name"),
+        (["--rate", "0"], "0 is not above 0"),
+        (["--rate", "nan"], "nan is not above 0"),
+        (["--type", "std_msgs/String"], "does not hold one number"),
+        (["--type", "std_msgs/Bool"], "does not hold one number"),
+        (["--type", "geometry_msgs/Twist"], "does not hold one number"),
+        (["--type", "std_msgs/Int23"], "did you mean std_msgs/Int32?"),
+        (["--type", "integer"], "integer is not a valid type string"),
+        (["--node-name", "a/b"], "namespaces are not allowed in node names"),
+        (["--hub", "http://robot"], "is not the address of a hub"),
+    ],
+)
+def test_wrong_arguments_are_explained(arguments: list[str], fault: str) -> None:
+    result = CliRunner().invoke(command, arguments)
+    assert result.exit_code == 2
+    assert fault in result.stderr
+
+
+def test_what_was_not_chosen_is_told_in_the_help() -> None:
+    result = CliRunner().invoke(command, ["--help"])
+    assert "fibonacci_broadcaster_<pid>_<ms>" in result.stdout
+    assert "$FIBWS_HUB" in result.stdout

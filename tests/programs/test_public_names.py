@@ -1,0 +1,33 @@
+"""What `import fibws` gives."""
+
+from __future__ import annotations
+
+import asyncio
+import sys
+
+import pytest
+
+import fibws
+
+from .conftest import ROOT
+
+
+async def test_they_cost_nothing_until_they_are_used() -> None:
+    code = (
+        "import sys, fibws; before = set(sys.modules); fibws.Node; "
+        "print('websockets' in before, 'pydantic' in before, 'asyncio' in before, "
+        "'websockets' in sys.modules)"
+    )
+    process = await asyncio.create_subprocess_exec(
+        sys.executable, "-c", code, stdout=asyncio.subprocess.PIPE, cwd=ROOT
+    )
+    out, _ = await process.communicate()
+    assert out == b"False False False True\n"
+
+
+def test_they_are_all_there() -> None:
+    for name in fibws.__all__:
+        assert getattr(fibws, name) is not None
+    assert set(fibws.__all__) <= set(dir(fibws))
+    with pytest.raises(AttributeError, match="no attribute 'Hub'"):
+        fibws.Hub  # type: ignore[attr-defined]  # noqa: B018
