@@ -12,7 +12,8 @@ FibwsError
 │   └── TypeConflict           a topic that already has another type
 ├── HubError               the hub cannot start or go on
 └── NodeError              a node cannot go on
-    ├── HubUnreachable         no hub answers at the address
+    ├── InvalidAddress         what should say where the hub is does not
+    ├── HubUnreachable         the hub is there and will not have this node, or never can be
     ├── OperationRejected      the hub refused what the node asked for
     ├── NodeReplaced           another node took this node's name
     └── NodeClosed             the node was used after its end
@@ -111,13 +112,22 @@ class NodeError(FibwsError):
     """A node cannot go on."""
 
 
+class InvalidAddress(NodeError, ValueError):
+    """What should say where the hub is does not."""
+
+    def __init__(self, address: str, fault: str) -> None:
+        self.address = address
+        self.fault = fault
+        super().__init__(f"{address!r} is not the address of a hub: {fault}. Write ws://host:port")
+
+
 class HubUnreachable(NodeError):
-    """No hub answers at the address."""
+    """The hub is there and will not have this node, or never can be: waiting is of no use."""
 
     def __init__(self, url: str, cause: str) -> None:
         self.url = url
         self.cause = cause
-        super().__init__(f"No hub at {url} ({cause}). Start one with: python -m fibws.hub")
+        super().__init__(f"The hub at {url} cannot be reached: {cause}")
 
 
 class OperationRejected(NodeError):

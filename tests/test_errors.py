@@ -65,7 +65,7 @@ def test_the_tree_in_the_docstring_is_the_tree() -> None:
         ),
         (
             HubUnreachable("ws://localhost:9090", "refused"),
-            "No hub at ws://localhost:9090 (refused). Start one with: python -m fibws.hub",
+            "The hub at ws://localhost:9090 cannot be reached: refused",
         ),
     ],
 )

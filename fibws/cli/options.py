@@ -31,7 +31,7 @@ def node(default_name: str) -> Callable[[Callable[..., None]], Callable[..., Non
                     anonymous=node_name is None,
                     remapping=remapping,
                 )
-            except (ValueError, fibws.FibwsError) as error:
+            except fibws.FibwsError as error:
                 raise click.UsageError(str(error)) from None
             command(node=node, **others)
 

@@ -37,6 +37,8 @@ class Hub:
 
     def __init__(self, settings: Settings | None = None) -> None:
         self.settings = settings or Settings()
+        self.port = self.settings.port
+        """The port it listens on, also when the settings leave the choice to the system."""
         self.graph = Graph(
             Interfaces(self.settings.interfaces),
             time.time_ns,
@@ -67,6 +69,7 @@ class Hub:
             )
         except OSError as error:
             raise HubError(_why_not(host, port, error)) from error
+        self.port = self._server.sockets[0].getsockname()[1]
         self._started = time.monotonic()
         self._sweeper = loop.call_later(SWEEP_INTERVAL, self._sweep)
         return self
@@ -78,12 +81,6 @@ class Hub:
         traceback: TracebackType | None,
     ) -> None:
         await self.close()
-
-    @property
-    def port(self) -> int:
-        """The port it listens on, also when the settings left the choice to the system."""
-        port: int = self._server.sockets[0].getsockname()[1]
-        return port
 
     @property
     def url(self) -> str:

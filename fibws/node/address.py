@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from urllib.parse import parse_qsl, quote, urlencode, urlsplit
 
+from fibws.errors import InvalidAddress
+
 DEFAULT_PORT = 9090
 DEFAULT = f"ws://127.0.0.1:{DEFAULT_PORT}"
 ENVIRONMENT = "FIBWS_HUB"
@@ -13,7 +15,7 @@ def hub_url(address: str) -> str:
     """The URL that ``address`` stands for: ``robot`` is ``ws://robot:9090``.
 
     Raises:
-        ValueError: it is no address of a hub; the text says what one looks like.
+        InvalidAddress: it is no address of a hub.
     """
     address = address.strip()
     url = address if "://" in address else f"ws://{address}"
@@ -21,13 +23,13 @@ def hub_url(address: str) -> str:
         parts = urlsplit(url)
         port = parts.port
     except ValueError as error:
-        raise ValueError(_fault(address, str(error))) from None
+        raise InvalidAddress(address, str(error)) from None
     if parts.scheme not in ("ws", "wss"):
-        raise ValueError(_fault(address, f"a hub speaks ws:// or wss://, not {parts.scheme}://"))
+        raise InvalidAddress(address, f"a hub speaks ws:// or wss://, not {parts.scheme}://")
     if not parts.hostname or any(character.isspace() for character in url):
-        raise ValueError(_fault(address, "it names no host"))
+        raise InvalidAddress(address, "it names no host")
     if port == 0 or parts.fragment:
-        raise ValueError(_fault(address, "its port is 0" if port == 0 else "it has a # part"))
+        raise InvalidAddress(address, "its port is 0" if port == 0 else "it has a # part")
     if port is None and url != address:
         # Only what is spelled as a URL has a URL's default, which is 80.
         return parts._replace(netloc=f"{parts.netloc}:{DEFAULT_PORT}").geturl()
@@ -40,7 +42,3 @@ def node_url(hub: str, node: str) -> str:
     keys = [(key, value) for key, value in parse_qsl(parts.query, True) if key != "node"]
     query = urlencode([*keys, ("node", node)], safe="/", quote_via=quote)
     return parts._replace(path=parts.path or "/", query=query).geturl()
-
-
-def _fault(address: str, fault: str) -> str:
-    return f"{address!r} is not the address of a hub: {fault}. Write ws://host:port"

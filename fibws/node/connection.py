@@ -173,7 +173,11 @@ class Connection:
         if self._answered.is_set():
             self._log.warning("Lost the hub at %s (%s); trying again.", self._hub, reason)
         else:
-            self._log.warning("Waiting for a hub at %s (%s).", self._hub, reason)
+            self._log.warning(
+                "Waiting for a hub at %s (%s). Start one with: python -m fibws.hub",
+                self._hub,
+                reason,
+            )
 
     def _found(self) -> None:
         if self._missed:

@@ -43,7 +43,7 @@ class Node:
 
     Raises:
         InvalidName: a name is not legal.
-        ValueError: the hub's address is none.
+        InvalidAddress: the hub's address is none.
     """
 
     def __init__(

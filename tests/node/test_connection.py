@@ -70,7 +70,9 @@ async def test_a_node_waits_for_its_hub_and_says_so_once(
             await hub.peer()
 
     task = asyncio.create_task(open_node())
-    assert await lines.next() == f"Waiting for a hub at {hub.url} (Connection refused)."
+    assert await lines.next() == (
+        f"Waiting for a hub at {hub.url} (Connection refused). Start one with: python -m fibws.hub"
+    )
     await hub.start()
     await task
     assert await lines.next() == f"The hub at {hub.url} is there."
