@@ -9,6 +9,7 @@ import signal
 import sys
 import tomllib
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, get_args, get_origin, get_type_hints
 
@@ -82,11 +83,11 @@ def command(**values: Any) -> None:
     """
     logging.addLevelName(logging.WARNING, "WARN")  # as ROS calls it
     logging.basicConfig(format="[%(levelname)s] [%(created)f]: %(message)s", level=logging.INFO)
-    settings = Settings(**values)
     # Makes glibc keep memory that is freed: else it trims its heap and grows it again with every
     # large message, which costs more than relaying it.
     bytearray(8 * MIB)
     try:
+        settings = Settings(**values)
         with asyncio.Runner(loop_factory=_loop_factory()) as runner:
             runner.run(_serve(settings))
     except FibwsError as error:
@@ -96,16 +97,15 @@ def command(**values: Any) -> None:
 
 
 async def _serve(settings: Settings) -> None:
+    stop = asyncio.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        with suppress(NotImplementedError):  # Windows: Ctrl-C comes as KeyboardInterrupt.
+            asyncio.get_running_loop().add_signal_handler(number, stop.set)
     async with Hub(settings) as hub:
         page = hub.url.replace("ws:", "http:")
-        print(f"The hub listens at {hub.url}; open {page}/ in a browser. Ctrl-C ends it.")
-        sys.stdout.flush()
-        stop = asyncio.Event()
-        for number in (signal.SIGINT, signal.SIGTERM):
-            try:
-                asyncio.get_running_loop().add_signal_handler(number, stop.set)
-            except NotImplementedError:  # Windows: Ctrl-C comes as KeyboardInterrupt.
-                pass
+        print(
+            f"The hub listens at {hub.url}; open {page}/ in a browser. Ctrl-C ends it.", flush=True
+        )
         await stop.wait()
 
 

@@ -68,8 +68,10 @@ class Connection(asyncio.BufferedProtocol):
         "_closing_since",
         "_fragments",
         "_head",
+        "_left",
         "_paused_since",
         "_pinged_at",
+        "_pong_bytes",
         "_pong_due",
         "_protocol",
         "_reported",
@@ -78,6 +80,7 @@ class Connection(asyncio.BufferedProtocol):
         "_since",
         "_splitter",
         "_transport",
+        "_unsent",
         "outbox",
         "peer",
         "session",
@@ -90,12 +93,16 @@ class Connection(asyncio.BufferedProtocol):
         )
         self._transport: asyncio.Transport
         self._since = self._pinged_at = shared.loop.time()
-        self._head: bytearray | None = bytearray()
+        self._head: bytes | None = b""
+        """The last bytes of a request that is not complete yet."""
         self._splitter: Splitter
         self._fragments: list[bytes] = []
         self._binary = False
         self._pong_due: float | None = None
+        self._pong_bytes = 0
+        self._left = False
         self._paused_since: float | None = None
+        self._unsent = 0
         self._closing_since: float | None = None
         self._reported = 0
         self._reported_at = float("-inf")
@@ -143,18 +150,20 @@ class Connection(asyncio.BufferedProtocol):
         return False
 
     def connection_lost(self, exc: Exception | None) -> None:
+        self._shared.lost(self)
         self._leave()
         if self.session is not None:
             logger.info("%s has left.", self.session.node)
-        self._shared.lost(self)
 
     def pause_writing(self) -> None:
         self._paused_since = self._shared.loop.time()
+        self._unsent = self._transport.get_write_buffer_size()
         if self.session is not None:
             self.outbox.pause()
 
     def resume_writing(self) -> None:
         self._paused_since = None
+        self._pong_bytes = 0
         if self.session is not None:
             self.outbox.resume()
 
@@ -170,13 +179,13 @@ class Connection(asyncio.BufferedProtocol):
         It would act on frames sent behind the request before that is accepted.
         """
         assert self._head is not None
-        searched = max(0, len(self._head) - 3)
-        self._head += data
-        end = self._head.find(b"\r\n\r\n", searched)
+        seen = self._head + data
+        end = seen.find(b"\r\n\r\n")
         if end < 0:
+            self._head = seen[-3:]
             self._feed(data)
             return
-        rest = bytes(self._head[end + 4 :])
+        rest = seen[end + 4 :]
         self._head = None
         self._splitter = Splitter(
             self._on_text, self._feed, max_size=self._shared.settings.max_message_size
@@ -223,19 +232,21 @@ class Connection(asyncio.BufferedProtocol):
                 self._on_frame(event)
         if self._protocol.state is not State.OPEN and self._head is None:
             self._splitter.give_up()
+            self._leave()
         self._send()
 
     def _on_frame(self, frame: Frame) -> None:
         if frame.opcode is Opcode.PONG:
             self._pong_due = None
-        elif frame.opcode is Opcode.CLOSE:
-            self._leave()
         elif frame.opcode in (Opcode.TEXT, Opcode.BINARY, Opcode.CONT):
             self._on_data(frame)
 
     def _on_data(self, frame: Frame) -> None:
-        """Put fragments together."""
-        if self._protocol.state is not State.OPEN:
+        """Put fragments together.
+
+        The library has read on: what came before a close, or before an error, still counts.
+        """
+        if self._left:
             return
         if len(self._fragments) == MAX_FRAGMENTS:
             self._fail(FRAGMENTS)
@@ -276,21 +287,28 @@ class Connection(asyncio.BufferedProtocol):
         for data in self._protocol.data_to_send():
             if data:
                 self._transport.write(data)
+                self._count_pongs(len(data))
             elif self._transport.can_write_eof():
                 self._transport.write_eof()
                 self._closing_since = self._shared.loop.time()
             else:
                 self._transport.close()
 
+    def _count_pongs(self, size: int) -> None:
+        """Cut off who sends pings without end and reads no pong: the outbox cannot bound those."""
+        if self._paused_since is not None:
+            self._pong_bytes += size
+            if self._pong_bytes > HIGH_WATER:
+                self._transport.abort()
+
     def close(self, closing: Closing) -> None:
         """Close in good order; a client that does not answer is cut off by a later sweep."""
         if self._protocol.state is State.OPEN:
-            self.outbox.flush()
+            self._leave()
             self._protocol.send_close(closing.code, closing.reason)
             self._closing_since = self._shared.loop.time()
             self._splitter.give_up()
             self._send()
-            self._leave()
             logger.info("%s is closed: %s.", self.name, closing.reason)
         elif self._protocol.state is State.CONNECTING:
             self._transport.abort()
@@ -304,14 +322,17 @@ class Connection(asyncio.BufferedProtocol):
         if self._protocol.state is not State.OPEN:
             return
         logger.warning("%s is closed: %s.", self.name, closing.reason)
+        self._leave()
         self._protocol.fail(closing.code, closing.reason)
         self._splitter.give_up()
         self._send()
-        self._leave()
 
     def _leave(self) -> None:
-        if self.session is not None:
+        """Let the client's registrations go; what it was sent until now still goes out."""
+        if self.session is not None and not self._left:
+            self._left = True
             self.session.leave()
+            self.outbox.flush()
             self.outbox.close()
 
     @property
@@ -324,6 +345,7 @@ class Connection(asyncio.BufferedProtocol):
     def sweep(self, now: float) -> None:
         """See what is overdue: handshake, ping, pong, close, reading."""
         settings = self._shared.settings
+        self._see_progress(now)
         if self._closing_since is not None:
             if now - self._closing_since > settings.close_timeout:
                 self._transport.abort()
@@ -339,6 +361,15 @@ class Connection(asyncio.BufferedProtocol):
             self._report_drops(now)
             if settings.ping_interval and now - self._pinged_at >= settings.ping_interval:
                 self._ping(now)
+
+    def _see_progress(self, now: float) -> None:
+        """Who reads slowly has not stopped reading, though its socket is never empty."""
+        if self._paused_since is not None:
+            unsent = self._transport.get_write_buffer_size()
+            if unsent < self._unsent:
+                self._paused_since = now
+                self._pong_due = None
+            self._unsent = unsent
 
     def _ping(self, now: float) -> None:
         self._pinged_at = now

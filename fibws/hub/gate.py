@@ -41,7 +41,7 @@ class Gate:
     def answer(self, request: Request) -> Response | None:
         """The response to a plain or refused request; None if a WebSocket may open."""
         try:
-            if not request.headers.get("Upgrade"):
+            if request.headers.get("Upgrade", "").lower() != "websocket":
                 return self._resource(request)
             refusal = self._refusal(request.headers)
             if refusal is not None:

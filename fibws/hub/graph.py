@@ -78,9 +78,13 @@ class Graph:
         if name is None:
             name = self._new_name()
         older = self.nodes.pop(name, None)
-        if older is not None:
-            older.replaced()
         self.nodes[name] = client
+        if older is not None:
+            try:
+                older.replaced()
+            except Exception:
+                # The newcomer must not pay for what is wrong with the older one.
+                logger.exception("%s: the older node of this name could not leave.", name)
         return name
 
     def _new_name(self) -> str:

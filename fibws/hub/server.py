@@ -48,7 +48,9 @@ class Hub:
         self._server: asyncio.Server
         self._sweeper: asyncio.TimerHandle
         self._started = 0.0
+        self._closing = False
         self._empty = asyncio.Event()
+        self._empty.set()
 
     async def __aenter__(self) -> Self:
         loop = asyncio.get_running_loop()
@@ -59,7 +61,7 @@ class Hub:
             graph=self.graph,
             loop=loop,
             flusher=Flusher(loop.call_soon),
-            opened=self._connections.add,
+            opened=self._opened,
             lost=self._lost,
         )
         host, port = self.settings.host, self.settings.port
@@ -91,17 +93,17 @@ class Hub:
 
     async def close(self) -> None:
         """Say good-bye to all clients and stop; those that do not answer are cut off."""
+        self._closing = True
         self._server.close()
         self._sweeper.cancel()
         for connection in list(self._connections):
             connection.close(SHUTDOWN)
-        if self._connections:
-            self._empty.clear()
-            try:
-                await asyncio.wait_for(self._empty.wait(), self.settings.close_timeout)
-            except TimeoutError:
-                for connection in list(self._connections):
-                    connection.abort()
+        try:
+            await asyncio.wait_for(self._empty.wait(), self.settings.close_timeout)
+        except TimeoutError:
+            for connection in list(self._connections):
+                connection.abort()
+            await self._empty.wait()
         await self._server.wait_closed()
 
     def health(self) -> dict[str, object]:
@@ -126,6 +128,12 @@ class Hub:
             ],
         }
 
+    def _opened(self, connection: Connection) -> None:
+        self._connections.add(connection)
+        self._empty.clear()
+        if self._closing:
+            connection.abort()
+
     def _lost(self, connection: Connection) -> None:
         self._connections.discard(connection)
         if not self._connections:
@@ -133,15 +141,19 @@ class Hub:
 
     def _sweep(self) -> None:
         loop = asyncio.get_running_loop()
+        self._sweeper = loop.call_later(SWEEP_INTERVAL, self._sweep)
         now = loop.time()
         for connection in list(self._connections):
-            connection.sweep(now)
-        self._sweeper = loop.call_later(SWEEP_INTERVAL, self._sweep)
+            try:
+                connection.sweep(now)
+            except Exception:
+                # What is wrong with one client must not leave the others unwatched.
+                logger.exception("%s: the sweep failed.", connection.name)
 
 
 def _why_not(host: str, port: int, error: OSError) -> str:
     if error.errno == errno.EADDRINUSE:
         return f"Port {port} on {host} is taken: another hub may run there. Choose one with --port"
-    if error.errno == errno.EADDRNOTAVAIL:
+    if error.errno in (errno.EADDRNOTAVAIL, None):  # From Python 3.13 on asyncio names none.
         return f"{host} is not an address of this machine"
     return f"Cannot listen on {host}:{port}: {error.strerror or error}"

@@ -43,6 +43,9 @@ logger = logging.getLogger("fibws.hub")
 _GRAVITY: dict[Level, int] = {"none": 0, "error": 1, "warning": 2, "info": 3}
 _INFO = _GRAVITY["info"]
 
+MAX_OBJECTS = 1000
+"""Operations in one text: a megabyte of ``{}{}{}`` would keep all others waiting."""
+
 
 class Session:
     """One client's part in the graph, from its handshake to its leaving.
@@ -96,7 +99,9 @@ class Session:
             InvalidUtf8: the bytes are no text.
         """
         try:
-            for fields in objects(text):
+            for number, fields in enumerate(objects(text)):
+                if number == MAX_OBJECTS:
+                    raise OperationError(f"Expected at most {MAX_OBJECTS} operations in one text")
                 self._perform(fields)
         except OperationError as error:
             self._complain(str(error), None)
@@ -258,7 +263,7 @@ class Session:
         # A client that errs a thousand times in a second must not fill the disk.
         if str(self._complaints).strip("0") == "1":
             logger.warning(
-                "%s: %s (error %d of this client)", self.node, _shortened(fault), self._complaints
+                "%s: %s (error %d of this client)", self.node, _printable(fault), self._complaints
             )
         self._say("error", id_, fault)
 
@@ -270,6 +275,11 @@ class Session:
                 msg=_shortened(text),
             )
             self._outbox.reply(text_frame(encode(status)))
+
+
+def _printable(text: str) -> str:
+    """What may be written to a log of a text that may hold line ends and terminal codes."""
+    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in _shortened(text))
 
 
 def _shortened(text: str) -> str:

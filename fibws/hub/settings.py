@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import math
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
+
+from fibws.errors import HubError
 
 KIB = 1024
 MIB = 1024 * KIB
@@ -16,7 +19,11 @@ def _setting(default: Any, help_: str) -> Any:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Settings:
-    """The hub's settings; each is a flag of ``python -m fibws.hub`` as well."""
+    """The hub's settings; each is a flag of ``python -m fibws.hub`` as well.
+
+    Raises:
+        HubError: a number is below 0, or no port.
+    """
 
     host: str = _setting("127.0.0.1", "Address to listen on; 0.0.0.0 lets other machines in.")
     port: int = _setting(9090, "Port to listen on; 0 takes a free one.")
@@ -46,3 +53,12 @@ class Settings:
     fast_framing: bool = _setting(
         True, "Take whole text messages from the bytes at once, not by way of the library's parser."
     )
+
+    def __post_init__(self) -> None:
+        for setting in fields(self):
+            value = getattr(self, setting.name)
+            if isinstance(value, int | float) and not 0 <= value < math.inf:
+                flag = setting.name.replace("_", "-")
+                raise HubError(f"--{flag} is a number from 0 on, not {value}")
+        if self.port > 65535:
+            raise HubError(f"--port is a number from 0 to 65535, not {self.port}")
