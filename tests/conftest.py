@@ -1,0 +1,106 @@
+"""A real hub on a free port, on both event loops where a test asks for it."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
+from contextlib import AsyncExitStack
+from typing import Any
+
+import pytest
+
+from fibws.hub import Hub, Settings
+
+LoopFactory = Callable[[], asyncio.AbstractEventLoop]
+StartHub = Callable[..., Awaitable[Hub]]
+
+SWEEP_INTERVAL = 0.02
+"""Seconds between two sweeps in tests, so that nobody waits for the second's end."""
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.addinivalue_line("markers", "both_loops: run on asyncio's event loop and on uvloop's")
+
+
+def pytest_asyncio_loop_factories(
+    config: pytest.Config, item: pytest.Item
+) -> Mapping[str, LoopFactory]:
+    """The event loops that a test runs on: uvloop's too, if it is installed and asked for."""
+    factories: dict[str, LoopFactory] = {"asyncio": asyncio.new_event_loop}
+    if item.get_closest_marker("both_loops"):
+        try:
+            import uvloop
+        except ImportError:
+            pass
+        else:
+            factories["uvloop"] = uvloop.new_event_loop
+    return factories
+
+
+class Faults:
+    """What went wrong inside the hub where no client could see it."""
+
+    def __init__(self) -> None:
+        self.seen: list[str] = []
+
+    def expect(self, text: str) -> None:
+        """Take note of one fault that the test brought about on purpose."""
+        found = [fault for fault in self.seen if text in fault]
+        assert found, f"no fault says {text!r}: {self.seen}"
+        self.seen.remove(found[0])
+
+    def in_a_callback(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
+        """The loop's exception handler."""
+        self.seen.append(f"{context['message']} {context.get('exception')!r}")
+
+
+class _Tracebacks(logging.Handler):
+    def __init__(self, faults: Faults) -> None:
+        super().__init__(logging.ERROR)
+        self._faults = faults
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self._faults.seen.append(self.format(record))
+
+
+@pytest.fixture
+async def faults() -> AsyncIterator[Faults]:
+    """Fails the test if a callback raised, or an error was logged, unless it was expected."""
+    faults = Faults()
+    asyncio.get_running_loop().set_exception_handler(faults.in_a_callback)
+    handler = _Tracebacks(faults)
+    loggers = [logging.getLogger("fibws"), logging.getLogger("asyncio")]
+    for logger in loggers:
+        logger.addHandler(handler)
+    yield faults
+    for logger in loggers:
+        logger.removeHandler(handler)
+    assert faults.seen == []
+
+
+@pytest.fixture
+async def start_hub(monkeypatch: pytest.MonkeyPatch, faults: Faults) -> AsyncIterator[StartHub]:
+    """Starts hubs with the settings that a test wants; afterwards they must have forgotten all."""
+    monkeypatch.setattr("fibws.hub.server.SWEEP_INTERVAL", SWEEP_INTERVAL)
+    hubs: list[Hub] = []
+    async with AsyncExitStack() as stack:
+
+        async def start(**settings: Any) -> Hub:
+            hub = await stack.enter_async_context(
+                Hub(Settings(**{"port": 0, "close_timeout": 1.0, **settings}))
+            )
+            hubs.append(hub)
+            return hub
+
+        yield start
+        async with asyncio.timeout(10):
+            await stack.aclose()
+    for hub in hubs:
+        assert (hub.graph.nodes, hub.graph.topics) == ({}, {})
+
+
+@pytest.fixture
+async def hub(start_hub: StartHub) -> Hub:
+    """A hub with the ordinary settings on a free port."""
+    return await start_hub()

@@ -1,0 +1,273 @@
+"""``python -m fibws.hub``: the hub as a program."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import os
+import re
+import select
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.client import connect
+from websockets.typing import Origin
+
+from fibws import __version__
+from fibws.hub import Settings
+from fibws.hub.__main__ import command
+
+PATIENCE = 10
+
+
+class Program:
+    """A running hub and what it has printed."""
+
+    def __init__(self, process: subprocess.Popen[str]) -> None:
+        self.process = process
+
+    def first_line(self) -> str:
+        """What it prints when it is ready."""
+        assert self.process.stdout is not None
+        assert select.select([self.process.stdout], [], [], PATIENCE)[0], "it prints nothing"
+        return self.process.stdout.readline()
+
+    def url(self) -> str:
+        """The address in its first line."""
+        found = re.search(r"ws://\S+:\d+", self.first_line())
+        assert found is not None
+        return found[0]
+
+    def end(self) -> tuple[int, str, str]:
+        """Its exit code and what else it printed, once it ends by itself."""
+        out, err = self.process.communicate(timeout=PATIENCE)
+        return self.process.returncode, out, err
+
+
+@contextmanager
+def running(*arguments: str, **environment: str) -> Iterator[Program]:
+    """A hub in a process of its own; it does not outlive the block."""
+    known = {name: value for name, value in os.environ.items() if not name.startswith("FIBWS_")}
+    process = subprocess.Popen(
+        [sys.executable, "-m", "fibws.hub", *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=known | environment,
+    )
+    with process:
+        try:
+            yield Program(process)
+        finally:
+            if process.poll() is None:
+                process.kill()
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_signal_ends_it_with_a_good_bye_and_exit_code_0(number: signal.Signals) -> None:
+    with running("--port", "0") as hub, connect(hub.url()) as websocket:
+        websocket.send('{"op":"nope"}')
+        assert "Unknown operation: nope" in json.loads(websocket.recv(PATIENCE))["msg"]
+        hub.process.send_signal(number)
+        with pytest.raises(ConnectionClosed) as closed:
+            websocket.recv(PATIENCE)
+        code, out, err = hub.end()
+    assert closed.value.rcvd is not None
+    assert (closed.value.rcvd.code, closed.value.rcvd.reason) == (1001, "the hub is shutting down")
+    assert (code, out) == (0, "")
+    assert "Traceback" not in err
+    assert "/client_1 has connected from 127.0.0.1:" in err
+
+
+def test_a_signal_right_after_the_first_line_is_not_lost() -> None:
+    """Whoever waits for that line may end the hub as soon as it is there."""
+    port = _free_port()
+    reading, writing = os.pipe()
+    os.set_blocking(writing, False)
+    filled = 0
+    try:
+        while True:
+            filled += os.write(writing, bytes(4096))
+    except BlockingIOError:
+        pass
+    os.set_blocking(writing, True)
+    process = subprocess.Popen(
+        [sys.executable, "-m", "fibws.hub", "--port", str(port)],
+        stdout=writing,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    with process:
+        os.close(writing)
+        try:
+            _connect(port)
+            process.send_signal(signal.SIGTERM)
+            with open(reading, "rb") as pipe:
+                pipe.read(filled)
+                pipe.read()
+            _, err = process.communicate(timeout=PATIENCE)
+        finally:
+            if process.poll() is None:
+                process.kill()
+    assert (process.returncode, err) == (0, "")
+
+
+def test_a_taken_port_is_one_clear_line_and_exit_code_1() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as other:
+        port = other.getsockname()[1]
+        with running("--port", str(port)) as hub:
+            code, out, err = hub.end()
+    assert (code, out) == (1, "")
+    assert err == (
+        f"fibws.hub: Port {port} on 127.0.0.1 is taken: another hub may run there. "
+        "Choose one with --port.\n"
+    )
+
+
+def test_it_works_without_uvloop(tmp_path: Path) -> None:
+    (tmp_path / "uvloop.py").write_text("raise ImportError")
+    with running("--port", "0", PYTHONPATH=os.pathsep.join([str(tmp_path), os.getcwd()])) as hub:
+        with connect(hub.url()) as websocket:
+            websocket.send("{}")
+            assert json.loads(websocket.recv(PATIENCE))["op"] == "status"
+        hub.process.terminate()
+        assert hub.end()[0] == 0
+
+
+@pytest.mark.parametrize(
+    ("flag", "variable", "host"),
+    [(True, True, "127.0.0.4"), (False, True, "127.0.0.3"), (False, False, "127.0.0.2")],
+    ids=["a flag", "the environment", "the file"],
+)
+def test_a_flag_comes_before_the_environment_and_that_before_the_file(
+    tmp_path: Path, flag: bool, variable: bool, host: str
+) -> None:
+    config = tmp_path / "hub.toml"
+    config.write_text('host = "127.0.0.2"\nport = 0\n')
+    arguments = ["--config", str(config)] + ["--host", "127.0.0.4"] * flag
+    environment = {"FIBWS_HOST": "127.0.0.3"} if variable else {}
+    with running(*arguments, **environment) as hub:
+        assert f"ws://{host}:" in hub.first_line()
+
+
+def test_the_file_may_be_named_by_the_environment(tmp_path: Path) -> None:
+    config = tmp_path / "hub.toml"
+    config.write_text('host = "127.0.0.2"\nport = 0\nallow_origin = ["https://lab.example"]\n')
+    with (
+        running(FIBWS_CONFIG=str(config)) as hub,
+        connect(
+            hub.url(),
+            origin=Origin("https://lab.example"),
+        ) as websocket,
+    ):
+        websocket.send("{}")
+        assert json.loads(websocket.recv(PATIENCE))["op"] == "status"
+
+
+@pytest.mark.parametrize("flag", ["-h", "--help"])
+def test_help_tells_every_setting_with_its_default(flag: str) -> None:
+    result = CliRunner().invoke(command, [flag])
+    assert result.exit_code == 0
+    for field in dataclasses.fields(Settings):
+        assert f"--{field.name.replace('_', '-')}" in result.output
+    assert "9090" in result.output
+
+
+def test_version_is_the_packages() -> None:
+    assert CliRunner().invoke(command, ["--version"]).output == f"fibws {__version__}\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [
+        ("prot = 1", "no setting is called prot"),
+        ("port = ", "Invalid value"),
+        ('port = "x"', "not a valid integer"),
+        ('ping_interval = "often"', "not a valid float"),
+        ('fast_framing = "perhaps"', "not a valid boolean"),
+        ('allow_origin = "https://lab.example"', "Invalid value"),
+        ("[hub]\nport = 1", "no setting is called hub"),
+    ],
+)
+def test_a_wrong_file_is_refused_with_the_reason(tmp_path: Path, text: str, complaint: str) -> None:
+    config = tmp_path / "hub.toml"
+    config.write_text(text)
+    result = CliRunner().invoke(command, ["--config", str(config)])
+    assert (result.exit_code, result.exception.__class__) == (2, SystemExit)
+    assert complaint in result.output
+
+
+def test_a_file_that_is_not_there_or_no_text_is_refused(tmp_path: Path) -> None:
+    binary = tmp_path / "binary.toml"
+    binary.write_bytes(b"\xff\xfe")
+    for path in (tmp_path / "none.toml", binary):
+        result = CliRunner().invoke(command, ["--config", str(path)])
+        assert result.exit_code == 2
+        assert str(path) in result.output
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["--port", "65536"],
+        ["--port", "99999"],
+        ["--port", "-1"],
+        ["--port", "x"],
+        ["--nope"],
+        ["--queue-length", "-1"],
+        ["--max-queued-bytes", "-1"],
+        ["--max-message-size", "-1"],
+        ["--stall-timeout", "-1"],
+        ["--ping-interval", "nan"],
+        ["--ping-timeout", "-1"],
+        ["--close-timeout", "-1"],
+        ["--open-timeout", "nan"],
+    ],
+    ids=" ".join,
+)
+def test_a_setting_without_sense_is_refused(
+    arguments: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def serve(*_: object) -> None:
+        raise AssertionError("it would have started")
+
+    monkeypatch.setattr("fibws.hub.__main__._serve", serve)
+    result = CliRunner().invoke(command, arguments)
+    assert result.exit_code in (1, 2)
+    assert isinstance(result.exception, SystemExit), result.exception
+    assert arguments[0] in result.output
+
+
+def test_a_folder_of_definitions_that_is_not_there_is_one_clear_line() -> None:
+    with running("--port", "0", "--interfaces", "/no/such/folder") as hub:
+        code, out, err = hub.end()
+    assert (code, out) == (1, "")
+    assert err == "fibws.hub: There is no folder /no/such/folder of definitions.\n"
+
+
+def _free_port() -> int:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        number: int = server.getsockname()[1]
+        return number
+
+
+def _connect(port: int) -> None:
+    """Wait until something listens."""
+    until = time.monotonic() + PATIENCE
+    while True:
+        try:
+            socket.create_connection(("127.0.0.1", port), PATIENCE).close()
+        except ConnectionRefusedError:
+            assert time.monotonic() < until
+            time.sleep(0.01)
+        else:
+            return

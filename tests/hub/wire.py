@@ -1,0 +1,240 @@
+"""A client made of a bare socket: it reads when it is told to, and may send anything at all."""
+
+from __future__ import annotations
+
+import asyncio
+import itertools
+import json
+import socket
+import struct
+import time
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from typing import Any
+
+TEXT, BINARY, CONT, CLOSE, PING, PONG = 0x1, 0x2, 0x0, 0x8, 0x9, 0xA
+PATIENCE = 5.0
+"""Seconds that anything may take before the test gives up."""
+
+_pings = itertools.count()
+
+
+def frame(opcode: int, payload: bytes = b"", *, fin: bool = True, rsv: int = 0) -> bytes:
+    """A client's frame, masked with zeros."""
+    size = len(payload)
+    if size < 126:
+        length = bytes((0x80 | size,))
+    elif size < 65536:
+        length = b"\xfe" + struct.pack("!H", size)
+    else:
+        length = b"\xff" + struct.pack("!Q", size)
+    return bytes((fin << 7 | rsv << 4 | opcode,)) + length + bytes(4) + payload
+
+
+def operation(op: str, **fields: Any) -> bytes:
+    """The frame of one operation."""
+    return frame(TEXT, json.dumps({"op": op, **fields}).encode())
+
+
+def publish(topic: str, data: Any) -> bytes:
+    """The frame that publishes ``{"data": data}``."""
+    return operation("publish", topic=topic, msg={"data": data})
+
+
+def handshake(path: str = "/", **headers: str) -> bytes:
+    """A WebSocket's opening request; underscores in header names stand for hyphens."""
+    fields = {
+        "Host": "localhost",
+        "Upgrade": "websocket",
+        "Connection": "Upgrade",
+        "Sec-WebSocket-Key": "AAAAAAAAAAAAAAAAAAAAAA==",
+        "Sec-WebSocket-Version": "13",
+    } | {name.replace("_", "-"): value for name, value in headers.items()}
+    lines = [f"GET {path} HTTP/1.1", *(f"{name}: {value}" for name, value in fields.items())]
+    return "\r\n".join([*lines, "", ""]).encode("latin-1")
+
+
+class Gone(Exception):
+    """The hub's end of the connection is closed."""
+
+
+class Client:
+    """One connection to the hub."""
+
+    def __init__(self, sock: socket.socket) -> None:
+        self.socket = sock
+        self._loop = asyncio.get_running_loop()
+        self._read = bytearray()
+
+    @property
+    def port(self) -> int:
+        """The port by which the hub's log knows this client."""
+        number: int = self.socket.getsockname()[1]
+        return number
+
+    # Writing.
+
+    async def send(self, *parts: bytes) -> None:
+        """Send bytes as they are."""
+        async with asyncio.timeout(PATIENCE):
+            await self._loop.sock_sendall(self.socket, b"".join(parts))
+
+    async def says(self, op: str, **fields: Any) -> None:
+        """Send one operation."""
+        await self.send(operation(op, **fields))
+
+    async def subscribes(self, topic: str, type_: str = "std_msgs/Int32", **fields: Any) -> None:
+        """Subscribe, and wait until the hub has done it."""
+        await self.says("subscribe", topic=topic, type=type_, **fields)
+        await self.is_heard()
+
+    async def advertises(self, topic: str, type_: str = "std_msgs/Int32", **fields: Any) -> None:
+        """Advertise, and wait until the hub has done it."""
+        await self.says("advertise", topic=topic, type=type_, **fields)
+        await self.is_heard()
+
+    # Reading.
+
+    async def is_heard(self) -> None:
+        """Wait until the hub has read all that was sent; nothing else may come back."""
+        name = b"%d" % next(_pings)
+        await self.send(frame(PING, name))
+        assert await self.frame() == (PONG, name)
+
+    async def response(self) -> tuple[int, dict[str, str], bytes]:
+        """The status, headers and body of an HTTP response."""
+        head = await self._until(b"\r\n\r\n")
+        first, *lines = head.decode("latin-1").split("\r\n")[:-2]
+        headers = {name.lower(): value for name, _, value in (li.partition(": ") for li in lines)}
+        status = int(first.split(" ")[1])
+        return status, headers, b"" if status == 101 else await self.to_the_end()
+
+    async def frame(self) -> tuple[int, bytes]:
+        """The opcode and payload of the next frame; raises `Gone` if there is none."""
+        first, length = await self._exactly(2)
+        assert not first & 0x70 and not length & 0x80, (first, length)
+        if length == 126:
+            (length,) = struct.unpack("!H", await self._exactly(2))
+        elif length == 127:
+            (length,) = struct.unpack("!Q", await self._exactly(8))
+        return first & 0x0F, await self._exactly(length)
+
+    async def hears(self) -> dict[str, Any]:
+        """The next operation."""
+        opcode, payload = await self.frame()
+        assert opcode == TEXT, (opcode, payload)
+        heard: dict[str, Any] = json.loads(payload)
+        return heard
+
+    async def hears_data(self, count: int) -> list[Any]:
+        """The data of the next messages."""
+        return [(await self.hears())["msg"]["data"] for _ in range(count)]
+
+    async def hears_all(self) -> tuple[list[Any], int, str]:
+        """The data of all messages until the hub closes, and its code and reason."""
+        data: list[Any] = []
+        while True:
+            opcode, payload = await self.frame()
+            if opcode == CLOSE:
+                (code,) = struct.unpack("!H", payload[:2])
+                return data, code, payload[2:].decode()
+            if opcode == TEXT:
+                data.append(json.loads(payload)["msg"]["data"])
+
+    async def is_closed(self) -> tuple[int, str]:
+        """The code and the reason of the close frame that comes next."""
+        opcode, payload = await self.frame()
+        assert opcode == CLOSE, (opcode, payload)
+        (code,) = struct.unpack("!H", payload[:2])
+        return code, payload[2:].decode()
+
+    async def to_the_end(self) -> bytes:
+        """What comes until the hub hangs up."""
+        while await self._more():
+            pass
+        rest, self._read = bytes(self._read), bytearray()
+        return rest
+
+    # Leaving.
+
+    def leave(self) -> None:
+        """Hang up without a word."""
+        self.socket.close()
+
+    def reset(self) -> None:
+        """Hang up in the rudest way, with a TCP reset."""
+        self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+        self.socket.close()
+
+    async def _exactly(self, size: int) -> bytes:
+        while len(self._read) < size:
+            if not await self._more():
+                raise Gone(bytes(self._read))
+        data = bytes(self._read[:size])
+        del self._read[:size]
+        return data
+
+    async def _until(self, mark: bytes) -> bytes:
+        while mark not in self._read:
+            if not await self._more():
+                raise Gone(bytes(self._read))
+        return await self._exactly(self._read.index(mark) + len(mark))
+
+    async def _more(self) -> bool:
+        async with asyncio.timeout(PATIENCE):
+            data = await self._loop.sock_recv(self.socket, 1 << 16)
+        self._read += data
+        return bool(data)
+
+
+@asynccontextmanager
+async def dialled(port: int, *, receive_buffer: int | None = None) -> AsyncIterator[Client]:
+    """A TCP connection on which nothing has been said yet."""
+    with socket.socket() as sock:
+        sock.setblocking(False)
+        if receive_buffer is not None:
+            sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer)
+        sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        async with asyncio.timeout(PATIENCE):
+            await asyncio.get_running_loop().sock_connect(sock, ("127.0.0.1", port))
+        yield Client(sock)
+
+
+@asynccontextmanager
+async def connected(
+    port: int, path: str = "/", *, receive_buffer: int | None = None, **headers: str
+) -> AsyncIterator[Client]:
+    """A WebSocket that is open."""
+    async with dialled(port, receive_buffer=receive_buffer) as client:
+        await client.send(handshake(path, **headers))
+        status, _, body = await client.response()
+        assert status == 101, body
+        yield client
+
+
+async def until(condition: Callable[[], object]) -> None:
+    """Wait for something that no client can see, such as that a client has been forgotten."""
+    async with asyncio.timeout(PATIENCE):
+        while not condition():  # noqa: ASYNC110 - the hub has no event for it.
+            await asyncio.sleep(0.005)
+
+
+@asynccontextmanager
+async def longest_turn() -> AsyncIterator[Callable[[], float]]:
+    """Measures for how many seconds the loop, and so the hub, did nothing else."""
+    longest = 0.0
+
+    async def tick() -> None:
+        nonlocal longest
+        before = time.perf_counter()
+        while True:
+            await asyncio.sleep(0)
+            now = time.perf_counter()
+            longest = max(longest, now - before)
+            before = now
+
+    task = asyncio.create_task(tick())
+    await asyncio.sleep(0)
+    yield lambda: longest
+    await asyncio.sleep(0)
+    task.cancel()
