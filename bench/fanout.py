@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from bench.load import Load, load
-from bench.plan import Plan
+from bench.load import Load, measured
+from bench.plan import NAIVE, RELAY, Plan
 from bench.repeated import Repeated
 from bench.report import Report
-from bench.servers import all_running
 
 
 @dataclass(frozen=True)
@@ -46,20 +45,10 @@ CELLS = (
 
 def fanout(plan: Plan, report: Report) -> None:
     """Measure each cell on all servers in turn."""
-    names = (*plan.hubs, "relay", "naive")
-    loads: dict[tuple[Cell, str], list[Load]] = {(cell, n): [] for cell in CELLS for n in names}
-    with all_running(names) as servers:
-        for rep in range(plan.reps):
-            for cell in CELLS:
-                for server in servers:
-                    seen = load(server, plan, *cell.options)
-                    loads[cell, server.name].append(seen)
-                    facts = seen.model_dump()
-                    report.record("fanout", server=server.name, cell=cell.name, rep=rep, **facts)
-                    report.fault(server.name, cell.name, seen.fault)
+    loads = measured("fanout", CELLS, plan, report)
     for hub in plan.hubs:
         rows = [
-            _row(cell, hub, report, *(loads[cell, n] for n in (hub, "relay", "naive")))
+            _row(cell, hub, report, *(loads[cell, n] for n in (hub, RELAY, NAIVE)))
             for cell in CELLS
         ]
         report.table(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bench import load
-from bench.plan import Plan
+from bench.plan import NAIVE, RELAY, Plan
 from bench.report import Report
 from bench.servers import running
 
@@ -14,11 +14,13 @@ LIMIT_KIB = 10.0
 def idle(plan: Plan, report: Report) -> None:
     """Hold subscribed, silent connections on each server, freshly started."""
     rows = []
-    for name in (*plan.hubs, "relay", "naive"):
+    for name in (*plan.hubs, RELAY, NAIVE):
         with running(name) as server:
             seen = load.idle(server, CONNECTIONS, plan.seconds)
         report.record("idle", server=name, **seen.model_dump())
         report.fault(name, "idle", seen.first_error)
+        if seen.open != CONNECTIONS:
+            report.fault(name, "idle", f"{seen.open} of {CONNECTIONS} connections were open")
         size = seen.server_rss_kb_per_conn
         rows.append(
             (

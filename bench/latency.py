@@ -6,11 +6,10 @@ import statistics
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from bench.load import Load, load
-from bench.plan import Plan
+from bench.load import Load, measured
+from bench.plan import NAIVE, RELAY, Plan
 from bench.repeated import Repeated
 from bench.report import Report
-from bench.servers import all_running
 
 SUBSCRIBERS = 100
 UNSUSTAINED_PERCENT = 1
@@ -62,17 +61,7 @@ class Pulse:
 
 def latency(plan: Plan, report: Report) -> None:
     """Measure both paces on all servers in turn."""
-    names = (*plan.hubs, "relay", "naive")
-    loads: dict[tuple[Pace, str], list[Load]] = {(p, n): [] for p in (HIGH, LOW) for n in names}
-    with all_running(names) as servers:
-        for rep in range(plan.reps):
-            for pace in (HIGH, LOW):
-                for server in servers:
-                    seen = load(server, plan, *pace.options)
-                    loads[pace, server.name].append(seen)
-                    facts = seen.model_dump()
-                    report.record("latency", server=server.name, cell=pace.name, rep=rep, **facts)
-                    report.fault(server.name, pace.name, seen.fault)
+    loads = measured("latency", (HIGH, LOW), plan, report)
     pulses = {(p, n): Pulse.of(p, each) for (p, n), each in loads.items()}
     report.table(
         f"Latency, open loop, minimum (median) of {plan.reps}",
@@ -99,7 +88,7 @@ def _verdict(pace: Pace, hub: str, pulses: dict[tuple[Pace, str], Pulse], report
         missing = 100 - pulse.sustained
         late = report.check(hub, f"{what}, not sustained", missing, UNSUSTAINED_PERCENT, " %")
         return f"p99 {p99}, not sustained {late}"
-    relay, naive = (pulse.p50 / pulses[pace, name].p50 for name in ("relay", "naive"))
+    relay, naive = (pulse.p50 / pulses[pace, name].p50 for name in (RELAY, NAIVE))
     to_relay = report.check(hub, f"{what}, p50 against the relay", relay.median, 2)
     to_naive = report.check(hub, f"{what}, p50 against naive", naive.median, 1)
     return f"p50: {relay} of relay {to_relay}, {naive} of naive {to_naive}"

@@ -4,19 +4,36 @@ from __future__ import annotations
 
 import os
 import subprocess
+from collections.abc import Sequence
 from itertools import count
-from typing import Self, TypeVar
+from typing import Protocol, Self, TypeVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from bench.binaries import binary
 from bench.errors import BenchError
 from bench.machine import cpus
-from bench.plan import Plan
-from bench.servers import Server
+from bench.plan import NAIVE, RELAY, Plan
+from bench.report import Report
+from bench.servers import Server, all_running
 
 TOPICS = count(1)
 Result = TypeVar("Result", bound=BaseModel)
+
+
+class Setting(Protocol):
+    """What each server is measured at."""
+
+    @property
+    def name(self) -> str:
+        """Return what the table calls it."""
+
+    @property
+    def options(self) -> tuple[str, ...]:
+        """Return the arguments of the load generator."""
+
+
+At = TypeVar("At", bound=Setting)
 
 
 class Latency(BaseModel):
@@ -72,6 +89,24 @@ def load(server: Server, plan: Plan, *options: str) -> Load:
     """Publish and subscribe on a topic of its own for the planned time."""
     timing = ("--warm", f"{plan.warm_seconds}", "--dur", f"{plan.seconds}")
     return _parsed(Load, server, _finished(server, *timing, *options))
+
+
+def measured(
+    kind: str, settings: Sequence[At], plan: Plan, report: Report
+) -> dict[tuple[At, str], list[Load]]:
+    """Measure at each setting all servers in turn; return the loads by setting and server."""
+    names = (*plan.hubs, RELAY, NAIVE)
+    loads: dict[tuple[At, str], list[Load]] = {(at, name): [] for at in settings for name in names}
+    with all_running(names) as servers:
+        for rep in range(plan.reps):
+            for at in settings:
+                for server in servers:
+                    seen = load(server, plan, *at.options)
+                    loads[at, server.name].append(seen)
+                    facts = seen.model_dump()
+                    report.record(kind, server=server.name, cell=at.name, rep=rep, **facts)
+                    report.fault(server.name, at.name, seen.fault)
+    return loads
 
 
 def idle(server: Server, connections: int, hold_seconds: float) -> Idle:

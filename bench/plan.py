@@ -7,6 +7,8 @@ from dataclasses import dataclass
 HUB = "hub"
 HUB_UVLOOP = "hub+uvloop"
 HUBS = (HUB, HUB_UVLOOP)
+RELAY = "relay"
+NAIVE = "naive"
 
 
 @dataclass(frozen=True)

@@ -79,9 +79,9 @@ def _command(name: str) -> list[str]:
             if find_spec("uvloop") is None:
                 raise BenchError("--uvloop: uvloop is not installed")
             return [sys.executable, "-m", "fibws.hub", "--port", "0"]
-        case "naive":
+        case plan.NAIVE:
             return [sys.executable, "-m", "bench.naive"]
-        case "relay":
+        case plan.RELAY:
             # -c: what arrives in one read leaves in one write, the best that can be done.
             return [str(binary("relay")), "0", "-c"]
         case _:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import statistics
 
-from bench.plan import Plan
+from bench.plan import NAIVE, Plan
 from bench.report import Report
 from bench.servers import running
 
@@ -13,7 +13,7 @@ LIMIT_SECONDS = 0.5
 
 def startup(plan: Plan, report: Report) -> None:
     """Start each server several times."""
-    names = (*plan.hubs, "naive")
+    names = (*plan.hubs, NAIVE)
     times: dict[str, list[float]] = {name: [] for name in names}
     for name in names:
         with running(name):
