@@ -8,6 +8,7 @@ FibwsError
 │   ├── UnknownType            the package is known, the type is not
 │   └── UnknownPackage         nobody ever defined this package
 ├── InvalidMessage         a message that does not fit its type
+├── InvalidUtf8            bytes that should be a text and are none
 ├── OperationError         an operation that the hub refuses; its text goes to the client
 │   └── TypeConflict           a topic that already has another type
 ├── HubError               the hub cannot start or go on
@@ -84,6 +85,10 @@ class UnknownPackage(InterfaceError, LookupError):
 
 class InvalidMessage(FibwsError, ValueError):
     """A message that does not fit its type; the text says which field and why."""
+
+
+class InvalidUtf8(FibwsError, ValueError):
+    """Bytes that should be a text and are none, which ends a WebSocket (RFC 6455, section 8.1)."""
 
 
 class OperationError(FibwsError):

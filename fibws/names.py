@@ -15,7 +15,6 @@ from fibws.errors import InvalidName
 MAX_LENGTH = 1024
 _LEGAL = re.compile(r"[~/]?[A-Za-z]\w*(/[A-Za-z_]\w*)*", re.ASCII)
 _LEGAL_BASE = re.compile(r"[A-Za-z]\w*", re.ASCII)
-_REMAPPING = re.compile(r"[~/]?\w[\w/]*:=.*", re.ASCII)
 
 
 def check(name: str) -> str:
@@ -26,7 +25,7 @@ def check(name: str) -> str:
         raise InvalidName(name[:40] + "...", f"it is longer than {MAX_LENGTH} characters")
     if not _LEGAL.fullmatch(name):
         raise InvalidName(
-            name, "use letters, digits, _ and /, begin with a letter, ~ or /, end in none of these"
+            name, "write a to z, digits, _ and /; begin with a letter, / or ~; do not end in / or ~"
         )
     return name
 
@@ -34,9 +33,9 @@ def check(name: str) -> str:
 def check_base(name: str) -> str:
     """Return ``name`` if it can name a node: a legal name with no namespace in it."""
     if "/" in name:
-        raise InvalidName(name, "namespaces are not allowed in node names")
+        raise InvalidName(name, "namespaces are not allowed in node names; use __ns:=/NAMESPACE")
     if not _LEGAL_BASE.fullmatch(name) or len(name) > MAX_LENGTH:
-        raise InvalidName(name, "a node's name is a letter, then letters, digits and _")
+        raise InvalidName(name, "a node's name is a letter of a to z, then letters, digits and _")
     return name
 
 
@@ -62,11 +61,6 @@ def resolve(name: str, *, namespace: str = "/", node: str = "/") -> str:
 def join(namespace: str, name: str) -> str:
     """``/robot`` and ``arm`` give ``/robot/arm``; the root is ``/``."""
     return f"{namespace.rstrip('/')}/{name}"
-
-
-def namespace_of(name: str) -> str:
-    """The namespace that holds a global name: ``/robot/arm`` gives ``/robot``, ``/arm`` ``/``."""
-    return name.rpartition("/")[0] or "/"
 
 
 def anonymous(name: str, *, pid: int, milliseconds: int) -> str:
@@ -95,11 +89,6 @@ class Remapping:
         return resolved
 
 
-def is_remapping(argument: str) -> bool:
-    """Whether a command-line argument is of the form ``from:=to``."""
-    return _REMAPPING.fullmatch(argument) is not None
-
-
 def parse_remappings(arguments: Iterable[str]) -> Remapping:
     """Read ``from:=to`` arguments; keys that begin with ``__`` are ROS's special ones.
 
@@ -118,6 +107,8 @@ def parse_remappings(arguments: Iterable[str]) -> Remapping:
         if source.startswith("__"):
             special[source] = target
         elif not source.startswith("_"):
+            if not target:
+                raise InvalidName(argument, "it names nothing behind :=")
             names[check(source)] = check(target)
     node_name = special.get("__name")
     namespace = special.get("__ns")

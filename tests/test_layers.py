@@ -21,8 +21,8 @@ TESTS = Path(__file__).parent
 IMPURE = {"asyncio", "websockets", "time", "random", "socket", "threading", "select", "signal"}
 MASK = {"websockets.speedups.apply_mask", "websockets.utils.apply_mask"}
 
-PURE_HUB = ["clock", "framing", "graph", "outbox", "session", "settings", "subscription"]
-PURE_HUB += ["throttle", "topic"]
+PURE_HUB = ["clock", "framing", "graph", "liveness", "outbox", "session", "settings"]
+PURE_HUB += ["statuses", "subscription", "throttle", "topic"]
 BELOW = {
     "errors": set[str](),
     "names": {"errors"},

@@ -86,12 +86,8 @@ def test_a_name_that_was_resolved_stays_as_it_is(namespace: str, name: str) -> N
 
 @given(GLOBAL, PARTS)
 def test_a_joined_name_is_in_its_namespace(namespace: str, name: str) -> None:
-    assert names.namespace_of(names.join(namespace, name)) == namespace
-
-
-@pytest.mark.parametrize(("name", "namespace"), [("/arm", "/"), ("/a/b/c", "/a/b")])
-def test_every_name_has_a_namespace(name: str, namespace: str) -> None:
-    assert names.namespace_of(name) == namespace
+    assert names.join(namespace, name) == f"{namespace}/{name}"
+    assert names.join("/", name) == f"/{name}"
 
 
 def test_an_anonymous_name_ends_in_process_and_time() -> None:
@@ -112,25 +108,6 @@ def test_the_root_is_a_namespace(spelling: str) -> None:
 def test_some_are_no_namespace(spelling: str) -> None:
     with pytest.raises(InvalidName):
         names.check_namespace(spelling)
-
-
-@pytest.mark.parametrize(
-    ("argument", "it_is"),
-    [
-        ("chat:=/talk", True),
-        ("/chat:=talk", True),
-        ("~chat:=talk", True),
-        ("__name:=other", True),
-        ("_gain:=1.5", True),
-        ("a:=b:=c", True),
-        ("chat", False),
-        (":=chat", False),
-        ("--rate=5", False),
-        ("a b:=c", False),
-    ],
-)
-def test_a_remapping_is_known_by_its_form(argument: str, it_is: bool) -> None:
-    assert names.is_remapping(argument) is it_is
 
 
 def apply(remapping: Remapping, name: str) -> str:

@@ -38,10 +38,12 @@ def _read_config(context: click.Context, _: click.Parameter, path: Path | None) 
         values = tomllib.loads(path.read_text())
     except (OSError, ValueError) as error:
         raise click.BadParameter(f"{path}: {error}") from error
-    known = {field.name for field in dataclasses.fields(Settings)}
-    for name in values:
-        if name not in known:
+    defaults = {field.name: field.default for field in dataclasses.fields(Settings)}
+    for name, value in values.items():
+        if name not in defaults:
             raise click.BadParameter(f"{path}: no setting is called {name}")
+        if defaults[name] == () and isinstance(value, str):
+            values[name] = [value]
     context.default_map = values
 
 

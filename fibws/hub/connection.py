@@ -8,6 +8,7 @@ which the server calls for all of them once a second.
 from __future__ import annotations
 
 import asyncio
+import http
 import logging
 import socket
 from collections.abc import Callable
@@ -19,14 +20,16 @@ from websockets.http11 import Request
 from websockets.protocol import State
 from websockets.server import ServerProtocol
 
+from fibws.errors import InvalidUtf8
 from fibws.hub.framing import Splitter
 from fibws.hub.gate import Gate, node_name
 from fibws.hub.graph import Graph
+from fibws.hub.liveness import Liveness
 from fibws.hub.outbox import Flusher, Outbox
 from fibws.hub.session import Session
 from fibws.hub.settings import KIB, Settings
-from fibws.protocol.closing import FRAGMENTS, INVALID_UTF8, OVERFULL, SILENT, STALLED, Closing
-from fibws.protocol.text import InvalidUtf8
+from fibws.hub.statuses import printable
+from fibws.protocol.closing import FRAGMENTS, INVALID_UTF8, OVERFULL, Closing
 
 logger = logging.getLogger("fibws.hub")
 _library_logger = logging.getLogger("fibws.hub.websockets")
@@ -65,22 +68,17 @@ class Connection(asyncio.BufferedProtocol):
 
     __slots__ = (
         "_binary",
-        "_closing_since",
         "_fragments",
         "_head",
         "_left",
-        "_paused_since",
-        "_pinged_at",
+        "_liveness",
         "_pong_bytes",
-        "_pong_due",
         "_protocol",
         "_reported",
         "_reported_at",
         "_shared",
-        "_since",
         "_splitter",
         "_transport",
-        "_unsent",
         "outbox",
         "peer",
         "session",
@@ -92,18 +90,14 @@ class Connection(asyncio.BufferedProtocol):
             max_size=shared.settings.max_message_size, logger=_library_logger
         )
         self._transport: asyncio.Transport
-        self._since = self._pinged_at = shared.loop.time()
+        self._liveness = Liveness(shared.settings, shared.loop.time())
         self._head: bytes | None = b""
         """The last bytes of a request that is not complete yet."""
         self._splitter: Splitter
         self._fragments: list[bytes] = []
         self._binary = False
-        self._pong_due: float | None = None
         self._pong_bytes = 0
         self._left = False
-        self._paused_since: float | None = None
-        self._unsent = 0
-        self._closing_since: float | None = None
         self._reported = 0
         self._reported_at = float("-inf")
         self.outbox: Outbox
@@ -153,16 +147,16 @@ class Connection(asyncio.BufferedProtocol):
         self._shared.lost(self)
         self._leave()
         if self.session is not None:
+            self._report_drops(float("inf"))
             logger.info("%s has left.", self.session.node)
 
     def pause_writing(self) -> None:
-        self._paused_since = self._shared.loop.time()
-        self._unsent = self._transport.get_write_buffer_size()
+        self._liveness.paused(self._shared.loop.time(), self._transport.get_write_buffer_size())
         if self.session is not None:
             self.outbox.pause()
 
     def resume_writing(self) -> None:
-        self._paused_since = None
+        self._liveness.resumed()
         self._pong_bytes = 0
         if self.session is not None:
             self.outbox.resume()
@@ -199,6 +193,9 @@ class Connection(asyncio.BufferedProtocol):
     def _on_request(self, request: Request) -> None:
         response = self._shared.gate.answer(request) or self._protocol.accept(request)
         self._protocol.send_response(response)
+        if response.status_code == http.HTTPStatus.FORBIDDEN:
+            # A browser does not show its page why it was refused.
+            logger.warning("Refused %s: %s", self.peer, printable(bytes(response.body).decode()))
         if self._protocol.state is not State.OPEN:
             return
         shared = self._shared
@@ -216,6 +213,7 @@ class Connection(asyncio.BufferedProtocol):
             shared.settings,
             self.close,
         )
+        self._liveness.opened()
         logger.info("%s has connected from %s.", self.session.node, self.peer)
 
     # Reading.
@@ -237,7 +235,7 @@ class Connection(asyncio.BufferedProtocol):
 
     def _on_frame(self, frame: Frame) -> None:
         if frame.opcode is Opcode.PONG:
-            self._pong_due = None
+            self._liveness.ponged()
         elif frame.opcode in (Opcode.TEXT, Opcode.BINARY, Opcode.CONT):
             self._on_data(frame)
 
@@ -288,15 +286,13 @@ class Connection(asyncio.BufferedProtocol):
             if data:
                 self._transport.write(data)
                 self._count_pongs(len(data))
-            elif self._transport.can_write_eof():
-                self._transport.write_eof()
-                self._closing_since = self._shared.loop.time()
             else:
-                self._transport.close()
+                self._transport.write_eof()
+                self._liveness.closing(self._shared.loop.time())
 
     def _count_pongs(self, size: int) -> None:
         """Cut off who sends pings without end and reads no pong: the outbox cannot bound those."""
-        if self._paused_since is not None:
+        if self.session is not None and self.outbox.paused:
             self._pong_bytes += size
             if self._pong_bytes > HIGH_WATER:
                 self._transport.abort()
@@ -304,12 +300,12 @@ class Connection(asyncio.BufferedProtocol):
     def close(self, closing: Closing) -> None:
         """Close in good order; a client that does not answer is cut off by a later sweep."""
         if self._protocol.state is State.OPEN:
+            logger.info("%s is closed: %s.", self.name, closing.reason)
             self._leave()
             self._protocol.send_close(closing.code, closing.reason)
-            self._closing_since = self._shared.loop.time()
+            self._liveness.closing(self._shared.loop.time())
             self._splitter.give_up()
             self._send()
-            logger.info("%s is closed: %s.", self.name, closing.reason)
         elif self._protocol.state is State.CONNECTING:
             self._transport.abort()
 
@@ -343,44 +339,21 @@ class Connection(asyncio.BufferedProtocol):
     # Once a second.
 
     def sweep(self, now: float) -> None:
-        """See what is overdue: handshake, ping, pong, close, reading."""
-        settings = self._shared.settings
-        self._see_progress(now)
-        if self._closing_since is not None:
-            if now - self._closing_since > settings.close_timeout:
-                self._transport.abort()
-        elif self.session is None:
-            if now - self._since > settings.open_timeout:
-                self._transport.abort()
-        elif self._paused_since is not None and now - self._paused_since > settings.stall_timeout:
-            self._report_drops(now, at_once=True)
-            self._fail(STALLED)
-        elif self._pong_due is not None and now > self._pong_due:
-            self._fail(SILENT)
-        else:
+        """Do what is overdue."""
+        if self.session is not None:
             self._report_drops(now)
-            if settings.ping_interval and now - self._pinged_at >= settings.ping_interval:
-                self._ping(now)
-
-    def _see_progress(self, now: float) -> None:
-        """Who reads slowly has not stopped reading, though its socket is never empty."""
-        if self._paused_since is not None:
-            unsent = self._transport.get_write_buffer_size()
-            if unsent < self._unsent:
-                self._paused_since = now
-                self._pong_due = None
-            self._unsent = unsent
-
-    def _ping(self, now: float) -> None:
-        self._pinged_at = now
-        if self._pong_due is None and self._paused_since is None:
-            self._pong_due = now + self._shared.settings.ping_timeout
+        verdict = self._liveness.verdict(now, self._transport.get_write_buffer_size())
+        if verdict == "abort":
+            self._transport.abort()
+        elif verdict == "ping":
             self._protocol.send_ping(b"")
             self._send()
+        elif verdict is not None:
+            self._fail(verdict)
 
-    def _report_drops(self, now: float, *, at_once: bool = False) -> None:
+    def _report_drops(self, now: float) -> None:
         new = self.outbox.dropped - self._reported
-        if new and (at_once or now - self._reported_at >= DROP_REPORT_INTERVAL):
+        if new and now - self._reported_at >= DROP_REPORT_INTERVAL:
             self._reported = self.outbox.dropped
             self._reported_at = now
             logger.warning(

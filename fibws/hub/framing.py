@@ -96,12 +96,9 @@ class Splitter:
                 self._on_other(data[start:stop])
                 start = stop
                 continue
-            need = self._frame(data, start, end)
-            if need < 0:
-                start -= need
-            elif need:
+            start = self._frame(data, start, end)
+            if self.missing:
                 self._tail += memoryview(data)[start:]
-                self.missing = need
                 return
 
     def end(self) -> None:
@@ -114,35 +111,38 @@ class Splitter:
         self._given_up = True
 
     def _frame(self, data: bytes, start: int, end: int) -> int:
-        """Read the frame at ``start``.
+        """Read the frame at ``start``, if it is there and ours to read.
 
-        Returns minus its size if it was a text message and is done with, the number of bytes that
-        are missing from it, or 0 if it was left to the library.
+        Returns where to go on: behind a text message that is done with, else at ``start``.
         """
         size = end - start
         if size < 2:
-            return 2 - size
+            self.missing = 2 - size
+            return start
         first, length = data[start], data[start + 1] - 128
         if length < 0 or first & 0x70 or first & 0x0F not in _OPCODES:
             self.give_up()
-            return 0
+            return start
         payload = 6
         if length == 126:
             payload = 8
             if size < payload:
-                return payload - size
+                self.missing = payload - size
+                return start
             (length,) = _LENGTH_16.unpack_from(data, start + 2)
         elif length == 127:
             payload = 14
             if size < payload:
-                return payload - size
+                self.missing = payload - size
+                return start
             (length,) = _LENGTH_64.unpack_from(data, start + 2)
         whole = payload + length
         if first != _TEXT or self.fragmented or length > self._max_size:
             self._through = whole
-            return 0
+            return start
         if size < whole:
-            return whole - size
-        body = start + payload
-        self._on_text(apply_mask(data[body : start + whole], data[body - 4 : body]))
-        return -whole
+            self.missing = whole - size
+            return start
+        body, stop = start + payload, start + whole
+        self._on_text(apply_mask(data[body:stop], data[body - 4 : body]))
+        return stop

@@ -66,12 +66,24 @@ class Gate:
                 "connect-src ws: wss:; frame-ancestors 'none'"
             )
         elif path == "/healthz":
-            response = _response(http.HTTPStatus.OK, "application/json", to_json(self._health()))
+            response = self._health_response(request.headers)
         else:
             response = _text(http.HTTPStatus.NOT_FOUND, f"Nothing is at {path}; see /")
         if request.method == "HEAD":
             response.body = b""
         return response
+
+    def _health_response(self, headers: Headers) -> Response:
+        """What the hub does is not for pages that gave its address a name of their own."""
+        host = headers.get("Host", "localhost")
+        here = _host_of(f"//{host}")
+        allowed = "*" in self._origins or f"http://{host}".lower() in self._origins
+        if not allowed and (here is None or not self._known(here, here)):
+            fault = f"{host} is not known to be this hub's name"
+            return _text(
+                http.HTTPStatus.FORBIDDEN, f"{fault}. Start it with --allow-origin http://{host}"
+            )
+        return _response(http.HTTPStatus.OK, "application/json", to_json(self._health()))
 
     def _refusal(self, headers: Headers) -> str | None:
         origin = headers.get("Origin")

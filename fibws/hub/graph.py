@@ -1,8 +1,8 @@
 """The graph: which nodes there are, which topics, and of which type.
 
-What ROS's master keeps. Two indexes mirror each other: a client's session knows its publishers and
-subscriptions, a topic knows those of all clients. Topics that nobody has to do with are deleted, so
-that a client which makes up names by the thousand leaves nothing behind.
+What ROS's master keeps. A topic knows its publishers and subscriptions; only the methods here add
+and remove them. A topic is kept while it has any, so that a client which makes up names by the
+thousand leaves nothing behind.
 """
 
 from __future__ import annotations
@@ -11,14 +11,12 @@ import logging
 from collections.abc import Callable
 from typing import Any, Protocol
 
-from fibws.errors import (
-    InterfaceError,
-    InvalidMessage,
-    TypeConflict,
-    UnknownPackage,
-)
-from fibws.hub.topic import MessageType, Topic
+from fibws.errors import InvalidMessage, TypeConflict, UnknownPackage
+from fibws.hub.statuses import is_power_of_ten
+from fibws.hub.subscription import Subscription
+from fibws.hub.topic import MessageType, Publisher, Topic
 from fibws.interfaces import Interfaces, Validators
+from fibws.protocol.operations import Id, Subscribe
 
 logger = logging.getLogger("fibws.hub")
 
@@ -100,44 +98,69 @@ class Graph:
             del self.nodes[name]
 
     def topic(self, name: str) -> Topic:
-        """The topic of this global name, new if there is none yet."""
-        topic = self.topics.get(name)
-        if topic is None:
-            topic = self.topics[name] = Topic(name)
-        return topic
+        """The topic of this global name; a new one is kept once somebody has to do with it."""
+        return self.topics.get(name) or Topic(name)
 
-    def establish(self, topic: Topic, type_: str, definition: str | None = None) -> MessageType:
-        """Give a topic its type; return what checks its messages.
+    def add_publisher(
+        self, topic: Topic, node: str, type_: str, definition: str | None = None, *, latch: bool
+    ) -> Publisher:
+        """The node's publisher of a topic; the first call decides ``latch``.
 
         Raises:
-            TypeConflict: it has another type, and nodes that hold it to that.
+            TypeConflict: the topic has another type, and nodes that hold it to that.
             InterfaceError: the type's name is not valid, or its package does not have it.
         """
+        message_type = self._establish(topic, type_, definition)
+        publisher = topic.publishers.get(node)
+        if publisher is None:
+            publisher = Publisher(node, topic, message_type, latch=latch)
+            topic.publishers[node] = publisher
+            self.topics[topic.name] = topic
+        return publisher
+
+    def remove_publisher(self, publisher: Publisher) -> None:
+        """Let a publisher go."""
+        publisher.topic.publishers.pop(publisher.node, None)
+        self._settle(publisher.topic)
+
+    def subscribe(self, subscription: Subscription, request: Subscribe) -> None:
+        """Add a request to a subscription, which may be a new one; raises as `add_publisher`."""
+        if request.type is not None:
+            self._establish(subscription.topic, request.type)
         try:
-            wanted = self._type(type_, definition)
-        except InterfaceError:
-            self.settle(topic)
-            raise
-        if topic.type is None:
-            topic.type = wanted
-        elif topic.type.type != wanted.type:
-            holders = topic.holders()
-            if holders:
-                raise TypeConflict(topic.name, wanted.type, topic.type.type, holders[0])
+            subscription.request(request)
+            subscription.topic.update(subscription)
+            self.topics[subscription.topic.name] = subscription.topic
+        finally:
+            # A request may be one too many, or take the place of one that named the type.
+            self._settle(subscription.topic)
+
+    def unsubscribe(self, subscription: Subscription, id_: Id) -> None:
+        """Take back one request of a subscription, or all if ``id_`` is None."""
+        subscription.cancel(id_)
+        subscription.topic.update(subscription)
+        self._settle(subscription.topic)
+
+    def _establish(self, topic: Topic, type_: str, definition: str | None = None) -> MessageType:
+        """Give a topic its type; return what checks its messages."""
+        name = self._interfaces.canonical(type_)
+        if topic.type is not None and topic.type.type == name and definition is None:
+            return topic.type
+        if topic.type is not None and topic.type.type != name and topic.held:
+            raise TypeConflict(topic.name, name, topic.type.type, topic.holder())
+        wanted = self._type(name, definition)
+        if topic.type is None or topic.type.type != name:
             topic.type = wanted
         return topic.type
 
-    def settle(self, topic: Topic) -> None:
-        """Take note that a publisher or subscription of the topic has gone."""
-        for spelling in [name for name, channel in topic.channels.items() if not channel]:
-            del topic.channels[spelling]
+    def _settle(self, topic: Topic) -> None:
+        """Forget what nobody holds any more: the topic, or its type."""
         if topic.idle:
             self.topics.pop(topic.name, None)
-        elif not topic.holders():
+        elif topic.type is not None and not topic.held:
             topic.type = None
 
     def _type(self, name: str, definition: str | None) -> MessageType:
-        name = self._interfaces.canonical(name)
         if definition is not None:
             self._interfaces.learn(name, definition)
         try:
@@ -146,6 +169,6 @@ class Graph:
             if self._strict_types:
                 raise
             self._times_unchecked += 1
-            if str(self._times_unchecked).strip("0") == "1":
+            if is_power_of_ten(self._times_unchecked):
                 logger.warning("%s. Messages of type %s are relayed unchecked.", error, name)
             return Unchecked(name)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import errno
+import ipaddress
 import logging
 import time
 from importlib import resources
@@ -49,6 +50,7 @@ class Hub:
         self._sweeper: asyncio.TimerHandle
         self._started = 0.0
         self._closing = False
+        self._dropped = 0
         self._empty = asyncio.Event()
         self._empty.set()
 
@@ -72,6 +74,7 @@ class Hub:
         except OSError as error:
             raise HubError(_why_not(host, port, error)) from error
         self.port = self._server.sockets[0].getsockname()[1]
+        self._warn_if_public()
         self._started = time.monotonic()
         self._sweeper = loop.call_later(SWEEP_INTERVAL, self._sweep)
         return self
@@ -115,18 +118,32 @@ class Hub:
             "uptime_seconds": round(time.monotonic() - self._started, 3),
             "clients": len(open_),
             "topics": len(self.graph.topics),
-            "dropped": sum(each.outbox.dropped for each in open_),
+            "dropped": self._dropped + sum(each.outbox.dropped for each in open_),
             "slow_clients": [
                 {
                     "node": each.name,
                     "address": each.peer,
                     "kept_bytes": each.outbox.kept_bytes,
                     "dropped": each.outbox.dropped,
+                    "dropped_by_topic": {
+                        spelling: subscription.queue.dropped
+                        for spelling, subscription in each.session.subscriptions.items()
+                        if subscription.queue.dropped
+                    },
                 }
                 for each in open_
-                if each.outbox.dropped
+                if each.session is not None and each.outbox.dropped
             ],
         }
+
+    def _warn_if_public(self) -> None:
+        address = self._server.sockets[0].getsockname()[0]
+        if not ipaddress.ip_address(address).is_loopback:
+            logger.warning(
+                "Other machines can reach this hub at %s, port %d; it asks nobody for a password.",
+                address,
+                self.port,
+            )
 
     def _opened(self, connection: Connection) -> None:
         self._connections.add(connection)
@@ -136,6 +153,8 @@ class Hub:
 
     def _lost(self, connection: Connection) -> None:
         self._connections.discard(connection)
+        if connection.session is not None:
+            self._dropped += connection.outbox.dropped
         if not self._connections:
             self._empty.set()
 

@@ -5,43 +5,33 @@ Synchronous and without a socket: text comes in by `Session.receive`, frames go 
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable
 from typing import Any, assert_never
 
 from fibws import names
 from fibws.errors import FibwsError, OperationError
 from fibws.hub.clock import Clock
-from fibws.hub.framing import text_frame
 from fibws.hub.graph import Graph, Unchecked
 from fibws.hub.outbox import Outbox
 from fibws.hub.settings import Settings
+from fibws.hub.statuses import Statuses
 from fibws.hub.subscription import Subscription
-from fibws.hub.topic import Channel, Publisher, Topic
+from fibws.hub.topic import Publisher, Topic
 from fibws.protocol.closing import REPLACED, Closing
 from fibws.protocol.fragments import Reassembly
 from fibws.protocol.operations import (
     REQUESTS,
     Advertise,
     Fragment,
-    Id,
-    Level,
     Publish,
     Request,
     SetLevel,
-    Status,
     Subscribe,
     Unadvertise,
     Unsubscribe,
-    encode,
     parse_request,
 )
 from fibws.protocol.text import objects
-
-logger = logging.getLogger("fibws.hub")
-
-_GRAVITY: dict[Level, int] = {"none": 0, "error": 1, "warning": 2, "info": 3}
-_INFO = _GRAVITY["info"]
 
 MAX_OBJECTS = 1000
 """Operations in one text: a megabyte of ``{}{}{}`` would keep all others waiting."""
@@ -58,12 +48,11 @@ class Session:
     __slots__ = (
         "_clock",
         "_close",
-        "_complaints",
         "_graph",
-        "_level",
         "_outbox",
         "_reassembly",
         "_settings",
+        "_statuses",
         "node",
         "publishers",
         "subscriptions",
@@ -83,32 +72,28 @@ class Session:
         self._clock = clock
         self._settings = settings
         self._close = close
-        self._level = _GRAVITY["error"]
         self._reassembly: Reassembly | None = None
-        self._complaints = 0
         self.publishers: dict[str, Publisher] = {}
         """By the spelling of the topic's name that the client used."""
         self.subscriptions: dict[str, Subscription] = {}
         """By the spelling of the topic's name that the client used."""
         self.node = graph.enter(self, node)
+        self._statuses = Statuses(self.node, outbox)
 
-    def receive(self, text: bytes) -> None:
+    def receive(self, data: bytes) -> None:
         """Do what a text asks for; what is wrong with it is answered by a status.
 
         Raises:
             InvalidUtf8: the bytes are no text.
         """
         try:
-            for number, fields in enumerate(objects(text)):
-                if number == MAX_OBJECTS:
-                    raise OperationError(f"Expected at most {MAX_OBJECTS} operations in one text")
-                self._perform(fields)
+            self._perform_all(data)
         except OperationError as error:
-            self._complain(str(error), None)
+            self._statuses.error(None, str(error))
 
     def refuse(self, fault: str) -> None:
         """Tell the client that what it sent was no operation at all."""
-        self._complain(fault, None)
+        self._statuses.error(None, fault)
 
     def replaced(self) -> None:
         """Another client has taken this one's name."""
@@ -118,11 +103,20 @@ class Session:
     def leave(self) -> None:
         """Take the client's registrations back; the second time nothing happens."""
         for publisher in {id(each): each for each in self.publishers.values()}.values():
-            self._end_publisher(publisher)
+            self._graph.remove_publisher(publisher)
         self.publishers.clear()
-        for spelling in list(self.subscriptions):
-            self._cancel(spelling, None)
+        for subscription in self.subscriptions.values():
+            self._graph.unsubscribe(subscription, None)
+        self.subscriptions.clear()
         self._graph.leave(self, self.node)
+
+    def _perform_all(self, data: bytes, *, reassembled: bool = False) -> None:
+        for number, fields in enumerate(objects(data)):
+            if number == MAX_OBJECTS:
+                raise OperationError(f"Expected at most {MAX_OBJECTS} operations in one text")
+            if reassembled and fields.get("op") == "fragment":
+                raise OperationError("fragments within fragments are not put together")
+            self._perform(fields)
 
     def _perform(self, fields: dict[str, Any]) -> None:
         try:
@@ -138,7 +132,7 @@ class Session:
         except FibwsError as error:
             operation = fields.get("op")
             prefix = f"{operation}: " if operation in REQUESTS else ""
-            self._complain(f"{prefix}{error}", fields.get("id"))
+            self._statuses.error(fields.get("id"), f"{prefix}{error}")
 
     def _handle(self, request: Request) -> None:
         match request:
@@ -148,7 +142,7 @@ class Session:
             case Subscribe():
                 self._subscribe(request)
             case Unsubscribe():
-                self._cancel(request.topic, request.id)
+                self._unsubscribe(request)
             case Advertise():
                 self._advertise(request)
             case Unadvertise():
@@ -156,132 +150,95 @@ class Session:
             case Fragment():
                 self._reassemble(request)
             case SetLevel():
-                self._level = _GRAVITY[request.level]
+                self._statuses.set_level(request.level)
             case _:
                 assert_never(request)
 
     def _publish(self, publisher: Publisher, msg: object, id_: object) -> None:
         publisher.publish(msg)
-        if self._level == _INFO:
+        if self._statuses.wants_info:
             missing = publisher.type.missing(msg if isinstance(msg, dict) else {})
             if missing:
-                self._say("info", id_, f"publish: defaults stand for {', '.join(missing)}")
+                self._statuses.info(id_, f"publish: defaults stand for {', '.join(missing)}")
 
     def _advertise(self, request: Advertise) -> None:
-        topic = self._topic(request.topic)
-        publisher = self._register(topic, request, request.type, request.definition)
+        publisher = self._register(request, request.type, request.definition)
+        publisher.advertise(request.id)
+        name, type_ = publisher.topic.name, publisher.type.type
         if isinstance(publisher.type, Unchecked):
-            self._say("warning", request.id, f"nobody defined {request.type}: not checked")
-        self._say("info", request.id, f"{self.node} publishes {topic.name} ({publisher.type.type})")
+            self._statuses.warning(request.id, f"{name}: messages of type {type_} are not checked")
+        self._statuses.info(request.id, f"{self.node} publishes {name} ({type_})")
 
     def _advertise_by_publishing(self, request: Publish) -> Publisher:
         topic = self._topic(request.topic)
         if topic.type is None:
-            self._graph.settle(topic)
             raise OperationError(
                 f"Cannot infer topic type for topic {request.topic} as it is not yet advertised"
             )
-        return self._register(topic, request, topic.type.type, None)
+        return self._register(request, topic.type.type, None)
 
     def _register(
-        self, topic: Topic, request: Advertise | Publish, type_: str, definition: str | None
+        self, request: Advertise | Publish, type_: str, definition: str | None
     ) -> Publisher:
-        message_type = self._graph.establish(topic, type_, definition)
-        publisher = topic.publishers.get(self.node)
-        if publisher is None:
-            publisher = Publisher(topic, message_type, latch=request.latch)
-            topic.publishers[self.node] = publisher
-        publisher.advertisements.add(request.id)
+        if request.topic not in self.publishers:
+            self._check_room()
+        publisher = self._graph.add_publisher(
+            self._topic(request.topic), self.node, type_, definition, latch=request.latch
+        )
         self.publishers[request.topic] = publisher
         return publisher
 
     def _unadvertise(self, request: Unadvertise) -> None:
         publisher = self.publishers.get(request.topic)
-        if publisher is None:
+        if publisher is None or publisher.unadvertise(request.id):
             return
-        publisher.advertisements.discard(request.id)
-        if request.id is None or not publisher.advertisements:
-            for spelling, other in list(self.publishers.items()):
-                if other is publisher:
-                    del self.publishers[spelling]
-            self._end_publisher(publisher)
-
-    def _end_publisher(self, publisher: Publisher) -> None:
-        publisher.topic.publishers.pop(self.node, None)
-        self._graph.settle(publisher.topic)
+        for spelling, other in list(self.publishers.items()):
+            if other is publisher:
+                del self.publishers[spelling]
+        self._graph.remove_publisher(publisher)
 
     def _subscribe(self, request: Subscribe) -> None:
-        topic = self._topic(request.topic)
-        if request.type is not None:
-            self._graph.establish(topic, request.type)
         subscription = self.subscriptions.get(request.topic)
         if subscription is None:
+            self._check_room()
             subscription = Subscription(
-                self.node, self._outbox, self._clock, queue_length=self._settings.queue_length
+                self.node,
+                self._topic(request.topic),
+                request.topic,
+                self._outbox,
+                self._clock,
+                queue_length=self._settings.queue_length,
             )
-            self.subscriptions[request.topic] = subscription
-        subscription.request(request)
-        channel = topic.channels.get(request.topic)
-        if channel is None:
-            channel = topic.channels[request.topic] = Channel(request.topic)
-        channel.set(subscription)
+        self._graph.subscribe(subscription, request)
+        self.subscriptions[request.topic] = subscription
+        topic = subscription.topic
         if topic.type is None:
-            self._say("info", request.id, f"{topic.name} has no type yet: waiting for a publisher")
-        if request.compression != "none":
-            self._say("warning", request.id, f"no {request.compression} yet: messages come as JSON")
-        for publisher in topic.publishers.values():
-            if publisher.latched is not None:
-                subscription.send(channel.frame(publisher.latched))
+            self._statuses.info(request.id, f"{topic.name} waits for a publisher to have a type")
+        if request.compression != "none" or request.fragment_size is not None:
+            self._statuses.warning(request.id, "subscribe: messages come as JSON, in one piece")
+        if topic.replay(subscription):
+            # The one answer that is larger than what asked for it: written at once, so that a
+            # client that asks and asks is paused, and its queues bound what is kept.
+            self._outbox.flush()
 
-    def _cancel(self, spelling: str, id_: Id) -> None:
-        subscription = self.subscriptions.get(spelling)
-        if subscription is None:
-            return
-        subscription.cancel(id_)
-        topic = self._topic(spelling)
-        topic.channels[spelling].set(subscription)
-        if not subscription.requests:
-            del self.subscriptions[spelling]
-        self._graph.settle(topic)
+    def _unsubscribe(self, request: Unsubscribe) -> None:
+        subscription = self.subscriptions.get(request.topic)
+        if subscription is not None:
+            self._graph.unsubscribe(subscription, request.id)
+            if not subscription.requests:
+                del self.subscriptions[request.topic]
 
     def _reassemble(self, fragment: Fragment) -> None:
         if self._reassembly is None:
             self._reassembly = Reassembly(max_size=self._settings.max_message_size)
         text = self._reassembly.add(fragment, self._clock.time())
-        if text is None:
-            return
-        for fields in objects(text.encode()):
-            if fields.get("op") == "fragment":
-                raise OperationError("fragments within fragments are not put together")
-            self._perform(fields)
+        if text is not None:
+            self._perform_all(text.encode(), reassembled=True)
 
     def _topic(self, spelling: str) -> Topic:
         return self._graph.topic(names.resolve(spelling, node=self.node))
 
-    def _complain(self, fault: str, id_: object) -> None:
-        self._complaints += 1
-        # A client that errs a thousand times in a second must not fill the disk.
-        if str(self._complaints).strip("0") == "1":
-            logger.warning(
-                "%s: %s (error %d of this client)", self.node, _printable(fault), self._complaints
-            )
-        self._say("error", id_, fault)
-
-    def _say(self, level: Level, id_: object, text: str) -> None:
-        if _GRAVITY[level] <= self._level:
-            status = Status(
-                id=id_ if isinstance(id_, str | int | float) else None,
-                level=level,
-                msg=_shortened(text),
-            )
-            self._outbox.reply(text_frame(encode(status)))
-
-
-def _printable(text: str) -> str:
-    """What may be written to a log of a text that may hold line ends and terminal codes."""
-    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in _shortened(text))
-
-
-def _shortened(text: str) -> str:
-    """What is fit to be read of a text that repeats names of the client's making."""
-    return text if len(text) <= 1000 else f"{text[:1000]}..."
+    def _check_room(self) -> None:
+        most = self._settings.max_topics
+        if len(self.publishers) + len(self.subscriptions) >= most:
+            raise OperationError(f"One client may have to do with {most} topics, not with more")

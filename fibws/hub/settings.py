@@ -1,4 +1,4 @@
-"""What an operator can set, with its unit, its default and the reason for it."""
+"""What an operator can set: the default, the unit, what it is for."""
 
 from __future__ import annotations
 
@@ -41,6 +41,7 @@ class Settings:
     queue_length: int = _setting(
         1000, "Messages kept for a subscription that names no queue_length and falls behind."
     )
+    max_topics: int = _setting(5000, "Topics that one client may advertise or subscribe to.")
     max_queued_bytes: int = _setting(16 * MIB, "Bytes kept for one client that falls behind.")
     stall_timeout: float = _setting(
         30.0, "Seconds for which a client may stop reading before it is closed."

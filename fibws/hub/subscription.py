@@ -2,10 +2,19 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+from fibws.errors import OperationError
 from fibws.hub.clock import Clock
 from fibws.hub.outbox import Outbox, Queue
 from fibws.hub.throttle import Throttle
 from fibws.protocol.operations import Id, Subscribe
+
+if TYPE_CHECKING:
+    from fibws.hub.topic import Topic
+
+MAX_REGISTRATIONS = 100
+"""Ids under which one client may subscribe to one topic, or advertise it."""
 
 
 class Subscription:
@@ -13,6 +22,7 @@ class Subscription:
 
     Args:
         node: the client's name.
+        spelling: the topic's name as the client wrote it, and will read it.
         outbox: where the client's frames go.
         queue_length: messages kept for a client that falls behind and named no queue_length.
     """
@@ -26,22 +36,33 @@ class Subscription:
         "outbox",
         "queue",
         "requests",
+        "spelling",
+        "topic",
+        "typed",
     )
 
-    def __init__(self, node: str, outbox: Outbox, clock: Clock, *, queue_length: int) -> None:
+    def __init__(
+        self,
+        node: str,
+        topic: Topic,
+        spelling: str,
+        outbox: Outbox,
+        clock: Clock,
+        *,
+        queue_length: int,
+    ) -> None:
         self.node = node
+        self.topic = topic
+        self.spelling = spelling
         self.outbox = outbox
         self.queue = Queue(queue_length)
         self.requests: dict[Id, Subscribe] = {}
+        self.typed = False
+        """Whether a request named the type, and so holds the topic to it."""
         self._clock = clock
         self._default = queue_length
         self._throttle: Throttle | None = None
         self._throttled_by = (0.0, 0)
-
-    @property
-    def typed(self) -> bool:
-        """Whether a request named the type, and so holds the topic to it."""
-        return any(request.type is not None for request in self.requests.values())
 
     @property
     def direct(self) -> bool:
@@ -49,7 +70,13 @@ class Subscription:
         return self._throttle is None
 
     def request(self, request: Subscribe) -> None:
-        """Add a request; one of the same id replaces the older."""
+        """Add a request; one of the same id replaces the older.
+
+        Raises:
+            OperationError: there are too many.
+        """
+        if len(self.requests) >= MAX_REGISTRATIONS and request.id not in self.requests:
+            raise OperationError(f"{MAX_REGISTRATIONS} subscriptions to one topic are enough")
         self.requests[request.id] = request
         self._merge()
 
@@ -74,6 +101,7 @@ class Subscription:
 
     def _merge(self) -> None:
         requests = self.requests.values()
+        self.typed = any(request.type is not None for request in requests)
         if not requests:
             self.outbox.forget(self.queue)
             self._throttle_by(0, 0)

@@ -54,11 +54,12 @@ class Throttle:
             return
         self._waiting.append(frame)
         self._budget.used += len(frame)
-        while len(self._waiting) > 1 and (
-            len(self._waiting) > self._queue_length or self._budget.exceeded
+        # A message that alone breaks the budget may wait; else there would be none that large.
+        while len(self._waiting) > self._queue_length or (
+            self._waiting and self._budget.exceeded and self._budget.used > len(frame)
         ):
             self._pop()
-        if self._timer is None:
+        if self._timer is None and self._waiting:
             self._timer = self._clock.call_later(self._due - now, self._drain)
 
     def cancel(self) -> None:

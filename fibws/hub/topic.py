@@ -6,13 +6,16 @@ the text to each `Channel`, which makes one frame of it for all its subscription
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from itertools import chain
 from typing import Any, Protocol
 
 from pydantic_core import to_json
 
+from fibws.errors import OperationError
 from fibws.hub.framing import text_header
 from fibws.hub.outbox import Outbox
-from fibws.hub.subscription import Subscription
+from fibws.hub.subscription import MAX_REGISTRATIONS, Subscription
 from fibws.protocol.operations import Id
 
 _AFTER = b"}"
@@ -48,11 +51,11 @@ class Channel:
     def __bool__(self) -> bool:
         return bool(self._direct or self._throttled)
 
-    def subscriptions(self) -> list[Subscription]:
+    def subscriptions(self) -> Iterator[Subscription]:
         """All of them."""
-        return [*self._direct.values(), *self._throttled.values()]
+        return chain(self._direct.values(), self._throttled.values())
 
-    def set(self, subscription: Subscription) -> None:
+    def update(self, subscription: Subscription) -> None:
         """Add a subscription, or take note that it changed or ended."""
         self._direct.pop(subscription.outbox, None)
         self._throttled.pop(subscription.outbox, None)
@@ -97,16 +100,36 @@ class Topic:
         """Whether nobody has to do with it any more."""
         return not self.publishers and not self.channels
 
-    def subscriptions(self) -> list[Subscription]:
-        """All subscriptions, however they spelled the name."""
-        return [each for channel in self.channels.values() for each in channel.subscriptions()]
+    @property
+    def held(self) -> bool:
+        """Whether somebody keeps the topic to its type."""
+        return bool(self.publishers) or any(each.typed for each in self.subscriptions())
 
-    def holders(self) -> list[str]:
-        """The nodes by which the topic keeps its type."""
-        return [
-            *self.publishers,
-            *(each.node for each in self.subscriptions() if each.typed),
-        ]
+    def holder(self) -> str:
+        """One of the nodes that keep a held topic to its type."""
+        typed = (each.node for each in self.subscriptions() if each.typed)
+        return next(chain(self.publishers, typed))
+
+    def subscriptions(self) -> Iterator[Subscription]:
+        """All subscriptions, however they spelled the name."""
+        return chain.from_iterable(each.subscriptions() for each in self.channels.values())
+
+    def update(self, subscription: Subscription) -> None:
+        """Take note that a subscription has begun, changed or ended."""
+        spelling = subscription.spelling
+        channel = self.channels.get(spelling)
+        if channel is None:
+            channel = self.channels[spelling] = Channel(spelling)
+        channel.update(subscription)
+        if not channel:
+            del self.channels[spelling]
+
+    def replay(self, subscription: Subscription) -> bool:
+        """Send what publishers have latched to one subscription; tell whether there was any."""
+        latched = [each.latched for each in self.publishers.values() if each.latched is not None]
+        for body in latched:
+            subscription.send(self.channels[subscription.spelling].frame(body))
+        return bool(latched)
 
     def deliver(self, body: bytes) -> None:
         """Send a message, as JSON text, to all who hear the topic."""
@@ -118,18 +141,37 @@ class Publisher:
     """One client's right to publish on one topic, kept while an advertisement of its stands.
 
     Args:
+        node: the client's name.
         latch: keep the last message for those who subscribe later (ROS's latched topics).
     """
 
-    __slots__ = ("_sequence", "advertisements", "latch", "latched", "topic", "type")
+    __slots__ = ("_advertisements", "_sequence", "latch", "latched", "node", "topic", "type")
 
-    def __init__(self, topic: Topic, type_: MessageType, *, latch: bool) -> None:
+    def __init__(self, node: str, topic: Topic, type_: MessageType, *, latch: bool) -> None:
+        self.node = node
         self.topic = topic
         self.type = type_
         self.latch = latch
         self.latched: bytes | None = None
-        self.advertisements: set[Id] = set()
+        self._advertisements: set[Id] = set()
         self._sequence = 0
+
+    def advertise(self, id_: Id) -> None:
+        """Add an advertisement.
+
+        Raises:
+            OperationError: there are too many.
+        """
+        if len(self._advertisements) >= MAX_REGISTRATIONS and id_ not in self._advertisements:
+            raise OperationError(f"{MAX_REGISTRATIONS} advertisements of one topic are enough")
+        self._advertisements.add(id_)
+
+    def unadvertise(self, id_: Id) -> bool:
+        """Take back the advertisement of this id, or all if it is None; tell whether one stands."""
+        if id_ is None:
+            self._advertisements.clear()
+        self._advertisements.discard(id_)
+        return bool(self._advertisements)
 
     def publish(self, msg: object) -> None:
         """Check a message and send it on; None stands for the default. Raises `InvalidMessage`."""

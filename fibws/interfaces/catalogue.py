@@ -217,7 +217,9 @@ class Interfaces:
     def _file(self, name: str, kind: Kind) -> tuple[str, str, str, str]:
         """The text that defines a type, its package, its own name and the file's name."""
         package, _, short = name.partition("/")
-        self._check_package(package)
+        if package not in self._all_packages():
+            # Some of its types may have been brought by a client, which says nothing of the others.
+            raise UnknownPackage(package)
         path = self._names(package, kind).get(short)
         if path is None:
             raise UnknownType(kind, package, short, self._nearest(name, kind))

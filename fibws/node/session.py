@@ -8,7 +8,8 @@ from collections import defaultdict
 from collections.abc import Iterator
 from typing import Any, assert_never
 
-from fibws.errors import NodeClosed, OperationError, OperationRejected
+from fibws.errors import InvalidUtf8, NodeClosed, OperationError, OperationRejected
+from fibws.node.fault import tell
 from fibws.node.outbox import Advertisement, Outbox
 from fibws.node.subscription import Subscription
 from fibws.protocol.operations import (
@@ -22,7 +23,7 @@ from fibws.protocol.operations import (
     encode,
     parse_reply,
 )
-from fibws.protocol.text import InvalidUtf8, objects
+from fibws.protocol.text import objects
 
 _LEVELS = {"error": logging.ERROR, "warning": logging.WARNING, "info": logging.INFO}
 
@@ -60,7 +61,7 @@ class Session:
         """Send a message, already encoded; the caller has waited for room."""
         self.check()
         if advertisement.fault is not None:
-            raise advertisement.fault
+            tell(advertisement.fault)
         if advertisement.closed:
             raise NodeClosed(f"publish on {advertisement.operation.topic}: it was closed")
         if advertisement.operation.latch:
@@ -152,13 +153,13 @@ class Session:
                 if timer is not None:
                     timer.cancel()
         if self._fault is not None:
-            raise self._fault
+            tell(self._fault)
         return self.over
 
     def check(self) -> None:
         """Raise if the node is over."""
         if self._fault is not None:
-            raise self._fault
+            tell(self._fault)
         if self._over:
             raise NodeClosed("the node has ended")
 

@@ -8,33 +8,29 @@ from typing import Any
 
 from pydantic_core import from_json
 
-from fibws.errors import OperationError
+from fibws.errors import InvalidUtf8, OperationError
 from fibws.protocol.operations import quoted
 
 _SCANNER = json.JSONDecoder()
 
 
-class InvalidUtf8(Exception):
-    """The bytes of a text are not UTF-8, which ends a WebSocket (RFC 6455, section 8.1)."""
-
-
-def objects(text: bytes) -> Iterable[dict[str, Any]]:
-    """The JSON objects in ``text``, which may stand one behind another.
+def objects(data: bytes) -> Iterable[dict[str, Any]]:
+    """The JSON objects in a text, which may stand one behind another.
 
     Raises:
         OperationError: the text is not JSON, or holds something other than objects.
         InvalidUtf8: the bytes are no text.
     """
     try:
-        value = from_json(text)
+        value = from_json(data)
     except ValueError as error:
-        return _several(text, error)
+        return _several(data, error)
     return (_object(value),)
 
 
-def _several(text: bytes, fault: ValueError) -> Iterator[dict[str, Any]]:
+def _several(data: bytes, fault: ValueError) -> Iterator[dict[str, Any]]:
     try:
-        rest = text.decode().lstrip()
+        rest = data.decode().lstrip()
     except UnicodeDecodeError as error:
         raise InvalidUtf8(str(error)) from None
     position, end = 0, len(rest)

@@ -18,6 +18,9 @@ from fibws.protocol.closing import Closing
 NANOSECONDS = 1_700_000_000_000_000_005
 """When the tests take place."""
 
+INT32 = "std_msgs/Int32"
+STRING = "std_msgs/String"
+
 
 class FakeTimer:
     """One of the clock's timers."""
@@ -158,3 +161,19 @@ class Client:
 
     def leaves(self) -> None:
         self.session.leave()
+
+
+def number(data: int) -> dict[str, int]:
+    return {"data": data}
+
+
+def talker_and_listener(hub: FakeHub, **advertise: Any) -> tuple[Client, Client]:
+    """Two clients, of which one publishes /fib and the other hears it."""
+    talker, listener = hub.client("/talker"), hub.client("/listener")
+    talker.says("advertise", "/fib", type=INT32, **advertise)
+    listener.says("subscribe", "/fib")
+    return talker, listener
+
+
+def fragment(client: Client, data: str, num: int, total: int, id_: object = "f") -> None:
+    client.says("fragment", data=data, num=num, total=total, id=id_)

@@ -224,3 +224,24 @@ def test_a_browser_may_not_guess_what_an_answer_is(path: str) -> None:
     response = get(path)
     assert response.headers["X-Content-Type-Options"] == "nosniff"
     assert response.headers["Connection"] == "close"
+
+
+@pytest.mark.parametrize(
+    ("host", "allowed", "status"),
+    [
+        ("localhost:9090", (), 200),
+        ("127.0.0.1:9090", (), 200),
+        ("192.168.1.5:9090", (), 200),
+        ("rebound.example:9090", (), 403),
+        ("rebound.example:9090", ("http://rebound.example:9090",), 200),
+        ("rebound.example:9090", ("*",), 200),
+        ("[", (), 403),
+    ],
+)
+def test_the_hubs_health_is_told_by_names_of_its_own(
+    host: str, allowed: tuple[str, ...], status: int
+) -> None:
+    gate = Gate(Settings(allow_origin=allowed), b"", dict)
+    response = gate.answer(Request("/healthz", Headers({"Host": host})))
+    assert response is not None
+    assert response.status_code == status

@@ -159,9 +159,10 @@ def test_a_flag_comes_before_the_environment_and_that_before_the_file(
         assert f"ws://{host}:" in hub.first_line()
 
 
-def test_the_file_may_be_named_by_the_environment(tmp_path: Path) -> None:
+@pytest.mark.parametrize("origins", ['["https://lab.example"]', '"https://lab.example"'])
+def test_the_file_may_be_named_by_the_environment(tmp_path: Path, origins: str) -> None:
     config = tmp_path / "hub.toml"
-    config.write_text('host = "127.0.0.2"\nport = 0\nallow_origin = ["https://lab.example"]\n')
+    config.write_text(f'host = "127.0.0.2"\nport = 0\nallow_origin = {origins}\n')
     with (
         running(FIBWS_CONFIG=str(config)) as hub,
         connect(
@@ -194,7 +195,7 @@ def test_version_is_the_packages() -> None:
         ('port = "x"', "not a valid integer"),
         ('ping_interval = "often"', "not a valid float"),
         ('fast_framing = "perhaps"', "not a valid boolean"),
-        ('allow_origin = "https://lab.example"', "Invalid value"),
+        ("allow_origin = 5", "Invalid value"),
         ("[hub]\nport = 1", "no setting is called hub"),
     ],
 )

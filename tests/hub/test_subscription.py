@@ -6,8 +6,10 @@ from typing import Any
 
 import pytest
 
+from fibws.errors import OperationError
 from fibws.hub.outbox import Flusher, Outbox
-from fibws.hub.subscription import Subscription
+from fibws.hub.subscription import MAX_REGISTRATIONS, Subscription
+from fibws.hub.topic import Topic
 from fibws.protocol.operations import Id, Subscribe
 
 from .fakes import FakeClock
@@ -24,7 +26,9 @@ class Subscriber:
         self.outbox = Outbox(
             self.writes.append, print, Flusher(self.clock.call_soon), max_bytes=1000
         )
-        self.subscription = Subscription("/listener", self.outbox, self.clock, queue_length=DEFAULT)
+        self.subscription = Subscription(
+            "/listener", Topic("/a"), "/a", self.outbox, self.clock, queue_length=DEFAULT
+        )
 
     def request(self, id_: Id = None, **fields: Any) -> None:
         self.subscription.request(Subscribe(id=id_, topic="/a", **fields))
@@ -176,4 +180,19 @@ def test_it_holds_the_type_if_any_request_names_one() -> None:
     typed.append(it.subscription.typed)
     it.subscription.cancel("typed")
     typed.append(it.subscription.typed)
-    assert typed == [False, True, False]
+    it.request("typed", type="std_msgs/Int32")
+    it.subscription.cancel(None)
+    typed.append(it.subscription.typed)
+    assert typed == [False, True, False, False]
+
+
+def test_so_many_requests_are_enough() -> None:
+    it = Subscriber()
+    for id_ in range(MAX_REGISTRATIONS):
+        it.request(id_)
+    it.request(5, queue_length=7)
+    with pytest.raises(OperationError, match="100 subscriptions to one topic are enough"):
+        it.request("another")
+    assert list(it.subscription.requests) == list(range(MAX_REGISTRATIONS))
+    it.subscription.cancel(5)
+    it.request("another")

@@ -13,15 +13,23 @@ from .fakes import FakeClock
 class Throttled:
     """A throttle and what it lets through."""
 
-    def __init__(self, *, queue_length: int, period: float = 0.3) -> None:
-        self.clock = FakeClock()
+    def __init__(
+        self,
+        *,
+        queue_length: int,
+        period: float = 0.3,
+        clock: FakeClock | None = None,
+        budget: Budget | None = None,
+    ) -> None:
+        self.clock = clock or FakeClock()
+        self.budget = budget or Budget(1000)
         self.sent: list[tuple[float, bytes]] = []
         self.throttle = Throttle(
             lambda frame: self.sent.append((round(self.clock.time(), 6), frame)),
             self.clock,
             period=period,
             queue_length=queue_length,
-            budget=Budget(1000),
+            budget=self.budget,
         )
 
     @property
@@ -114,3 +122,41 @@ def test_a_queue_may_be_called_longer_than_there_is_memory() -> None:
         throttled.offer(number, at=0)
     throttled.clock.advance(10)
     assert throttled.frames == [0, 1, 2]
+
+
+def test_the_budget_holds_over_many_throttles() -> None:
+    clock, budget = FakeClock(), Budget(1000)
+    many = [Throttled(queue_length=10, clock=clock, budget=budget) for _ in range(100)]
+    for throttled in many:
+        for _ in range(3):
+            throttled.throttle.offer(bytes(300))
+            assert budget.used <= 1000
+    clock.advance(10)
+    assert budget.used == 0
+    assert clock.timers == 0
+    assert sum(len(throttled.sent) for throttled in many) == 100 + 3
+
+
+def test_one_that_may_keep_nothing_goes_on_when_others_let_go() -> None:
+    clock, budget = FakeClock(), Budget(1000)
+    throttled = Throttled(queue_length=10, clock=clock, budget=budget)
+    throttled.offer(0, at=0)
+    budget.used = 1000
+    throttled.offer(1, at=0.1)
+    assert (budget.used, clock.timers) == (1000, 0)
+    budget.used = 0
+    throttled.offer(2, at=0.2)
+    throttled.offer(3, at=1)
+    assert throttled.sent == [(0, b"0"), (0.3, b"2"), (1, b"3")]
+
+
+def test_a_message_that_alone_breaks_the_budget_may_wait() -> None:
+    throttled = Throttled(queue_length=10)
+    large = bytes(5000)
+    for frame in (b"0", b"1", large):
+        throttled.throttle.offer(frame)
+    assert throttled.budget.used == len(large)
+    throttled.throttle.offer(b"2")
+    throttled.clock.advance(10)
+    assert throttled.sent[1:] == [(0.3, b"2")]
+    assert throttled.budget.used == 0

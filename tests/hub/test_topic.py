@@ -7,10 +7,10 @@ from typing import Any
 
 import pytest
 
-from fibws.errors import InvalidMessage
+from fibws.errors import InvalidMessage, OperationError
 from fibws.hub.outbox import Flusher, Outbox
-from fibws.hub.subscription import Subscription
-from fibws.hub.topic import Channel, Publisher, Topic
+from fibws.hub.subscription import MAX_REGISTRATIONS, Subscription
+from fibws.hub.topic import Publisher, Topic
 from fibws.interfaces import Interfaces, Validators
 from fibws.protocol.operations import Subscribe
 
@@ -33,13 +33,15 @@ class Listeners:
         """A new subscription, and where its frames are written."""
         writes: list[bytes] = []
         outbox = outbox or Outbox(writes.append, print, self.flusher, max_bytes=1000)
-        subscription = Subscription("/listener", outbox, self.clock, queue_length=10)
+        subscription = Subscription(
+            "/listener", self.topic, spelling, outbox, self.clock, queue_length=10
+        )
         subscription.request(Subscribe(topic=spelling, **fields))
-        self.topic.channels.setdefault(spelling, Channel(spelling)).set(subscription)
+        self.topic.update(subscription)
         return subscription, writes
 
     def publisher(self, type_: str = "std_msgs/Int32", *, latch: bool = False) -> Publisher:
-        return Publisher(self.topic, VALIDATORS.of(type_), latch=latch)
+        return Publisher("/talker", self.topic, VALIDATORS.of(type_), latch=latch)
 
     def deliver(self, body: bytes) -> None:
         self.topic.deliver(body)
@@ -97,8 +99,8 @@ def test_a_channel_takes_note_of_a_throttle_that_comes_and_goes() -> None:
     channel = listeners.topic.channels["/a"]
     for rate in (300, 0):
         subscription.request(Subscribe(topic="/a", throttle_rate=rate))
-        channel.set(subscription)
-        assert channel.subscriptions() == [subscription]
+        channel.update(subscription)
+        assert list(channel.subscriptions()) == [subscription]
         writes.clear()
         for number in range(2):
             listeners.deliver(b"%d" % number)
@@ -110,10 +112,20 @@ def test_a_channel_forgets_a_subscription_that_ended() -> None:
     subscription, writes = listeners.subscribe()
     channel = listeners.topic.channels["/a"]
     subscription.cancel(None)
-    channel.set(subscription)
+    listeners.topic.update(subscription)
     listeners.deliver(b"{}")
     assert not channel
     assert writes == []
+
+
+def test_a_topic_keeps_no_empty_channel() -> None:
+    listeners = Listeners()
+    (first, _), (second, _) = listeners.subscribe("/a"), listeners.subscribe("a")
+    for subscription, left in ((first, ["a"]), (second, [])):
+        subscription.cancel(None)
+        listeners.topic.update(subscription)
+        assert list(listeners.topic.channels) == left
+    assert listeners.topic.idle
 
 
 def test_a_topic_is_idle_when_nobody_has_to_do_with_it() -> None:
@@ -125,11 +137,16 @@ def test_a_topic_is_idle_when_nobody_has_to_do_with_it() -> None:
 
 def test_a_topic_is_held_by_publishers_and_by_subscriptions_that_name_the_type() -> None:
     listeners = Listeners()
-    listeners.topic.publishers["/talker"] = listeners.publisher()
-    listeners.subscribe()
-    listeners.subscribe("a", type="std_msgs/Int32")
-    assert len(listeners.topic.subscriptions()) == 2
-    assert listeners.topic.holders() == ["/talker", "/listener"]
+    topic = listeners.topic
+    held = []
+    for spelling, type_ in (("/a", None), ("a", "std_msgs/Int32")):
+        listeners.subscribe(spelling, type=type_)
+        held.append(topic.held)
+    assert held == [False, True]
+    assert topic.holder() == "/listener"
+    topic.publishers["/talker"] = listeners.publisher()
+    assert topic.holder() == "/talker"
+    assert len(list(topic.subscriptions())) == 2
 
 
 def test_a_message_is_checked_and_filled() -> None:
@@ -162,6 +179,44 @@ def test_another_publisher_keeps_none() -> None:
     publisher = Listeners().publisher()
     publisher.publish({"data": 1})
     assert publisher.latched is None
+
+
+def test_what_is_latched_is_replayed_to_one_subscription() -> None:
+    listeners = Listeners()
+    (first, writes), (_, other) = listeners.subscribe("a"), listeners.subscribe("a")
+    assert not listeners.topic.replay(first)
+    for node, latch in (("/x", True), ("/y", False), ("/z", True)):
+        publisher = listeners.topic.publishers[node] = listeners.publisher(latch=latch)
+        assert not listeners.topic.replay(first)
+    for number, publisher in enumerate(listeners.topic.publishers.values()):
+        publisher.publish({"data": number})
+    listeners.clock.turn()
+    writes.clear()
+    other.clear()
+    assert listeners.topic.replay(first)
+    assert heard_by(listeners, writes) == [{"data": 0}, {"data": 2}]
+    assert other == []
+
+
+def test_a_publisher_stands_while_an_advertisement_does() -> None:
+    publisher = Listeners().publisher()
+    assert not publisher.unadvertise("never")
+    for id_ in ("a", "b", None):
+        publisher.advertise(id_)
+    assert [publisher.unadvertise(id_) for id_ in ("a", "unknown", "b")] == [True, True, True]
+    publisher.advertise("a")
+    assert not publisher.unadvertise(None)
+
+
+def test_a_publisher_has_so_many_advertisements_and_no_more() -> None:
+    publisher = Listeners().publisher()
+    for id_ in range(MAX_REGISTRATIONS):
+        publisher.advertise(id_)
+    publisher.advertise(5)
+    with pytest.raises(OperationError, match="100 advertisements of one topic are enough"):
+        publisher.advertise("another")
+    publisher.unadvertise(5)
+    publisher.advertise("another")
 
 
 def heard_by(listeners: Listeners, writes: list[bytes]) -> list[Any]:

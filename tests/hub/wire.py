@@ -15,6 +15,8 @@ from typing import Any
 TEXT, BINARY, CONT, CLOSE, PING, PONG = 0x1, 0x2, 0x0, 0x8, 0x9, 0xA
 PATIENCE = 5.0
 """Seconds that anything may take before the test gives up."""
+PATIENT = 60.0
+"""Seconds: a timeout that must not matter to the test."""
 
 _pings = itertools.count()
 
@@ -29,6 +31,16 @@ def frame(opcode: int, payload: bytes = b"", *, fin: bool = True, rsv: int = 0) 
     else:
         length = b"\xff" + struct.pack("!Q", size)
     return bytes((fin << 7 | rsv << 4 | opcode,)) + length + bytes(4) + payload
+
+
+def fragmented(message: bytes, size: int) -> list[bytes]:
+    """The frame of a short text message as fragments of some size."""
+    start = {126: 8, 127: 14}.get(message[1] & 127, 6)
+    payload = message[start:]
+    cuts = list(range(0, len(payload), size))
+    return [
+        frame(CONT if cut else TEXT, payload[cut : cut + size], fin=cut == cuts[-1]) for cut in cuts
+    ]
 
 
 def operation(op: str, **fields: Any) -> bytes:
@@ -217,6 +229,12 @@ async def until(condition: Callable[[], object]) -> None:
     async with asyncio.timeout(PATIENCE):
         while not condition():  # noqa: ASYNC110 - the hub has no event for it.
             await asyncio.sleep(0.005)
+
+
+def timers() -> list[asyncio.TimerHandle]:
+    """What asyncio's loop will call back yet; uvloop does not tell."""
+    scheduled = getattr(asyncio.get_running_loop(), "_scheduled", [])
+    return [timer for timer in scheduled if not timer.cancelled()]
 
 
 @asynccontextmanager

@@ -216,8 +216,15 @@ def test_a_client_may_bring_a_type() -> None:
     assert interfaces.message("new_msgs/Inner").fields == (Field("x", "int32"),)
     assert "new_msgs" in interfaces.packages()
     assert interfaces.messages("new_msgs") == ["new_msgs/Inner", "new_msgs/Outer"]
-    with pytest.raises(UnknownType, match="did you mean new_msgs/Inner"):
-        interfaces.message("new_msgs/Iner")
+
+
+def test_who_brings_a_type_says_nothing_of_the_others_of_its_package() -> None:
+    interfaces = Interfaces()
+    interfaces.learn("new_msgs/Mine", "int32 x")
+    with pytest.raises(UnknownPackage):
+        interfaces.message("new_msgs/Mien")
+    with pytest.raises(UnknownType, match="did you mean std_msgs/String"):
+        interfaces.message("std_msgs/Sting")
 
 
 def test_what_was_learned_outlives_a_new_folder(tmp_path: Path) -> None:

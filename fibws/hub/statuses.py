@@ -1,0 +1,74 @@
+"""Statuses: what the hub has to say to one client about its operations, and to the log."""
+
+from __future__ import annotations
+
+import logging
+
+from fibws.hub.framing import text_frame
+from fibws.hub.outbox import Outbox
+from fibws.protocol.operations import Level, Status, encode
+
+logger = logging.getLogger("fibws.hub")
+
+LONGEST_TEXT = 1000
+"""Characters of a status: it may repeat names of the client's making."""
+
+_GRAVITY: dict[Level, int] = {"none": 0, "error": 1, "warning": 2, "info": 3}
+
+
+class Statuses:
+    """Sends a client the statuses that it wants: errors, until it asks for more or for none.
+
+    Args:
+        node: the client's name, for the log.
+    """
+
+    __slots__ = ("_errors", "_level", "_node", "_outbox", "wants_info")
+
+    def __init__(self, node: str, outbox: Outbox) -> None:
+        self._node = node
+        self._outbox = outbox
+        self._errors = 0
+        self.set_level("error")
+
+    def set_level(self, level: Level) -> None:
+        """From now on send this level and what is graver."""
+        self._level = _GRAVITY[level]
+        self.wants_info = level == "info"
+
+    def error(self, id_: object, text: str) -> None:
+        """Refuse an operation; the log hears of it, too."""
+        self._errors += 1
+        if is_power_of_ten(self._errors):
+            logger.warning(
+                "%s: %s (error %d of this client)", self._node, printable(text), self._errors
+            )
+        self._send("error", id_, text)
+
+    def warning(self, id_: object, text: str) -> None:
+        """Say that an operation was done otherwise than was meant."""
+        self._send("warning", id_, text)
+
+    def info(self, id_: object, text: str) -> None:
+        """Say that an operation was done."""
+        self._send("info", id_, text)
+
+    def _send(self, level: Level, id_: object, text: str) -> None:
+        if _GRAVITY[level] <= self._level:
+            known = id_ if isinstance(id_, str | int | float) else None
+            status = Status(id=known, level=level, msg=_shortened(text))
+            self._outbox.reply(text_frame(encode(status)))
+
+
+def is_power_of_ten(count: int) -> bool:
+    """Whether to log the ``count``-th of things of which there may be thousands in a second."""
+    return str(count).strip("0") == "1"
+
+
+def printable(text: str) -> str:
+    """What may be written to a log of a text that may hold line ends and terminal codes."""
+    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in _shortened(text.strip()))
+
+
+def _shortened(text: str) -> str:
+    return text if len(text) <= LONGEST_TEXT else f"{text[:LONGEST_TEXT]}..."

@@ -1,0 +1,15 @@
+"""A hub in either way of framing."""
+
+from __future__ import annotations
+
+import pytest
+from conftest import StartHub
+
+from fibws.hub import Hub
+from fibws.hub.settings import MIB
+
+
+@pytest.fixture(params=[True, False], ids=["fast", "slow"])
+async def any_hub(request: pytest.FixtureRequest, start_hub: StartHub) -> Hub:
+    """A hub with fast framing, and one without: nobody can tell them apart."""
+    return await start_hub(fast_framing=request.param, max_message_size=8 * MIB)

@@ -1,0 +1,94 @@
+"""Deadlines, without a clock that runs."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from fibws.hub.liveness import Liveness
+from fibws.hub.settings import Settings
+from fibws.protocol.closing import SILENT, STALLED
+
+
+def opened(**settings: Any) -> Liveness:
+    """A client that opened at 0; it is pinged every 20 s and has 5 s for whatever it owes."""
+    five = dict.fromkeys(["ping_timeout", "stall_timeout", "open_timeout", "close_timeout"], 5.0)
+    liveness = Liveness(Settings(**{"ping_interval": 20.0, **five, **settings}), now=0)
+    liveness.opened()
+    return liveness
+
+
+def test_a_client_that_owes_nothing_is_left_alone() -> None:
+    assert opened().verdict(19, unsent=0) is None
+
+
+def test_a_handshake_must_end_in_time() -> None:
+    liveness = Liveness(Settings(open_timeout=5), now=10)
+    assert liveness.verdict(15, unsent=0) is None
+    assert liveness.verdict(15.1, unsent=0) == "abort"
+
+
+def test_a_client_is_pinged_in_every_interval() -> None:
+    liveness = opened()
+    pinged = []
+    for now in range(61):
+        if liveness.verdict(now, unsent=0) == "ping":
+            pinged.append(now)
+            liveness.ponged()
+    assert pinged == [20, 40, 60]
+
+
+def test_no_ping_goes_out_if_none_is_wanted() -> None:
+    assert opened(ping_interval=0.0).verdict(1e6, unsent=0) is None
+
+
+def test_who_does_not_answer_a_ping_is_silent() -> None:
+    liveness = opened()
+    assert liveness.verdict(20, unsent=0) == "ping"
+    assert liveness.verdict(25, unsent=0) is None
+    assert liveness.verdict(25.1, unsent=0) is SILENT
+
+
+def test_a_second_ping_waits_for_the_first_ones_answer() -> None:
+    liveness = opened(ping_interval=2.0)
+    assert liveness.verdict(2, unsent=0) == "ping"
+    assert liveness.verdict(4, unsent=0) is None
+
+
+def test_who_stops_reading_is_stalled() -> None:
+    liveness = opened()
+    liveness.paused(1, unsent=100)
+    assert liveness.verdict(6, unsent=100) is None
+    assert liveness.verdict(6.1, unsent=100) is STALLED
+
+
+def test_who_reads_again_is_not() -> None:
+    liveness = opened()
+    liveness.paused(1, unsent=100)
+    liveness.resumed()
+    assert liveness.verdict(7, unsent=0) is None
+
+
+def test_who_reads_slowly_is_neither_stalled_nor_silent() -> None:
+    liveness = opened()
+    assert liveness.verdict(20, unsent=0) == "ping"
+    liveness.paused(20, unsent=100)
+    verdicts = [liveness.verdict(20 + 4 * step, unsent=100 - step) for step in range(1, 20)]
+    assert set(verdicts) == {None}
+
+
+def test_nobody_is_pinged_behind_bytes_that_wait() -> None:
+    liveness = opened(stall_timeout=100.0)
+    liveness.paused(19, unsent=100)
+    assert liveness.verdict(20, unsent=100) is None
+
+
+@pytest.mark.parametrize("paused", [False, True])
+def test_who_is_to_go_has_a_while_for_it(paused: bool) -> None:
+    liveness = opened(stall_timeout=100.0)
+    if paused:
+        liveness.paused(1, unsent=100)
+    liveness.closing(2)
+    assert liveness.verdict(7, unsent=100) is None
+    assert liveness.verdict(7.1, unsent=100) == "abort"

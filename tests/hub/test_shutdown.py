@@ -1,0 +1,117 @@
+"""The end of the hub: everybody is told, and nobody holds it up."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import socket
+from contextlib import AsyncExitStack
+
+import pytest
+from conftest import StartHub
+
+from fibws.hub import Hub
+
+from .wire import CLOSE, Gone, connected, dialled, frame, publish, timers, until
+
+pytestmark = pytest.mark.both_loops
+
+
+class TestEnd:
+    async def test_all_are_told_that_the_hub_shuts_down(self, start_hub: StartHub) -> None:
+        hub = await start_hub()
+        async with AsyncExitStack() as stack:
+            clients = [await stack.enter_async_context(connected(hub.port)) for _ in range(20)]
+            end = asyncio.create_task(hub.close())
+            for client in clients:
+                assert await client.is_closed() == (1001, "the hub is shutting down")
+                await client.send(frame(CLOSE, b"\x03\xe9"))
+                assert await client.to_the_end() == b""
+                client.leave()
+            await end
+
+    async def test_what_is_due_is_sent_before_the_good_bye(self, start_hub: StartHub) -> None:
+        hub = await start_hub(close_timeout=0.2)
+        async with connected(hub.port) as client, connected(hub.port) as talker:
+            await client.subscribes("/t")
+            await talker.advertises("/t")
+            await talker.send(publish("/t", 1))
+            await talker.is_heard()
+            _, heard = await asyncio.gather(hub.close(), client.hears_all())
+        assert heard == ([1], 1001, "the hub is shutting down")
+
+    async def test_clients_that_do_not_answer_are_cut_off_in_time(
+        self, start_hub: StartHub
+    ) -> None:
+        hub = await start_hub(close_timeout=0.1)
+        async with connected(hub.port), dialled(hub.port) as silent:
+            await until(lambda: len(hub._connections) == 2)
+            async with asyncio.timeout(1):
+                await hub.close()
+            assert not hub._connections
+            with pytest.raises((Gone, ConnectionError)):
+                await silent.frame()
+
+    @pytest.mark.parametrize("turns", range(6))
+    async def test_a_client_that_comes_at_the_last_moment_does_not_hold_it_up(
+        self, start_hub: StartHub, turns: int
+    ) -> None:
+        """However far the loop has come with accepting it."""
+        if turns == 2 and type(asyncio.get_running_loop()).__module__.startswith("asyncio"):
+            pytest.skip("asyncio loses such a connection itself, between accept() and transport")
+        hub = await start_hub(close_timeout=0.2)
+        with socket.socket() as late:
+            late.connect(("127.0.0.1", hub.port))
+            for _ in range(turns):
+                await asyncio.sleep(0)
+            async with asyncio.timeout(1):
+                await hub.close()
+                late.setblocking(False)
+                try:
+                    assert await asyncio.get_running_loop().sock_recv(late, 1) == b""
+                except ConnectionResetError:
+                    pass
+            assert not hub._connections
+
+    async def test_a_hub_may_be_closed_twice(self, hub: Hub) -> None:
+        await hub.close()
+        await hub.close()
+
+    async def test_nobody_can_connect_afterwards(self, hub: Hub) -> None:
+        port = hub.port
+        await hub.close()
+        with pytest.raises(ConnectionRefusedError):
+            async with dialled(port):
+                pass
+
+    async def test_the_port_is_free_at_once(self, hub: Hub, start_hub: StartHub) -> None:
+        async with connected(hub.port) as client:
+            await client.is_heard()
+            port = hub.port
+            end = asyncio.create_task(hub.close())
+            assert (await client.is_closed())[0] == 1001
+            client.leave()
+            await end
+        again = await start_hub(port=port)
+        async with connected(again.port) as client:
+            await client.is_heard()
+
+    async def test_no_timer_is_left(self, start_hub: StartHub) -> None:
+        hub = await start_hub(close_timeout=0.1)
+        async with connected(hub.port) as client:
+            await client.subscribes("/t", throttle_rate=10_000, queue_length=5)
+            await client.send(*(publish("/t", number) for number in range(3)))
+            await client.hears_data(1)
+            await client.is_heard()
+            await hub.close()
+        assert [timer for timer in timers() if "fibws" in repr(timer)] == []
+
+    async def test_leaving_is_logged_once(self, hub: Hub, caplog: pytest.LogCaptureFixture) -> None:
+        caplog.set_level(logging.INFO)
+        async with connected(hub.port, "/?node=/a") as client:
+            await client.is_heard()
+            end = asyncio.create_task(hub.close())
+            await client.is_closed()
+            client.leave()
+            await end
+        assert caplog.text.count("/a is closed: the hub is shutting down.") == 1
