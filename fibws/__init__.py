@@ -18,7 +18,7 @@ if TYPE_CHECKING:
         NodeReplaced,
         OperationRejected,
     )
-    from fibws.interfaces import Duration, Interfaces, Message, Time
+    from fibws.interfaces import Duration, Message, Time
     from fibws.names import Remapping, parse_remappings
     from fibws.node.node import Node
     from fibws.node.publisher import Publisher
@@ -40,7 +40,7 @@ _HOMES = {
         "NodeReplaced",
         "OperationRejected",
     ),
-    "fibws.interfaces": ("Duration", "Interfaces", "Message", "Time"),
+    "fibws.interfaces": ("Duration", "Message", "Time"),
     "fibws.names": ("Remapping", "parse_remappings"),
     "fibws.node.node": ("Node",),
     "fibws.node.publisher": ("Publisher",),
@@ -54,7 +54,6 @@ __all__ = [
     "FibwsError",
     "HubUnreachable",
     "InterfaceError",
-    "Interfaces",
     "InvalidAddress",
     "InvalidMessage",
     "InvalidName",

@@ -1,9 +1,10 @@
 """The types of ROS: their definitions, what a message of each must look like, its Python class.
 
-    text of .msg, .srv, .action ─ parser ─> definition ─ catalogue ─> Interfaces   all types by name
+    folders ─ package ─> text of .msg, .srv, .action ─ parser ─> definition, in builtin's types
+    definition ─ linker ─> with all nested types there ─ catalogue ─> Interfaces, all types by name
     Interfaces ─ fingerprint ─> md5 and full text
-    Interfaces ─ validators ──> Validators      JSON values in, complete messages out
-    Interfaces ─ generator ───> fibws.msg       Python classes, each a Message
+    Interfaces ─ validators, from leaves ─> JSON values in, complete messages out; or faults
+    Interfaces ─ generator ─> fibws.msg, Python classes: each a message, with times in it
 
 Pure: no clock, no environment, no sockets; files are read when a type is first asked for.
 """

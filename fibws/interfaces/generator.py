@@ -104,9 +104,9 @@ def _field(field: Field, package: str) -> str:
         return f"{name}: list[{element}] = field(default_factory={_list(field, element)})"
     if field.type in builtin.CONSTANTS:
         return f"{name}: {element} = {_literal(field.default_value)}"
-    # Another package may not be loaded to its end yet, if it imports this one in its turn.
-    foreign = field.is_nested and _package_of(field) != package
-    factory = f"lambda: {element}()" if foreign else element
+    # A lambda looks later, and in the module: in the class a member may have the nested class's
+    # name, and another package may not be loaded yet, if it imports this one in its turn.
+    factory = f"lambda: {element}()" if field.is_nested else element
     return f"{name}: {element} = field(default_factory={factory})"
 
 

@@ -52,7 +52,7 @@ class Message:
     def to_dict(self) -> dict[str, Any]:
         """The message as JSON has it: bytes are base64.
 
-        What is of the wrong type stays as it is, for `MessageValidator.validate` to name.
+        What is of the wrong type is left for `MessageValidator.validate` to refuse and to name.
         """
         return {
             member.name: member.write(getattr(self, member.attribute))
@@ -109,7 +109,7 @@ def _converters(hint: Any) -> tuple[_Convert, _Convert]:
     if hint is float:
         return _same, _read_float
     if hint in (Time, Duration):
-        return _write_time, partial(_read_time, hint)
+        return partial(_write_time, hint), partial(_read_time, hint)
     if issubclass(hint, Message):
         return _write_message, hint.from_dict
     return _same, _same
@@ -131,8 +131,22 @@ def _write_message(value: Any) -> Any:
     return value.to_dict() if isinstance(value, Message) else value
 
 
+class _Text:
+    """Stands for a str where bytes belong, since validation would take the str for base64."""
+
+
+_Text.__name__ = "str"  # So validation calls it when it refuses it.
+
+
 def _write_bytes(value: Any) -> Any:
-    return b64encode(value).decode() if isinstance(value, (bytes, bytearray)) else value
+    if isinstance(value, str):
+        return _Text()
+    try:
+        view = memoryview(value)
+    except TypeError:
+        return value
+    # The bytes of other arrays are not their elements.
+    return b64encode(view.tobytes()).decode() if view.format == "B" else value
 
 
 def _read_float(value: float | None) -> float:
@@ -143,10 +157,8 @@ def _read_floats(values: list[float | None]) -> list[float]:
     return [nan if value is None else value for value in values]
 
 
-def _write_time(value: Any) -> Any:
-    if isinstance(value, (Time, Duration)):
-        return {"secs": value.secs, "nsecs": value.nsecs}
-    return value
+def _write_time(kind: type[Time | Duration], value: Any) -> Any:
+    return {"secs": value.secs, "nsecs": value.nsecs} if isinstance(value, kind) else value
 
 
 def _read_time(kind: type[Time | Duration], value: dict[str, int]) -> Time | Duration:

@@ -111,10 +111,6 @@ class MessageValidator:
         except ValidationError as error:
             raise faults.explain(self.definition, self._interfaces.message, error) from None
 
-    def default(self) -> dict[str, Any]:
-        """The message of which nothing was given: zeros, empty strings, now in headers."""
-        return self.validate({})
-
     def missing(self, msg: dict[str, Any]) -> list[str]:
         """The fields that ``msg``, which is valid, leaves to their defaults: ``pose.x``."""
         return list(self._missing(self.definition, msg, ""))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 import os
 from collections.abc import Sequence
-from importlib.machinery import ModuleSpec
+from importlib.machinery import ModuleSpec, PathFinder
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, cast
@@ -17,8 +17,6 @@ if TYPE_CHECKING:
 
 VARIABLE = "FIBWS_INTERFACES"
 """The environment variable that names the user's folders, as PATH does."""
-
-_FOLDER = Path(__file__).parent
 
 _interfaces = Interfaces()
 
@@ -75,7 +73,7 @@ class PackageFinder:
             return ModuleSpec(
                 fullname, cast("Loader", _GeneratedLoader), origin="written by its import"
             )
-        if not (_FOLDER / f"{package}.py").exists():
+        if PathFinder.find_spec(fullname, path) is None:
             raise ModuleNotFoundError(
                 f"No module named {fullname!r}: neither the standard packages nor the folders in "
                 f"{VARIABLE} ({os.environ.get(VARIABLE, 'not set')}) define messages of {package}",

@@ -50,7 +50,7 @@ class TestActionGoal(ros.Message):
 
     header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
     goal_id: actionlib_msgs.GoalID = field(default_factory=lambda: actionlib_msgs.GoalID())
-    goal: TestGoal = field(default_factory=TestGoal)
+    goal: TestGoal = field(default_factory=lambda: TestGoal())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -70,7 +70,7 @@ class TestActionResult(ros.Message):
 
     header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
     status: actionlib_msgs.GoalStatus = field(default_factory=lambda: actionlib_msgs.GoalStatus())
-    result: TestResult = field(default_factory=TestResult)
+    result: TestResult = field(default_factory=lambda: TestResult())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -90,7 +90,7 @@ class TestActionFeedback(ros.Message):
 
     header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
     status: actionlib_msgs.GoalStatus = field(default_factory=lambda: actionlib_msgs.GoalStatus())
-    feedback: TestFeedback = field(default_factory=TestFeedback)
+    feedback: TestFeedback = field(default_factory=lambda: TestFeedback())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -99,9 +99,9 @@ class TestAction(ros.Message):
 
     _type: ClassVar[str] = "actionlib/TestAction"
 
-    action_goal: TestActionGoal = field(default_factory=TestActionGoal)
-    action_result: TestActionResult = field(default_factory=TestActionResult)
-    action_feedback: TestActionFeedback = field(default_factory=TestActionFeedback)
+    action_goal: TestActionGoal = field(default_factory=lambda: TestActionGoal())
+    action_result: TestActionResult = field(default_factory=lambda: TestActionResult())
+    action_feedback: TestActionFeedback = field(default_factory=lambda: TestActionFeedback())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -134,7 +134,7 @@ class TestRequestActionGoal(ros.Message):
 
     header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
     goal_id: actionlib_msgs.GoalID = field(default_factory=lambda: actionlib_msgs.GoalID())
-    goal: TestRequestGoal = field(default_factory=TestRequestGoal)
+    goal: TestRequestGoal = field(default_factory=lambda: TestRequestGoal())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -155,7 +155,7 @@ class TestRequestActionResult(ros.Message):
 
     header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
     status: actionlib_msgs.GoalStatus = field(default_factory=lambda: actionlib_msgs.GoalStatus())
-    result: TestRequestResult = field(default_factory=TestRequestResult)
+    result: TestRequestResult = field(default_factory=lambda: TestRequestResult())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -173,7 +173,7 @@ class TestRequestActionFeedback(ros.Message):
 
     header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
     status: actionlib_msgs.GoalStatus = field(default_factory=lambda: actionlib_msgs.GoalStatus())
-    feedback: TestRequestFeedback = field(default_factory=TestRequestFeedback)
+    feedback: TestRequestFeedback = field(default_factory=lambda: TestRequestFeedback())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -182,9 +182,13 @@ class TestRequestAction(ros.Message):
 
     _type: ClassVar[str] = "actionlib/TestRequestAction"
 
-    action_goal: TestRequestActionGoal = field(default_factory=TestRequestActionGoal)
-    action_result: TestRequestActionResult = field(default_factory=TestRequestActionResult)
-    action_feedback: TestRequestActionFeedback = field(default_factory=TestRequestActionFeedback)
+    action_goal: TestRequestActionGoal = field(default_factory=lambda: TestRequestActionGoal())
+    action_result: TestRequestActionResult = field(
+        default_factory=lambda: TestRequestActionResult()
+    )
+    action_feedback: TestRequestActionFeedback = field(
+        default_factory=lambda: TestRequestActionFeedback()
+    )
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -205,7 +209,7 @@ class TwoIntsActionGoal(ros.Message):
 
     header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
     goal_id: actionlib_msgs.GoalID = field(default_factory=lambda: actionlib_msgs.GoalID())
-    goal: TwoIntsGoal = field(default_factory=TwoIntsGoal)
+    goal: TwoIntsGoal = field(default_factory=lambda: TwoIntsGoal())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -225,7 +229,7 @@ class TwoIntsActionResult(ros.Message):
 
     header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
     status: actionlib_msgs.GoalStatus = field(default_factory=lambda: actionlib_msgs.GoalStatus())
-    result: TwoIntsResult = field(default_factory=TwoIntsResult)
+    result: TwoIntsResult = field(default_factory=lambda: TwoIntsResult())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -243,7 +247,7 @@ class TwoIntsActionFeedback(ros.Message):
 
     header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
     status: actionlib_msgs.GoalStatus = field(default_factory=lambda: actionlib_msgs.GoalStatus())
-    feedback: TwoIntsFeedback = field(default_factory=TwoIntsFeedback)
+    feedback: TwoIntsFeedback = field(default_factory=lambda: TwoIntsFeedback())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -252,6 +256,6 @@ class TwoIntsAction(ros.Message):
 
     _type: ClassVar[str] = "actionlib/TwoIntsAction"
 
-    action_goal: TwoIntsActionGoal = field(default_factory=TwoIntsActionGoal)
-    action_result: TwoIntsActionResult = field(default_factory=TwoIntsActionResult)
-    action_feedback: TwoIntsActionFeedback = field(default_factory=TwoIntsActionFeedback)
+    action_goal: TwoIntsActionGoal = field(default_factory=lambda: TwoIntsActionGoal())
+    action_result: TwoIntsActionResult = field(default_factory=lambda: TwoIntsActionResult())
+    action_feedback: TwoIntsActionFeedback = field(default_factory=lambda: TwoIntsActionFeedback())

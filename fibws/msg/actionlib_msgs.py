@@ -41,7 +41,7 @@ class GoalStatus(ros.Message):
     RECALLED: ClassVar[int] = 8
     LOST: ClassVar[int] = 9
 
-    goal_id: GoalID = field(default_factory=GoalID)
+    goal_id: GoalID = field(default_factory=lambda: GoalID())
     status: int = 0
     text: str = ""
 

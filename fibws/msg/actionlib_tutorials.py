@@ -43,7 +43,7 @@ class AveragingActionGoal(ros.Message):
 
     header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
     goal_id: actionlib_msgs.GoalID = field(default_factory=lambda: actionlib_msgs.GoalID())
-    goal: AveragingGoal = field(default_factory=AveragingGoal)
+    goal: AveragingGoal = field(default_factory=lambda: AveragingGoal())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -64,7 +64,7 @@ class AveragingActionResult(ros.Message):
 
     header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
     status: actionlib_msgs.GoalStatus = field(default_factory=lambda: actionlib_msgs.GoalStatus())
-    result: AveragingResult = field(default_factory=AveragingResult)
+    result: AveragingResult = field(default_factory=lambda: AveragingResult())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -87,7 +87,7 @@ class AveragingActionFeedback(ros.Message):
 
     header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
     status: actionlib_msgs.GoalStatus = field(default_factory=lambda: actionlib_msgs.GoalStatus())
-    feedback: AveragingFeedback = field(default_factory=AveragingFeedback)
+    feedback: AveragingFeedback = field(default_factory=lambda: AveragingFeedback())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -96,9 +96,11 @@ class AveragingAction(ros.Message):
 
     _type: ClassVar[str] = "actionlib_tutorials/AveragingAction"
 
-    action_goal: AveragingActionGoal = field(default_factory=AveragingActionGoal)
-    action_result: AveragingActionResult = field(default_factory=AveragingActionResult)
-    action_feedback: AveragingActionFeedback = field(default_factory=AveragingActionFeedback)
+    action_goal: AveragingActionGoal = field(default_factory=lambda: AveragingActionGoal())
+    action_result: AveragingActionResult = field(default_factory=lambda: AveragingActionResult())
+    action_feedback: AveragingActionFeedback = field(
+        default_factory=lambda: AveragingActionFeedback()
+    )
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -118,7 +120,7 @@ class FibonacciActionGoal(ros.Message):
 
     header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
     goal_id: actionlib_msgs.GoalID = field(default_factory=lambda: actionlib_msgs.GoalID())
-    goal: FibonacciGoal = field(default_factory=FibonacciGoal)
+    goal: FibonacciGoal = field(default_factory=lambda: FibonacciGoal())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -138,7 +140,7 @@ class FibonacciActionResult(ros.Message):
 
     header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
     status: actionlib_msgs.GoalStatus = field(default_factory=lambda: actionlib_msgs.GoalStatus())
-    result: FibonacciResult = field(default_factory=FibonacciResult)
+    result: FibonacciResult = field(default_factory=lambda: FibonacciResult())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -158,7 +160,7 @@ class FibonacciActionFeedback(ros.Message):
 
     header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
     status: actionlib_msgs.GoalStatus = field(default_factory=lambda: actionlib_msgs.GoalStatus())
-    feedback: FibonacciFeedback = field(default_factory=FibonacciFeedback)
+    feedback: FibonacciFeedback = field(default_factory=lambda: FibonacciFeedback())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -167,6 +169,8 @@ class FibonacciAction(ros.Message):
 
     _type: ClassVar[str] = "actionlib_tutorials/FibonacciAction"
 
-    action_goal: FibonacciActionGoal = field(default_factory=FibonacciActionGoal)
-    action_result: FibonacciActionResult = field(default_factory=FibonacciActionResult)
-    action_feedback: FibonacciActionFeedback = field(default_factory=FibonacciActionFeedback)
+    action_goal: FibonacciActionGoal = field(default_factory=lambda: FibonacciActionGoal())
+    action_result: FibonacciActionResult = field(default_factory=lambda: FibonacciActionResult())
+    action_feedback: FibonacciActionFeedback = field(
+        default_factory=lambda: FibonacciActionFeedback()
+    )

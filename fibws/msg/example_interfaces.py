@@ -36,7 +36,7 @@ class FibonacciActionGoal(ros.Message):
 
     header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
     goal_id: actionlib_msgs.GoalID = field(default_factory=lambda: actionlib_msgs.GoalID())
-    goal: FibonacciGoal = field(default_factory=FibonacciGoal)
+    goal: FibonacciGoal = field(default_factory=lambda: FibonacciGoal())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -56,7 +56,7 @@ class FibonacciActionResult(ros.Message):
 
     header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
     status: actionlib_msgs.GoalStatus = field(default_factory=lambda: actionlib_msgs.GoalStatus())
-    result: FibonacciResult = field(default_factory=FibonacciResult)
+    result: FibonacciResult = field(default_factory=lambda: FibonacciResult())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -76,7 +76,7 @@ class FibonacciActionFeedback(ros.Message):
 
     header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
     status: actionlib_msgs.GoalStatus = field(default_factory=lambda: actionlib_msgs.GoalStatus())
-    feedback: FibonacciFeedback = field(default_factory=FibonacciFeedback)
+    feedback: FibonacciFeedback = field(default_factory=lambda: FibonacciFeedback())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -85,6 +85,8 @@ class FibonacciAction(ros.Message):
 
     _type: ClassVar[str] = "example_interfaces/FibonacciAction"
 
-    action_goal: FibonacciActionGoal = field(default_factory=FibonacciActionGoal)
-    action_result: FibonacciActionResult = field(default_factory=FibonacciActionResult)
-    action_feedback: FibonacciActionFeedback = field(default_factory=FibonacciActionFeedback)
+    action_goal: FibonacciActionGoal = field(default_factory=lambda: FibonacciActionGoal())
+    action_result: FibonacciActionResult = field(default_factory=lambda: FibonacciActionResult())
+    action_feedback: FibonacciActionFeedback = field(
+        default_factory=lambda: FibonacciActionFeedback()
+    )

@@ -58,8 +58,8 @@ class Accel(ros.Message):
 
     _type: ClassVar[str] = "geometry_msgs/Accel"
 
-    linear: Vector3 = field(default_factory=Vector3)
-    angular: Vector3 = field(default_factory=Vector3)
+    linear: Vector3 = field(default_factory=lambda: Vector3())
+    angular: Vector3 = field(default_factory=lambda: Vector3())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -69,7 +69,7 @@ class AccelStamped(ros.Message):
     _type: ClassVar[str] = "geometry_msgs/AccelStamped"
 
     header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
-    accel: Accel = field(default_factory=Accel)
+    accel: Accel = field(default_factory=lambda: Accel())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -78,7 +78,7 @@ class AccelWithCovariance(ros.Message):
 
     _type: ClassVar[str] = "geometry_msgs/AccelWithCovariance"
 
-    accel: Accel = field(default_factory=Accel)
+    accel: Accel = field(default_factory=lambda: Accel())
     covariance: list[float] = field(default_factory=lambda: [0.0] * 36)
 
 
@@ -89,7 +89,7 @@ class AccelWithCovarianceStamped(ros.Message):
     _type: ClassVar[str] = "geometry_msgs/AccelWithCovarianceStamped"
 
     header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
-    accel: AccelWithCovariance = field(default_factory=AccelWithCovariance)
+    accel: AccelWithCovariance = field(default_factory=lambda: AccelWithCovariance())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -99,7 +99,7 @@ class Inertia(ros.Message):
     _type: ClassVar[str] = "geometry_msgs/Inertia"
 
     m: float = 0.0
-    com: Vector3 = field(default_factory=Vector3)
+    com: Vector3 = field(default_factory=lambda: Vector3())
     ixx: float = 0.0
     ixy: float = 0.0
     ixz: float = 0.0
@@ -115,7 +115,7 @@ class InertiaStamped(ros.Message):
     _type: ClassVar[str] = "geometry_msgs/InertiaStamped"
 
     header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
-    inertia: Inertia = field(default_factory=Inertia)
+    inertia: Inertia = field(default_factory=lambda: Inertia())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -147,7 +147,7 @@ class PointStamped(ros.Message):
     _type: ClassVar[str] = "geometry_msgs/PointStamped"
 
     header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
-    point: Point = field(default_factory=Point)
+    point: Point = field(default_factory=lambda: Point())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -166,7 +166,7 @@ class PolygonStamped(ros.Message):
     _type: ClassVar[str] = "geometry_msgs/PolygonStamped"
 
     header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
-    polygon: Polygon = field(default_factory=Polygon)
+    polygon: Polygon = field(default_factory=lambda: Polygon())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -187,8 +187,8 @@ class Pose(ros.Message):
 
     _type: ClassVar[str] = "geometry_msgs/Pose"
 
-    position: Point = field(default_factory=Point)
-    orientation: Quaternion = field(default_factory=Quaternion)
+    position: Point = field(default_factory=lambda: Point())
+    orientation: Quaternion = field(default_factory=lambda: Quaternion())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -219,7 +219,7 @@ class PoseStamped(ros.Message):
     _type: ClassVar[str] = "geometry_msgs/PoseStamped"
 
     header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
-    pose: Pose = field(default_factory=Pose)
+    pose: Pose = field(default_factory=lambda: Pose())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -228,7 +228,7 @@ class PoseWithCovariance(ros.Message):
 
     _type: ClassVar[str] = "geometry_msgs/PoseWithCovariance"
 
-    pose: Pose = field(default_factory=Pose)
+    pose: Pose = field(default_factory=lambda: Pose())
     covariance: list[float] = field(default_factory=lambda: [0.0] * 36)
 
 
@@ -239,7 +239,7 @@ class PoseWithCovarianceStamped(ros.Message):
     _type: ClassVar[str] = "geometry_msgs/PoseWithCovarianceStamped"
 
     header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
-    pose: PoseWithCovariance = field(default_factory=PoseWithCovariance)
+    pose: PoseWithCovariance = field(default_factory=lambda: PoseWithCovariance())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -249,7 +249,7 @@ class QuaternionStamped(ros.Message):
     _type: ClassVar[str] = "geometry_msgs/QuaternionStamped"
 
     header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
-    quaternion: Quaternion = field(default_factory=Quaternion)
+    quaternion: Quaternion = field(default_factory=lambda: Quaternion())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -258,8 +258,8 @@ class Transform(ros.Message):
 
     _type: ClassVar[str] = "geometry_msgs/Transform"
 
-    translation: Vector3 = field(default_factory=Vector3)
-    rotation: Quaternion = field(default_factory=Quaternion)
+    translation: Vector3 = field(default_factory=lambda: Vector3())
+    rotation: Quaternion = field(default_factory=lambda: Quaternion())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -270,7 +270,7 @@ class TransformStamped(ros.Message):
 
     header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
     child_frame_id: str = ""
-    transform: Transform = field(default_factory=Transform)
+    transform: Transform = field(default_factory=lambda: Transform())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -279,8 +279,8 @@ class Twist(ros.Message):
 
     _type: ClassVar[str] = "geometry_msgs/Twist"
 
-    linear: Vector3 = field(default_factory=Vector3)
-    angular: Vector3 = field(default_factory=Vector3)
+    linear: Vector3 = field(default_factory=lambda: Vector3())
+    angular: Vector3 = field(default_factory=lambda: Vector3())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -290,7 +290,7 @@ class TwistStamped(ros.Message):
     _type: ClassVar[str] = "geometry_msgs/TwistStamped"
 
     header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
-    twist: Twist = field(default_factory=Twist)
+    twist: Twist = field(default_factory=lambda: Twist())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -299,7 +299,7 @@ class TwistWithCovariance(ros.Message):
 
     _type: ClassVar[str] = "geometry_msgs/TwistWithCovariance"
 
-    twist: Twist = field(default_factory=Twist)
+    twist: Twist = field(default_factory=lambda: Twist())
     covariance: list[float] = field(default_factory=lambda: [0.0] * 36)
 
 
@@ -310,7 +310,7 @@ class TwistWithCovarianceStamped(ros.Message):
     _type: ClassVar[str] = "geometry_msgs/TwistWithCovarianceStamped"
 
     header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
-    twist: TwistWithCovariance = field(default_factory=TwistWithCovariance)
+    twist: TwistWithCovariance = field(default_factory=lambda: TwistWithCovariance())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -320,7 +320,7 @@ class Vector3Stamped(ros.Message):
     _type: ClassVar[str] = "geometry_msgs/Vector3Stamped"
 
     header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
-    vector: Vector3 = field(default_factory=Vector3)
+    vector: Vector3 = field(default_factory=lambda: Vector3())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -329,8 +329,8 @@ class Wrench(ros.Message):
 
     _type: ClassVar[str] = "geometry_msgs/Wrench"
 
-    force: Vector3 = field(default_factory=Vector3)
-    torque: Vector3 = field(default_factory=Vector3)
+    force: Vector3 = field(default_factory=lambda: Vector3())
+    torque: Vector3 = field(default_factory=lambda: Vector3())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -340,4 +340,4 @@ class WrenchStamped(ros.Message):
     _type: ClassVar[str] = "geometry_msgs/WrenchStamped"
 
     header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
-    wrench: Wrench = field(default_factory=Wrench)
+    wrench: Wrench = field(default_factory=lambda: Wrench())

@@ -39,7 +39,7 @@ class GetMapActionGoal(ros.Message):
 
     header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
     goal_id: actionlib_msgs.GoalID = field(default_factory=lambda: actionlib_msgs.GoalID())
-    goal: GetMapGoal = field(default_factory=GetMapGoal)
+    goal: GetMapGoal = field(default_factory=lambda: GetMapGoal())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -62,7 +62,7 @@ class OccupancyGrid(ros.Message):
     _type: ClassVar[str] = "nav_msgs/OccupancyGrid"
 
     header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
-    info: MapMetaData = field(default_factory=MapMetaData)
+    info: MapMetaData = field(default_factory=lambda: MapMetaData())
     data: list[int] = field(default_factory=list)
 
 
@@ -72,7 +72,7 @@ class GetMapResult(ros.Message):
 
     _type: ClassVar[str] = "nav_msgs/GetMapResult"
 
-    map: OccupancyGrid = field(default_factory=OccupancyGrid)
+    map: OccupancyGrid = field(default_factory=lambda: OccupancyGrid())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -83,7 +83,7 @@ class GetMapActionResult(ros.Message):
 
     header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
     status: actionlib_msgs.GoalStatus = field(default_factory=lambda: actionlib_msgs.GoalStatus())
-    result: GetMapResult = field(default_factory=GetMapResult)
+    result: GetMapResult = field(default_factory=lambda: GetMapResult())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -101,7 +101,7 @@ class GetMapActionFeedback(ros.Message):
 
     header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
     status: actionlib_msgs.GoalStatus = field(default_factory=lambda: actionlib_msgs.GoalStatus())
-    feedback: GetMapFeedback = field(default_factory=GetMapFeedback)
+    feedback: GetMapFeedback = field(default_factory=lambda: GetMapFeedback())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -110,9 +110,9 @@ class GetMapAction(ros.Message):
 
     _type: ClassVar[str] = "nav_msgs/GetMapAction"
 
-    action_goal: GetMapActionGoal = field(default_factory=GetMapActionGoal)
-    action_result: GetMapActionResult = field(default_factory=GetMapActionResult)
-    action_feedback: GetMapActionFeedback = field(default_factory=GetMapActionFeedback)
+    action_goal: GetMapActionGoal = field(default_factory=lambda: GetMapActionGoal())
+    action_result: GetMapActionResult = field(default_factory=lambda: GetMapActionResult())
+    action_feedback: GetMapActionFeedback = field(default_factory=lambda: GetMapActionFeedback())
 
 
 @dataclass(slots=True, eq=False, repr=False)

@@ -113,7 +113,7 @@ class CameraInfo(ros.Message):
     P: list[float] = field(default_factory=lambda: [0.0] * 12)
     binning_x: int = 0
     binning_y: int = 0
-    roi: RegionOfInterest = field(default_factory=RegionOfInterest)
+    roi: RegionOfInterest = field(default_factory=lambda: RegionOfInterest())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -338,7 +338,7 @@ class NavSatFix(ros.Message):
     COVARIANCE_TYPE_KNOWN: ClassVar[int] = 3
 
     header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
-    status: NavSatStatus = field(default_factory=NavSatStatus)
+    status: NavSatStatus = field(default_factory=lambda: NavSatStatus())
     latitude: float = 0.0
     longitude: float = 0.0
     altitude: float = 0.0

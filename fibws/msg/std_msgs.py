@@ -88,7 +88,7 @@ class ByteMultiArray(ros.Message):
 
     _type: ClassVar[str] = "std_msgs/ByteMultiArray"
 
-    layout: MultiArrayLayout = field(default_factory=MultiArrayLayout)
+    layout: MultiArrayLayout = field(default_factory=lambda: MultiArrayLayout())
     data: list[int] = field(default_factory=list)
 
 
@@ -144,7 +144,7 @@ class Float32MultiArray(ros.Message):
 
     _type: ClassVar[str] = "std_msgs/Float32MultiArray"
 
-    layout: MultiArrayLayout = field(default_factory=MultiArrayLayout)
+    layout: MultiArrayLayout = field(default_factory=lambda: MultiArrayLayout())
     data: list[float] = field(default_factory=list)
 
 
@@ -163,7 +163,7 @@ class Float64MultiArray(ros.Message):
 
     _type: ClassVar[str] = "std_msgs/Float64MultiArray"
 
-    layout: MultiArrayLayout = field(default_factory=MultiArrayLayout)
+    layout: MultiArrayLayout = field(default_factory=lambda: MultiArrayLayout())
     data: list[float] = field(default_factory=list)
 
 
@@ -193,7 +193,7 @@ class Int16MultiArray(ros.Message):
 
     _type: ClassVar[str] = "std_msgs/Int16MultiArray"
 
-    layout: MultiArrayLayout = field(default_factory=MultiArrayLayout)
+    layout: MultiArrayLayout = field(default_factory=lambda: MultiArrayLayout())
     data: list[int] = field(default_factory=list)
 
 
@@ -212,7 +212,7 @@ class Int32MultiArray(ros.Message):
 
     _type: ClassVar[str] = "std_msgs/Int32MultiArray"
 
-    layout: MultiArrayLayout = field(default_factory=MultiArrayLayout)
+    layout: MultiArrayLayout = field(default_factory=lambda: MultiArrayLayout())
     data: list[int] = field(default_factory=list)
 
 
@@ -231,7 +231,7 @@ class Int64MultiArray(ros.Message):
 
     _type: ClassVar[str] = "std_msgs/Int64MultiArray"
 
-    layout: MultiArrayLayout = field(default_factory=MultiArrayLayout)
+    layout: MultiArrayLayout = field(default_factory=lambda: MultiArrayLayout())
     data: list[int] = field(default_factory=list)
 
 
@@ -250,7 +250,7 @@ class Int8MultiArray(ros.Message):
 
     _type: ClassVar[str] = "std_msgs/Int8MultiArray"
 
-    layout: MultiArrayLayout = field(default_factory=MultiArrayLayout)
+    layout: MultiArrayLayout = field(default_factory=lambda: MultiArrayLayout())
     data: list[int] = field(default_factory=list)
 
 
@@ -287,7 +287,7 @@ class UInt16MultiArray(ros.Message):
 
     _type: ClassVar[str] = "std_msgs/UInt16MultiArray"
 
-    layout: MultiArrayLayout = field(default_factory=MultiArrayLayout)
+    layout: MultiArrayLayout = field(default_factory=lambda: MultiArrayLayout())
     data: list[int] = field(default_factory=list)
 
 
@@ -306,7 +306,7 @@ class UInt32MultiArray(ros.Message):
 
     _type: ClassVar[str] = "std_msgs/UInt32MultiArray"
 
-    layout: MultiArrayLayout = field(default_factory=MultiArrayLayout)
+    layout: MultiArrayLayout = field(default_factory=lambda: MultiArrayLayout())
     data: list[int] = field(default_factory=list)
 
 
@@ -325,7 +325,7 @@ class UInt64MultiArray(ros.Message):
 
     _type: ClassVar[str] = "std_msgs/UInt64MultiArray"
 
-    layout: MultiArrayLayout = field(default_factory=MultiArrayLayout)
+    layout: MultiArrayLayout = field(default_factory=lambda: MultiArrayLayout())
     data: list[int] = field(default_factory=list)
 
 
@@ -344,5 +344,5 @@ class UInt8MultiArray(ros.Message):
 
     _type: ClassVar[str] = "std_msgs/UInt8MultiArray"
 
-    layout: MultiArrayLayout = field(default_factory=MultiArrayLayout)
+    layout: MultiArrayLayout = field(default_factory=lambda: MultiArrayLayout())
     data: bytes = b""

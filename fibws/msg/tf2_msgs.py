@@ -44,7 +44,7 @@ class LookupTransformActionGoal(ros.Message):
 
     header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
     goal_id: actionlib_msgs.GoalID = field(default_factory=lambda: actionlib_msgs.GoalID())
-    goal: LookupTransformGoal = field(default_factory=LookupTransformGoal)
+    goal: LookupTransformGoal = field(default_factory=lambda: LookupTransformGoal())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -73,7 +73,7 @@ class LookupTransformResult(ros.Message):
     transform: geometry_msgs.TransformStamped = field(
         default_factory=lambda: geometry_msgs.TransformStamped()
     )
-    error: TF2Error = field(default_factory=TF2Error)
+    error: TF2Error = field(default_factory=lambda: TF2Error())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -84,7 +84,7 @@ class LookupTransformActionResult(ros.Message):
 
     header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
     status: actionlib_msgs.GoalStatus = field(default_factory=lambda: actionlib_msgs.GoalStatus())
-    result: LookupTransformResult = field(default_factory=LookupTransformResult)
+    result: LookupTransformResult = field(default_factory=lambda: LookupTransformResult())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -102,7 +102,7 @@ class LookupTransformActionFeedback(ros.Message):
 
     header: std_msgs.Header = field(default_factory=lambda: std_msgs.Header())
     status: actionlib_msgs.GoalStatus = field(default_factory=lambda: actionlib_msgs.GoalStatus())
-    feedback: LookupTransformFeedback = field(default_factory=LookupTransformFeedback)
+    feedback: LookupTransformFeedback = field(default_factory=lambda: LookupTransformFeedback())
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -111,10 +111,14 @@ class LookupTransformAction(ros.Message):
 
     _type: ClassVar[str] = "tf2_msgs/LookupTransformAction"
 
-    action_goal: LookupTransformActionGoal = field(default_factory=LookupTransformActionGoal)
-    action_result: LookupTransformActionResult = field(default_factory=LookupTransformActionResult)
+    action_goal: LookupTransformActionGoal = field(
+        default_factory=lambda: LookupTransformActionGoal()
+    )
+    action_result: LookupTransformActionResult = field(
+        default_factory=lambda: LookupTransformActionResult()
+    )
     action_feedback: LookupTransformActionFeedback = field(
-        default_factory=LookupTransformActionFeedback
+        default_factory=lambda: LookupTransformActionFeedback()
     )
 
 

@@ -22,11 +22,12 @@ from websockets.protocol import State
 
 from fibws.errors import HubUnreachable, NodeReplaced
 from fibws.node.address import node_url
+from fibws.node.rosout import TOPIC as ROSOUT
 from fibws.node.session import Session
 from fibws.protocol.closing import REPLACED
 
 FIRST_RETRY = 0.1
-LONGEST_RETRY = 1.0
+LONGEST_RETRY = 0.5
 OPENING = 5.0
 FLUSHING = 0.6
 CLOSING = 0.3
@@ -66,7 +67,7 @@ class Connection:
             raise
 
     async def close(self) -> None:
-        """Send what still waits if that is possible soon, then leave."""
+        """Send what still waits if that is possible soon, then leave and say what was not sent."""
         self._session.end()
         if self._task is None:
             return
@@ -77,6 +78,10 @@ class Connection:
         finally:
             self._task.cancel()
             await asyncio.wait({self._task})
+        unsent = self._session.outbox.unsent()
+        del unsent[ROSOUT]  # The console has shown those.
+        if unsent:
+            self._log.warning("Messages that were not sent: %d.", unsent.total())
 
     async def _run(self) -> None:
         """Connect and converse, again and again, until the node is over."""
@@ -135,7 +140,8 @@ class Connection:
         outbox = self._session.outbox
         greeting = self._session.greeting()
         outbox.open()
-        writer = asyncio.create_task(self._write(websocket, greeting), name=f"to {self._hub}")
+        writing = self._write(websocket, greeting, again=self._answered.is_set())
+        writer = asyncio.create_task(writing, name=f"to {self._hub}")
         try:
             self._found()
             while True:
@@ -151,13 +157,20 @@ class Connection:
             writer.result()
         return reason
 
-    async def _write(self, websocket: ClientConnection, greeting: list[bytes]) -> None:
+    async def _write(
+        self, websocket: ClientConnection, greeting: list[bytes], *, again: bool
+    ) -> None:
         """Send what there is to send until there never will be more, then hang up."""
         outbox = self._session.outbox
         try:
             for text in greeting:
                 await websocket.send(text, text=True)
-            # A frame is taken once it can be written, so that none is lost or sent twice.
+            if again:
+                # The listeners lost their hub, too, and are back after a retry at the latest:
+                # what was kept for them would reach nobody before.
+                await self._session.ended(LONGEST_RETRY)
+            # At most once: a frame is taken just before it is written, so that none is sent twice.
+            # What the socket still held when it broke is lost, and nobody can count it.
             while await outbox.arrival() and websocket.state is State.OPEN:
                 await websocket.send(outbox.pop(), text=True)
         except ConnectionClosed:
@@ -195,10 +208,13 @@ async def _hang_up(websocket: ClientConnection) -> None:
 
 
 def _delays() -> Iterator[float]:
-    """Seconds to wait before each retry, with some jitter so that nodes come back one by one."""
+    """Seconds to wait before each retry, with some jitter so that nodes come back one by one.
+
+    All are shorter than LONGEST_RETRY, for who waits that long for others to have come back.
+    """
     delay = FIRST_RETRY
     while True:
-        yield delay * random.uniform(0.8, 1)
+        yield delay * random.uniform(0.7, 0.9)
         delay = min(2 * delay, LONGEST_RETRY)
 
 

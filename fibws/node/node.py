@@ -5,15 +5,15 @@ from __future__ import annotations
 import asyncio
 import os
 import time
+from collections.abc import Callable
 from typing import Any, Self, TypeVar, overload
 
 from fibws import names
-from fibws.interfaces import Interfaces, Message, Time
+from fibws.interfaces import Message, Time
 from fibws.node import address
 from fibws.node.connection import Connection
 from fibws.node.log import FORMAT, node_log
-from fibws.node.outbox import Advertisement
-from fibws.node.publisher import Publisher
+from fibws.node.publisher import P, Publisher
 from fibws.node.rate import Rate
 from fibws.node.rosout import Rosout
 from fibws.node.session import Session
@@ -29,8 +29,9 @@ NO_REMAPPING = names.Remapping()
 class Node:
     """Connects to a hub, publishes and subscribes: ``async with fibws.Node("talker") as node``.
 
-    Entering waits until the hub answers; leaving sends what still waits. In between the node finds
-    its hub again whenever that goes away, and registers with it as before.
+    Entering, which is done once, waits until the hub answers. Leaving sends what still waits if
+    that takes no more than 0.6 s, and logs a warning with the number of messages that were not. In
+    between the node finds its hub again whenever that goes away, and registers with it as before.
 
     Args:
         name: a name with no namespace in it; a remapping of ``__name`` goes before it.
@@ -38,7 +39,6 @@ class Node:
         anonymous: make the name one that no other node has.
         namespace: where relative names belong; else $ROS_NAMESPACE, else ``/``.
         remapping: what the command line renames.
-        interfaces: the types the node knows; else the standard ones.
         log_format: the console's line, as ROSCONSOLE_FORMAT writes it; else that variable.
 
     Raises:
@@ -54,7 +54,6 @@ class Node:
         anonymous: bool = False,
         namespace: str | None = None,
         remapping: names.Remapping = NO_REMAPPING,
-        interfaces: Interfaces | None = None,
         log_format: str | None = None,
     ) -> None:
         names.check_base(name)
@@ -69,7 +68,7 @@ class Node:
         self._name = names.resolve(name, namespace=self._namespace)
         self._remapping = remapping
         self._hub = address.hub_url(hub or environment.get(address.ENVIRONMENT) or address.DEFAULT)
-        self._types = Types(interfaces, time.time_ns)
+        self._types = Types(time.time_ns)
         self.log = node_log(
             self._name, log_format or environment.get("ROSCONSOLE_FORMAT") or FORMAT
         )
@@ -78,6 +77,9 @@ class Node:
         self._rosout = Rosout(self._name, self._session)
         self.log.addHandler(self._rosout)
         self._connection = Connection(self._hub, self._name, self._session, self.log)
+
+    def __repr__(self) -> str:
+        return f"<Node {self._name} at {self._hub}>"
 
     @property
     def name(self) -> str:
@@ -104,31 +106,47 @@ class Node:
 
     @overload
     async def advertise(
-        self, topic: str, type: type[M], *, queue_size: int = ..., latch: bool = ...
-    ) -> Publisher[M]: ...
+        self, topic: str, type: Callable[P, M], *, queue_size: int = ..., latch: bool = ...
+    ) -> Publisher[M, P]: ...
 
     @overload
     async def advertise(
         self, topic: str, type: str, *, queue_size: int = ..., latch: bool = ...
-    ) -> Publisher[Any]: ...
+    ) -> Publisher[Any, ...]: ...
 
     async def advertise(
-        self, topic: str, type: type[Any] | str, *, queue_size: int = 10, latch: bool = False
-    ) -> Publisher[Any]:
+        self, topic: str, type: Any, *, queue_size: int = 10, latch: bool = False
+    ) -> Publisher[Any, ...]:
         """Begin to publish on a topic.
+
+        If the hub refuses, the next publish raises OperationRejected.
 
         Args:
             topic: its name, which is resolved and remapped.
             type: a message class, or a type's name such as ``"std_msgs/Int32"``.
             queue_size: how many messages are kept while there is no hub.
-            latch: whether the hub keeps the last message for those who subscribe later.
+            latch: whether the hub keeps the last message for those who subscribe later. It is
+                published anew after each reconnection, so listeners may hear it again.
 
         Raises:
+            InvalidName: the topic's name is not legal.
             InterfaceError: there is no such type.
+            ValueError: ``queue_size`` is less than 1.
+            NodeClosed: the node has ended.
         """
+        _check_queue_size(queue_size)
+        topic = self.resolve(topic)
         message_class = self._types.message_class(type)
         name = message_class._type
-        advertisement = self._advertise(self.resolve(topic), name, queue_size, latch)
+        operation = Advertise(
+            id=self._session.id("advertise", topic),
+            topic=topic,
+            type=name,
+            latch=latch,
+            queue_size=queue_size,
+            definition=self._types.definition(name),
+        )
+        advertisement = self._session.advertise(operation)
         return Publisher(self._session, advertisement, message_class, self._types.validate(name))
 
     @overload
@@ -142,16 +160,22 @@ class Node:
     ) -> Subscription[Any]:
         """Begin to listen to a topic: ``async for message in node.subscribe(...)``.
 
+        If the hub refuses, the reading raises OperationRejected.
+
         Args:
             topic: its name, which is resolved and remapped.
             type: a message class, or a type's name such as ``"std_msgs/Int32"``.
             queue_size: how many messages wait for a slow reader; then the newest ones stay.
 
         Raises:
+            InvalidName: the topic's name is not legal.
             InterfaceError: there is no such type.
+            ValueError: ``queue_size`` is less than 1.
+            NodeClosed: the node has ended.
         """
-        message_class = self._types.message_class(type)
+        _check_queue_size(queue_size)
         topic = self.resolve(topic)
+        message_class = self._types.message_class(type)
         operation = Subscribe(
             id=self._session.id("subscribe", topic),
             topic=topic,
@@ -160,6 +184,7 @@ class Node:
         )
         subscription: Subscription[Any] = Subscription(
             operation,
+            message_class._type,
             queue_size,
             self._types.reader(message_class),
             self._session.unsubscribe,
@@ -169,7 +194,11 @@ class Node:
         return subscription
 
     def rate(self, hz: float) -> Rate:
-        """Ticks for a loop, until the node ends: ``async for _ in node.rate(10)``."""
+        """Ticks for a loop, until the node ends: ``async for _ in node.rate(10)``.
+
+        Raises:
+            ValueError: ``hz`` is not a finite number above 0.
+        """
         return Rate(hz, self._session.ended)
 
     async def spin(self) -> None:
@@ -177,6 +206,8 @@ class Node:
         await self._session.ended()
 
     async def __aenter__(self) -> Self:
+        if self._rosout.loop is not None:
+            raise RuntimeError("a node is entered once")
         self._rosout.loop = asyncio.get_running_loop()
         await self._connection.open()
         return self
@@ -184,15 +215,7 @@ class Node:
     async def __aexit__(self, *error: object) -> None:
         await self._connection.close()
 
-    def _advertise(self, topic: str, type_: str, queue_size: int, latch: bool) -> Advertisement:
-        if queue_size < 1:
-            raise ValueError(f"queue_size is at least 1, not {queue_size}")
-        operation = Advertise(
-            id=self._session.id("advertise", topic),
-            topic=topic,
-            type=type_,
-            latch=latch,
-            queue_size=queue_size,
-            definition=self._types.definition(type_),
-        )
-        return self._session.advertise(operation)
+
+def _check_queue_size(queue_size: int) -> None:
+    if queue_size < 1:
+        raise ValueError(f"queue_size is at least 1, not {queue_size}")

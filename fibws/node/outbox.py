@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections import OrderedDict, deque
+from collections import Counter, OrderedDict, deque
 from dataclasses import dataclass, field
 
 from fibws.errors import NodeError
@@ -53,6 +53,11 @@ class Outbox:
 
     def __len__(self) -> int:
         return len(self._frames)
+
+    def unsent(self) -> Counter[str]:
+        """How many messages wait, by topic."""
+        sources = (source for source, _ in self._frames.values() if source is not None)
+        return Counter(source.operation.topic for source in sources)
 
     def put(self, text: bytes, source: Advertisement | None = None) -> None:
         """Add a message of ``source``, or an operation that the connection's end voids."""

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, Self, TypeVar, overload
+
+from typing_extensions import ParamSpec
 
 from fibws.interfaces import Message
 from fibws.node.outbox import Advertisement
@@ -11,10 +13,15 @@ from fibws.node.session import Session
 from fibws.protocol.operations import Publish, encode
 
 M = TypeVar("M", bound=Message)
+P = ParamSpec("P", default=...)
+"""The fields of the messages, as their class takes them; any, if they are not known."""
 
 
-class Publisher(Generic[M]):
-    """Publishes messages of one type on one topic."""
+class Publisher(Generic[M, P]):
+    """Publishes messages of one type on one topic.
+
+    Leave it with `close`, or by ``async with``, to stop publishing before the node does.
+    """
 
     def __init__(
         self,
@@ -28,6 +35,9 @@ class Publisher(Generic[M]):
         self._class = message_class
         self._validate = validate
 
+    def __repr__(self) -> str:
+        return f"<Publisher {self.topic} [{self.type}]>"
+
     @property
     def topic(self) -> str:
         """The topic's global name."""
@@ -40,14 +50,22 @@ class Publisher(Generic[M]):
 
     @property
     def dropped(self) -> int:
-        """How many messages made way for newer ones while there was no hub."""
+        """How many of its messages were dropped before they were sent."""
         return self._advertisement.dropped
+
+    @overload
+    async def publish(self, message: M, /) -> None: ...
+
+    @overload
+    async def publish(self, *fields: P.args, **named: P.kwargs) -> None: ...
 
     async def publish(self, *fields: Any, **named: Any) -> None:
         """Publish a message: one of the topic's class, or its fields in order, or by name.
 
         Waits while the connection is slower than the program. Without a hub it waits for nothing:
-        the newest ``queue_size`` messages are kept for when there is one again.
+        the newest ``queue_size`` messages are kept for when there is one again. Messages arrive at
+        most once, in order. A header's stamp is 0 unless given, as in rospy; `Node.now` is the
+        time of day.
 
         Raises:
             InvalidMessage: a field does not fit the type.
@@ -63,6 +81,12 @@ class Publisher(Generic[M]):
     def close(self) -> None:
         """Publish no more. Does nothing when called again."""
         self._session.unadvertise(self._advertisement)
+
+    async def __aenter__(self) -> Self:
+        return self
+
+    async def __aexit__(self, *error: object) -> None:
+        self.close()
 
     def _message(self, fields: tuple[Any, ...], named: dict[str, Any]) -> Message:
         if fields and named:

@@ -10,6 +10,7 @@ from typing import Any, Generic, TypeVar
 
 from fibws.errors import InvalidMessage
 from fibws.interfaces import Message
+from fibws.node.fault import tell
 from fibws.protocol.operations import Subscribe
 
 M = TypeVar("M", bound=Message)
@@ -20,19 +21,20 @@ class Subscription(Generic[M]):
 
     Whoever reads too slowly gets the newest ``queue_size`` messages; `dropped` counts the others.
     Leave it with `close`, or by ``async with``, to stop listening before the node does.
+    JSON has no infinity: it arrives as NaN, as with rosbridge.
     """
 
     def __init__(
         self,
         operation: Subscribe,
+        type_: str,
         queue_size: int,
         build: Callable[[Any], M],
         leave: Callable[[Subscription[M]], None],
         log: logging.Logger,
     ) -> None:
-        if queue_size < 1:
-            raise ValueError(f"queue_size is at least 1, not {queue_size}")
         self._operation = operation
+        self._type = type_
         self._messages: deque[Any] = deque(maxlen=queue_size)
         self._build = build
         self._leave = leave
@@ -42,6 +44,9 @@ class Subscription(Generic[M]):
         self._fault: Exception | None = None
         self._dropped = 0
 
+    def __repr__(self) -> str:
+        return f"<Subscription {self.topic} [{self.type}]>"
+
     @property
     def topic(self) -> str:
         """The topic's global name."""
@@ -50,7 +55,7 @@ class Subscription(Generic[M]):
     @property
     def type(self) -> str:
         """The type of its messages, such as ``std_msgs/Int32``."""
-        return self._operation.type or ""
+        return self._type
 
     @property
     def operation(self) -> Subscribe:
@@ -93,7 +98,7 @@ class Subscription(Generic[M]):
                 except InvalidMessage as error:
                     self._log.error("Dropped a message on %s: %s", self.topic, error)
             if self._fault is not None:
-                raise self._fault
+                tell(self._fault)
             if self._ended:
                 raise StopAsyncIteration
             self._news.clear()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-from fibws.interfaces import Interfaces, Message, Validators
+from fibws.interfaces import Message, Validators
 from fibws.msg import default_interfaces, message_class
 
 M = TypeVar("M", bound=Message)
@@ -15,12 +15,11 @@ class Types:
     """One node's types.
 
     Args:
-        interfaces: where they are defined; None for the standard packages and the user's folders.
         now: gives the nanoseconds since 1970.
     """
 
-    def __init__(self, interfaces: Interfaces | None, now: Callable[[], int]) -> None:
-        self._interfaces = default_interfaces() if interfaces is None else interfaces
+    def __init__(self, now: Callable[[], int]) -> None:
+        self._interfaces = default_interfaces()
         self._validators = Validators(self._interfaces, now)
 
     def message_class(self, type_: type[M] | str) -> type[M] | type[Message]:

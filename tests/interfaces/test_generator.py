@@ -4,6 +4,8 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 import pytest
 
@@ -62,7 +64,7 @@ def test_an_odd_package_is_written(folder: Path) -> None:
     assert "None_: ClassVar[int] = 5" in source
     assert 'from_: str = "here"' in source
     assert "bytes_: bytes_msgs.Bytes = field(default_factory=lambda: bytes_msgs.Bytes())" in source
-    assert "late: Late = field(default_factory=Late)" in source
+    assert "late: Late = field(default_factory=lambda: Late())" in source
     assert "lates: list[Late] = field(default_factory=lambda: [Late() for _ in range(2)])" in source
     assert "more: list[Late] = field(default_factory=list)" in source
     assert "blob: bytes = bytes([1, 2])" in source
@@ -71,6 +73,25 @@ def test_an_odd_package_is_written(folder: Path) -> None:
     assert "flags: list[bool] = field(default_factory=lambda: [False] * 2)" in source
     assert "when: ros.Time = field(default_factory=ros.Time)" in source
     assert max(map(len, source.splitlines())) <= generator.LINE_LENGTH
+
+
+def test_a_member_may_have_the_name_of_a_message(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    messages = tmp_path / "same_msgs" / "msg"
+    messages.mkdir(parents=True)
+    (messages / "Late.msg").write_text("int32 x")
+    (messages / "Field.msg").write_text("Late Late\nLate[1] more")
+    (messages / "Constant.msg").write_text("int32 Late=5\nLate late\nLate[1] more")
+    module: Any = ModuleType("same_msgs")
+    monkeypatch.setitem(sys.modules, "same_msgs", module)
+    exec(generator.generate("same_msgs", Interfaces([tmp_path])), module.__dict__)
+    late = module.Late(0)
+    assert module.Field() == module.Field(Late=late, more=[late])
+    assert module.Constant() == module.Constant(late=late, more=[late])
+    assert module.Constant.Late == 5
+    for message in (module.Field(), module.Constant()):
+        assert type(message).from_dict(message.to_dict()) == message
 
 
 def test_an_odd_package_is_formatted_and_typed(folder: Path, tmp_path: Path) -> None:

@@ -1,17 +1,20 @@
 """Message classes are called as rospy's are, and become JSON and come from it unchanged."""
 
+from array import array
 from dataclasses import dataclass, field
 from math import isnan
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import pytest
 
-from fibws.interfaces import Interfaces, Message, Time, Validators
+from fibws.errors import InvalidMessage
+from fibws.interfaces import Duration, Interfaces, Message, Time, Validators
 from fibws.interfaces.message import python_name, ros_name
 from fibws.msg import message_class
 from fibws.msg.geometry_msgs import Point, Polygon, PoseStamped
 from fibws.msg.sensor_msgs import Image, LaserScan, PointCloud
-from fibws.msg.std_msgs import Int32, UInt8MultiArray
+from fibws.msg.std_msgs import Header, Int32, UInt8MultiArray
+from fibws.msg.visualization_msgs import Marker
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -24,6 +27,14 @@ class Odd(Message):
     place: Point = field(default_factory=Point)
     times: list[Time] = field(default_factory=list)
     blobs: list[int] = field(default_factory=list)
+
+
+def kind(value: object) -> str:
+    return type(value).__name__
+
+
+def validate(message: Message) -> dict[str, Any]:
+    return Validators(Interfaces(), lambda: 0).of(message._type).validate(message.to_dict())
 
 
 def test_fields_are_given_by_position_or_by_name() -> None:
@@ -48,7 +59,7 @@ def test_a_misspelt_field_is_an_error() -> None:
     [name for package in Interfaces().packages() for name in Interfaces().messages(package)],
 )
 def test_the_default_of_each_standard_type_is_the_validators(name: str) -> None:
-    default = Validators(Interfaces(), lambda: 0).of(name).default()
+    default = Validators(Interfaces(), lambda: 0).of(name).validate({})
     message = message_class(name)
     assert message._type == name
     assert message().to_dict() == default
@@ -91,6 +102,30 @@ def test_what_is_of_a_wrong_type_is_left_to_the_validator() -> None:
     image = Image()
     image.header.stamp = 5  # type: ignore[assignment]
     assert image.to_dict()["header"]["stamp"] == 5
+
+
+@pytest.mark.parametrize(
+    "data", [bytearray(b"\1\2\3"), memoryview(b"\3\2\1")[::-1], array("B", [1, 2, 3])]
+)
+def test_whatever_holds_bytes_is_bytes(data: Any) -> None:
+    assert Image(data=data).to_dict()["data"] == "AQID"
+
+
+@pytest.mark.parametrize("data", ["", "AQID", array("i", [1, 2, 3])])
+def test_what_is_no_bytes_is_refused(data: Any) -> None:
+    with pytest.raises(
+        InvalidMessage, match=rf"a uint8\[\] for field data, but got a {kind(data)}$"
+    ):
+        validate(Image(data=data))
+
+
+def test_a_time_is_no_duration() -> None:
+    with pytest.raises(InvalidMessage, match=r"a time for field stamp, but got a Duration$"):
+        validate(Header(stamp=Duration(5)))  # type: ignore[arg-type]
+    with pytest.raises(InvalidMessage, match=r"a duration for field lifetime, but got a Time$"):
+        validate(Marker(lifetime=Time(5)))  # type: ignore[arg-type]
+    validate(Header(stamp=Time(5)))
+    validate(Marker(lifetime=Duration(-5)))
 
 
 def test_a_field_may_be_called_as_a_keyword_is() -> None:

@@ -1,6 +1,7 @@
 """``from fibws.msg.<package> import <Message>`` works for the user's packages too."""
 
 import importlib
+import py_compile
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -76,6 +77,17 @@ def test_a_package_that_nobody_has_is_an_import_error(monkeypatch: pytest.Monkey
     assert caught.value.name == "fibws.msg.nobodys_msgs"
     with pytest.raises(UnknownPackage):
         fibws.msg.message_class("nobodys_msgs/Mine")
+
+
+def test_a_module_that_python_finds_without_us_is_left_to_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    source = tmp_path / "bare_msgs.py"
+    source.write_text("x = 1")
+    py_compile.compile(str(source), str(tmp_path / "bare_msgs.pyc"))
+    source.unlink()
+    monkeypatch.setattr(fibws.msg, "__path__", [*fibws.msg.__path__, str(tmp_path)])
+    assert importlib.import_module("fibws.msg.bare_msgs").x == 1
 
 
 def test_a_private_module_is_none_of_ours() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import re
 import socket
 from collections.abc import AsyncIterator
 from contextlib import suppress
@@ -36,11 +37,13 @@ async def published(peer: Peer) -> list[int]:
     return numbers
 
 
-def test_retries_slow_down_to_one_a_second(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_retries_slow_down_to_two_a_second(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.undo()
     delays = list(islice(_delays(), 8))
-    longest = [0.1, 0.2, 0.4, 0.8, 1, 1, 1, 1]
-    assert all(0.8 * most <= delay <= most for delay, most in zip(delays, longest, strict=True))
+    longest = [0.1, 0.2, 0.4, 0.5, 0.5, 0.5, 0.5, 0.5]
+    assert all(
+        0.7 * most <= delay <= 0.9 * most for delay, most in zip(delays, longest, strict=True)
+    )
 
 
 @pytest.mark.parametrize(
@@ -167,6 +170,40 @@ async def test_what_the_socket_took_is_not_sent_again(hub: ScriptedHub) -> None:
         assert await published(peer) == [99]
 
 
+async def test_what_was_kept_waits_for_the_listeners_but_not_for_the_nodes_end(
+    hub: ScriptedHub, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(connection, "LONGEST_RETRY", 60)
+    async with fibws.Node("talker", hub=hub.url) as node:
+        peer = await hub.peer()
+        numbers = await node.advertise("fibonacci", Int32)
+        await peer.hears("advertise")
+        lines = Lines(node.log)
+        peer.websocket.transport.abort()
+        assert "Lost the hub" in await lines.next()
+        await numbers.publish(99)
+        peer = await hub.peer()
+        await peer.hears("advertise")
+        with pytest.raises(TimeoutError):
+            async with asyncio.timeout(0.1):
+                await peer.websocket.recv()
+    assert await published(peer) == [99]
+
+
+async def test_what_was_kept_and_not_sent_is_counted_at_the_end(
+    hub: ScriptedHub, capsys: pytest.CaptureFixture[str]
+) -> None:
+    async with fibws.Node("talker", hub=hub.url) as node:
+        await hub.peer()
+        numbers = await node.advertise("fibonacci", Int32, queue_size=2)
+        lines = Lines(node.log)
+        await hub.stop()
+        assert "Lost the hub" in await lines.next()
+        for number in range(5):
+            await numbers.publish(number)
+    assert "Messages that were not sent: 2.\n" in capsys.readouterr().err
+
+
 async def test_a_refused_advertisement_is_not_repeated(hub: ScriptedHub) -> None:
     async with fibws.Node("talker", hub=hub.url) as node:
         peer = await hub.peer()
@@ -203,7 +240,9 @@ async def test_publishing_waits_for_a_slow_hub(hub: ScriptedHub) -> None:
         assert texts.dropped == 0
 
 
-async def test_a_hub_that_reads_nothing_does_not_keep_the_node(hub: ScriptedHub) -> None:
+async def test_a_hub_that_reads_nothing_does_not_keep_the_node(
+    hub: ScriptedHub, capsys: pytest.CaptureFixture[str]
+) -> None:
     loop = asyncio.get_running_loop()
     async with fibws.Node("talker", hub=hub.url) as node:
         peer = await hub.peer()
@@ -213,6 +252,7 @@ async def test_a_hub_that_reads_nothing_does_not_keep_the_node(hub: ScriptedHub)
         await asyncio.sleep(0)
         began = loop.time()
     assert loop.time() - began < 1
+    assert re.search(r"Messages that were not sent: \d+\.", capsys.readouterr().err)
     with pytest.raises(fibws.NodeClosed):
         await publishing
     peer.websocket.transport.abort()

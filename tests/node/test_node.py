@@ -110,13 +110,13 @@ async def test_a_bad_message_raises_in_the_line_that_publishes_it(hub: ScriptedH
         with pytest.raises(fibws.InvalidMessage, match="2147483648"):
             await numbers.publish(2**31)
         with pytest.raises(fibws.InvalidMessage, match="data"):
-            await numbers.publish("1")
+            await numbers.publish("1")  # type: ignore[call-overload]
         with pytest.raises(TypeError, match="arguments or keywords, but not both"):
-            await numbers.publish(1, data=1)
+            await numbers.publish(1, data=1)  # type: ignore[call-overload]
         with pytest.raises(TypeError, match=r"expected \[std_msgs/Int32\] but got \[std_msgs/St"):
-            await numbers.publish(String("1"))
+            await numbers.publish(String("1"))  # type: ignore[call-overload]
         with pytest.raises(TypeError):
-            await numbers.publish(date=1)
+            await numbers.publish(date=1)  # type: ignore[call-overload]
 
 
 async def test_a_type_can_be_named(hub: ScriptedHub) -> None:
@@ -314,6 +314,16 @@ async def test_a_hub_that_does_not_want_the_node_is_believed(
         async with fibws.Node("talker", hub=hub.url):
             pytest.fail("there is no hub")
     assert hub.attempts == 1
+
+
+async def test_a_node_is_entered_once(hub: ScriptedHub) -> None:
+    async with fibws.Node("talker", hub=hub.url) as node:
+        assert repr(node) == f"<Node /talker at {hub.url}>"
+        with pytest.raises(RuntimeError, match="entered once"):
+            await node.__aenter__()
+    with pytest.raises(RuntimeError, match="entered once"):
+        async with node:
+            pass
 
 
 async def test_a_node_may_be_prepared_before_it_is_entered(

@@ -67,6 +67,15 @@ def test_when_the_hub_is_lost_operations_go_and_the_newest_messages_stay() -> No
     assert texts(outbox) == [b"first 1", b"first 2"]
 
 
+def test_what_is_not_sent_is_counted_by_topic() -> None:
+    outbox, publisher = Outbox(), advertisement()
+    outbox.open()
+    outbox.put(b"operation")
+    outbox.put(b"1", publisher)
+    outbox.put(b"2", publisher)
+    assert outbox.unsent() == {"/t": 2}
+
+
 async def test_who_publishes_waits_for_room() -> None:
     outbox = Outbox(limit=2 * FRAME_COST)
     outbox.open()

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from fibws.errors import InvalidMessage
+from fibws.errors import InvalidMessage, NodeClosed
 from fibws.msg.geometry_msgs import Point, Vector3
 from fibws.node.publisher import Publisher
 from fibws.node.session import Session
@@ -25,7 +25,7 @@ def session() -> Session:
 @pytest.fixture
 def points(session: Session) -> Publisher[Point]:
     operation = Advertise(id=1, topic="/points", type=Point._type, queue_size=2)
-    validate = Types(None, time.time_ns).validate(Point._type)
+    validate = Types(time.time_ns).validate(Point._type)
     return Publisher(session, session.advertise(operation), Point, validate)
 
 
@@ -42,6 +42,15 @@ async def test_a_message_is_given_whole_or_by_its_fields(
     await points.publish(z=3)
     await points.publish()
     assert published(session) == [{"x": 0.0, "y": 0.0, "z": 3.0}, {"x": 0.0, "y": 0.0, "z": 0.0}]
+
+
+async def test_it_may_be_left_before_its_node(session: Session, points: Publisher[Point]) -> None:
+    assert repr(points) == "<Publisher /points [geometry_msgs/Point]>"
+    async with points:
+        await points.publish()
+    with pytest.raises(NodeClosed):
+        await points.publish()
+    assert len(published(session)) == 1
 
 
 @pytest.mark.parametrize(

@@ -32,7 +32,7 @@ def advertise(session: Session, topic: str, *, latch: bool = False) -> Advertise
 def subscribe(session: Session, topic: str) -> Subscription[Any]:
     operation = Subscribe(id=session.id("subscribe", topic), topic=topic, type=INT32)
     subscription: Subscription[Any] = Subscription(
-        operation, 10, lambda msg: msg, session.unsubscribe, logging.Logger("test")
+        operation, INT32, 10, lambda msg: msg, session.unsubscribe, logging.Logger("test")
     )
     session.subscribe(subscription)
     return subscription

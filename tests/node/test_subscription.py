@@ -20,11 +20,15 @@ def subscription(queue_size: int = 10, **changes: Any) -> Subscription[Any]:
         "log": logging.Logger("test"),
     }
     operation = Subscribe(topic="/t", type="std_msgs/Int32")
-    return Subscription(operation, queue_size, **{**arguments, **changes})
+    return Subscription(operation, "std_msgs/Int32", queue_size, **{**arguments, **changes})
 
 
 async def rest(numbers: Subscription[Any]) -> list[Any]:
     return [number async for number in numbers]
+
+
+def test_it_shows_what_it_listens_to() -> None:
+    assert repr(subscription()) == "<Subscription /t [std_msgs/Int32]>"
 
 
 async def test_messages_are_read_in_order_and_then_the_end() -> None:

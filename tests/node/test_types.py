@@ -8,6 +8,9 @@ from pathlib import Path
 import pytest
 
 import fibws
+import fibws.msg
+from fibws.interfaces import Interfaces
+from fibws.msg import _finder
 from fibws.msg.std_msgs import Int32
 from fibws.node.types import Types
 
@@ -24,8 +27,15 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def types(*folders: Path) -> Types:
-    return Types(fibws.Interfaces(folders), time.time_ns)
+@pytest.fixture(autouse=True)
+def fresh(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let each test begin with the standard types alone."""
+    monkeypatch.setattr(_finder, "_interfaces", Interfaces())
+    monkeypatch.delenv("FIBWS_INTERFACES", raising=False)
+
+
+def types() -> Types:
+    return Types(time.time_ns)
 
 
 def test_a_class_is_found_by_its_types_name() -> None:
@@ -52,7 +62,8 @@ def test_a_message_off_the_wire_is_checked_before_it_is_read() -> None:
 
 
 def test_only_the_users_own_types_are_explained_to_the_hub(folder: Path) -> None:
-    mine = types(folder)
+    fibws.msg.add_folder(folder)
+    mine = types()
     assert mine.definition("std_msgs/Int32") is None
     text = mine.definition("garden/Bed")
     assert text is not None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 from collections.abc import AsyncIterator
 from pathlib import Path
 
@@ -115,3 +116,30 @@ async def test_nodes_are_back_within_two_seconds_of_the_hub() -> None:
                 pass
         await talker.__aexit__()
         await ear.__aexit__()
+
+
+async def test_what_is_published_without_a_hub_reaches_the_listeners() -> None:
+    async with asyncio.timeout(10), contextlib.AsyncExitStack() as stack:
+        async with Hub(Settings(port=0)) as hub:
+            port, url = hub.port, hub.url
+            talker = await stack.enter_async_context(fibws.Node("talker", hub=url))
+            ear = await stack.enter_async_context(fibws.Node("ear", hub=url))
+            lines = Lines(talker.log), Lines(ear.log)
+            numbers = ear.subscribe("numbers", Int32)
+            publisher = await talker.advertise("numbers", Int32, queue_size=5)
+            probe = await ear.advertise("numbers", Int32)
+            await probe.publish(-1)
+            assert (await anext(numbers)).data == -1
+        for each in lines:
+            assert "Lost the hub" in await each.next()
+        for number in range(8):
+            await publisher.publish(number)
+        assert publisher.dropped == 3
+        # Both nodes ask ever more slowly by now, and not at the same time.
+        await asyncio.sleep(1)
+        async with Hub(Settings(port=port)):
+            async with asyncio.timeout(2):
+                kept = [(await anext(numbers)).data for _ in range(5)]
+            await publisher.publish(8)
+            assert [*kept, (await anext(numbers)).data] == [3, 4, 5, 6, 7, 8]
+            await stack.aclose()
