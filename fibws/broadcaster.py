@@ -20,6 +20,22 @@ WIDER = {
 """The next type that holds more whole numbers. None follows UInt64: a Float64 would round them."""
 
 
+def following(fault: fibws.FibwsError, now: str, first: str, on_overflow: str) -> str | None:
+    """The type to go on with once ``now`` was of no use; None to end.
+
+    Raises:
+        OperationRejected: not even the first type was wanted.
+    """
+    if isinstance(fault, fibws.OperationRejected):
+        # Somebody listens with the narrower type.
+        if now == first:
+            raise fault
+        return first
+    if on_overflow == "stop":
+        return None
+    return WIDER.get(now, now) if on_overflow == "widen" else now
+
+
 async def broadcast(node: fibws.Node, type_: str, rate: float, on_overflow: str) -> None:
     """Publish 0, 1, 1, 2, 3, 5 ... on ``fibonacci``."""
     numbers = await node.advertise("fibonacci", type_, queue_size=10)
@@ -27,27 +43,25 @@ async def broadcast(node: fibws.Node, type_: str, rate: float, on_overflow: str)
     async for _ in node.rate(rate):
         try:
             await numbers.publish(a)
-        except fibws.InvalidMessage:
-            wider = WIDER.get(numbers.type)
-            if on_overflow == "stop":
-                node.log.warning("%d does not fit a %s: the series ends.", a, numbers.type)
-                return
-            if on_overflow == "widen" and wider is not None:
-                node.log.warning("%d does not fit a %s: on with %s.", a, numbers.type, wider)
-                numbers.close()
-                numbers = await node.advertise("fibonacci", wider, queue_size=10)
-            else:
-                node.log.warning("%d does not fit a %s: the series starts over.", a, numbers.type)
-                a, b = 0, 1
-        except fibws.OperationRejected as refusal:
-            if numbers.type == type_:
-                raise
-            node.log.warning("%s: the series starts over with %s.", refusal, type_)
-            numbers = await node.advertise("fibonacci", type_, queue_size=10)
-            a, b = 0, 1
-        else:
             node.log.info("%d", a)
             a, b = b, a + b
+        except (fibws.InvalidMessage, fibws.OperationRejected) as fault:
+            full = isinstance(fault, fibws.InvalidMessage)
+            reason = f"{a} does not fit a {numbers.type}" if full else str(fault)
+            next_type = following(fault, numbers.type, type_, on_overflow)
+            if next_type is None:
+                node.log.warning("%s: the series ends.", reason)
+                return
+            changes = next_type != numbers.type
+            if full and changes:
+                node.log.warning("%s: on with %s.", reason, next_type)
+            else:
+                again = f"over with {next_type}" if changes else "over"
+                node.log.warning("%s: the series starts %s.", reason, again)
+                a, b = 0, 1
+            if changes:
+                numbers.close()
+                numbers = await node.advertise("fibonacci", next_type, queue_size=10)
 
 
 @click.command(context_settings=options.SETTINGS)

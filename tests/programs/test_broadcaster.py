@@ -12,7 +12,7 @@ from click.testing import CliRunner
 from websockets.asyncio.client import connect
 
 import fibws
-from fibws.broadcaster import command
+from fibws.broadcaster import command, following
 from fibws.hub import Hub
 from fibws.msg.rosgraph_msgs import Log
 from fibws.msg.std_msgs import Int32, UInt8
@@ -33,6 +33,33 @@ async def hear(hub: Hub, topic: str, until: int) -> list[int]:
             if numbers or number == 0:
                 numbers.append(number)
     return numbers
+
+
+FULL = fibws.InvalidMessage("too large")
+REFUSED = fibws.OperationRejected("already established")
+INT8_, INT16, INT64, UINT64 = (f"std_msgs/{name}" for name in ("Int8", "Int16", "Int64", "UInt64"))
+
+
+@pytest.mark.parametrize(
+    ("fault", "now", "on_overflow", "next_"),
+    [
+        (FULL, INT8_, "restart", INT8_),
+        (FULL, INT8_, "stop", None),
+        (FULL, INT8_, "widen", INT16),
+        (FULL, INT64, "widen", UINT64),
+        (FULL, UINT64, "widen", UINT64),
+        (REFUSED, INT16, "widen", INT8_),
+    ],
+)
+def test_what_follows_a_type_of_no_use(
+    fault: fibws.FibwsError, now: str, on_overflow: str, next_: str | None
+) -> None:
+    assert following(fault, now, INT8_, on_overflow) == next_
+
+
+def test_nothing_follows_when_the_first_type_is_refused() -> None:
+    with pytest.raises(fibws.OperationRejected):
+        following(REFUSED, INT8_, INT8_, "widen")
 
 
 async def test_it_broadcasts_the_series_and_prints_it(hub: Hub, start: Start) -> None:

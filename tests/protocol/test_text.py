@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fibws.errors import OperationError
-from fibws.protocol.text import InvalidUtf8, objects
+from fibws.errors import InvalidUtf8, OperationError
+from fibws.protocol.text import objects
 
 JSON = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(),
