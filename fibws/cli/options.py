@@ -105,5 +105,5 @@ def _number_type(name: str) -> str:
 
 def _rate(hz: float) -> float:
     if not 0 < hz < math.inf:
-        raise click.BadParameter(f"{hz:g} is not above 0.")
+        raise click.BadParameter(f"{hz:g} is no finite number above 0.")
     return hz

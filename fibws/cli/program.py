@@ -34,8 +34,14 @@ def run(program: Coroutine[Any, Any, None]) -> None:
 
 async def _until_told(program: Coroutine[Any, Any, None]) -> None:
     task = asyncio.ensure_future(program)
+
+    def stop() -> None:
+        if sys.stderr.isatty():
+            click.echo(err=True)  # The shell's prompt must not stand behind the terminal's ^C.
+        task.cancel()
+
     for number in (signal.SIGINT, signal.SIGTERM):
         with suppress(NotImplementedError):
-            asyncio.get_running_loop().add_signal_handler(number, task.cancel)
+            asyncio.get_running_loop().add_signal_handler(number, stop)
     with suppress(asyncio.CancelledError):
         await task

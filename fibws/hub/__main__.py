@@ -99,16 +99,22 @@ def command(**values: Any) -> None:
 
 
 async def _serve(settings: Settings) -> None:
-    stop = asyncio.Event()
+    told = asyncio.Event()
+
+    def stop() -> None:
+        if sys.stderr.isatty():
+            click.echo(err=True)  # The log must not go on behind the terminal's ^C.
+        told.set()
+
     for number in (signal.SIGINT, signal.SIGTERM):
         with suppress(NotImplementedError):  # Windows: Ctrl-C comes as KeyboardInterrupt.
-            asyncio.get_running_loop().add_signal_handler(number, stop.set)
+            asyncio.get_running_loop().add_signal_handler(number, stop)
     async with Hub(settings) as hub:
         page = hub.url.replace("ws:", "http:")
         print(
             f"The hub listens at {hub.url}; open {page}/ in a browser. Ctrl-C ends it.", flush=True
         )
-        await stop.wait()
+        await told.wait()
 
 
 def _loop_factory() -> Callable[[], asyncio.AbstractEventLoop] | None:

@@ -22,7 +22,7 @@ class Settings:
     """The hub's settings; each is a flag of ``python -m fibws.hub`` as well.
 
     Raises:
-        HubError: a number is below 0, or no port.
+        HubError: a number is below 0, a port is none, an origin has no scheme.
     """
 
     host: str = _setting("127.0.0.1", "Address to listen on; 0.0.0.0 lets other machines in.")
@@ -63,3 +63,6 @@ class Settings:
                 raise HubError(f"--{flag} is a number from 0 on, not {value}")
         if self.port > 65535:
             raise HubError(f"--port is a number from 0 to 65535, not {self.port}")
+        for origin in self.allow_origin:
+            if "://" not in origin and origin not in ("*", "null"):
+                raise HubError(f"--allow-origin is such as https://lab.example, not {origin}")

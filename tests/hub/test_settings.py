@@ -6,6 +6,7 @@ from dataclasses import FrozenInstanceError, fields
 
 import pytest
 
+from fibws.errors import HubError
 from fibws.hub.settings import Settings
 
 
@@ -24,3 +25,13 @@ def test_the_hub_listens_on_this_machine_alone_unless_told_otherwise() -> None:
 def test_settings_do_not_change() -> None:
     with pytest.raises(FrozenInstanceError):
         Settings().port = 1  # type: ignore[misc]
+
+
+@pytest.mark.parametrize("origin", ["https://lab.example", "http://lab:8000", "null", "*"])
+def test_an_origin_is_what_a_browser_sends_or_a_word_for_any_or_none(origin: str) -> None:
+    assert Settings(allow_origin=(origin,)).allow_origin == (origin,)
+
+
+def test_a_host_alone_is_no_origin() -> None:
+    with pytest.raises(HubError, match="such as https://lab.example, not lab"):
+        Settings(allow_origin=("lab.example",))

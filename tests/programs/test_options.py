@@ -13,8 +13,8 @@ from fibws.broadcaster import command
     [
         (["numbers"], "'numbers': it is neither an option nor a remapping"),
         (["fibonacci:=9"], "'9' is not a legal name"),
-        (["--rate", "0"], "0 is not above 0"),
-        (["--rate", "nan"], "nan is not above 0"),
+        (["--rate", "0"], "0 is no finite number above 0"),
+        (["--rate", "nan"], "nan is no finite number above 0"),
         (["--type", "std_msgs/String"], "does not hold one number"),
         (["--type", "std_msgs/Bool"], "does not hold one number"),
         (["--type", "geometry_msgs/Twist"], "does not hold one number"),
