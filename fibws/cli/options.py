@@ -97,8 +97,9 @@ def _number_type(name: str) -> str:
         message = message_class(name)
     except fibws.FibwsError as error:
         raise click.BadParameter(str(error)) from None
-    fields = [field.name for field in dataclasses.fields(message)]
-    if fields != ["data"] or type(message().data) not in (int, float):  # type: ignore[attr-defined]
+    default = message()
+    fields = {field.name: getattr(default, field.name) for field in dataclasses.fields(message)}
+    if fields.keys() != {"data"} or type(fields["data"]) not in (int, float):
         raise click.BadParameter(f"{name} does not hold one number, called data.")
     return message._type
 

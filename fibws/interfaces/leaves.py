@@ -154,9 +154,10 @@ def _to_base64(data: bytes) -> str:
 def _round(value: float) -> float:
     """The float32 next to ``value``."""
     try:
-        return _unpack(_pack(value))[0]  # type: ignore[no-any-return]
+        rounded: float = _unpack(_pack(value))[0]
     except OverflowError:
         raise fault(f"{value!r} does not fit a float32") from None
+    return rounded
 
 
 def _round_all(values: list[float | None]) -> list[float]:

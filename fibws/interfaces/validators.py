@@ -107,9 +107,10 @@ class MessageValidator:
             InvalidMessage: it does not fit the type; the text names the first field at fault.
         """
         try:
-            return self._validate(msg)  # type: ignore[no-any-return]
+            valid: dict[str, Any] = self._validate(msg)
         except ValidationError as error:
             raise faults.explain(self.definition, self._interfaces.message, error) from None
+        return valid
 
     def missing(self, msg: dict[str, Any]) -> list[str]:
         """The fields that ``msg``, which is valid, leaves to their defaults: ``pose.x``."""
