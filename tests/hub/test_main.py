@@ -262,7 +262,7 @@ def _free_port() -> int:
 
 
 def _connect(port: int) -> None:
-    """Wait until something listens."""
+    """Wait until something listens: a program whose output is blocked cannot say so itself."""
     until = time.monotonic() + PATIENCE
     while True:
         try:

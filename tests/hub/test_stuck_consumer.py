@@ -5,6 +5,8 @@ from __future__ import annotations
 import asyncio
 import json
 import socket
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 from typing import Any
 
 import pytest
@@ -50,14 +52,7 @@ class TestStuckConsumer:
     async def test_nobody_else_notices_and_the_hub_keeps_little(self, start_hub: StartHub) -> None:
         hub = await start_hub(stall_timeout=60.0)
         count = 20_000
-        async with (
-            connected(hub.port, receive_buffer=4 * KIB) as stuck,
-            connected(hub.port) as listener,
-            connected(hub.port) as talker,
-        ):
-            for client in (stuck, listener):
-                await client.subscribes("/t", "std_msgs/String", queue_length=QUEUE)
-            await talker.advertises("/t", "std_msgs/String")
+        async with _company(hub) as (_stuck, listener, talker):
             assert numbers(await _told(talker, listener, range(count))) == list(range(count))
             (slow,) = [each for each in hub._connections if each.outbox.dropped]
             assert slow.outbox.kept_bytes < 2 * QUEUE * KIB
@@ -93,14 +88,7 @@ class TestStuckConsumer:
 
     async def test_its_replies_are_kept(self, start_hub: StartHub) -> None:
         hub = await start_hub(stall_timeout=60.0)
-        async with (
-            connected(hub.port, receive_buffer=4 * KIB) as stuck,
-            connected(hub.port) as listener,
-            connected(hub.port) as talker,
-        ):
-            for client in (stuck, listener):
-                await client.subscribes("/t", "std_msgs/String", queue_length=QUEUE)
-            await talker.advertises("/t", "std_msgs/String")
+        async with _company(hub) as (stuck, listener, talker):
             await _told(talker, listener, range(5000))
             await stuck.says("nope", id="mine")
             while (heard := await stuck.hears())["op"] == "publish":
@@ -111,14 +99,7 @@ class TestStuckConsumer:
         self, start_hub: StartHub, caplog: pytest.LogCaptureFixture
     ) -> None:
         hub = await start_hub(stall_timeout=0.2, close_timeout=5.0)
-        async with (
-            connected(hub.port, "/?node=/stuck", receive_buffer=4 * KIB) as stuck,
-            connected(hub.port) as listener,
-            connected(hub.port) as talker,
-        ):
-            for client in (stuck, listener):
-                await client.subscribes("/t", "std_msgs/String", queue_length=QUEUE)
-            await talker.advertises("/t", "std_msgs/String")
+        async with _company(hub) as (stuck, listener, talker):
             await _told(talker, listener, range(5000))
             await until(lambda: "/stuck is closed" in caplog.text)
             assert "/stuck" not in hub.graph.nodes
@@ -130,14 +111,7 @@ class TestStuckConsumer:
 
     async def test_it_is_cut_off_if_it_does_not_read_even_that(self, start_hub: StartHub) -> None:
         hub = await start_hub(stall_timeout=0.1, close_timeout=0.1)
-        async with (
-            connected(hub.port, receive_buffer=4 * KIB) as stuck,
-            connected(hub.port) as listener,
-            connected(hub.port) as talker,
-        ):
-            for client in (stuck, listener):
-                await client.subscribes("/t", "std_msgs/String", queue_length=QUEUE)
-            await talker.advertises("/t", "std_msgs/String")
+        async with _company(hub) as (stuck, listener, talker):
             await _told(talker, listener, range(5000))
             await until(lambda: len(hub._connections) == 2)
             with pytest.raises((Gone, ConnectionError)):
@@ -168,14 +142,7 @@ class TestStuckConsumer:
 
     async def test_the_hub_closes_in_time_in_spite_of_it(self, start_hub: StartHub) -> None:
         hub = await start_hub(stall_timeout=60.0, close_timeout=0.3)
-        async with (
-            connected(hub.port, receive_buffer=4 * KIB) as stuck,
-            connected(hub.port) as listener,
-            connected(hub.port) as talker,
-        ):
-            for client in (stuck, listener):
-                await client.subscribes("/t", "std_msgs/String", queue_length=QUEUE)
-            await talker.advertises("/t", "std_msgs/String")
+        async with _company(hub) as (_stuck, listener, talker):
             await _told(talker, listener, range(5000))
             loop = asyncio.get_running_loop()
             began = loop.time()
@@ -187,14 +154,7 @@ class TestStuckConsumer:
         self, start_hub: StartHub
     ) -> None:
         hub = await start_hub(stall_timeout=60.0, close_timeout=0.1)
-        async with (
-            connected(hub.port, receive_buffer=4 * KIB) as stuck,
-            connected(hub.port) as listener,
-            connected(hub.port) as talker,
-        ):
-            for client in (stuck, listener):
-                await client.subscribes("/t", "std_msgs/String", queue_length=QUEUE)
-            await talker.advertises("/t", "std_msgs/String")
+        async with _company(hub) as (stuck, listener, talker):
             await _told(talker, listener, range(2000))
             stuck.socket.shutdown(socket.SHUT_WR)
             await until(lambda: len(hub._connections) == 2)
@@ -300,6 +260,20 @@ class TestStuckConsumer:
             await until(lambda: len(hub._connections) == 2)
             health = hub.health()
             assert (health["dropped"], health["slow_clients"]) == (dropped, [])
+
+
+@asynccontextmanager
+async def _company(hub: Hub) -> AsyncIterator[tuple[Client, Client, Client]]:
+    """One who does not read and one who does, both listening to a third."""
+    async with (
+        connected(hub.port, "/?node=/stuck", receive_buffer=4 * KIB) as stuck,
+        connected(hub.port) as listener,
+        connected(hub.port) as talker,
+    ):
+        for client in (stuck, listener):
+            await client.subscribes("/t", "std_msgs/String", queue_length=QUEUE)
+        await talker.advertises("/t", "std_msgs/String")
+        yield stuck, listener, talker
 
 
 def _requests(hub: Hub, node: str) -> int:
