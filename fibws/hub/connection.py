@@ -23,12 +23,12 @@ from websockets.server import ServerProtocol
 from fibws.errors import InvalidUtf8
 from fibws.hub.framing import Splitter
 from fibws.hub.gate import Gate, node_name
-from fibws.hub.graph import Graph
+from fibws.hub.graph.graph import Graph
 from fibws.hub.liveness import Liveness
 from fibws.hub.outbox import Flusher, Outbox
-from fibws.hub.session import Session
+from fibws.hub.session.session import Session
+from fibws.hub.session.statuses import printable
 from fibws.hub.settings import KIB, Settings
-from fibws.hub.statuses import printable
 from fibws.protocol.closing import FRAGMENTS, INVALID_UTF8, OVERFULL, Closing
 
 logger = logging.getLogger("fibws.hub")

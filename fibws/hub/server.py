@@ -15,7 +15,7 @@ from fibws import __version__
 from fibws.errors import HubError
 from fibws.hub.connection import Connection, Shared
 from fibws.hub.gate import Gate
-from fibws.hub.graph import Graph
+from fibws.hub.graph.graph import Graph
 from fibws.hub.outbox import Flusher
 from fibws.hub.settings import Settings
 from fibws.interfaces import Interfaces

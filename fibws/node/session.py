@@ -21,8 +21,8 @@ from fibws.protocol.operations import (
     Unadvertise,
     Unsubscribe,
     encode,
-    parse_reply,
 )
+from fibws.protocol.parsing import parse_reply
 from fibws.protocol.text import objects
 
 _LEVELS = {"error": logging.ERROR, "warning": logging.WARNING, "info": logging.INFO}

@@ -1,25 +1,20 @@
 """The operations of the rosbridge v2.0 protocol, one frozen model each.
 
-Fields that a client sends and no model names are ignored, and a field that is null counts as
-absent, as the real server does. A new operation is a model here and a case in `hub/session.py`,
-which does not type-check until it has one.
+Fields that a client sends and no model names are ignored. A new operation is a model here and a
+case in `hub/session/session.py`, which does not type-check until it has one.
 """
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, TypeVar, get_args
+from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
+from pydantic import BaseModel, ConfigDict, Field
 from pydantic_core import to_json
 
-from fibws.errors import OperationError
-
-T = TypeVar("T")
 Id = str | int | float | bool | None
 Level = Literal["error", "warning", "info", "none"]
-
-QUOTED_LENGTH = 200
-"""How much of a wrong message is repeated in the error about it, in characters."""
+FragmentSize = Annotated[int, Field(gt=0)] | None
+"""Characters above which a text is to come in pieces; None for never."""
 
 
 class Operation(BaseModel):
@@ -66,7 +61,7 @@ class Subscribe(Operation):
     type: str | None = None
     throttle_rate: Annotated[float, Field(allow_inf_nan=False)] = 0
     queue_length: int = 0
-    fragment_size: int | None = None
+    fragment_size: FragmentSize = None
     compression: str = "none"
 
 
@@ -75,6 +70,110 @@ class Unsubscribe(Operation):
 
     op: Literal["unsubscribe"] = "unsubscribe"
     topic: str
+
+
+class CallService(Operation):
+    """A call, from a client that asks it or to the client that is to answer it.
+
+    ``args`` is an object, or a list of the request's fields in order; what else comes there counts
+    as absent. ``timeout`` is in seconds.
+    """
+
+    op: Literal["call_service"] = "call_service"
+    service: str
+    args: Any = None
+    fragment_size: FragmentSize = None
+    timeout: Annotated[float, Field(allow_inf_nan=False)] = 0
+
+
+class AdvertiseService(Operation):
+    """The client answers the calls of ``service``."""
+
+    op: Literal["advertise_service"] = "advertise_service"
+    service: str
+    type: str
+    definition: str | None = None
+    """The type's .srv text, for types that the hub does not have (an addition of fibws)."""
+
+
+class UnadvertiseService(Operation):
+    """The client answers no more calls of ``service``; of none of its services, if that is None."""
+
+    op: Literal["unadvertise_service"] = "unadvertise_service"
+    service: str | None = None
+
+
+class ServiceResponse(Operation):
+    """The answer to a call, either way: ``values`` is an object, or the text of what went wrong."""
+
+    op: Literal["service_response"] = "service_response"
+    service: str
+    values: Any = None
+    result: bool
+
+
+class AdvertiseAction(Operation):
+    """The client pursues the goals of ``action``."""
+
+    op: Literal["advertise_action"] = "advertise_action"
+    action: str
+    type: str
+    definition: str | None = None
+    """The type's .action text, for types that the hub does not have (an addition of fibws)."""
+
+
+class UnadvertiseAction(Operation):
+    """The client pursues no more goals of ``action``."""
+
+    op: Literal["unadvertise_action"] = "unadvertise_action"
+    action: str
+
+
+class SendActionGoal(Operation):
+    """A goal, from a client that wants it or to the client that is to pursue it."""
+
+    op: Literal["send_action_goal"] = "send_action_goal"
+    action: str
+    action_type: str
+    args: Any = None
+    feedback: bool = False
+    fragment_size: FragmentSize = None
+
+
+class CancelActionGoal(Operation):
+    """The goal of this id is wanted no more, either way."""
+
+    op: Literal["cancel_action_goal"] = "cancel_action_goal"
+    action: str
+
+
+class ActionFeedback(Operation):
+    """How far the goal of this id has come, either way."""
+
+    op: Literal["action_feedback"] = "action_feedback"
+    action: str
+    values: Any = None
+
+
+class ActionResult(Operation):
+    """What became of the goal of this id, either way.
+
+    ``status`` is one of action_msgs/GoalStatus; ``values`` is the result, or the text of what went
+    wrong.
+    """
+
+    op: Literal["action_result"] = "action_result"
+    action: str
+    values: Any = None
+    status: Annotated[int, Field(ge=0, le=6)] = 0
+    result: bool
+
+
+class Png(Operation):
+    """Another operation's text as an image: see `png`."""
+
+    op: Literal["png"] = "png"
+    data: str
 
 
 class Fragment(Operation):
@@ -102,80 +201,43 @@ class Status(Operation):
     msg: str
 
 
-Request = Advertise | Unadvertise | Publish | Subscribe | Unsubscribe | Fragment | SetLevel
+Request = (
+    Advertise
+    | Unadvertise
+    | Publish
+    | Subscribe
+    | Unsubscribe
+    | CallService
+    | AdvertiseService
+    | UnadvertiseService
+    | ServiceResponse
+    | AdvertiseAction
+    | UnadvertiseAction
+    | SendActionGoal
+    | CancelActionGoal
+    | ActionFeedback
+    | ActionResult
+    | Fragment
+    | SetLevel
+)
 """What a client may send."""
 
-Reply = Publish | Status
+Reply = (
+    Publish
+    | CallService
+    | ServiceResponse
+    | SendActionGoal
+    | CancelActionGoal
+    | ActionFeedback
+    | ActionResult
+    | Fragment
+    | Png
+    | Status
+)
 """What a client may be sent."""
-
-_REQUEST: TypeAdapter[Request] = TypeAdapter(Annotated[Request, Field(discriminator="op")])
-_REPLY: TypeAdapter[Reply] = TypeAdapter(Annotated[Reply, Field(discriminator="op")])
-REQUESTS = sorted(model.model_fields["op"].default for model in get_args(Request))
-REPLIES = sorted(model.model_fields["op"].default for model in get_args(Reply))
-
-
-def parse_request(fields: dict[str, Any]) -> Request:
-    """The operation that a client sent.
-
-    Raises:
-        OperationError: there is no such operation, or a field is missing or of a wrong type.
-    """
-    return _parse(_REQUEST, REQUESTS, fields)
-
-
-def parse_reply(fields: dict[str, Any]) -> Reply:
-    """The operation that the hub sent; raises as `parse_request` does."""
-    return _parse(_REPLY, REPLIES, fields)
 
 
 def encode(operation: Operation) -> bytes:
     """The operation as JSON text, ``op`` first, without the fields that are None."""
     fields = operation.model_dump(exclude_none=True)
     return to_json({"op": fields.pop("op"), **fields}, inf_nan_mode="null")
-
-
-def _parse(adapter: TypeAdapter[T], known: list[str], fields: dict[str, Any]) -> T:
-    if None in fields.values():
-        fields = {name: value for name, value in fields.items() if value is not None}
-    try:
-        return adapter.validate_python(fields)
-    except ValidationError as error:
-        raise OperationError(_fault(error, known, fields)) from None
-
-
-_WANTED = {
-    "string_type": "str",
-    "bool_type": "bool",
-    "int_type": "int",
-    "int_from_float": "int",
-    "float_type": "int, float",
-    "finite_number": "a finite number",
-}
-
-
-def _fault(error: ValidationError, known: list[str], fields: dict[str, Any]) -> str:
-    """The first fault, in the real server's words (rosbridge_library's capability.py)."""
-    first = error.errors(include_url=False, include_context=True)[0]
-    operation = fields.get("op")
-    if first["type"] == "union_tag_not_found" or not isinstance(operation, str):
-        return (
-            "Received a message without an op.  All messages require 'op' field with value one of: "
-            f"{known}.  Original message was: {quoted(fields)}"
-        )
-    if first["type"] == "union_tag_invalid":
-        return f"Unknown operation: {operation}.  Allowed operations: {known}"
-    name = str(first["loc"][1])
-    if first["type"] == "missing":
-        return f"Expected a {name} field but none was found."
-    wanted = (
-        "str, int"
-        if name == "id"
-        else _WANTED.get(first["type"]) or first.get("ctx", {}).get("expected", first["msg"])
-    )
-    return f"Expected field {name} to be one of {wanted}. Invalid value: {quoted(first['input'])}"
-
-
-def quoted(value: Any) -> str:
-    """A wrong value as JSON text, cut to a length that is fit to be read."""
-    text = to_json(value, inf_nan_mode="constants").decode()
-    return text if len(text) <= QUOTED_LENGTH else f"{text[:QUOTED_LENGTH]}..."

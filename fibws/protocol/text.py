@@ -9,7 +9,7 @@ from typing import Any
 from pydantic_core import from_json
 
 from fibws.errors import InvalidUtf8, OperationError
-from fibws.protocol.operations import quoted
+from fibws.protocol.parsing import quoted
 
 _SCANNER = json.JSONDecoder()
 

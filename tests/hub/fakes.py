@@ -8,9 +8,9 @@ from heapq import heappop, heappush
 from itertools import count
 from typing import Any
 
-from fibws.hub.graph import Graph
+from fibws.hub.graph.graph import Graph
 from fibws.hub.outbox import Flusher, Outbox
-from fibws.hub.session import Session
+from fibws.hub.session.session import Session
 from fibws.hub.settings import Settings
 from fibws.interfaces import Interfaces
 from fibws.protocol.closing import Closing

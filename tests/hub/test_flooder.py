@@ -14,7 +14,7 @@ import pytest
 from conftest import Faults, StartHub
 
 from fibws.hub import Hub
-from fibws.hub.session import Session
+from fibws.hub.session.session import Session
 from fibws.hub.settings import MIB
 
 from .wire import Client, connected, dialled, longest_turn, publish, until

@@ -12,8 +12,6 @@ from hypothesis import strategies as st
 
 from fibws.errors import OperationError
 from fibws.protocol.operations import (
-    REPLIES,
-    REQUESTS,
     Advertise,
     Fragment,
     Operation,
@@ -26,10 +24,8 @@ from fibws.protocol.operations import (
     Unadvertise,
     Unsubscribe,
     encode,
-    parse_reply,
-    parse_request,
-    quoted,
 )
+from fibws.protocol.parsing import REPLIES, REQUESTS, parse_reply, parse_request, quoted
 
 SENT: list[Request] = [
     Advertise(topic="/a", type="std_msgs/Int32"),

@@ -8,9 +8,9 @@ import pytest
 from conftest import Faults
 
 from fibws.hub import Hub
-from fibws.hub.session import Session
+from fibws.hub.session.session import Session
 
-from .wire import CLOSE, connected, frame, publish, until
+from ..wire import CLOSE, connected, frame, publish, until
 
 pytestmark = pytest.mark.both_loops
 

@@ -7,12 +7,12 @@ from typing import Any
 import pytest
 
 from fibws.errors import OperationError
+from fibws.hub.graph.subscription import MAX_REGISTRATIONS, Subscription
+from fibws.hub.graph.topic import Topic
 from fibws.hub.outbox import Flusher, Outbox
-from fibws.hub.subscription import MAX_REGISTRATIONS, Subscription
-from fibws.hub.topic import Topic
 from fibws.protocol.operations import Id, Subscribe
 
-from .fakes import FakeClock
+from ..fakes import FakeClock
 
 DEFAULT = 1000
 

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 from fibws.errors import OperationError
 from fibws.hub.clock import Clock
+from fibws.hub.graph.throttle import Throttle
 from fibws.hub.outbox import Outbox, Queue
-from fibws.hub.throttle import Throttle
 from fibws.protocol.operations import Id, Subscribe
 
 if TYPE_CHECKING:
-    from fibws.hub.topic import Topic
+    from fibws.hub.graph.topic import Topic
 
 MAX_REGISTRATIONS = 100
 """Ids under which one client may subscribe to one topic, or advertise it."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from .fakes import INT32, Client, FakeHub, number, talker_and_listener
+from ..fakes import INT32, Client, FakeHub, number, talker_and_listener
 
 
 def latched(hub: FakeHub, node: str, *messages: int, topic: str = "/fib") -> Client:

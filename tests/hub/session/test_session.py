@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from fibws.protocol.closing import REPLACED
 
-from .fakes import INT32, STRING, FakeHub, fragment, number, talker_and_listener
+from ..fakes import INT32, STRING, FakeHub, fragment, number, talker_and_listener
 
 
 def test_a_client_that_leaves_leaves_nothing_behind() -> None:

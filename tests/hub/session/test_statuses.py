@@ -9,10 +9,10 @@ import pytest
 
 from fibws.errors import InvalidUtf8
 from fibws.hub.outbox import Flusher, Outbox
-from fibws.hub.statuses import LONGEST_TEXT, Statuses, is_power_of_ten
+from fibws.hub.session.statuses import LONGEST_TEXT, Statuses, is_power_of_ten
 from fibws.protocol.operations import Level
 
-from .fakes import (
+from ..fakes import (
     INT32,
     Client,
     FakeClock,

@@ -14,8 +14,8 @@ from pydantic_core import to_json
 
 from fibws.errors import OperationError
 from fibws.hub.framing import text_header
+from fibws.hub.graph.subscription import MAX_REGISTRATIONS, Subscription
 from fibws.hub.outbox import Outbox
-from fibws.hub.subscription import MAX_REGISTRATIONS, Subscription
 from fibws.protocol.operations import Id
 
 _AFTER = b"}"

@@ -12,9 +12,9 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 from fibws.errors import InvalidMessage, TypeConflict, UnknownPackage
-from fibws.hub.statuses import is_power_of_ten
-from fibws.hub.subscription import Subscription
-from fibws.hub.topic import MessageType, Publisher, Topic
+from fibws.hub.graph.subscription import Subscription
+from fibws.hub.graph.topic import MessageType, Publisher, Topic
+from fibws.hub.session.statuses import is_power_of_ten
 from fibws.interfaces import Interfaces, Validators
 from fibws.protocol.operations import Id, Subscribe
 

@@ -16,14 +16,14 @@ from fibws.errors import (
     UnknownPackage,
     UnknownType,
 )
-from fibws.hub.graph import Graph, Unchecked
+from fibws.hub.graph.graph import Graph, Unchecked
+from fibws.hub.graph.subscription import MAX_REGISTRATIONS, Subscription
+from fibws.hub.graph.topic import Publisher
 from fibws.hub.outbox import Flusher, Outbox
-from fibws.hub.subscription import MAX_REGISTRATIONS, Subscription
-from fibws.hub.topic import Publisher
 from fibws.interfaces import Interfaces
 from fibws.protocol.operations import Subscribe
 
-from .fakes import INT32, NANOSECONDS, STRING, FakeClock
+from ..fakes import INT32, NANOSECONDS, STRING, FakeClock
 
 INTERFACES = Interfaces()
 

@@ -7,9 +7,9 @@ from typing import Any
 
 import pytest
 
-from fibws.hub.session import MAX_OBJECTS
+from fibws.hub.session.session import MAX_OBJECTS
 
-from .fakes import INT32, FakeHub, fragment, number
+from ..fakes import INT32, FakeHub, fragment, number
 
 
 def test_an_operation_may_come_in_fragments() -> None:

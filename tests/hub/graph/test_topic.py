@@ -8,13 +8,13 @@ from typing import Any
 import pytest
 
 from fibws.errors import InvalidMessage, OperationError
+from fibws.hub.graph.subscription import MAX_REGISTRATIONS, Subscription
+from fibws.hub.graph.topic import Publisher, Topic
 from fibws.hub.outbox import Flusher, Outbox
-from fibws.hub.subscription import MAX_REGISTRATIONS, Subscription
-from fibws.hub.topic import Publisher, Topic
 from fibws.interfaces import Interfaces, Validators
 from fibws.protocol.operations import Subscribe
 
-from .fakes import NANOSECONDS, FakeClock, payloads
+from ..fakes import NANOSECONDS, FakeClock, payloads
 
 VALIDATORS = Validators(Interfaces(), lambda: NANOSECONDS)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from .fakes import INT32, STRING, FakeHub, number, talker_and_listener
+from ..fakes import INT32, STRING, FakeHub, number, talker_and_listener
 
 
 def test_a_throttle_passes_over_what_comes_too_early() -> None:

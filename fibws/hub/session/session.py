@@ -11,16 +11,15 @@ from typing import Any, assert_never
 from fibws import names
 from fibws.errors import FibwsError, OperationError
 from fibws.hub.clock import Clock
-from fibws.hub.graph import Graph, Unchecked
+from fibws.hub.graph.graph import Graph, Unchecked
+from fibws.hub.graph.subscription import Subscription
+from fibws.hub.graph.topic import Publisher, Topic
 from fibws.hub.outbox import Outbox
+from fibws.hub.session.statuses import Statuses
 from fibws.hub.settings import Settings
-from fibws.hub.statuses import Statuses
-from fibws.hub.subscription import Subscription
-from fibws.hub.topic import Publisher, Topic
 from fibws.protocol.closing import REPLACED, Closing
 from fibws.protocol.fragments import Reassembly
 from fibws.protocol.operations import (
-    REQUESTS,
     Advertise,
     Fragment,
     Publish,
@@ -29,8 +28,8 @@ from fibws.protocol.operations import (
     Subscribe,
     Unadvertise,
     Unsubscribe,
-    parse_request,
 )
+from fibws.protocol.parsing import REQUESTS, parse_request
 from fibws.protocol.text import objects
 
 MAX_OBJECTS = 1000

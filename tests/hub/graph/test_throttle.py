@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
+from fibws.hub.graph.throttle import Throttle
 from fibws.hub.outbox import Budget
-from fibws.hub.throttle import Throttle
 
-from .fakes import FakeClock
+from ..fakes import FakeClock
 
 
 class Throttled:

@@ -1,0 +1,1 @@
+"""What one client does: its operations, performed on the graph."""
