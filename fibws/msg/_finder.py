@@ -1,4 +1,7 @@
-"""Imports ``fibws.msg.<package>`` for packages that are in the user's folders."""
+"""Imports ``fibws.msg.<package>`` for packages that are in the user's folders.
+
+It does the same for the services in fibws.srv and the actions in fibws.action.
+"""
 
 from __future__ import annotations
 
@@ -8,12 +11,18 @@ from collections.abc import Sequence
 from importlib.machinery import ModuleSpec, PathFinder
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING, Any, cast
 
-from fibws.interfaces import Interfaces, Message
+from fibws.interfaces import Action, Interfaces, Message, Service
 
 if TYPE_CHECKING:
     from importlib.abc import Loader
+
+    from fibws.interfaces import ActionDefinition, MessageDefinition, ServiceDefinition
+    from fibws.interfaces.package import Kind
+
+_PARENTS: dict[str, Kind] = {"fibws.msg": "msg", "fibws.srv": "srv", "fibws.action": "action"}
+"""The Python packages whose modules are found here, with the kind of types that each holds."""
 
 VARIABLE = "FIBWS_INTERFACES"
 """The environment variable that names the user's folders, as PATH does."""
@@ -50,10 +59,26 @@ def message_class(name: str) -> type[Message]:
     Raises:
         InterfaceError: there is no such type, or its definition is wrong.
     """
-    definition = default_interfaces().message(name)
-    module = importlib.import_module(f"fibws.msg.{definition.package}")
-    found: type[Message] = getattr(module, definition.name)
+    found: type[Message] = _found("msg", default_interfaces().message(name))
     return found
+
+
+def service_class(name: str) -> type[Service[Any, Any]]:
+    """The Python class of a service type, ``std_srvs/Trigger``; it does as `message_class`."""
+    found: type[Service[Any, Any]] = _found("srv", default_interfaces().service(name))
+    return found
+
+
+def action_class(name: str) -> type[Action[Any, Any, Any]]:
+    """The Python class of an action type, ``tf2_msgs/LookupTransform``; as `message_class`."""
+    found: type[Action[Any, Any, Any]] = _found("action", default_interfaces().action(name))
+    return found
+
+
+def _found(kind: Kind, definition: MessageDefinition | ServiceDefinition | ActionDefinition) -> Any:
+    """The class that a definition became."""
+    module = importlib.import_module(f"fibws.{kind}.{definition.package}")
+    return getattr(module, definition.name)
 
 
 class PackageFinder:
@@ -67,7 +92,7 @@ class PackageFinder:
     ) -> ModuleSpec | None:
         """The module's spec, if it is one of ours; Python calls this for every import."""
         parent, _, package = fullname.rpartition(".")
-        if parent != "fibws.msg" or package.startswith("_"):
+        if parent not in _PARENTS or package.startswith("_"):
             return None
         if default_interfaces().is_users(package):
             return ModuleSpec(
@@ -76,7 +101,8 @@ class PackageFinder:
         if PathFinder.find_spec(fullname, path) is None:
             raise ModuleNotFoundError(
                 f"No module named {fullname!r}: neither the standard packages nor the folders in "
-                f"{VARIABLE} ({os.environ.get(VARIABLE, 'not set')}) define messages of {package}",
+                f"{VARIABLE} ({os.environ.get(VARIABLE, 'not set')}) hold {_PARENTS[parent]} files "
+                f"of {package}",
                 name=fullname,
             )
         return None
@@ -94,5 +120,6 @@ class _GeneratedLoader:
         """Write the module's source and run it."""
         from fibws.interfaces.generator import generate  # few nodes need it
 
-        source = generate(module.__name__.rpartition(".")[2], default_interfaces())
+        parent, _, package = module.__name__.rpartition(".")
+        source = generate(package, default_interfaces(), _PARENTS[parent])
         exec(compile(source, f"<{module.__name__}>", "exec"), module.__dict__)

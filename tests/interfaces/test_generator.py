@@ -1,4 +1,4 @@
-"""The modules in fibws/msg are what the generator writes, and any package can be written."""
+"""The modules in fibws/msg, srv and action are what the generator writes, as it writes any."""
 
 import os
 import subprocess
@@ -9,7 +9,10 @@ from typing import Any
 
 import pytest
 
+from fibws.errors import InterfaceError
 from fibws.interfaces import Interfaces, generator
+from fibws.interfaces.package import KINDS, Kind
+from fibws.interfaces.source import LINE_LENGTH
 
 ODD = """\
 string<=5 FROM=it's \\\\ so
@@ -38,6 +41,12 @@ def folder(tmp_path: Path) -> Path:
         "odd_msgs/msg/Late.msg": "int32 x",
         "bytes_msgs/msg/Bytes.msg": "odd_msgs/Late late",
         "bytes_msgs/msg/AVeryLongNameThatGoesOnAndOn.msg": "",
+        "odd_msgs/srv/AVeryLongNameThatGoesOnAndOn.srv": "Late[2] late\nint32 from\n---\nint32 X=1",
+        "odd_msgs/srv/Empty.srv": "---",
+        "odd_msgs/srv/NameThatFillsTheLine.srv": "bytes_msgs/Bytes bytes\n---\ntime when",
+        "odd_msgs/action/Go.action": "---\n---",
+        "odd_msgs/action/GoAsFarAsTheLine.action": "Late late\n---\n---",
+        "odd_msgs/action/GoMuchFurtherThanTheLine.action": "---\nint32 result\n---",
     }.items():
         path = tmp_path / name
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -45,13 +54,15 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_the_modules_of_the_standard_packages_are_up_to_date() -> None:
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_modules_of_the_standard_packages_are_up_to_date(kind: Kind) -> None:
     interfaces = Interfaces()
-    written = {path.stem for path in generator.MODULES.glob("[!_]*.py")}
-    assert written == {name for name in interfaces.packages() if interfaces.messages(name)}
+    modules = generator.MODULES / kind
+    written = {path.stem for path in modules.glob("[!_]*.py")}
+    assert written == {name for name in interfaces.packages() if interfaces.types(name, kind)}
     for package in sorted(written):
-        source = (generator.MODULES / f"{package}.py").read_text("utf-8")
-        assert source == generator.generate(package, interfaces), (
+        text = (modules / f"{package}.py").read_text("utf-8")
+        assert text == generator.generate(package, interfaces, kind), (
             "run python -m fibws.interfaces.generator"
         )
 
@@ -72,7 +83,7 @@ def test_an_odd_package_is_written(folder: Path) -> None:
     assert "pair: list[float] = field(default_factory=lambda: [0.5, 1.0])" in source
     assert "flags: list[bool] = field(default_factory=lambda: [False] * 2)" in source
     assert "when: ros.Time = field(default_factory=ros.Time)" in source
-    assert max(map(len, source.splitlines())) <= generator.LINE_LENGTH
+    assert max(map(len, source.splitlines())) <= LINE_LENGTH
 
 
 def test_a_member_may_have_the_name_of_a_message(
@@ -94,44 +105,73 @@ def test_a_member_may_have_the_name_of_a_message(
         assert type(message).from_dict(message.to_dict()) == message
 
 
+def test_two_classes_of_one_name_are_refused(tmp_path: Path) -> None:
+    services = tmp_path / "same_msgs" / "srv"
+    services.mkdir(parents=True)
+    (services / "Ask.srv").write_text("---")
+    (services / "AskRequest.srv").write_text("---")
+    with pytest.raises(InterfaceError, match="the name AskRequest in same_msgs's srv"):
+        generator.generate("same_msgs", Interfaces([tmp_path]), "srv")
+
+
 def test_an_odd_package_is_formatted_and_typed(folder: Path, tmp_path: Path) -> None:
     interfaces = Interfaces([folder])
     modules = tmp_path / "modules"
-    modules.mkdir()
-    for package in ("odd_msgs", "bytes_msgs"):
-        source = generator.generate(package, interfaces)
-        source = source.replace("from fibws.msg import", "import")
-        (modules / f"{package}.py").write_text(source, "utf-8")
+    written: list[tuple[Kind, str]] = [
+        ("msg", "odd_msgs"),
+        ("msg", "bytes_msgs"),
+        ("msg", "std_msgs"),
+        ("msg", "actionlib_msgs"),
+        ("srv", "odd_msgs"),
+        ("action", "odd_msgs"),
+    ]
+    for kind, package in written:
+        source = generator.generate(package, interfaces, kind)
+        (modules / kind).mkdir(parents=True, exist_ok=True)
+        (modules / kind / f"{package}.py").write_text(
+            source.replace("from fibws.msg import", "from msg import"), "utf-8"
+        )
     for tool in (
+        ("ruff", "check", "--isolated", "--line-length=100", "--select=E,F,W", "."),
         ("ruff", "format", "--isolated", "--line-length=100", "--check", "."),
-        ("mypy", "--strict", "--config-file=", "."),
+        ("mypy", "--strict", "--config-file=", "-p", "msg", "-p", "srv", "-p", "action"),
     ):
         done = subprocess.run(
             [sys.executable, "-m", *tool],
             cwd=modules,
-            env=os.environ | {"MYPYPATH": str(generator.MODULES.parents[1])},
+            env=os.environ | {"MYPYPATH": str(generator.MODULES.parent)},
             capture_output=True,
             text=True,
         )
         assert done.returncode == 0, done.stdout + done.stderr
 
 
+@pytest.mark.parametrize("kind", KINDS)
 def test_the_command_prints_a_users_package(
-    folder: Path, capsys: pytest.CaptureFixture[str]
+    folder: Path, capsys: pytest.CaptureFixture[str], kind: Kind
 ) -> None:
-    generator.main(["--interfaces", str(folder), "bytes_msgs"])
-    assert capsys.readouterr().out == generator.generate("bytes_msgs", Interfaces([folder]))
+    generator.main(["--interfaces", str(folder), "--kind", kind, "odd_msgs"])
+    assert capsys.readouterr().out == generator.generate("odd_msgs", Interfaces([folder]), kind)
+
+
+def test_the_command_prints_messages_unless_told_otherwise(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    generator.main(["std_msgs"])
+    assert capsys.readouterr().out == generator.generate("std_msgs", Interfaces())
 
 
 def test_the_command_writes_the_standard_packages(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(generator, "MODULES", tmp_path)
+    for kind in KINDS:
+        (tmp_path / kind).mkdir()
     generator.main([])
-    assert len(list(tmp_path.iterdir())) > 15
-    assert (tmp_path / "std_msgs.py").read_text("utf-8") == generator.generate(
-        "std_msgs", Interfaces()
-    )
+    for kind, package in (("msg", "std_msgs"), ("srv", "std_srvs"), ("action", "tf2_msgs")):
+        written = (tmp_path / kind / f"{package}.py").read_text("utf-8")
+        assert written == generator.generate(package, Interfaces(), kind)
+    assert not (tmp_path / "srv" / "std_msgs.py").exists()
 
 
 def test_the_command_says_what_is_wrong(capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,17 +1,20 @@
-"""``from fibws.msg.<package> import <Message>`` works for the user's packages too."""
+"""What fibws.msg, fibws.srv and fibws.action hold can be imported for the user's packages too."""
 
 import importlib
 import py_compile
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 import fibws.msg
+from fibws.action import action_class
 from fibws.errors import InterfaceError, UnknownPackage
 from fibws.interfaces import Interfaces
 from fibws.msg import _finder
+from fibws.srv import service_class
 
 
 @pytest.fixture(autouse=True)
@@ -22,13 +25,14 @@ def fresh(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     before = set(sys.modules)
     yield
     for name in set(sys.modules) - before:
-        if name.startswith("fibws.msg."):
+        parent, _, package = name.rpartition(".")
+        if parent in ("fibws.msg", "fibws.srv", "fibws.action"):
             del sys.modules[name]
-            delattr(fibws.msg, name.rpartition(".")[2])
+            delattr(sys.modules[parent], package)
 
 
-def write(folder: Path, package: str, name: str, text: str) -> Path:
-    path = folder / package / "msg" / f"{name}.msg"
+def write(folder: Path, package: str, name: str, text: str, kind: str = "msg") -> Path:
+    path = folder / package / kind / f"{name}.{kind}"
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(text, "utf-8")
     return folder
@@ -71,12 +75,34 @@ def test_the_users_package_goes_before_the_standard_one(tmp_path: Path) -> None:
     assert fibws.msg.message_class("turtlesim/Pose")().to_dict() == {"x": 0.0}
 
 
-def test_a_package_that_nobody_has_is_an_import_error(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_users_services_and_actions_are_written_too(tmp_path: Path) -> None:
+    write(tmp_path, "count_msgs", "Number", "int32 value")
+    write(tmp_path, "count_msgs", "Next", "Number number\n---\nNumber next", "srv")
+    write(tmp_path, "count_msgs", "Count", "int32 to\n---\nNumber last\n---\n", "action")
+    fibws.msg.add_folder(tmp_path)
+    number: Any = fibws.msg.message_class("count_msgs/Number")
+    following = service_class("count_msgs/srv/Next")
+    assert following is importlib.import_module("fibws.srv.count_msgs").Next
+    assert following.Request(number(5)).to_dict() == {"number": {"value": 5}}
+    assert following.Response.from_dict({"next": {"value": 6}}).next == number(6)
+    count: Any = action_class("count_msgs/Count")
+    assert count is importlib.import_module("fibws.action.count_msgs").Count
+    assert count.Result is fibws.msg.message_class("count_msgs/CountResult")
+    assert count.Result().last == number(0)
+
+
+@pytest.mark.parametrize("kind", ["msg", "srv", "action"])
+def test_a_package_that_nobody_has_is_an_import_error(kind: str) -> None:
     with pytest.raises(ModuleNotFoundError, match=r"FIBWS_INTERFACES \(not set\)") as caught:
-        importlib.import_module("fibws.msg.nobodys_msgs")
-    assert caught.value.name == "fibws.msg.nobodys_msgs"
+        importlib.import_module(f"fibws.{kind}.nobodys_msgs")
+    assert caught.value.name == f"fibws.{kind}.nobodys_msgs"
+    assert f"hold {kind} files of nobodys_msgs" in str(caught.value)
+
+
+@pytest.mark.parametrize("find", [fibws.msg.message_class, service_class, action_class])
+def test_a_type_of_a_package_that_nobody_has_is_unknown(find: Callable[[str], type]) -> None:
     with pytest.raises(UnknownPackage):
-        fibws.msg.message_class("nobodys_msgs/Mine")
+        find("nobodys_msgs/Mine")
 
 
 def test_a_module_that_python_finds_without_us_is_left_to_it(

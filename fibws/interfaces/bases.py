@@ -1,0 +1,34 @@
+"""The bases of the Python classes that stand for services and actions, which `generator` writes.
+
+No objects are made of these: a class tells which messages belong together, to people and to type
+checkers. A function that takes a ``type[Service[Req, Res]]`` and a ``Req`` may give a ``Res``.
+"""
+
+from __future__ import annotations
+
+from typing import ClassVar, Generic, TypeVar
+
+from fibws.interfaces.message import Message
+
+Req = TypeVar("Req", bound=Message)
+Res = TypeVar("Res", bound=Message)
+G = TypeVar("G", bound=Message)
+R = TypeVar("R", bound=Message)
+F = TypeVar("F", bound=Message)
+
+
+class Service(Generic[Req, Res]):
+    """A service: ``AddTwoInts.Request(a=1, b=2)`` asks, an ``AddTwoInts.Response`` answers."""
+
+    _type: ClassVar[str]
+    Request: type[Req]
+    Response: type[Res]
+
+
+class Action(Generic[G, R, F]):
+    """An action: a ``Goal`` is sent, ``Feedback`` is heard, and a ``Result`` ends it."""
+
+    _type: ClassVar[str]
+    Goal: type[G]
+    Result: type[R]
+    Feedback: type[F]
