@@ -7,30 +7,20 @@ from collections.abc import Iterable
 from difflib import get_close_matches
 from pathlib import Path
 
-from fibws.errors import (
-    DefinitionError,
-    InterfaceError,
-    InvalidTypeName,
-    UnknownPackage,
-    UnknownType,
-)
-from fibws.interfaces import fingerprint, parser
+from fibws.errors import InterfaceError, InvalidTypeName, UnknownPackage, UnknownType
+from fibws.interfaces import fingerprint, full_text, parser
 from fibws.interfaces.definition import (
     ACTION_SUFFIXES,
     ActionDefinition,
     MessageDefinition,
     ServiceDefinition,
 )
+from fibws.interfaces.learned import Learned
 from fibws.interfaces.linker import Linker
 from fibws.interfaces.package import Kind, Package, find_packages
 
 STANDARD = Path(__file__).parent / "definitions"
 """The folder of the standard packages."""
-
-MOST_LEARNED = 1000
-"""How many types clients may bring, so that they cannot fill the memory."""
-LONGEST_TEXT = 2**18
-"""How many characters a definition that a client brings may have."""
 
 _TYPE_NAME = re.compile(r"([A-Za-z]\w{0,99})(?:/(?:msg|srv|action))?/([A-Za-z]\w{0,99})", re.ASCII)
 
@@ -48,7 +38,7 @@ class Interfaces:
 
     def __init__(self, folders: Iterable[Path] = ()) -> None:
         self._folders = [STANDARD]
-        self._learned: dict[str, MessageDefinition] = {}
+        self._learned = Learned(self)
         self._forget()
         for folder in folders:
             self.add_folder(folder)
@@ -98,7 +88,8 @@ class Interfaces:
         """The service of that name; it raises as `message` does."""
         name = self.canonical(name)
         if name not in self._services:
-            service = parser.parse_service(*self._file(name, "srv"))
+            service = self._learned.services.get(name)
+            service = service or parser.parse_service(*self._file(name, "srv"))
             self._linker.check(service.request)
             self._linker.check(service.response)
             self._services[name] = service
@@ -113,7 +104,7 @@ class Interfaces:
 
     def packages(self) -> list[str]:
         """The names of all packages, sorted."""
-        return sorted({*self._all_packages(), *map(_package_of, self._learned)})
+        return sorted({*self._all_packages(), *self._learned.packages()})
 
     def is_users(self, package: str) -> bool:
         """Whether the package is in one of the user's folders, not among the standard ones."""
@@ -128,38 +119,49 @@ class Interfaces:
         Raises:
             UnknownPackage: there is none of that name.
         """
-        self._check_package(package)
-        names = {name for name in self._learned if _package_of(name) == package}
-        for name in self._names(package, "msg"):
-            names.add(f"{package}/{name}")
-        for name in self._names(package, "action"):
-            names.update(f"{package}/{name}{suffix}" for suffix in ACTION_SUFFIXES)
-        return sorted(names)
+        return self.types(package, "msg")
 
     def services(self, package: str) -> list[str]:
         """The package's services as ``package/Name``, sorted; it raises as `messages` does."""
-        self._check_package(package)
-        return [f"{package}/{name}" for name in self._names(package, "srv")]
+        return self.types(package, "srv")
 
     def actions(self, package: str) -> list[str]:
         """The package's actions as ``package/Name``, sorted; it raises as `messages` does."""
-        self._check_package(package)
-        return [f"{package}/{name}" for name in self._names(package, "action")]
+        return self.types(package, "action")
+
+    def types(self, package: str, kind: Kind) -> list[str]:
+        """The package's types of one kind as ``package/Name``, sorted; it raises as `messages`."""
+        if package not in self._all_packages() and package not in self.packages():
+            raise UnknownPackage(package)
+        names = {name for name in self._learned.names(kind) if name.startswith(f"{package}/")}
+        names.update(f"{package}/{name}" for name in self._names(package, kind))
+        if kind == "msg":
+            for name in self._names(package, "action"):
+                names.update(f"{package}/{name}{suffix}" for suffix in ACTION_SUFFIXES)
+        return sorted(names)
 
     def md5(self, name: str) -> str:
         """The md5 of a message, as ROS 1 computes it; it raises as `message` does."""
-        definition = self.message(name)
-        if definition.type not in self._md5s:
-            self._md5s[definition.type] = fingerprint.message_md5(definition, self.message)
-        return self._md5s[definition.type]
+        definition, md5s = self.message(name), self._md5s
+        if definition.type not in md5s:
+            md5s[definition.type] = fingerprint.message_md5(definition, self.message, md5s)
+        return md5s[definition.type]
 
     def service_md5(self, name: str) -> str:
         """The md5 of a service, as ROS 1 computes it; it raises as `message` does."""
-        return fingerprint.service_md5(self.service(name), self.message)
+        return fingerprint.service_md5(self.service(name), self.message, self._md5s)
 
     def full_text(self, name: str) -> str:
         """The text of a message and of all types in it, as genmsg writes it for other programs."""
-        return fingerprint.full_text(self.message(name), self.message)
+        return full_text.write_message(self.message(name), self.message)
+
+    def service_text(self, name: str) -> str:
+        """The text of a service and of all types in it, as `learn_service` takes it."""
+        return full_text.write_service(self.service(name), self.message)
+
+    def action_text(self, name: str) -> str:
+        """The text of an action and of all types in it, as `learn_action` takes it."""
+        return full_text.write_action(self.action(name), self.message)
 
     def learn(self, name: str, text: str) -> MessageDefinition:
         """Take over a definition that a client brings, and its dependencies: all or nothing.
@@ -174,33 +176,23 @@ class Interfaces:
             DefinitionError: a text is wrong, or a type is already defined otherwise.
             InterfaceError: there is no room for more.
         """
-        name = self.canonical(name)
-        if len(text) > LONGEST_TEXT:
-            raise InterfaceError(
-                f"The definition of {name} has more than {LONGEST_TEXT} characters"
-            )
-        drafts = parser.parse_full_text(text, name)
-        trial = Linker(lambda nested: drafts.get(nested) or self.message(nested))
-        unknown = {}
-        for draft in drafts.values():
-            trial.message(draft.type)
-            try:
-                known = self.md5(draft.type)
-            except (UnknownType, UnknownPackage):
-                unknown[draft.type] = draft
-                continue
-            if fingerprint.message_md5(draft, trial.message) != known:
-                fault = f"{draft.type} is known here with other fields (md5 {known})"
-                raise DefinitionError(draft.source, 1, draft.text[:200], fault)
-        if len(self._learned) + len(unknown) > MOST_LEARNED:
-            raise InterfaceError(f"Clients have brought {MOST_LEARNED} types, {name} is too many")
-        self._learned.update(unknown)
+        self._learned.learn_message(self.canonical(name), text)
         return self.message(name)
+
+    def learn_service(self, name: str, text: str) -> ServiceDefinition:
+        """Take over a service that a client brings; it does as `learn`."""
+        self._learned.learn_service(self.canonical(name), text)
+        return self.service(name)
+
+    def learn_action(self, name: str, text: str) -> ActionDefinition:
+        """Take over an action that a client brings, with its messages; it does as `learn`."""
+        self._learned.learn_action(self.canonical(name), text)
+        return self.action(name)
 
     def _read(self, name: str) -> MessageDefinition:
         """The definition of a message, whose nested types may not exist."""
-        if name in self._learned:
-            return self._learned[name]
+        if name in self._learned.messages:
+            return self._learned.messages[name]
         package, _, short = name.partition("/")
         for suffix in ACTION_SUFFIXES:
             base = short.removesuffix(suffix)
@@ -211,7 +203,8 @@ class Interfaces:
 
     def _read_action(self, name: str) -> ActionDefinition:
         if name not in self._actions:
-            self._actions[name] = parser.parse_action(*self._file(name, "action"))
+            action = self._learned.actions.get(name)
+            self._actions[name] = action or parser.parse_action(*self._file(name, "action"))
         return self._actions[name]
 
     def _file(self, name: str, kind: Kind) -> tuple[str, str, str, str]:
@@ -226,14 +219,9 @@ class Interfaces:
         # A comment in Latin-1 does no harm.
         return path.read_text("utf-8", errors="replace"), package, short, str(path)
 
-    def _check_package(self, package: str) -> None:
-        if package not in self._all_packages() and package not in self.packages():
-            raise UnknownPackage(package)
-
     def _nearest(self, name: str, kind: Kind) -> str | None:
         package, _, short = name.partition("/")
-        listing = {"msg": self.messages, "srv": self.services, "action": self.actions}[kind]
-        by_lower = {other.partition("/")[2].lower(): other for other in listing(package)}
+        by_lower = {other.partition("/")[2].lower(): other for other in self.types(package, kind)}
         nearest = get_close_matches(short.lower(), by_lower, 1)
         return by_lower[nearest[0]] if nearest else None
 
@@ -247,7 +235,3 @@ class Interfaces:
             for folder in self._folders:
                 self._packages.update((found.name, found) for found in find_packages(folder))
         return self._packages
-
-
-def _package_of(name: str) -> str:
-    return name.partition("/")[0]

@@ -1,4 +1,4 @@
-"""The md5 and the full text that stand for a type, computed as genmsg does (gentools.py).
+"""The md5 that stands for a type, computed as genmsg does (gentools.py).
 
 Two nodes understand each other if their md5s agree: it covers names and types, but no comments.
 """
@@ -10,38 +10,26 @@ from hashlib import md5
 from typing import TypeAlias
 
 from fibws.interfaces.definition import MessageDefinition, ServiceDefinition
-from fibws.interfaces.parser import FULL_TEXT_SEPARATOR
 
 Lookup: TypeAlias = Callable[[str], MessageDefinition]
 """Finds the definition of a nested type by its full name."""
 
 
-def message_md5(definition: MessageDefinition, lookup: Lookup) -> str:
-    """The md5 of a message: 32 hexadecimal digits."""
-    return _hexdigest(_md5_text(definition, lookup, {}))
+def message_md5(definition: MessageDefinition, lookup: Lookup, known: dict[str, str]) -> str:
+    """The md5 of a message: 32 hexadecimal digits.
+
+    Args:
+        definition: the message's.
+        lookup: finds the types nested in it.
+        known: the md5s of nested types, as far as they were needed before; it is added to.
+    """
+    return _hexdigest(_md5_text(definition, lookup, known))
 
 
-def service_md5(definition: ServiceDefinition, lookup: Lookup) -> str:
-    """The md5 of a service: that of its two texts, one behind the other."""
-    request = _md5_text(definition.request, lookup, {})
-    return _hexdigest(request + _md5_text(definition.response, lookup, {}))
-
-
-def full_text(definition: MessageDefinition, lookup: Lookup) -> str:
-    """The message's text, then that of every type nested in it, depth first, each once."""
-    nested: dict[str, MessageDefinition] = {}
-    _collect(definition, lookup, nested)
-    parts = [definition.text, *(f"MSG: {name}\n{found.text}" for name, found in nested.items())]
-    return f"\n{FULL_TEXT_SEPARATOR}\n".join(parts)
-
-
-def _collect(
-    definition: MessageDefinition, lookup: Lookup, nested: dict[str, MessageDefinition]
-) -> None:
-    for field in definition.fields:
-        if field.is_nested and field.type not in nested:
-            nested[field.type] = lookup(field.type)
-            _collect(nested[field.type], lookup, nested)
+def service_md5(definition: ServiceDefinition, lookup: Lookup, known: dict[str, str]) -> str:
+    """The md5 of a service: that of its two texts, one behind the other; as `message_md5`."""
+    request = _md5_text(definition.request, lookup, known)
+    return _hexdigest(request + _md5_text(definition.response, lookup, known))
 
 
 def _md5_text(definition: MessageDefinition, lookup: Lookup, known: dict[str, str]) -> str:

@@ -23,9 +23,6 @@ from fibws.interfaces.definition import (
     ServiceDefinition,
 )
 
-FULL_TEXT_SEPARATOR = "=" * 80
-"""The line between the definitions of a full text."""
-
 # What stands before a comment; a # inside quotes (the default of a ROS 2 string) begins none.
 _CODE = re.compile(r"""(?:[^#"']|"[^"]*"|'[^']*')*""")
 _CONSTANT = re.compile(r"(?P<type>[\w/]+)(?:<=\d+)?\s+(?P<name>\w+)\s*=(?P<value>.*)", re.ASCII)
@@ -37,7 +34,6 @@ _FIELD = re.compile(
 )
 _TYPE = re.compile(r"[A-Za-z]\w*(/[A-Za-z]\w*)?", re.ASCII)
 _NAME = re.compile(r"[A-Za-z]\w*", re.ASCII)
-_TITLE = re.compile(r"MSG:\s*([A-Za-z]\w*)(?:/msg)?/([A-Za-z]\w*)", re.ASCII)
 _BOOLEANS = {"true": True, "True": True, "1": True, "false": False, "False": False, "0": False}
 
 
@@ -112,28 +108,10 @@ def parse_action(text: str, package: str, name: str, source: str = "") -> Action
     return ActionDefinition(package, name, goal, result, feedback)
 
 
-def parse_full_text(text: str, name: str) -> dict[str, MessageDefinition]:
-    """The message ``name`` (package/Type) and those that follow in genmsg's full text, by type.
-
-    Raises:
-        DefinitionError: a line does not parse, or a part does not begin with its type.
-    """
-    source = f"the definition of {name}"
-    definitions: dict[str, MessageDefinition] = {}
-    lines = text.split("\n")
-    for begin, end in _between(lines, lambda line: line.strip() == FULL_TEXT_SEPARATOR):
-        kind = name
-        if begin > 0:
-            title = lines[begin] if begin < end else ""
-            found = _TITLE.fullmatch(title.strip())
-            if found is None:
-                raise DefinitionError(source, begin + 1, title[:200], "MSG: package/Type is needed")
-            begin += 1
-            kind = f"{found[1]}/{found[2]}"
-        package, _, short = kind.partition("/")
-        body = "\n".join(lines[begin:end])
-        definitions[kind] = parse_message(body, package, short, source, begin + 1)
-    return definitions
+def between(lines: list[str], separates: Callable[[str], bool]) -> Iterator[tuple[int, int]]:
+    """Where the lines between those that separate begin and end."""
+    cuts = [number for number, line in enumerate(lines) if separates(line)]
+    return zip((0, *(cut + 1 for cut in cuts)), (*cuts, len(lines)), strict=True)
 
 
 class _Fault(ValueError):
@@ -143,19 +121,13 @@ class _Fault(ValueError):
 def _parts(text: str, count: int, source: str) -> Iterator[tuple[int, str]]:
     """The parts between lines of ``---``, each with the number of its first line."""
     lines = text.split("\n")
-    parts = list(_between(lines, lambda line: line.startswith("---")))
+    parts = list(between(lines, lambda line: line.startswith("---")))
     if len(parts) != count:
         number = max(1, parts[min(count, len(parts) - 1)][0])
         fault = f"{count - 1} lines of --- are needed, there are {len(parts) - 1}"
         raise DefinitionError(source, number, lines[number - 1][:200], fault)
     for begin, end in parts:
         yield begin + 1, "\n".join(lines[begin:end])
-
-
-def _between(lines: list[str], separates: Callable[[str], bool]) -> Iterator[tuple[int, int]]:
-    """Where the lines between those that separate begin and end."""
-    cuts = [number for number, line in enumerate(lines) if separates(line)]
-    return zip((0, *(cut + 1 for cut in cuts)), (*cuts, len(lines)), strict=True)
 
 
 def _member(raw: str, package: str, number: int) -> Field | Constant | None:

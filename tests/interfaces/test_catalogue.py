@@ -11,10 +11,8 @@ from fibws.errors import (
     UnknownPackage,
     UnknownType,
 )
-from fibws.interfaces import Interfaces, catalogue
+from fibws.interfaces import Interfaces
 from fibws.interfaces.definition import Field
-
-SEPARATOR = "=" * 80
 
 
 def write(folder: Path, **files: str) -> Path:
@@ -207,69 +205,3 @@ def test_a_message_that_would_fill_the_memory_is_refused(tmp_path: Path, array: 
     write(tmp_path, my_msgs__msg__T40="int32 x")
     with pytest.raises(DefinitionError, match="the message becomes too large"):
         Interfaces([tmp_path]).message("my_msgs/T0")
-
-
-def test_a_client_may_bring_a_type() -> None:
-    interfaces = Interfaces()
-    text = f"Inner inner\nHeader h\n{SEPARATOR}\nMSG: new_msgs/Inner\nint32 x\n"
-    assert interfaces.learn("new_msgs/msg/Outer", text).type == "new_msgs/Outer"
-    assert interfaces.message("new_msgs/Inner").fields == (Field("x", "int32"),)
-    assert "new_msgs" in interfaces.packages()
-    assert interfaces.messages("new_msgs") == ["new_msgs/Inner", "new_msgs/Outer"]
-
-
-def test_who_brings_a_type_says_nothing_of_the_others_of_its_package() -> None:
-    interfaces = Interfaces()
-    interfaces.learn("new_msgs/Mine", "int32 x")
-    with pytest.raises(UnknownPackage):
-        interfaces.message("new_msgs/Mien")
-    with pytest.raises(UnknownType, match="did you mean std_msgs/String"):
-        interfaces.message("std_msgs/Sting")
-
-
-def test_what_was_learned_outlives_a_new_folder(tmp_path: Path) -> None:
-    interfaces = Interfaces()
-    interfaces.learn("new_msgs/Mine", "int32 x")
-    interfaces.add_folder(tmp_path)
-    assert interfaces.message("new_msgs/Mine").fields == (Field("x", "int32"),)
-
-
-def test_every_standard_type_may_be_brought_again() -> None:
-    interfaces, same = Interfaces(), Interfaces()
-    for package in interfaces.packages():
-        for name in interfaces.messages(package):
-            assert same.learn(name, interfaces.full_text(name)) == interfaces.message(name)
-
-
-@pytest.mark.parametrize("name", ["std_msgs/Int32", "new_msgs/Outer"])
-def test_a_type_cannot_be_brought_with_other_fields(name: str) -> None:
-    interfaces = Interfaces()
-    text = f"std_msgs/Int32 data\n{SEPARATOR}\nMSG: std_msgs/Int32\nint64 data"
-    with pytest.raises(DefinitionError, match="is known here with other fields"):
-        interfaces.learn(name, text)
-
-
-@pytest.mark.parametrize(
-    ("text", "fault"),
-    [
-        (f"Inner inner\n{SEPARATOR}\nMSG: new_msgs/Inner\nint32", "line 4: this is neither"),
-        (f"Inner inner\n{SEPARATOR}\nMSG: new_msgs/Inner\nOuter o", "would hold itself"),
-        (f"Inner i\nNo no\n{SEPARATOR}\nMSG: new_msgs/Inner\nint8 x", "for package new_msgs"),
-    ],
-)
-def test_a_wrong_definition_teaches_nothing(text: str, fault: str) -> None:
-    interfaces = Interfaces()
-    with pytest.raises(DefinitionError, match=fault):
-        interfaces.learn("new_msgs/Outer", text)
-    assert "new_msgs" not in interfaces.packages()
-
-
-def test_clients_can_bring_only_so_much(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(catalogue, "MOST_LEARNED", 1)
-    interfaces = Interfaces()
-    with pytest.raises(InterfaceError, match="more than 262144 characters"):
-        interfaces.learn("new_msgs/Long", "#" * 300_000)
-    interfaces.learn("new_msgs/One", "int32 x")
-    interfaces.learn("new_msgs/One", "int32 x # once more")
-    with pytest.raises(InterfaceError, match="new_msgs/Two is too many"):
-        interfaces.learn("new_msgs/Two", "int32 x")

@@ -6,7 +6,6 @@ from fibws.errors import DefinitionError
 from fibws.interfaces.definition import Array, Constant, Field, MessageDefinition
 from fibws.interfaces.parser import (
     parse_action,
-    parse_full_text,
     parse_message,
     parse_service,
 )
@@ -166,17 +165,3 @@ def test_an_error_in_a_service_names_the_line_of_the_file(text: str, line: int, 
 def test_an_action_with_two_parts_is_refused() -> None:
     with pytest.raises(DefinitionError, match="2 lines of --- are needed, there are 1"):
         parse_action("---", "my_msgs", "Count")
-
-
-def test_a_full_text_holds_several_messages() -> None:
-    text = f"Inner inner\n{'=' * 80}\nMSG: my_msgs/msg/Inner\nint32 x\n"
-    outer, inner = parse_full_text(text, "my_msgs/Outer").values()
-    assert outer.fields == (Field("inner", "my_msgs/Inner"),)
-    assert (inner.type, inner.fields) == ("my_msgs/Inner", (Field("x", "int32"),))
-
-
-@pytest.mark.parametrize(("end", "line"), [("", 3), ("\nint32 x", 3), ("\nMSG: x\nint32 y", 3)])
-def test_each_part_of_a_full_text_names_its_type(end: str, line: int) -> None:
-    with pytest.raises(DefinitionError, match="MSG: package/Type is needed") as caught:
-        parse_full_text(f"int32 a\n{'=' * 80}{end}", "my_msgs/Outer")
-    assert caught.value.line == line

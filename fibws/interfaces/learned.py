@@ -1,0 +1,143 @@
+"""The types that clients bring: what is taken over, and how much of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING
+
+from fibws.errors import DefinitionError, InterfaceError, UnknownPackage, UnknownType
+from fibws.interfaces import full_text
+from fibws.interfaces.definition import ActionDefinition, MessageDefinition, ServiceDefinition
+from fibws.interfaces.fingerprint import message_md5
+from fibws.interfaces.linker import Linker
+from fibws.interfaces.package import Kind
+
+if TYPE_CHECKING:
+    from fibws.interfaces.catalogue import Interfaces
+
+MOST = 1000
+"""How many types clients may bring, so that they cannot fill the memory."""
+LONGEST_TEXT = 2**18
+"""How many characters a definition that a client brings may have."""
+
+
+class Learned:
+    """The types that are known from clients alone.
+
+    A type is taken over with all else that its text defines, or nothing is. What is known already
+    must be the same in the text.
+
+    Args:
+        interfaces: all types, these among them.
+    """
+
+    def __init__(self, interfaces: Interfaces) -> None:
+        self._interfaces = interfaces
+        self.messages: dict[str, MessageDefinition] = {}
+        self.services: dict[str, ServiceDefinition] = {}
+        self.actions: dict[str, ActionDefinition] = {}
+
+    def names(self, kind: Kind) -> Iterable[str]:
+        """The types of one kind as ``package/Name``."""
+        match kind:
+            case "msg":
+                return self.messages
+            case "srv":
+                return self.services
+            case "action":
+                return self.actions
+
+    def packages(self) -> Iterator[str]:
+        """The packages that the types belong to."""
+        for names in (self.messages, self.services, self.actions):
+            yield from (name.partition("/")[0] for name in names)
+
+    def learn_message(self, name: str, text: str) -> None:
+        """Take over a message.
+
+        Args:
+            name: ``package/Name``.
+            text: its full text, which may leave out nested types that are known.
+
+        Raises:
+            DefinitionError: a text is wrong, or a type is already defined otherwise.
+            InterfaceError: there is no room for more.
+        """
+        _check_length(name, text)
+        trial = _Trial(self._interfaces, full_text.read_message(text, name))
+        self._make_room(name, len(trial.unknown))
+        self.messages.update(trial.unknown)
+
+    def learn_service(self, name: str, text: str) -> None:
+        """Take over a service; arguments and errors are as with `learn_message`."""
+        _check_length(name, text)
+        service, nested = full_text.read_service(text, name)
+        trial = _Trial(self._interfaces, nested)
+        trial.check(service.request)
+        trial.check(service.response)
+        services = {}
+        try:
+            known = self._interfaces.service(name)
+        except (UnknownType, UnknownPackage):
+            services[name] = service
+        else:
+            trial.compare(service.request, known.request)
+            trial.compare(service.response, known.response)
+        self._make_room(name, len(trial.unknown) + len(services))
+        self.messages.update(trial.unknown)
+        self.services.update(services)
+
+    def learn_action(self, name: str, text: str) -> None:
+        """Take over an action and its seven messages; it is as with `learn_message`."""
+        _check_length(name, text)
+        action, nested = full_text.read_action(text, name)
+        # Backwards, so that what is at fault is the part and not what is made of it.
+        made = {message.type: message for message in reversed(action.messages())}
+        trial = _Trial(self._interfaces, nested | made)
+        actions = {}
+        try:
+            self._interfaces.action(name)
+        except (UnknownType, UnknownPackage):
+            actions[name] = action
+        self._make_room(name, len(trial.unknown) + len(actions))
+        self.messages.update(trial.unknown)
+        self.actions.update(actions)
+
+    def _make_room(self, name: str, additions: int) -> None:
+        if len(self.messages) + len(self.services) + len(self.actions) + additions > MOST:
+            raise InterfaceError(f"Clients have brought {MOST} types, {name} is too many")
+
+
+class _Trial:
+    """The messages that a text defines, linked with those that are known and compared to them."""
+
+    def __init__(self, interfaces: Interfaces, drafts: dict[str, MessageDefinition]) -> None:
+        self._known = interfaces.message
+        self._linker = Linker(lambda name: drafts.get(name) or interfaces.message(name))
+        self._known_md5s: dict[str, str] = {}
+        self._md5s: dict[str, str] = {}
+        self.unknown: dict[str, MessageDefinition] = {}
+        for draft in drafts.values():
+            self._linker.message(draft.type)
+            try:
+                known = interfaces.message(draft.type)
+            except (UnknownType, UnknownPackage):
+                self.unknown[draft.type] = draft
+            else:
+                self.compare(draft, known)
+
+    def check(self, draft: MessageDefinition) -> None:
+        """Make sure that all that a request or response holds is there."""
+        self._linker.check(draft)
+
+    def compare(self, draft: MessageDefinition, known: MessageDefinition) -> None:
+        """Make sure that both have the same fields."""
+        md5 = message_md5(known, self._known, self._known_md5s)
+        if message_md5(draft, self._linker.message, self._md5s) != md5:
+            fault = f"{draft.type} is known here with other fields (md5 {md5})"
+            raise DefinitionError(draft.source, 1, draft.text[:200], fault)
+
+
+def _check_length(name: str, text: str) -> None:
+    if len(text) > LONGEST_TEXT:
+        raise InterfaceError(f"The definition of {name} has more than {LONGEST_TEXT} characters")
