@@ -1,7 +1,8 @@
-"""Fragments: the pieces in which a client may send the text of one operation."""
+"""Fragments: the pieces in which the text of one operation may travel, either way."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from fibws.errors import OperationError
@@ -9,6 +10,20 @@ from fibws.protocol.operations import Fragment
 
 PIECE_COST = 128
 """What keeping a piece costs beside its text, in bytes; it bounds floods of empty pieces."""
+
+MOST_PIECES = 1000
+"""Into how many a text is split at most: they are longer rather than more."""
+
+
+def split(text: str, size: int, id_: str) -> Iterator[Fragment]:
+    """The text in pieces of at most ``size`` characters; in none at all if it is no longer."""
+    if len(text) <= size:
+        return
+    size = max(size, -(-len(text) // MOST_PIECES))
+    total = -(-len(text) // size)
+    for number in range(total):
+        piece = text[number * size : (number + 1) * size]
+        yield Fragment(id=id_, data=piece, num=number, total=total)
 
 
 @dataclass(slots=True)

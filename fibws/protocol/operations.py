@@ -83,7 +83,7 @@ class CallService(Operation):
     service: str
     args: Any = None
     fragment_size: FragmentSize = None
-    timeout: Annotated[float, Field(allow_inf_nan=False)] = 0
+    timeout: Annotated[float, Field(allow_inf_nan=False)] | None = None
 
 
 class AdvertiseService(Operation):
@@ -239,5 +239,14 @@ Reply = (
 
 def encode(operation: Operation) -> bytes:
     """The operation as JSON text, ``op`` first, without the fields that are None."""
-    fields = operation.model_dump(exclude_none=True)
-    return to_json({"op": fields.pop("op"), **fields}, inf_nan_mode="null")
+    return to_json(_fields(operation), inf_nan_mode="null")
+
+
+def encode_with(operation: Operation, name: str, text: bytes) -> bytes:
+    """The operation as JSON text, with one more field that is JSON text already."""
+    return b'%b,"%b":%b}' % (encode(operation)[:-1], name.encode(), text)
+
+
+def _fields(operation: Operation) -> dict[str, Any]:
+    fields = {name: value for name, value in operation.__dict__.items() if value is not None}
+    return {"op": fields.pop("op"), **fields}
