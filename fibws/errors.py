@@ -8,19 +8,37 @@ FibwsError
 │   ├── UnknownType            the package is known, the type is not
 │   └── UnknownPackage         nobody ever defined this package
 ├── InvalidMessage         a message that does not fit its type
+├── TransformError         something is wrong with a transform
+│   ├── InvalidTransform       it cannot be kept, or asked for
+│   ├── UnknownFrame           no transform has named this frame
+│   ├── UnconnectedFrames      no transforms lead from the one frame to the other
+│   ├── FrameLoop              the frames are no tree: one is its own ancestor
+│   └── TransformOutOfTime     the frames are connected, but not at the time that was asked for
 ├── InvalidUtf8            bytes that should be a text and are none
 ├── OperationError         an operation that the hub refuses; its text goes to the client
 │   └── TypeConflict           a topic that already has another type
+├── ParameterError         what cannot be done with a parameter
+│   ├── ParameterNotSet        there is no such parameter
+│   └── ParametersFull         there is no room for so much
 ├── HubError               the hub cannot start or go on
 └── NodeError              a node cannot go on
     ├── InvalidAddress         what should say where the hub is does not
     ├── HubUnreachable         the hub is there and will not have this node, or never can be
     ├── OperationRejected      the hub refused what the node asked for
+    ├── ServiceError           a service was called in vain
+    │   ├── ServiceTimeout         there was no answer in time
+    │   └── ServiceLost            the connection broke before there was an answer
+    ├── ActionError            a goal did not succeed
+    ├── WaitTimeout            what was waited for did not come in time
+    ├── UnknownParameter       there is no parameter of that name
     ├── NodeReplaced           another node took this node's name
     └── NodeClosed             the node was used after its end
 """
 
 from __future__ import annotations
+
+from enum import IntEnum
+from typing import Any
 
 
 class FibwsError(Exception):
@@ -87,6 +105,46 @@ class InvalidMessage(FibwsError, ValueError):
     """A message that does not fit its type; the text says which field and why."""
 
 
+class TransformError(FibwsError):
+    """Something is wrong with a transform; the kinds are those of tf2's errors."""
+
+
+class InvalidTransform(TransformError, ValueError):
+    """A transform that cannot be kept, or asked for; tf2's InvalidArgumentException."""
+
+
+class UnknownFrame(TransformError, LookupError):
+    """No transform has named this frame, so far or any more; tf2's LookupException."""
+
+    def __init__(self, frame: str) -> None:
+        self.frame = frame
+        super().__init__(f"Frame {frame!r} does not exist: no transform leads to it or from it")
+
+
+class UnconnectedFrames(TransformError):
+    """No transforms lead from the one frame to the other; tf2's ConnectivityException."""
+
+    def __init__(self, target: str, source: str) -> None:
+        self.target = target
+        self.source = source
+        super().__init__(
+            f"Could not find a connection between {target!r} and {source!r} "
+            f"because they are not part of the same tree"
+        )
+
+
+class FrameLoop(TransformError):
+    """The frames are no tree, since one is its own ancestor; in tf2 a LookupException too."""
+
+    def __init__(self, frame: str) -> None:
+        self.frame = frame
+        super().__init__(f"The frames above {frame!r} are no tree: they contain a loop")
+
+
+class TransformOutOfTime(TransformError):
+    """The frames are connected, but not at the time asked for; tf2's ExtrapolationException."""
+
+
 class InvalidUtf8(FibwsError, ValueError):
     """Bytes that should be a text and are none, which ends a WebSocket (RFC 6455, section 8.1)."""
 
@@ -106,6 +164,31 @@ class TypeConflict(OperationError):
         super().__init__(
             f"Tried to register topic {topic} with type {asked} "
             f"but it is already established with type {established} (by {by})"
+        )
+
+
+class ParameterError(FibwsError):
+    """What cannot be done with a parameter; the text says which and why."""
+
+
+class ParameterNotSet(ParameterError, LookupError):
+    """There is no such parameter."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        super().__init__(f"Parameter [{name}] is not set")
+
+
+class ParametersFull(ParameterError):
+    """There is no room for so much among the parameters."""
+
+    def __init__(self, name: str, needed: int, limit: int) -> None:
+        self.name = name
+        self.needed = needed
+        self.limit = limit
+        super().__init__(
+            f"Parameter [{name}] has no room: all parameters together would take {needed} bytes, "
+            f"and they may take {limit} (--max-parameter-bytes of the hub)"
         )
 
 
@@ -137,6 +220,58 @@ class HubUnreachable(NodeError):
 
 class OperationRejected(NodeError):
     """The hub refused what the node asked for; the text is the hub's own."""
+
+
+class ServiceError(NodeError):
+    """A service was called in vain: its provider, or the hub, says in ``text`` why."""
+
+    def __init__(self, service: str, text: str) -> None:
+        self.service = service
+        self.text = text
+        super().__init__(text if service in text else f"{service}: {text}")
+
+
+class ServiceTimeout(ServiceError, TimeoutError):
+    """There was no answer in time; the provider may still be at it."""
+
+
+class ServiceLost(ServiceError):
+    """The connection broke before there was an answer: the call may have taken place or not."""
+
+    def __init__(self, service: str) -> None:
+        super().__init__(service, "the connection to the hub was lost")
+
+
+class ActionError(NodeError):
+    """A goal did not succeed: ``status`` and ``text`` say why, as its server or the hub told them.
+
+    Attributes:
+        action: the action's name.
+        status: what became of the goal, a `fibws.GoalStatus`.
+        text: the reason; empty if the server gave none.
+        result: what was reached until then, if the server said it.
+    """
+
+    def __init__(self, action: str, status: IntEnum, text: str, result: Any = None) -> None:
+        self.action = action
+        self.status = status
+        self.text = text
+        self.result = result
+        super().__init__(f"{action}: {status.name}{': ' if text else ''}{text}")
+
+
+class WaitTimeout(NodeError, TimeoutError):
+    """What was waited for did not come in time."""
+
+
+class UnknownParameter(NodeError, KeyError):
+    """There is no parameter of that name."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        super().__init__(f"There is no parameter {name}")
+
+    __str__ = Exception.__str__  # KeyError's own writes the text as a key.
 
 
 class NodeReplaced(NodeError):

@@ -97,7 +97,8 @@ async def start_hub(monkeypatch: pytest.MonkeyPatch, faults: Faults) -> AsyncIte
         async with asyncio.timeout(10):
             await stack.aclose()
     for hub in hubs:
-        assert (hub.graph.nodes, hub.graph.topics) == ({}, {})
+        graph = hub.graph
+        assert (graph.nodes, graph.topics, graph.services, graph.actions) == ({}, {}, {}, {})
 
 
 @pytest.fixture

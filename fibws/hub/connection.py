@@ -25,9 +25,9 @@ from fibws.hub.framing import Splitter
 from fibws.hub.gate import Gate, node_name
 from fibws.hub.graph.graph import Graph
 from fibws.hub.liveness import Liveness
+from fibws.hub.log import printable
 from fibws.hub.outbox import Flusher, Outbox
 from fibws.hub.session.session import Session
-from fibws.hub.session.statuses import printable
 from fibws.hub.settings import KIB, Settings
 from fibws.protocol.closing import FRAGMENTS, INVALID_UTF8, OVERFULL, Closing
 
@@ -58,6 +58,7 @@ class Shared:
     loop: asyncio.AbstractEventLoop
     flusher: Flusher
     opened: Callable[[Connection], None]
+    entered: Callable[[Connection], None]
     lost: Callable[[Connection], None]
     small: memoryview = field(default_factory=lambda: memoryview(bytearray(16 * KIB)))
     large: memoryview = field(default_factory=lambda: memoryview(bytearray(256 * KIB)))
@@ -79,6 +80,7 @@ class Connection(asyncio.BufferedProtocol):
         "_shared",
         "_splitter",
         "_transport",
+        "address",
         "outbox",
         "peer",
         "session",
@@ -102,6 +104,7 @@ class Connection(asyncio.BufferedProtocol):
         self._reported_at = float("-inf")
         self.outbox: Outbox
         self.session: Session | None = None
+        self.address = ""
         self.peer = ""
 
     # asyncio's calls.
@@ -114,6 +117,7 @@ class Connection(asyncio.BufferedProtocol):
             # Else the kernel keeps megabytes of messages that a slow client will read when stale.
             sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT, HIGH_WATER)
         peer = transport.get_extra_info("peername")
+        self.address = peer[0] if peer else "unknown"
         self.peer = f"{peer[0]}:{peer[1]}" if peer else "unknown"
         self._shared.opened(self)
 
@@ -214,6 +218,7 @@ class Connection(asyncio.BufferedProtocol):
             self.close,
         )
         self._liveness.opened()
+        shared.entered(self)
         logger.info("%s has connected from %s.", self.session.node, self.peer)
 
     # Reading.
@@ -260,23 +265,20 @@ class Connection(asyncio.BufferedProtocol):
 
     def _on_text(self, text: bytes) -> None:
         assert self.session is not None
+        self._receive(self.session.receive, text)
+
+    def _on_binary(self, data: bytes) -> None:
+        assert self.session is not None
+        self._receive(self.session.receive_binary, data)
+
+    def _receive(self, receive: Callable[[bytes], None], data: bytes) -> None:
         try:
-            self.session.receive(text)
+            receive(data)
         except InvalidUtf8:
             self._fail(INVALID_UTF8)
         except Exception:
             # An exception here would end the connection of a client that did nothing wrong.
-            logger.exception("%s: an operation failed.", self.session.node)
-
-    def _on_binary(self, data: bytes) -> None:
-        """Binary messages may hold JSON, too, as the real server takes them."""
-        assert self.session is not None
-        try:
-            data.decode()
-        except UnicodeDecodeError:
-            self.session.refuse("Expected JSON text in UTF-8 in a binary message")
-        else:
-            self._on_text(data)
+            logger.exception("%s: an operation failed.", self.name)
 
     # Writing.
 

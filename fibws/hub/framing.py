@@ -18,6 +18,8 @@ except ImportError:  # The library's pure Python build has it elsewhere.
 
 _TEXT = 0x81
 """The first byte of a whole text message: final frame, no reserved bits, opcode 1."""
+_BINARY = 0x82
+"""The first byte of a whole binary message."""
 _OPCODES = frozenset({0x0, 0x1, 0x2, 0x8, 0x9, 0xA})
 _LENGTH_16 = struct.Struct("!H")
 _LENGTH_64 = struct.Struct("!Q")
@@ -28,13 +30,22 @@ def text_frame(text: bytes) -> bytes:
     return text_header(len(text)) + text
 
 
+def binary_frame(data: bytes) -> bytes:
+    """An unmasked frame with one whole binary message."""
+    return _header(_BINARY, len(data)) + data
+
+
 def text_header(size: int) -> bytes:
     """What goes before a text of ``size`` bytes to make a frame of it."""
+    return _header(_TEXT, size)
+
+
+def _header(first: int, size: int) -> bytes:
     if size < 126:
-        return bytes((_TEXT, size))
+        return bytes((first, size))
     if size < 65536:
-        return b"\x81\x7e" + _LENGTH_16.pack(size)
-    return b"\x81\x7f" + _LENGTH_64.pack(size)
+        return bytes((first, 126)) + _LENGTH_16.pack(size)
+    return bytes((first, 127)) + _LENGTH_64.pack(size)
 
 
 class Splitter:

@@ -19,6 +19,7 @@ from websockets.http11 import Request, Response
 
 from fibws import names
 from fibws.errors import InvalidName
+from fibws.hub.rosapi.nodes import OWN_NODES
 from fibws.hub.settings import Settings
 
 Health = Callable[[], dict[str, object]]
@@ -46,7 +47,9 @@ class Gate:
             refusal = self._refusal(request.headers)
             if refusal is not None:
                 return _text(http.HTTPStatus.FORBIDDEN, refusal)
-            node_name(request.path)
+            if node_name(request.path) in OWN_NODES:
+                fault = "that name is the hub's own; choose another"
+                return _text(http.HTTPStatus.BAD_REQUEST, f"The query's node: {fault}")
         except MultipleValuesError as error:
             return _text(http.HTTPStatus.BAD_REQUEST, f"More than one header {error}")
         except InvalidName as error:

@@ -101,6 +101,10 @@ class Outbox:
         """Whether replies alone, which may not be dropped, break the limit."""
         return self._reply_bytes > self.budget.limit
 
+    def has_room(self, size: int) -> bool:
+        """Whether a reply of that many bytes breaks no bound."""
+        return not self.paused or self._reply_bytes + size <= self.budget.limit
+
     def put(self, frame: bytes, queue: Queue) -> None:
         """Send a message's frame, or keep it in its subscription's queue if the client is slow."""
         if self.paused:

@@ -7,16 +7,18 @@ import errno
 import ipaddress
 import logging
 import time
+import uuid
 from importlib import resources
 from types import TracebackType
 from typing import Self
 
 from fibws import __version__
-from fibws.errors import HubError
+from fibws.errors import FibwsError, HubError
 from fibws.hub.connection import Connection, Shared
 from fibws.hub.gate import Gate
 from fibws.hub.graph.graph import Graph
 from fibws.hub.outbox import Flusher
+from fibws.hub.rosapi.nodes import OwnNodes
 from fibws.hub.settings import Settings
 from fibws.interfaces import Interfaces
 from fibws.protocol.closing import SHUTDOWN
@@ -44,9 +46,11 @@ class Hub:
             Interfaces(self.settings.interfaces),
             time.time_ns,
             strict_types=self.settings.strict_types,
+            max_parameter_bytes=self.settings.max_parameter_bytes,
         )
         self._connections: set[Connection] = set()
         self._server: asyncio.Server
+        self._own: OwnNodes
         self._sweeper: asyncio.TimerHandle
         self._started = 0.0
         self._closing = False
@@ -64,19 +68,28 @@ class Hub:
             loop=loop,
             flusher=Flusher(loop.call_soon),
             opened=self._opened,
+            entered=self._entered,
             lost=self._lost,
         )
         host, port = self.settings.host, self.settings.port
         try:
             self._server = await loop.create_server(
-                lambda: Connection(shared), host, port, backlog=BACKLOG
+                lambda: Connection(shared), host, port, backlog=BACKLOG, start_serving=False
             )
         except OSError as error:
             raise HubError(_why_not(host, port, error)) from error
         self.port = self._server.sockets[0].getsockname()[1]
+        try:
+            self._own = OwnNodes(
+                self.graph, loop, host=_reached_at(host), port=self.port, run_id=str(uuid.uuid1())
+            )
+        except FibwsError:  # The parameters may have no room for even the first ones.
+            self._server.close()
+            raise
         self._warn_if_public()
         self._started = time.monotonic()
         self._sweeper = loop.call_later(SWEEP_INTERVAL, self._sweep)
+        await self._server.start_serving()
         return self
 
     async def __aexit__(
@@ -90,8 +103,7 @@ class Hub:
     @property
     def url(self) -> str:
         """Where nodes on this machine reach it."""
-        host = self.settings.host
-        host = {"0.0.0.0": "127.0.0.1", "::": "::1", "": "127.0.0.1"}.get(host, host)
+        host = _reached_at(self.settings.host)
         return f"ws://{f'[{host}]' if ':' in host else host}:{self.port}"
 
     async def close(self) -> None:
@@ -107,6 +119,7 @@ class Hub:
             for connection in list(self._connections):
                 connection.abort()
             await self._empty.wait()
+        self._own.close()
         await self._server.wait_closed()
 
     def health(self) -> dict[str, object]:
@@ -127,7 +140,7 @@ class Hub:
                     "dropped": each.outbox.dropped,
                     "dropped_by_topic": {
                         spelling: subscription.queue.dropped
-                        for spelling, subscription in each.session.subscriptions.items()
+                        for spelling, subscription in each.session.topics.subscriptions.items()
                         if subscription.queue.dropped
                     },
                 }
@@ -151,8 +164,12 @@ class Hub:
         if self._closing:
             connection.abort()
 
+    def _entered(self, connection: Connection) -> None:
+        self._own.clients.connected(connection, connection.address, self.graph.now())
+
     def _lost(self, connection: Connection) -> None:
         self._connections.discard(connection)
+        self._own.clients.disconnected(connection)
         if connection.session is not None:
             self._dropped += connection.outbox.dropped
         if not self._connections:
@@ -168,6 +185,11 @@ class Hub:
             except Exception:
                 # What is wrong with one client must not leave the others unwatched.
                 logger.exception("%s: the sweep failed.", connection.name)
+
+
+def _reached_at(host: str) -> str:
+    """How programs on this machine call the address that a hub listens on."""
+    return {"0.0.0.0": "127.0.0.1", "::": "::1", "": "127.0.0.1"}.get(host, host)
 
 
 def _why_not(host: str, port: int, error: OSError) -> str:

@@ -41,8 +41,29 @@ class Settings:
     queue_length: int = _setting(
         1000, "Messages kept for a subscription that names no queue_length and falls behind."
     )
-    max_topics: int = _setting(5000, "Topics that one client may advertise or subscribe to.")
+    service_timeout: float = _setting(
+        60.0, "Seconds in which a service must answer, unless the call names another time."
+    )
+    strict_responses: bool = _setting(
+        False,
+        "Take a service_response whose result is false for a failure, even if it has values.",
+    )
+    max_advertisements: int = _setting(
+        5000, "Topics that one client may advertise; so many services and so many actions, too."
+    )
+    max_subscriptions: int = _setting(5000, "Topics that one client may subscribe to.")
+    max_calls: int = _setting(1000, "Service calls that one client may wait for at once.")
+    max_goals: int = _setting(1000, "Goals that one client may wait for at once.")
     max_queued_bytes: int = _setting(16 * MIB, "Bytes kept for one client that falls behind.")
+    max_latched_bytes: int = _setting(
+        64 * MIB, "Bytes of JSON that the latched messages of one client may have together."
+    )
+    max_fragment_bytes: int = _setting(
+        64 * MIB, "Bytes kept of messages of one client whose fragments have not all come."
+    )
+    max_parameter_bytes: int = _setting(
+        4 * MIB, "Bytes of JSON that all parameters may have together."
+    )
     stall_timeout: float = _setting(
         30.0, "Seconds for which a client may stop reading before it is closed."
     )

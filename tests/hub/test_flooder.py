@@ -14,7 +14,7 @@ import pytest
 from conftest import Faults, StartHub
 
 from fibws.hub import Hub
-from fibws.hub.session.session import Session
+from fibws.hub.session.topics import Topics
 from fibws.hub.settings import MIB
 
 from .wire import Client, connected, dialled, longest_turn, publish, until
@@ -142,7 +142,7 @@ class TestDeadSubscriber:
             await listener.subscribes("/t")
             await talker.advertises("/t")
             with monkeypatch.context() as broken:
-                broken.setattr(Session, "_publish", fail)
+                broken.setattr(Topics, "publish", fail)
                 await talker.send(publish("/t", 1))
                 await talker.is_heard()
             await talker.send(publish("/t", 2))

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from fibws.hub import Hub
 
-from .wire import CLOSE, TEXT, connected, dialled, frame, handshake, publish, until
+from .wire import CLOSE, TEXT, connected, dialled, frame, handshake, nodes, publish, topics, until
 
 pytestmark = pytest.mark.both_loops
 
@@ -115,8 +115,8 @@ class _bystanders:
             await self._one.send(publish("/good", number))
             assert await self._other.hears_data(1) == [number]
         await until(lambda: len(self._hub._connections) == 2)
-        assert set(self._hub.graph.nodes) == {"/talker", "/listener"}
-        assert set(self._hub.graph.topics) == {"/good"}
+        assert set(nodes(self._hub)) == {"/talker", "/listener"}
+        assert set(topics(self._hub)) == {"/good"}
 
     async def __aexit__(self, *_: object) -> None:
         await self._talker.__aexit__(None, None, None)

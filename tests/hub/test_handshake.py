@@ -22,6 +22,7 @@ from .wire import (
     dialled,
     frame,
     handshake,
+    nodes,
     operation,
     until,
 )
@@ -49,7 +50,7 @@ class TestHandshake:
                 await client.send(bytes((byte,)))
             assert (await client.response())[0] == 101
             await client.is_heard()
-            assert list(hub.graph.nodes) == ["/slow"]
+            assert nodes(hub) == ["/slow"]
 
     async def test_frames_behind_the_request_are_answered_after_it(self, hub: Hub) -> None:
         # R7: the library alone would send its PONG before the 101.
@@ -217,7 +218,7 @@ class TestHandshake:
         ):
             await nameless.is_heard()
             await known.is_heard()
-            assert len(hub.graph.nodes) == 2
+            assert len(nodes(hub)) == 2
 
 
 class TestPlainHttp:

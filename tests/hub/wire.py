@@ -12,6 +12,9 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from typing import Any
 
+from fibws.hub import Hub
+from fibws.hub.rosapi.nodes import OWN_NODES, PUBLISHED
+
 TEXT, BINARY, CONT, CLOSE, PING, PONG = 0x1, 0x2, 0x0, 0x8, 0x9, 0xA
 PATIENCE = 5.0
 """Seconds that anything may take before the test gives up."""
@@ -256,3 +259,13 @@ async def longest_turn() -> AsyncIterator[Callable[[], float]]:
     yield lambda: longest
     await asyncio.sleep(0)
     task.cancel()
+
+
+def nodes(hub: Hub) -> list[str]:
+    """The names of the clients' nodes."""
+    return [name for name in hub.graph.nodes if name not in OWN_NODES]
+
+
+def topics(hub: Hub) -> list[str]:
+    """The names of the topics that clients have to do with."""
+    return [name for name in hub.graph.topics if name not in PUBLISHED]

@@ -1,4 +1,4 @@
-"""The graph: which nodes there are, which topics, and of which type.
+"""The graph: which nodes there are, which topics, services and actions, and of which type.
 
 What ROS's master keeps. A topic knows its publishers and subscriptions; only the methods here add
 and remove them. A topic is kept while it has any, so that a client which makes up names by the
@@ -8,75 +8,85 @@ thousand leaves nothing behind.
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Iterable
+from itertools import count
 from typing import Any, Protocol
 
-from fibws.errors import InvalidMessage, TypeConflict, UnknownPackage
+from fibws.errors import OperationError, TypeConflict
+from fibws.hub.graph.action import Action, ActionClient, ActionServer, Goal, cancel_goals
+from fibws.hub.graph.parameters import Parameters
+from fibws.hub.graph.service import Function, OwnProvider, Provider, Service
 from fibws.hub.graph.subscription import Subscription
-from fibws.hub.graph.topic import MessageType, Publisher, Topic
-from fibws.hub.session.statuses import is_power_of_ten
-from fibws.interfaces import Interfaces, Validators
+from fibws.hub.graph.topic import Publisher, Topic
+from fibws.hub.graph.types import MessageType, Types
+from fibws.hub.outbox import Budget
+from fibws.interfaces import Interfaces
 from fibws.protocol.operations import Id, Subscribe
 
 logger = logging.getLogger("fibws.hub")
 
+CANCEL_GOAL = "action_msgs/CancelGoal"
 
-class Client(Protocol):
-    """What the graph must be able to tell a client."""
+
+class Node(Protocol):
+    """A node of the graph: a client, or a part of the hub itself."""
 
     def replaced(self) -> None:
         """Another client has taken its name."""
 
+    def publishing(self) -> Iterable[str]:
+        """The global names of the topics that it publishes."""
 
-class Unchecked:
-    """A type of a package that nobody defined: its messages are relayed as they come."""
+    def subscribing(self) -> Iterable[str]:
+        """The global names of the topics that it subscribes to."""
 
-    has_sequenced_header = False
-
-    def __init__(self, type_: str) -> None:
-        self.type = type_
-
-    def validate(self, msg: object) -> dict[str, Any]:
-        """Only that it is an object can be checked."""
-        if not isinstance(msg, dict):
-            raise InvalidMessage(
-                f"Expected a JSON object for type {self.type} but received a {type(msg).__name__}"
-            )
-        return msg
-
-    def missing(self, msg: dict[str, Any]) -> list[str]:
-        """Nothing is known to be missing."""
-        return []
+    def providing(self) -> Iterable[str]:
+        """The global names of the services that it provides."""
 
 
 class Graph:
-    """The nodes and topics of one hub.
+    """The nodes, topics, services, actions and parameters of one hub.
 
     Args:
         now: gives the nanoseconds since 1970, for messages that ask for the time.
         strict_types: refuse types of unknown packages, rather than relay them unchecked.
+        max_parameter_bytes: the bytes of JSON that all parameters may have together.
     """
 
     def __init__(
-        self, interfaces: Interfaces, now: Callable[[], int], *, strict_types: bool = False
+        self,
+        interfaces: Interfaces,
+        now: Callable[[], int],
+        *,
+        strict_types: bool = False,
+        max_parameter_bytes: int = 2**22,
     ) -> None:
+        self.nodes: dict[str, Node] = {}
         self.topics: dict[str, Topic] = {}
-        self.nodes: dict[str, Client] = {}
-        self._interfaces = interfaces
-        self._validators = Validators(interfaces, now)
-        self._strict_types = strict_types
-        self._times_unchecked = 0
+        self.services: dict[str, Service] = {}
+        self.actions: dict[str, Action] = {}
+        self.parameters = Parameters(max_parameter_bytes)
+        self.interfaces = interfaces
+        self.now = now
+        self.revision = 0
+        """Another number whenever something but the parameters has changed."""
+        self._types = Types(interfaces, now, strict=strict_types)
         self._clients = 0
+        self._goals = count(1)
 
-    def enter(self, client: Client, name: str | None) -> str:
-        """Give a client the name it asked for, or one of the hub's making; return it.
+    # Nodes.
+
+    def enter(self, node: Node, name: str | None) -> str:
+        """Give a node the name it asked for, or one of the hub's making; return it.
 
         Whoever had the name is told that it lost it, as ROS's master shuts down the older node.
         """
+        self.revision += 1
         if name is None:
             name = self._new_name()
         older = self.nodes.pop(name, None)
-        self.nodes[name] = client
+        self.nodes[name] = node
         if older is not None:
             try:
                 older.replaced()
@@ -92,19 +102,33 @@ class Graph:
             if name not in self.nodes:
                 return name
 
-    def leave(self, client: Client, name: str) -> None:
-        """Forget a client, unless its name has gone to another."""
-        if self.nodes.get(name) is client:
+    def leave(self, node: Node, name: str) -> None:
+        """Forget a node, unless its name has gone to another."""
+        if self.nodes.get(name) is node:
             del self.nodes[name]
+            self.revision += 1
+
+    # Topics.
 
     def topic(self, name: str) -> Topic:
         """The topic of this global name; a new one is kept once somebody has to do with it."""
         return self.topics.get(name) or Topic(name)
 
     def add_publisher(
-        self, topic: Topic, node: str, type_: str, definition: str | None = None, *, latch: bool
+        self,
+        topic: Topic,
+        node: str,
+        type_: str,
+        definition: str | None = None,
+        *,
+        latch: bool,
+        latches: Budget | None = None,
     ) -> Publisher:
         """The node's publisher of a topic; the first call decides ``latch``.
+
+        Args:
+            definition: the text of the type, if the client brought one.
+            latches: what the node's latched messages may take; None bounds nothing.
 
         Raises:
             TypeConflict: the topic has another type, and nodes that hold it to that.
@@ -113,13 +137,22 @@ class Graph:
         message_type = self._establish(topic, type_, definition)
         publisher = topic.publishers.get(node)
         if publisher is None:
-            publisher = Publisher(node, topic, message_type, latch=latch)
+            publisher = Publisher(
+                node,
+                topic,
+                message_type,
+                self.now,
+                latch=latch,
+                latches=latches or Budget(sys.maxsize),
+            )
             topic.publishers[node] = publisher
             self.topics[topic.name] = topic
+            self.revision += 1
         return publisher
 
     def remove_publisher(self, publisher: Publisher) -> None:
         """Let a publisher go."""
+        publisher.forget()
         publisher.topic.publishers.pop(publisher.node, None)
         self._settle(publisher.topic)
 
@@ -143,32 +176,92 @@ class Graph:
 
     def _establish(self, topic: Topic, type_: str, definition: str | None = None) -> MessageType:
         """Give a topic its type; return what checks its messages."""
-        name = self._interfaces.canonical(type_)
+        name = self.interfaces.canonical(type_)
         if topic.type is not None and topic.type.type == name and definition is None:
             return topic.type
         if topic.type is not None and topic.type.type != name and topic.held:
             raise TypeConflict(topic.name, name, topic.type.type, topic.holder())
-        wanted = self._type(name, definition)
+        wanted = self._types.message(name, definition)
         if topic.type is None or topic.type.type != name:
             topic.type = wanted
         return topic.type
 
     def _settle(self, topic: Topic) -> None:
         """Forget what nobody holds any more: the topic, or its type."""
+        self.revision += 1
         if topic.idle:
             self.topics.pop(topic.name, None)
         elif topic.type is not None and not topic.held:
             topic.type = None
 
-    def _type(self, name: str, definition: str | None) -> MessageType:
-        if definition is not None:
-            self._interfaces.learn(name, definition)
-        try:
-            return self._validators.of(name)
-        except UnknownPackage as error:
-            if self._strict_types:
-                raise
-            self._times_unchecked += 1
-            if is_power_of_ten(self._times_unchecked):
-                logger.warning("%s. Messages of type %s are relayed unchecked.", error, name)
-            return Unchecked(name)
+    # Services.
+
+    def add_service(
+        self, name: str, type_: str, definition: str | None, provider: Provider
+    ) -> Service:
+        """Have a client provide a service; whoever did until now is told that it is displaced.
+
+        Raises:
+            OperationError: the service is the hub's own.
+            InterfaceError: the type's name is not valid, or its package does not have it.
+        """
+        service_type = self._types.service(self.interfaces.canonical(type_), definition)
+        older = self.services.get(name)
+        if older is not None and isinstance(older.provider, OwnProvider):
+            raise OperationError(f"Service {name} is the hub's own ({older.node})")
+        service = self.services[name] = Service(name, service_type, provider)
+        self.revision += 1
+        if older is not None:
+            older.provider.displaced(older)
+        return service
+
+    def offer(self, name: str, type_: str, node: str, function: Function) -> None:
+        """Have the hub itself answer a service, as one of its own nodes."""
+        provider = OwnProvider(node, function)
+        self.services[name] = Service(name, self._types.service(type_), provider)
+        self.revision += 1
+
+    def remove_service(self, service: Service) -> None:
+        """Let a service go, unless another provider has taken it over."""
+        if self.services.get(service.name) is service:
+            del self.services[service.name]
+            self.revision += 1
+
+    # Actions.
+
+    def add_action(
+        self, name: str, type_: str, definition: str | None, server: ActionServer
+    ) -> Action:
+        """Have a client pursue an action's goals; otherwise as `add_service`.
+
+        Its goals can be cancelled by a service beside it, too, as in ROS 2.
+        """
+        action_type = self._types.action(self.interfaces.canonical(type_), definition)
+        older = self.actions.get(name)
+        if older is not None:
+            self.remove_action(older)
+            older.server.displaced(older)
+        action = self.actions[name] = Action(name, action_type, server)
+        self.offer(
+            _cancel_service(action),
+            CANCEL_GOAL,
+            server.node,
+            lambda request, caller: cancel_goals(action, request),
+        )
+        return action
+
+    def goal(self, action: Action, request: dict[str, Any], client: ActionClient) -> Goal:
+        """A new goal, which is not started yet."""
+        uuid = next(self._goals).to_bytes(16, "big")
+        return Goal(action, request, client, uuid, self.now())
+
+    def remove_action(self, action: Action) -> None:
+        """Let an action go, unless another server has taken it over."""
+        if self.actions.get(action.name) is action:
+            del self.actions[action.name]
+            self.services.pop(_cancel_service(action), None)
+            self.revision += 1
+
+
+def _cancel_service(action: Action) -> str:
+    return f"{action.name}/_action/cancel_goal"

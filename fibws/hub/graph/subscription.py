@@ -6,11 +6,13 @@ from typing import TYPE_CHECKING
 
 from fibws.errors import OperationError
 from fibws.hub.clock import Clock
+from fibws.hub.graph.encoding import PLAIN, Encoding
 from fibws.hub.graph.throttle import Throttle
 from fibws.hub.outbox import Outbox, Queue
 from fibws.protocol.operations import Id, Subscribe
 
 if TYPE_CHECKING:
+    from fibws.hub.graph.channel import Channel
     from fibws.hub.graph.topic import Topic
 
 MAX_REGISTRATIONS = 100
@@ -32,6 +34,8 @@ class Subscription:
         "_default",
         "_throttle",
         "_throttled_by",
+        "channel",
+        "encoding",
         "node",
         "outbox",
         "queue",
@@ -59,6 +63,9 @@ class Subscription:
         self.requests: dict[Id, Subscribe] = {}
         self.typed = False
         """Whether a request named the type, and so holds the topic to it."""
+        self.encoding = PLAIN
+        self.channel: Channel | None = None
+        """Which of the topic's channels it is in."""
         self._clock = clock
         self._default = queue_length
         self._throttle: Throttle | None = None
@@ -110,6 +117,7 @@ class Subscription:
         queue_length = min(max(0, request.queue_length) for request in requests)
         self.queue.limit = queue_length or self._default
         self._throttle_by(throttle_rate / 1000, queue_length)
+        self.encoding = Encoding.merged(requests)
 
     def _throttle_by(self, period: float, queue_length: int) -> None:
         if (period, queue_length) == self._throttled_by:

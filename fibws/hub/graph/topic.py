@@ -1,85 +1,25 @@
 """A topic: its type, who publishes it and who hears it.
 
-The way of a message through here: `Publisher.publish` checks and encodes it, `Topic.deliver` hands
-the text to each `Channel`, which makes one frame of it for all its subscriptions.
+The way of a message through here: `Publisher.publish` checks it, `Topic.deliver` hands it to each
+`Channel`, which makes one frame of it for all its subscriptions.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import chain
-from typing import Any, Protocol
-
-from pydantic_core import to_json
+from typing import Any, TypeAlias
 
 from fibws.errors import OperationError
-from fibws.hub.framing import text_header
+from fibws.hub.graph.channel import Channel
+from fibws.hub.graph.encoding import Encoding, Publication
 from fibws.hub.graph.subscription import MAX_REGISTRATIONS, Subscription
-from fibws.hub.outbox import Outbox
+from fibws.hub.graph.types import MessageType
+from fibws.hub.outbox import Budget
 from fibws.protocol.operations import Id
 
-_AFTER = b"}"
-
-
-class MessageType(Protocol):
-    """Checks the messages of one type."""
-
-    @property
-    def type(self) -> str:
-        """The type's name, ``package/Type``."""
-
-    @property
-    def has_sequenced_header(self) -> bool:
-        """Whether the publisher counts its messages in ``header.seq``, as rospy's does."""
-
-    def validate(self, msg: object) -> dict[str, Any]:
-        """The message with every field filled; raises `InvalidMessage`."""
-
-    def missing(self, msg: dict[str, Any]) -> list[str]:
-        """The fields that a message leaves to their defaults."""
-
-
-class Channel:
-    """The subscriptions of one topic that spelled its name alike, since each hears its own."""
-
-    def __init__(self, spelling: str) -> None:
-        self._before = b'{"op":"publish","topic":%b,"msg":' % to_json(spelling)
-        self._around = len(self._before) + len(_AFTER)
-        self._direct: dict[Outbox, Subscription] = {}
-        self._throttled: dict[Outbox, Subscription] = {}
-
-    def __bool__(self) -> bool:
-        return bool(self._direct or self._throttled)
-
-    def subscriptions(self) -> Iterator[Subscription]:
-        """All of them."""
-        return chain(self._direct.values(), self._throttled.values())
-
-    def update(self, subscription: Subscription) -> None:
-        """Add a subscription, or take note that it changed or ended."""
-        self._direct.pop(subscription.outbox, None)
-        self._throttled.pop(subscription.outbox, None)
-        if subscription.requests:
-            chosen = self._direct if subscription.direct else self._throttled
-            chosen[subscription.outbox] = subscription
-
-    def frame(self, body: bytes) -> bytes:
-        """The frame of a message whose JSON text is ``body``."""
-        return b"".join((text_header(self._around + len(body)), self._before, body, _AFTER))
-
-    def send(self, body: bytes) -> None:
-        """Send a message to every subscription; they share the bytes of its frame."""
-        frame = self.frame(body)
-        # The hub's innermost loop: `Outbox.put`, written out.
-        for outbox, subscription in self._direct.items():
-            if outbox.paused:
-                outbox.keep(frame, subscription.queue)
-                continue
-            if not outbox.frames:
-                outbox.flusher.add(outbox)
-            outbox.frames.append(frame)
-        for subscription in self._throttled.values():
-            subscription.offer(frame)
+Observer: TypeAlias = Callable[[dict[str, Any]], None]
+"""A part of the hub itself that is told of each message; it must not change it."""
 
 
 class Topic:
@@ -93,7 +33,8 @@ class Topic:
         self.name = name
         self.type: MessageType | None = None
         self.publishers: dict[str, Publisher] = {}
-        self.channels: dict[str, Channel] = {}
+        self.channels: dict[tuple[str, Encoding], Channel] = {}
+        self.observers: list[Observer] = []
 
     @property
     def idle(self) -> bool:
@@ -116,25 +57,42 @@ class Topic:
 
     def update(self, subscription: Subscription) -> None:
         """Take note that a subscription has begun, changed or ended."""
-        spelling = subscription.spelling
-        channel = self.channels.get(spelling)
-        if channel is None:
-            channel = self.channels[spelling] = Channel(spelling)
-        channel.update(subscription)
-        if not channel:
-            del self.channels[spelling]
+        older, channel = subscription.channel, None
+        if subscription.requests:
+            key = (subscription.spelling, subscription.encoding)
+            channel = self.channels.get(key)
+            if channel is None:
+                channel = self.channels[key] = Channel(*key)
+            channel.add(subscription)
+        if older is not None and older is not channel:
+            older.remove(subscription)
+            if not older:
+                del self.channels[older.key]
+        subscription.channel = channel
 
     def replay(self, subscription: Subscription) -> bool:
-        """Send what publishers have latched to one subscription; tell whether there was any."""
-        latched = [each.latched for each in self.publishers.values() if each.latched is not None]
-        for body in latched:
-            subscription.send(self.channels[subscription.spelling].frame(body))
+        """Send what publishers have latched to one subscription; tell whether there was any.
+
+        Raises:
+            OperationError: it cannot be had in the encoding that the subscription wants.
+        """
+        recalled = [each.recall() for each in self.publishers.values()]
+        latched = [each for each in recalled if each is not None]
+        if subscription.channel is not None:
+            for publication in latched:
+                subscription.send(subscription.channel.frame(publication))
         return bool(latched)
 
-    def deliver(self, body: bytes) -> None:
-        """Send a message, as JSON text, to all who hear the topic."""
+    def deliver(self, publication: Publication) -> None:
+        """Send a message to all who hear the topic."""
         for channel in self.channels.values():
-            channel.send(body)
+            try:
+                channel.send(publication)
+            except OperationError:
+                # It cannot be encoded so, as those subscriptions were told. The others go on.
+                continue
+        for observe in self.observers:
+            observe(publication.message)
 
 
 class Publisher:
@@ -142,17 +100,43 @@ class Publisher:
 
     Args:
         node: the client's name.
+        now: gives the nanoseconds since 1970.
         latch: keep the last message for those who subscribe later (ROS's latched topics).
+        latches: the bytes of JSON that all latched messages of the client may have together.
     """
 
-    __slots__ = ("_advertisements", "_sequence", "latch", "latched", "node", "topic", "type")
+    __slots__ = (
+        "_advertisements",
+        "_latches",
+        "_now",
+        "_sequence",
+        "current",
+        "latch",
+        "latched",
+        "node",
+        "topic",
+        "type",
+    )
 
-    def __init__(self, node: str, topic: Topic, type_: MessageType, *, latch: bool) -> None:
+    def __init__(
+        self,
+        node: str,
+        topic: Topic,
+        type_: MessageType,
+        now: Callable[[], int],
+        *,
+        latch: bool,
+        latches: Budget,
+    ) -> None:
         self.node = node
         self.topic = topic
         self.type = type_
         self.latch = latch
-        self.latched: bytes | None = None
+        self.latched: Publication | None = None
+        self.current: Callable[[], dict[str, Any]] | None = None
+        """Gives the message for late subscribers, where keeping the last one is a waste."""
+        self._now = now
+        self._latches = latches
         self._advertisements: set[Id] = set()
         self._sequence = 0
 
@@ -174,12 +158,40 @@ class Publisher:
         return bool(self._advertisements)
 
     def publish(self, msg: object) -> None:
-        """Check a message and send it on; None stands for the default. Raises `InvalidMessage`."""
+        """Check a message and send it on; None stands for the default.
+
+        Raises:
+            InvalidMessage: it does not fit the topic's type.
+            OperationError: it was sent, but is too large to be latched with all the others.
+        """
         message = self.type.validate({} if msg is None else msg)
-        if self.type.has_sequenced_header:
+        if self.type.sequenced:
             self._sequence += 1
             message["header"]["seq"] = self._sequence & 0xFFFFFFFF
-        body = to_json(message, inf_nan_mode="null")
+        publication = Publication(message, self.type, self._now())
+        self.topic.deliver(publication)
         if self.latch:
-            self.latched = body
-        self.topic.deliver(body)
+            self._keep(publication)
+
+    def recall(self) -> Publication | None:
+        """What late subscribers are to hear."""
+        if self.current is not None:
+            return Publication(self.type.validate(self.current()), self.type, self._now())
+        return self.latched
+
+    def forget(self) -> None:
+        """Keep no latched message any more."""
+        if self.latched is not None:
+            self._latches.used -= len(self.latched.json())
+            self.latched = None
+
+    def _keep(self, publication: Publication) -> None:
+        self.forget()
+        self._latches.used += len(publication.json())
+        self.latched = publication
+        if self._latches.exceeded:
+            self.forget()
+            raise OperationError(
+                f"a latched message of {self.topic.name} was sent but not kept: those of one client"
+                f" may have {self._latches.limit} bytes together (--max-latched-bytes)"
+            )

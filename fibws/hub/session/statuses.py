@@ -5,13 +5,11 @@ from __future__ import annotations
 import logging
 
 from fibws.hub.framing import text_frame
+from fibws.hub.log import is_power_of_ten, printable, shortened
 from fibws.hub.outbox import Outbox
 from fibws.protocol.operations import Level, Status, encode
 
 logger = logging.getLogger("fibws.hub")
-
-LONGEST_TEXT = 1000
-"""Characters of a status: it may repeat names of the client's making."""
 
 _GRAVITY: dict[Level, int] = {"none": 0, "error": 1, "warning": 2, "info": 3}
 
@@ -56,19 +54,5 @@ class Statuses:
     def _send(self, level: Level, id_: object, text: str) -> None:
         if _GRAVITY[level] <= self._level:
             known = id_ if isinstance(id_, str | int | float) else None
-            status = Status(id=known, level=level, msg=_shortened(text))
+            status = Status(id=known, level=level, msg=shortened(text))
             self._outbox.reply(text_frame(encode(status)))
-
-
-def is_power_of_ten(count: int) -> bool:
-    """Whether to log the ``count``-th of things of which there may be thousands in a second."""
-    return str(count).strip("0") == "1"
-
-
-def printable(text: str) -> str:
-    """What may be written to a log of a text that may hold line ends and terminal codes."""
-    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in _shortened(text.strip()))
-
-
-def _shortened(text: str) -> str:
-    return text if len(text) <= LONGEST_TEXT else f"{text[:LONGEST_TEXT]}..."

@@ -1,0 +1,53 @@
+"""A channel: the subscriptions of one topic that hear the same frames."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import chain
+
+from fibws.hub.graph.encoding import Encoding, Publication
+from fibws.hub.graph.subscription import Subscription
+from fibws.hub.outbox import Outbox
+
+
+class Channel:
+    """The subscriptions that spelled the topic's name alike and want the same encoding."""
+
+    def __init__(self, spelling: str, encoding: Encoding) -> None:
+        self.key = (spelling, encoding)
+        self.frame = encoding.framer(spelling)
+        """Makes the frame of a publication; raises `OperationError` if it cannot be encoded so."""
+        self._direct: dict[Outbox, Subscription] = {}
+        self._throttled: dict[Outbox, Subscription] = {}
+
+    def __bool__(self) -> bool:
+        return bool(self._direct or self._throttled)
+
+    def subscriptions(self) -> Iterator[Subscription]:
+        """All of them."""
+        return chain(self._direct.values(), self._throttled.values())
+
+    def add(self, subscription: Subscription) -> None:
+        """Add a subscription, or take note that it changed."""
+        self.remove(subscription)
+        chosen = self._direct if subscription.direct else self._throttled
+        chosen[subscription.outbox] = subscription
+
+    def remove(self, subscription: Subscription) -> None:
+        """Take a subscription out."""
+        self._direct.pop(subscription.outbox, None)
+        self._throttled.pop(subscription.outbox, None)
+
+    def send(self, publication: Publication) -> None:
+        """Send a message to every subscription; they share the bytes of its frame."""
+        frame = self.frame(publication)
+        # The hub's innermost loop: `Outbox.put`, written out.
+        for outbox, subscription in self._direct.items():
+            if outbox.paused:
+                outbox.keep(frame, subscription.queue)
+                continue
+            if not outbox.frames:
+                outbox.flusher.add(outbox)
+            outbox.frames.append(frame)
+        for subscription in self._throttled.values():
+            subscription.offer(frame)

@@ -1,0 +1,154 @@
+"""The encodings of messages: what a publication is on the wire for each kind of subscription.
+
+A publication is encoded once in each way that somebody asked for. What remains to be done for a
+channel, whose subscriptions are alike, is to name the topic and to make a frame of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from itertools import count
+from typing import Any, NamedTuple, TypeAlias
+
+import cbor2
+from pydantic_core import to_json
+
+from fibws.hub.framing import binary_frame, text_frame, text_header
+from fibws.hub.graph.types import MessageType
+from fibws.protocol.fragments import split
+from fibws.protocol.operations import Png, Subscribe, encode
+from fibws.protocol.png import encode_png
+
+COMPRESSIONS = ("cbor-raw", "cbor", "png", "none")
+"""What a subscription may ask for; of several requests the first of these counts."""
+
+
+class Publication:
+    """One published message, encoded when that is first asked for.
+
+    Args:
+        message: it, valid.
+        received: when, in nanoseconds since 1970.
+    """
+
+    __slots__ = ("_cbor", "_json", "_raw", "_received", "_type", "message")
+
+    def __init__(self, message: dict[str, Any], type_: MessageType, received: int) -> None:
+        self.message = message
+        self._type = type_
+        self._received = received
+        self._json: bytes | None = None
+        self._cbor: bytes | None = None
+        self._raw: bytes | None = None
+
+    def json(self) -> bytes:
+        """It as JSON text."""
+        if self._json is None:
+            self._json = to_json(self.message, inf_nan_mode="null")
+        return self._json
+
+    def cbor(self) -> bytes:
+        """It as CBOR, with typed arrays."""
+        if self._cbor is None:
+            self._cbor = self._type.cbor(self.message)
+        return self._cbor
+
+    def raw(self) -> bytes:
+        """A CBOR map of when it came and of its bytes in ROS 1's serialization.
+
+        Raises:
+            OperationError: nobody knows its fields.
+        """
+        if self._raw is None:
+            secs, nsecs = divmod(self._received, 1_000_000_000)
+            data = self._type.binary(self.message)
+            self._raw = cbor2.dumps({"secs": secs, "nsecs": nsecs, "bytes": data})
+        return self._raw
+
+
+Frame: TypeAlias = Callable[[Publication], bytes]
+
+
+class Encoding(NamedTuple):
+    """How a subscription wants its messages: one of `COMPRESSIONS`, and in pieces of which size."""
+
+    compression: str = "none"
+    fragment_size: int | None = None
+
+    @classmethod
+    def merged(cls, requests: Collection[Subscribe]) -> Encoding:
+        """What the requests of one subscription come to."""
+        if all(each.compression == "none" and each.fragment_size is None for each in requests):
+            return PLAIN  # nearly always, and there may be thousands of subscriptions
+        asked = {request.compression for request in requests}
+        compression = next((each for each in COMPRESSIONS if each in asked), "none")
+        sizes = [each.fragment_size for each in requests if each.fragment_size is not None]
+        # Only texts can be in pieces.
+        is_text = compression in ("png", "none")
+        return cls(compression, min(sizes, default=None) if is_text else None)
+
+    def suits(self, type_: MessageType) -> bool:
+        """Whether messages of the type can be encoded so: only known fields can be serialized."""
+        return type_.checked or self.compression != "cbor-raw"
+
+    def framer(self, spelling: str) -> Frame:
+        """Makes frames of publications on the topic that is spelled so."""
+        if self.compression == "cbor":
+            return _cbor_framer(spelling, Publication.cbor)
+        if self.compression == "cbor-raw":
+            return _cbor_framer(spelling, Publication.raw)
+        if self.compression == "none" and self.fragment_size is None:
+            return _json_framer(spelling)
+        return _text_framer(spelling, self)
+
+
+PLAIN = Encoding()
+"""JSON in one piece."""
+
+
+def text_frames(text: bytes, fragment_size: int | None, id_: str) -> bytes:
+    """A text's frame; or those of its pieces, if it is longer than they may be."""
+    if fragment_size is not None and len(text) > fragment_size:
+        pieces = split(text.decode(), fragment_size, id_)
+        frames = b"".join(text_frame(encode(piece)) for piece in pieces)
+        if frames:
+            return frames
+    return text_frame(text)
+
+
+def _json_framer(spelling: str) -> Frame:
+    before, after = _before(spelling), b"}"
+    around = len(before) + len(after)
+
+    def frame(publication: Publication) -> bytes:
+        body = publication.json()
+        return b"".join((text_header(around + len(body)), before, body, after))
+
+    return frame
+
+
+def _text_framer(spelling: str, encoding: Encoding) -> Frame:
+    before = _before(spelling)
+    numbers = count(1)
+
+    def frame(publication: Publication) -> bytes:
+        text = b"%b%b}" % (before, publication.json())
+        if encoding.compression == "png":
+            text = encode(Png(data=encode_png(text)))
+        return text_frames(text, encoding.fragment_size, f"publish:{spelling}:{next(numbers)}")
+
+    return frame
+
+
+def _cbor_framer(spelling: str, encode_message: Callable[[Publication], bytes]) -> Frame:
+    # The map {op, topic, msg}, but for the last value.
+    before = b"\xa3" + b"".join(map(cbor2.dumps, ("op", "publish", "topic", spelling, "msg")))
+
+    def frame(publication: Publication) -> bytes:
+        return binary_frame(before + encode_message(publication))
+
+    return frame
+
+
+def _before(spelling: str) -> bytes:
+    return b'{"op":"publish","topic":%b,"msg":' % to_json(spelling)

@@ -1,0 +1,246 @@
+"""The parameter server: a tree of values that all nodes share.
+
+Its rules are those of ROS 1 (http://wiki.ros.org/Parameter%20Server and rosmaster's
+paramserver.py): a name leads through namespaces to a value, a namespace is read and replaced as
+one object, and what stands in the way of a longer name gives way to it.
+
+Values are kept as JSON text, which is what they come as and leave as: it is exact for integers and
+floats alike, nobody can change it from outside, and its bytes are what it takes.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any, TypeAlias
+
+from pydantic_core import from_json, to_json
+
+from fibws.errors import InvalidName, ParameterError, ParameterNotSet, ParametersFull
+from fibws.names import MAX_LENGTH
+
+DEEPEST = 100
+"""How many namespaces, objects and lists may be in each other."""
+MOST_BITS = 1024
+"""Bits of an integer: programs whose numbers are all floats take a larger one for infinity."""
+SHARE = 100
+"""Bytes that each parameter and each namespace counts for besides its name and its value."""
+
+Namespace: TypeAlias = dict[str, "Namespace | bytes"]
+
+
+class Parameters:
+    """All parameters of one hub, by their global names.
+
+    Names are as ROS's master takes them: of any characters, and empty parts do not count, so that
+    ``/a//b/`` is ``/a/b``. ``/`` is the namespace of all.
+
+    Args:
+        max_bytes: what all may take together, each with its name and its share.
+    """
+
+    def __init__(self, max_bytes: int) -> None:
+        # The root stands in a namespace as all others do: its key is what comes before the first /.
+        self._above: Namespace = {"": {}}
+        self._bytes = _weight("", {})
+        self.max_bytes = max_bytes
+
+    def get(self, name: str) -> Any:
+        """The value, or a namespace as a dict; it is the caller's own.
+
+        Raises:
+            ParameterNotSet: there is none.
+            InvalidName: the name is not global, or too long.
+        """
+        return from_json(self.text(name))
+
+    def text(self, name: str) -> bytes:
+        """The value as JSON text; raises as `get` does."""
+        found = self._find(_path(name))
+        if found is None:
+            raise ParameterNotSet(name)
+        parts: list[bytes] = []
+        _write(found, parts)
+        return b"".join(parts)
+
+    def has(self, name: str) -> bool:
+        """Whether there is a parameter or a namespace of this name; raises `InvalidName`."""
+        return self._find(_path(name)) is not None
+
+    def set(self, name: str, value: object) -> None:
+        """Give a parameter a value, whatever was there; a dict becomes a namespace.
+
+        Args:
+            value: what JSON has, but no null: dicts, lists, texts, truth values, finite numbers.
+
+        Raises:
+            InvalidName: the name, or what a key in the value makes of it, is none.
+            ParameterError: the value is nothing that a parameter can be.
+            ParametersFull: there is no room for it.
+        """
+        path = _path(name)
+        if len(path) == 1 and not isinstance(value, dict):
+            raise ParameterError("/ is the namespace of all parameters: set it to an object")
+        space, depth = self._above, 0
+        while depth < len(path) - 1:
+            below = space.get(path[depth])
+            if not isinstance(below, dict):
+                break
+            space, depth = below, depth + 1
+        for key in reversed(path[depth + 1 :]):
+            value = {key: value}
+        top, key = "/".join(path[: depth + 1]), path[depth]
+        new, old = _planted(top, value, depth), space.get(key)
+        needed = self._bytes + _weight(top, new)
+        if old is not None:
+            needed -= _weight(top, old)
+        if needed > self.max_bytes:
+            raise ParametersFull(name, needed, self.max_bytes)
+        space[key] = new
+        self._bytes = needed
+
+    def delete(self, name: str) -> None:
+        """Take away a parameter, or a namespace with all in it; what it was in remains.
+
+        Raises:
+            ParameterNotSet: there is none.
+            ParameterError: it is the namespace of all.
+            InvalidName: the name is not global, or too long.
+        """
+        *above, key = path = _path(name)
+        if len(path) == 1:
+            raise ParameterError("/ is the namespace of all parameters: it cannot be deleted")
+        space = self._find(above)
+        if not isinstance(space, dict) or key not in space:
+            raise ParameterNotSet(name)
+        self._bytes -= _weight("/".join(path), space.pop(key))
+
+    def search(self, key: str, namespace: str) -> str | None:
+        """The name that ``key`` has nearest to a namespace, looking there and then upwards.
+
+        As in ROS, it is the first part of the key that is looked for: ``robot/arm`` is found where
+        there is a ``robot``, whether or not it has an ``arm``.
+
+        Args:
+            key: a relative name; a global one stands for itself.
+            namespace: where the search begins, as a global name: a node's own, for a node.
+
+        Raises:
+            InvalidName: the key is empty, private or too long, or the namespace is not global.
+        """
+        if key.startswith("/"):
+            return key if self.has(key) else None
+        if key.startswith("~"):
+            raise InvalidName(key, "a private name cannot be searched for")
+        _, *parts = _path(f"/{key}")
+        if not parts:
+            raise InvalidName(key, "it is empty")
+        path = _path(namespace)
+        node: Namespace | bytes | None = self._above
+        found = None
+        for depth, part in enumerate(path, 1):
+            if not isinstance(node, dict):
+                break
+            node = node.get(part)
+            if isinstance(node, dict) and parts[0] in node:
+                found = depth
+        return None if found is None else "/".join([*path[:found], *parts])
+
+    def names(self) -> list[str]:
+        """The names of all parameters, sorted; namespaces are none, not even empty ones."""
+        return sorted(_names("", self._above[""]))
+
+    def _find(self, path: list[str]) -> Namespace | bytes | None:
+        node: Namespace | bytes | None = self._above
+        for key in path:
+            if not isinstance(node, dict):
+                return None
+            node = node.get(key)
+        return node
+
+
+def _path(name: str) -> list[str]:
+    """The keys that lead to a name, from that of the root on."""
+    _check_length(name)
+    if not name.startswith("/"):
+        raise InvalidName(name, "the global name of a parameter begins with /")
+    return ["", *(key for key in name.split("/") if key)]
+
+
+def _check_length(name: str) -> None:
+    if len(name) > MAX_LENGTH:
+        raise InvalidName(name[:40] + "...", f"it is longer than {MAX_LENGTH} characters")
+
+
+def _planted(name: str, value: object, depth: int) -> Namespace | bytes:
+    """What the tree keeps of a value."""
+    if not isinstance(value, dict):
+        _check(name, value, depth)
+        return to_json(value)
+    _check_depth(name, depth)
+    space: Namespace = {}
+    for key, each in value.items():
+        below = f"{name}/{key}"
+        _check_length(below)
+        if not isinstance(key, str) or not key or "/" in key:
+            raise InvalidName(below, "a key in a namespace is a text, neither empty nor with a /")
+        space[key] = _planted(below, each, depth + 1)
+    return space
+
+
+def _check(name: str, value: object, depth: int) -> None:
+    match value:
+        case bool() | str():
+            pass
+        case int():
+            if value.bit_length() > MOST_BITS:
+                raise ParameterError(f"Parameter [{name}]: an integer has at most {MOST_BITS} bits")
+        case float():
+            if not math.isfinite(value):
+                raise ParameterError(f"Parameter [{name}]: {value} is no number that JSON has")
+        case list():
+            _check_depth(name, depth)
+            for each in value:
+                _check(name, each, depth + 1)
+        case dict():
+            _check_depth(name, depth)
+            for each in value.values():
+                _check(name, each, depth + 1)
+        case None:
+            raise ParameterError(f"Parameter [{name}]: null is no value; to unset it, delete it")
+        case _:
+            raise ParameterError(f"Parameter [{name}]: JSON has no {type(value).__name__}")
+
+
+def _check_depth(name: str, depth: int) -> None:
+    if depth > DEEPEST:
+        raise ParameterError(f"Parameter [{name}]: more than {DEEPEST} values in each other")
+
+
+def _weight(name: str, node: Namespace | bytes) -> int:
+    """The bytes that a parameter counts for, or a namespace with all in it."""
+    own = SHARE + len(to_json(name))
+    if isinstance(node, bytes):
+        return own + len(node)
+    return own + sum(_weight(f"{name}/{key}", each) for key, each in node.items())
+
+
+def _write(node: Namespace | bytes, parts: list[bytes]) -> None:
+    """Add the node's JSON text to the parts of one."""
+    if isinstance(node, bytes):
+        parts.append(node)
+        return
+    before = b"{"
+    for key, each in node.items():
+        parts += before, to_json(key), b":"
+        _write(each, parts)
+        before = b","
+    parts.append(b"}" if node else b"{}")
+
+
+def _names(name: str, node: Namespace | bytes) -> Iterator[str]:
+    if isinstance(node, bytes):
+        yield name
+    else:
+        for key, each in node.items():
+            yield from _names(f"{name}/{key}", each)

@@ -1,0 +1,162 @@
+"""A service: who provides it, and what becomes of each call.
+
+A call gets exactly one answer: its provider's, or the hub's own when the provider is lost, does not
+answer in time, or answers what does not fit the type.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Protocol, TypeAlias
+
+from pydantic_core import to_json
+
+from fibws.errors import FibwsError
+from fibws.hub.clock import Clock
+from fibws.hub.graph.types import ServiceType
+
+Answer: TypeAlias = dict[str, Any] | bytes
+"""A response, or its JSON text where that is at hand already."""
+Function: TypeAlias = Callable[[dict[str, Any], str], Answer]
+"""Answers a call in the hub itself; it is given the request and the caller's node.
+
+It raises `FibwsError` with what went wrong.
+"""
+
+
+class Provider(Protocol):
+    """Whoever answers the calls of a service."""
+
+    @property
+    def node(self) -> str:
+        """The name of its node."""
+
+    def take(self, call: Call) -> None:
+        """Answer a call, now or later."""
+
+    def forget(self, call: Call) -> None:
+        """A call needs no answer any more."""
+
+    def displaced(self, service: Service) -> None:
+        """Another provider has taken the service over."""
+
+
+@dataclass(slots=True, eq=False)
+class Service:
+    """One service of the graph."""
+
+    name: str
+    type: ServiceType
+    provider: Provider
+
+    @property
+    def node(self) -> str:
+        """The node that provides it."""
+        return self.provider.node
+
+
+class Call:
+    """One call, from its asking to its answer.
+
+    Args:
+        request: valid, with every field filled.
+        caller: the calling node.
+        succeeded: is given the response as JSON text.
+        failed: is given the text of what went wrong.
+    """
+
+    __slots__ = ("_failed", "_open", "_succeeded", "_timer", "caller", "id", "request", "service")
+
+    def __init__(
+        self,
+        service: Service,
+        request: dict[str, Any],
+        caller: str,
+        succeeded: Callable[[Call, bytes], None],
+        failed: Callable[[Call, str], None],
+    ) -> None:
+        self.service = service
+        self.request = request
+        self.caller = caller
+        self.id = ""
+        """What its provider knows it by."""
+        self._succeeded = succeeded
+        self._failed = failed
+        self._open = True
+        self._timer: Callable[[], object] | None = None
+
+    def start(self, clock: Clock, timeout: float) -> None:
+        """Ask the provider, who has ``timeout`` seconds."""
+        self.service.provider.take(self)
+        if self._open:
+            text = f"Service {self.service.name} did not answer within {timeout:g} s"
+            self._timer = clock.call_later(timeout, lambda: self._give_up(text)).cancel
+
+    def answer(self, values: object) -> None:
+        """Take the provider's response.
+
+        Raises:
+            InvalidMessage: it does not fit the type; the call is still to be answered.
+        """
+        self.answer_text(to_json(self.service.type.response(values), inf_nan_mode="null"))
+
+    def answer_text(self, text: bytes) -> None:
+        """Take the response as JSON text."""
+        if self._close():
+            self._succeeded(self, text)
+
+    def fail(self, text: str) -> None:
+        """Tell the caller that there will be no response, and why."""
+        if self._close():
+            self._failed(self, text)
+
+    def abandon(self) -> None:
+        """The caller has left: nobody needs an answer."""
+        if self._close():
+            self.service.provider.forget(self)
+
+    def _give_up(self, text: str) -> None:
+        self.service.provider.forget(self)
+        self.fail(text)
+
+    def _close(self) -> bool:
+        """Whether this was the answer, of which there is only one."""
+        was_open, self._open = self._open, False
+        if self._timer is not None:
+            self._timer()
+            self._timer = None
+        return was_open
+
+
+class OwnProvider:
+    """A provider that is part of the hub and answers at once.
+
+    Args:
+        node: the hub's own node that it belongs to.
+    """
+
+    def __init__(self, node: str, function: Function) -> None:
+        self.node = node
+        self._function = function
+
+    def take(self, call: Call) -> None:
+        """Answer a call."""
+        try:
+            answer = self._function(call.request, call.caller)
+            if isinstance(answer, bytes):
+                call.answer_text(answer)
+            else:
+                call.answer(answer)
+        except FibwsError as error:
+            call.fail(str(error))
+        except Exception:
+            call.fail(f"{call.service.name} failed; the hub's log says why")
+            raise
+
+    def forget(self, call: Call) -> None:
+        """Nothing is kept."""
+
+    def displaced(self, service: Service) -> None:
+        """The graph does not let that happen."""
+        raise AssertionError(f"{service.name} is the hub's own")

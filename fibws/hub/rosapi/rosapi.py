@@ -1,0 +1,64 @@
+"""rosapi: the services by which clients that have no ROS ask for what ROS knows.
+
+Their names, types and ways are those of the ROS 1 package (RobotWebTools/rosbridge_suite, rosapi).
+ROS 2's get_ros_version is left out on purpose: clients take a hub that has it for ROS 2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from fibws.hub.graph.graph import Graph
+from fibws.hub.graph.service import Answer, Function
+from fibws.hub.rosapi.introspection import Introspection
+from fibws.hub.rosapi.parameters import ParameterServices
+from fibws.hub.rosapi.typedefs import TypeDefs
+
+
+class Rosapi:
+    """All of rosapi's services.
+
+    Args:
+        heard: the hub's own nodes that hear a topic, by the topic's name.
+    """
+
+    def __init__(self, graph: Graph, heard: Mapping[str, list[str]]) -> None:
+        self._graph = graph
+        self._typedefs = TypeDefs(graph.interfaces)
+        self._introspection = Introspection(graph, heard)
+        self._parameters = ParameterServices(graph.parameters)
+
+    def services(self) -> dict[str, tuple[str, Function]]:
+        """All by their global names, each with its type and what answers it."""
+        return {
+            **self._introspection.services(),
+            **self._parameters.services(),
+            "/rosapi/message_details": ("rosapi/MessageDetails", self.message_details),
+            "/rosapi/service_request_details": (
+                "rosapi/ServiceRequestDetails",
+                self.service_request_details,
+            ),
+            "/rosapi/service_response_details": (
+                "rosapi/ServiceResponseDetails",
+                self.service_response_details,
+            ),
+            "/rosapi/get_time": ("rosapi/GetTime", self.get_time),
+        }
+
+    def message_details(self, request: dict[str, Any], caller: str) -> Answer:
+        """What a type is made of; what nobody defined raises `InterfaceError`."""
+        return self._typedefs.message(request["type"])
+
+    def service_request_details(self, request: dict[str, Any], caller: str) -> Answer:
+        """What the request of a service's type is made of; raises as `message_details`."""
+        return self._typedefs.request(request["type"])
+
+    def service_response_details(self, request: dict[str, Any], caller: str) -> Answer:
+        """What the response of a service's type is made of; raises as `message_details`."""
+        return self._typedefs.response(request["type"])
+
+    def get_time(self, request: dict[str, Any], caller: str) -> Answer:
+        """The time of the hub's clock, counted from 1970."""
+        secs, nsecs = divmod(self._graph.now(), 1_000_000_000)
+        return {"time": {"secs": secs, "nsecs": nsecs}}

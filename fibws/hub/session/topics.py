@@ -1,0 +1,128 @@
+"""The topics that one client publishes and subscribes to."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fibws.errors import OperationError
+from fibws.hub.graph.subscription import Subscription
+from fibws.hub.graph.topic import Publisher, Topic
+from fibws.hub.outbox import Budget
+from fibws.hub.session.client import Client
+from fibws.protocol.operations import Advertise, Publish, Subscribe, Unadvertise, Unsubscribe
+
+
+class Topics:
+    """One client's publishers and subscriptions."""
+
+    __slots__ = ("_client", "_latches", "publishers", "subscriptions")
+
+    def __init__(self, client: Client) -> None:
+        self._client = client
+        self._latches = Budget(client.settings.max_latched_bytes)
+        self.publishers: dict[str, Publisher] = {}
+        """By the spelling of the topic's name that the client used."""
+        self.subscriptions: dict[str, Subscription] = {}
+        """By the spelling of the topic's name that the client used."""
+
+    def publish(self, publisher: Publisher, msg: object, id_: Any) -> None:
+        """Publish a message with a publisher at hand."""
+        publisher.publish(msg)
+        statuses = self._client.statuses
+        if statuses.wants_info:
+            missing = publisher.type.missing(msg if isinstance(msg, dict) else {})
+            if missing:
+                statuses.info(id_, f"publish: defaults stand for {', '.join(missing)}")
+
+    def advertise(self, request: Advertise) -> None:
+        """Register a publisher, or another advertisement of one."""
+        publisher = self._register(request, request.type, request.definition)
+        publisher.advertise(request.id)
+        name, type_ = publisher.topic.name, publisher.type
+        statuses = self._client.statuses
+        if not type_.checked:
+            statuses.warning(request.id, f"{name}: messages of type {type_.type} are not checked")
+        statuses.info(request.id, f"{self._client.node} publishes {name} ({type_.type})")
+
+    def advertise_by_publishing(self, request: Publish) -> Publisher:
+        """The publisher of a message that nothing announced, if its topic has a type."""
+        topic = self._topic(request.topic)
+        if topic.type is None:
+            raise OperationError(
+                f"Cannot infer topic type for topic {request.topic} as it is not yet advertised"
+            )
+        return self._register(request, topic.type.type, None)
+
+    def unadvertise(self, request: Unadvertise) -> None:
+        """Take back an advertisement; the publisher goes with the last."""
+        publisher = self.publishers.get(request.topic)
+        if publisher is None or publisher.unadvertise(request.id):
+            return
+        for spelling, other in list(self.publishers.items()):
+            if other is publisher:
+                del self.publishers[spelling]
+        self._client.graph.remove_publisher(publisher)
+
+    def subscribe(self, request: Subscribe) -> None:
+        """Add a request to the subscription of the topic that is spelled so."""
+        client = self._client
+        subscription = self.subscriptions.get(request.topic)
+        if subscription is None:
+            client.check_room(len(self.subscriptions), "max_subscriptions")
+            subscription = Subscription(
+                client.node,
+                self._topic(request.topic),
+                request.topic,
+                client.outbox,
+                client.clock,
+                queue_length=client.settings.queue_length,
+            )
+        client.graph.subscribe(subscription, request)
+        self.subscriptions[request.topic] = subscription
+        topic = subscription.topic
+        if topic.type is None:
+            client.statuses.info(request.id, f"{topic.name} waits for a publisher to have a type")
+        if topic.type is not None and not subscription.encoding.suits(topic.type):
+            raise OperationError(
+                f"cbor-raw needs the definition of {topic.type.type}, which nobody brought"
+            )
+        if topic.replay(subscription):
+            # The one answer that is larger than what asked for it: written at once, so that a
+            # client that asks and asks is paused, and its queues bound what is kept.
+            client.outbox.flush()
+
+    def unsubscribe(self, request: Unsubscribe) -> None:
+        """Take back one request, or all; the subscription goes with the last."""
+        subscription = self.subscriptions.get(request.topic)
+        if subscription is not None:
+            self._client.graph.unsubscribe(subscription, request.id)
+            if not subscription.requests:
+                del self.subscriptions[request.topic]
+
+    def leave(self) -> None:
+        """Take all back."""
+        for publisher in {id(each): each for each in self.publishers.values()}.values():
+            self._client.graph.remove_publisher(publisher)
+        self.publishers.clear()
+        for subscription in self.subscriptions.values():
+            self._client.graph.unsubscribe(subscription, None)
+        self.subscriptions.clear()
+
+    def _register(
+        self, request: Advertise | Publish, type_: str, definition: str | None
+    ) -> Publisher:
+        if request.topic not in self.publishers:
+            self._client.check_room(len(self.publishers), "max_advertisements")
+        publisher = self._client.graph.add_publisher(
+            self._topic(request.topic),
+            self._client.node,
+            type_,
+            definition,
+            latch=request.latch,
+            latches=self._latches,
+        )
+        self.publishers[request.topic] = publisher
+        return publisher
+
+    def _topic(self, spelling: str) -> Topic:
+        return self._client.graph.topic(self._client.resolve(spelling))

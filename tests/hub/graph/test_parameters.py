@@ -1,0 +1,361 @@
+"""The parameter server keeps a tree of values by ROS 1's rules."""
+
+from __future__ import annotations
+
+import math
+import sys
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fibws.errors import InvalidName, ParameterError, ParameterNotSet, ParametersFull
+from fibws.hub.graph import parameters as module
+from fibws.hub.graph.parameters import DEEPEST, SHARE, Parameters
+from fibws.names import MAX_LENGTH
+
+PLENTY = 2**20
+
+
+def parameters(values: dict[str, Any] | None = None, max_bytes: int = PLENTY) -> Parameters:
+    made = Parameters(max_bytes)
+    made.set("/", values or {})
+    return made
+
+
+def nested(depth: int, value: Any = 1) -> Any:
+    for _ in range(depth):
+        value = {"a": value}
+    return value
+
+
+# Reading.
+
+
+def test_a_value_is_read_back() -> None:
+    tree = parameters()
+    tree.set("/robot/name", "kitt")
+    assert tree.get("/robot/name") == "kitt"
+    assert tree.text("/robot/name") == b'"kitt"'
+
+
+def test_a_namespace_is_read_as_an_object() -> None:
+    tree = parameters({"robot": {"name": "kitt", "wheels": 4, "arms": {}}})
+    assert tree.get("/robot") == {"name": "kitt", "wheels": 4, "arms": {}}
+    assert tree.text("/robot") == b'{"name":"kitt","wheels":4,"arms":{}}'
+    assert tree.get("/") == {"robot": {"name": "kitt", "wheels": 4, "arms": {}}}
+
+
+@pytest.mark.parametrize("name", ["/nobody", "/robot/nobody", "/robot/name/first", "/list/0"])
+def test_what_is_not_there_is_not_set(name: str) -> None:
+    tree = parameters({"robot": {"name": "kitt"}, "list": [{"0": 1}]})
+    assert not tree.has(name)
+    with pytest.raises(ParameterNotSet) as error:
+        tree.get(name)
+    assert str(error.value) == f"Parameter [{name}] is not set"
+
+
+def test_parameters_and_namespaces_are_there() -> None:
+    tree = parameters({"robot": {"name": "", "arms": {}}})
+    assert all(tree.has(name) for name in ("/", "/robot", "/robot/name", "/robot/arms"))
+
+
+def test_empty_parts_of_a_name_do_not_count() -> None:
+    tree = parameters()
+    tree.set("//robot//name/", 1)
+    assert tree.names() == ["/robot/name"]
+    assert tree.get("/robot/name//") == 1
+
+
+@pytest.mark.parametrize("name", ["", "robot", "~name", "/" + "a" * MAX_LENGTH])
+def test_only_global_names_of_some_length_are_names(name: str) -> None:
+    tree = parameters()
+    for act in (tree.get, tree.text, tree.has, tree.delete, lambda name: tree.set(name, 1)):
+        with pytest.raises(InvalidName):
+            act(name)
+
+
+def test_what_was_read_can_be_changed_and_what_was_set_cannot() -> None:
+    tree = parameters()
+    value = {"list": [1, 2], "space": {"x": 1}}
+    tree.set("/robot", value)
+    value["list"] = []
+    tree.get("/robot")["space"]["x"] = 5
+    assert tree.get("/robot") == {"list": [1, 2], "space": {"x": 1}}
+
+
+# Setting.
+
+
+def test_an_object_replaces_all_that_was_in_a_namespace() -> None:
+    tree = parameters({"robot": {"name": "kitt", "arms": {"left": 1}}, "other": 1})
+    tree.set("/robot", {"arms": {"right": 2}})
+    assert tree.get("/") == {"robot": {"arms": {"right": 2}}, "other": 1}
+
+
+def test_a_value_takes_the_place_of_a_namespace() -> None:
+    tree = parameters({"robot": {"name": "kitt"}})
+    tree.set("/robot", 5)
+    assert tree.names() == ["/robot"]
+
+
+def test_a_value_on_the_way_becomes_a_namespace() -> None:
+    tree = parameters({"robot": {"arm": 5}})
+    tree.set("/robot/arm/joints/first", 1)
+    assert tree.get("/") == {"robot": {"arm": {"joints": {"first": 1}}}}
+
+
+def test_the_root_is_set_to_an_object_and_to_nothing_else() -> None:
+    tree = parameters({"robot": 1})
+    tree.set("/", {"other": 2})
+    assert tree.names() == ["/other"]
+    with pytest.raises(ParameterError, match="set it to an object"):
+        tree.set("/", 5)
+    assert tree.names() == ["/other"]
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        True,
+        0,
+        -(2**63) - 1,
+        10**300,
+        0.1,
+        1e300,
+        5e-324,
+        -0.0,
+        sys.float_info.max,
+        "",
+        "ein Weg: \N{SNOWMAN} \"'\\\n\x00",
+        [],
+        [1, 2.0, "3", [True], {"any/key": {"": 1}}],
+        {},
+        {"1 key, not a legal name": {"~": False}},
+    ],
+    ids=repr,
+)
+def test_every_value_comes_back_exactly(value: Any) -> None:
+    tree = parameters()
+    tree.set("/x", value)
+    assert repr(tree.get("/x")) == repr(value)
+
+
+@pytest.mark.parametrize(
+    ("value", "fault"),
+    [
+        (None, r"^Parameter \[/x\]: null is no value; to unset it, delete it$"),
+        ([1, [None]], "null"),
+        ({"y": {"z": None}}, r"^Parameter \[/x/y/z\]: null"),
+        ([{"y": None}], "null"),
+        (math.nan, r"^Parameter \[/x\]: nan is no number that JSON has$"),
+        ([-math.inf], "-inf is no number"),
+        (2**1024, "an integer has at most 1024 bits"),
+        ([{"y": -(2**1024)}], "an integer has at most 1024 bits"),
+        (b"bytes", r"^Parameter \[/x\]: JSON has no bytes$"),
+        ({"": 1}, "^'/x/' is not a legal name"),
+        ({"y": {"a/b": 1}}, "^'/x/y/a/b' is not a legal name"),
+        ({5: 1}, "^'/x/5' is not a legal name"),
+        ({"y" * MAX_LENGTH: 1}, "is longer than 1024 characters"),
+        (nested(DEEPEST + 1), r"more than 100 values in each other$"),
+        ([[nested(DEEPEST - 1)]], r"more than 100 values in each other$"),
+        (nested(DEEPEST - 1, [[]]), r"more than 100 values in each other$"),
+    ],
+)
+def test_what_cannot_be_a_parameter_changes_nothing(value: Any, fault: str) -> None:
+    tree = parameters({"x": 1})
+    with pytest.raises((ParameterError, InvalidName), match=fault):
+        tree.set("/x", value)
+    assert tree.get("/") == {"x": 1}
+
+
+def test_namespaces_of_a_name_count_as_depth_as_well() -> None:
+    tree = parameters()
+    tree.set("/a" * DEEPEST, {"a": 1})
+    with pytest.raises(ParameterError, match="more than 100 values in each other"):
+        tree.set("/a" * (DEEPEST + 2), 1)
+    with pytest.raises(ParameterError, match="more than 100 values in each other"):
+        tree.set("/a" * (DEEPEST + 1), [])
+    assert tree.names() == ["/a" * (DEEPEST + 1)]
+    assert tree.get("/") == nested(DEEPEST + 1)
+
+
+# Deleting.
+
+
+def test_what_was_deleted_is_gone_and_its_namespace_remains() -> None:
+    tree = parameters({"robot": {"arm": {"left": 1, "right": 2}}})
+    tree.delete("/robot/arm/left")
+    assert tree.get("/") == {"robot": {"arm": {"right": 2}}}
+    tree.delete("/robot/arm/right")
+    assert tree.get("/") == {"robot": {"arm": {}}}
+    tree.delete("/robot")
+    assert tree.get("/") == {}
+
+
+@pytest.mark.parametrize("name", ["/nobody", "/robot/nobody", "/robot/name/first", "/a/b/c"])
+def test_what_is_not_there_cannot_be_deleted(name: str) -> None:
+    tree = parameters({"robot": {"name": "kitt"}})
+    with pytest.raises(ParameterNotSet):
+        tree.delete(name)
+    assert tree.names() == ["/robot/name"]
+
+
+def test_the_root_cannot_be_deleted() -> None:
+    tree = parameters({"robot": 1})
+    with pytest.raises(ParameterError, match="cannot be deleted"):
+        tree.delete("/")
+    assert tree.names() == ["/robot"]
+
+
+# Searching. The example is the one that rosmaster's own documentation gives.
+
+
+@pytest.fixture
+def robots() -> Parameters:
+    return parameters(
+        {
+            "robot_description": {"arm": 1, "base": 1},
+            "pr2": {"robot_description": {"base": 1}, "leaf": 1},
+        }
+    )
+
+
+@pytest.mark.parametrize(
+    ("key", "namespace", "found"),
+    [
+        ("robot_description", "/pr2/foo", "/pr2/robot_description"),
+        ("robot_description/arm", "/pr2/foo", "/pr2/robot_description/arm"),
+        ("robot_description", "/pr2", "/pr2/robot_description"),
+        ("robot_description/arm", "/other/node", "/robot_description/arm"),
+        ("robot_description", "/", "/robot_description"),
+        ("base", "/pr2/robot_description", "/pr2/robot_description/base"),
+        ("leaf", "/pr2/leaf/deeper", "/pr2/leaf"),
+        ("leaf/", "/pr2", "/pr2/leaf"),
+        ("nothing", "/pr2/foo", None),
+        ("arm", "/pr2/foo", None),
+        ("/pr2/leaf", "/", "/pr2/leaf"),
+        ("/leaf", "/pr2", None),
+    ],
+)
+def test_a_search_goes_upwards(
+    robots: Parameters, key: str, namespace: str, found: str | None
+) -> None:
+    assert robots.search(key, namespace) == found
+
+
+@pytest.mark.parametrize(
+    ("key", "namespace"),
+    [("", "/"), ("~x", "/"), ("x", "pr2"), ("x", ""), ("x" * MAX_LENGTH, "/")],
+)
+def test_only_names_can_be_searched_for(robots: Parameters, key: str, namespace: str) -> None:
+    with pytest.raises(InvalidName):
+        robots.search(key, namespace)
+
+
+# All names.
+
+
+def test_names_are_those_of_values_sorted() -> None:
+    tree = parameters({"b": {"y": 1, "x": {}}, "a": [{"no": "name"}], "c": {}})
+    assert tree.names() == ["/a", "/b/y"]
+
+
+def test_no_parameters_have_no_names() -> None:
+    assert Parameters(PLENTY).names() == []
+    assert Parameters(PLENTY).get("/") == {}
+
+
+# Bounds.
+
+
+def test_what_has_no_room_changes_nothing_and_names_the_setting() -> None:
+    tree = parameters(max_bytes=1000)
+    with pytest.raises(ParametersFull) as error:
+        tree.set("/x", "a" * 1000)
+    assert "all parameters together would take 1208 bytes" in str(error.value)
+    assert "they may take 1000 (--max-parameter-bytes of the hub)" in str(error.value)
+    assert tree.names() == []
+    tree.set("/x", "a" * 600)
+
+
+def test_room_is_for_the_taking_again() -> None:
+    tree = parameters(max_bytes=1000)
+    for name in ("/x", "/x/y", "/z"):
+        for _ in range(10):
+            tree.set(name, "a" * 500)
+        tree.delete(name)
+        tree.set("/", {})
+
+
+def test_what_replaces_another_needs_only_the_difference() -> None:
+    tree = parameters({"x": {"y": "a" * 500}}, max_bytes=1000)
+    tree.set("/x", "b" * 600)
+    with pytest.raises(ParametersFull):
+        tree.set("/y", "c" * 600)
+
+
+def test_each_name_counts_so_that_deep_trees_are_bounded_as_well() -> None:
+    tree = parameters(max_bytes=100 * SHARE)
+    with pytest.raises(ParametersFull):
+        tree.set("/a" * DEEPEST, 1)
+
+
+KEYS = st.sampled_from(["a", "b", "c"])
+VALUES: st.SearchStrategy[Any] = st.recursive(
+    st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False) | st.text(),
+    lambda values: st.lists(values, max_size=3) | st.dictionaries(KEYS, values, max_size=3),
+    max_leaves=5,
+)
+PATHS = st.lists(KEYS, max_size=4)
+
+
+def plainly_set(tree: dict[str, Any], path: list[str], value: Any) -> None:
+    """As rosmaster's documentation has it, with no thought of speed."""
+    for key in path[:-1]:
+        if not isinstance(tree.get(key), dict):
+            tree[key] = {}
+        tree = tree[key]
+    tree[path[-1]] = value
+
+
+@given(st.lists(st.tuples(PATHS, VALUES), max_size=8), st.lists(PATHS, max_size=3))
+def test_it_is_as_a_plain_tree(changes: list[tuple[list[str], Any]], gone: list[list[str]]) -> None:
+    plain: dict[str, Any] = {}
+    tree = Parameters(PLENTY)
+    for path, value in changes:
+        if path:
+            plainly_set(plain, path, value)
+            tree.set("/" + "/".join(path), value)
+    for path in gone:
+        name = "/" + "/".join(path)
+        if path and tree.has(name):
+            tree.delete(name)
+            space = plain
+            for key in path[:-1]:
+                space = space[key]
+            del space[path[-1]]
+    assert tree.get("/") == plain
+    fresh = Parameters(PLENTY)
+    fresh.set("/", plain)
+    assert tree._bytes == fresh._bytes
+
+
+def test_a_set_costs_what_is_set_and_not_the_tree(monkeypatch: pytest.MonkeyPatch) -> None:
+    steps: list[str] = []
+    tree = parameters({f"p{number}": {"x": number} for number in range(1000)}, max_bytes=2**30)
+    for name in ("_planted", "_weight", "_check"):
+        monkeypatch.setattr(module, name, counted(name, getattr(module, name), steps))
+    tree.set("/p5/x", 1)
+    tree.set("/p6/y/z", 1)
+    tree.delete("/p7")
+    assert 0 < len(steps) < 20
+
+
+def counted(name: str, function: Any, steps: list[str]) -> Any:
+    def call(*args: Any) -> Any:
+        steps.append(name)
+        return function(*args)
+
+    return call
