@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from fibws.errors import (
+        ActionError,
         FibwsError,
         HubUnreachable,
         InterfaceError,
@@ -17,18 +18,31 @@ if TYPE_CHECKING:
         NodeError,
         NodeReplaced,
         OperationRejected,
+        ServiceError,
+        ServiceLost,
+        ServiceTimeout,
+        UnknownParameter,
+        WaitTimeout,
     )
     from fibws.interfaces import Duration, Message, Time
     from fibws.names import Remapping, parse_remappings
+    from fibws.node.actions.client import ActionClient, ClientGoal
+    from fibws.node.actions.goal import ServerGoal
+    from fibws.node.actions.server import ActionServer
+    from fibws.node.actions.status import GoalStatus
+    from fibws.node.graph import Graph, NodeDetails
     from fibws.node.node import Node
+    from fibws.node.params import Params
     from fibws.node.publisher import Publisher
     from fibws.node.rate import Rate
+    from fibws.node.service import ServiceServer
     from fibws.node.subscription import Subscription
 
 __version__ = "0.1.0"
 
 _HOMES = {
     "fibws.errors": (
+        "ActionError",
         "FibwsError",
         "HubUnreachable",
         "InterfaceError",
@@ -39,19 +53,37 @@ _HOMES = {
         "NodeError",
         "NodeReplaced",
         "OperationRejected",
+        "ServiceError",
+        "ServiceLost",
+        "ServiceTimeout",
+        "UnknownParameter",
+        "WaitTimeout",
     ),
     "fibws.interfaces": ("Duration", "Message", "Time"),
     "fibws.names": ("Remapping", "parse_remappings"),
+    "fibws.node.actions.client": ("ActionClient", "ClientGoal"),
+    "fibws.node.actions.goal": ("ServerGoal",),
+    "fibws.node.actions.server": ("ActionServer",),
+    "fibws.node.actions.status": ("GoalStatus",),
+    "fibws.node.graph": ("Graph", "NodeDetails"),
     "fibws.node.node": ("Node",),
+    "fibws.node.params": ("Params",),
     "fibws.node.publisher": ("Publisher",),
     "fibws.node.rate": ("Rate",),
+    "fibws.node.service": ("ServiceServer",),
     "fibws.node.subscription": ("Subscription",),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 
 __all__ = [
+    "ActionClient",
+    "ActionError",
+    "ActionServer",
+    "ClientGoal",
     "Duration",
     "FibwsError",
+    "GoalStatus",
+    "Graph",
     "HubUnreachable",
     "InterfaceError",
     "InvalidAddress",
@@ -60,14 +92,23 @@ __all__ = [
     "Message",
     "Node",
     "NodeClosed",
+    "NodeDetails",
     "NodeError",
     "NodeReplaced",
     "OperationRejected",
+    "Params",
     "Publisher",
     "Rate",
     "Remapping",
+    "ServerGoal",
+    "ServiceError",
+    "ServiceLost",
+    "ServiceServer",
+    "ServiceTimeout",
     "Subscription",
     "Time",
+    "UnknownParameter",
+    "WaitTimeout",
     "__version__",
     "parse_remappings",
 ]

@@ -16,19 +16,38 @@ from fibws.msg import message_class
 SETTINGS = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 
 
-def node(default_name: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """Give a command the options of a node, and the node itself as its argument ``node``."""
+def node(
+    default_name: str, *, anonymous: bool = True, arguments: str | None = None
+) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Give a command the options of a node, and the node itself as its argument ``node``.
+
+    Args:
+        default_name: the node's name if none is chosen.
+        anonymous: make this one that no other node has; what others call by the node's name has to
+            keep it.
+        arguments: how the help writes the arguments that are no remappings, which the command gets
+            as ``arguments``; else there may be none.
+    """
+    default = f"{default_name}_<pid>_<ms>" if anonymous else default_name
 
     def decorate(command: Callable[..., None]) -> Callable[..., None]:
         @wraps(command)
         def with_node(
-            hub: str | None, node_name: str | None, remapping: fibws.Remapping, **others: Any
+            hub: str | None, node_name: str | None, words: tuple[str, ...], **others: Any
         ) -> None:
+            remapping, rest = _remapping(words)
+            if arguments is not None:
+                others["arguments"] = rest
+            elif rest:
+                raise click.UsageError(
+                    f"Got unexpected argument {rest[0]!r}: it is neither an option nor a "
+                    "remapping, which is written from:=to."
+                )
             try:
                 node = fibws.Node(
                     node_name or default_name,
                     hub=hub,
-                    anonymous=node_name is None,
+                    anonymous=anonymous and node_name is None,
                     remapping=remapping,
                 )
             except fibws.FibwsError as error:
@@ -37,12 +56,14 @@ def node(default_name: str) -> Callable[[Callable[..., None]], Callable[..., Non
 
         for option in (
             click.argument(
-                "remapping", nargs=-1, callback=_remapping, metavar="[FROM:=TO]...", type=str
+                "words",
+                nargs=-1,
+                metavar=f"{arguments} [FROM:=TO]..." if arguments else "[FROM:=TO]...",
             ),
             click.option(
                 "--node-name",
                 metavar="NAME",
-                help=f"The node's name, used as it is.  [default: {default_name}_<pid>_<ms>]",
+                help=f"The node's name, used as it is.  [default: {default}]",
             ),
             click.option(
                 "--hub",
@@ -77,19 +98,13 @@ rate: Callable[[Callable[..., None]], Callable[..., None]] = click.option(
 )
 
 
-def _remapping(
-    context: click.Context, parameter: click.Parameter, arguments: tuple[str, ...]
-) -> fibws.Remapping:
-    for argument in arguments:
-        if ":=" not in argument:
-            raise click.UsageError(
-                f"Got unexpected argument {argument!r}: it is neither an option nor a remapping, "
-                "which is written from:=to."
-            )
+def _remapping(words: tuple[str, ...]) -> tuple[fibws.Remapping, tuple[str, ...]]:
+    """What is remapped, and the arguments that do not say so."""
     try:
-        return fibws.parse_remappings(arguments)
+        remapping = fibws.parse_remappings(word for word in words if ":=" in word)
     except fibws.InvalidName as error:
         raise click.UsageError(str(error)) from None
+    return remapping, tuple(word for word in words if ":=" not in word)
 
 
 def _number_type(name: str) -> str:

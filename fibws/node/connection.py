@@ -23,7 +23,7 @@ from websockets.protocol import State
 from fibws.errors import HubUnreachable, NodeReplaced
 from fibws.node.address import node_url
 from fibws.node.rosout import TOPIC as ROSOUT
-from fibws.node.session import Session
+from fibws.node.session import MAX_SIZE, Session
 from fibws.protocol.closing import REPLACED
 
 FIRST_RETRY = 0.1
@@ -32,9 +32,6 @@ OPENING = 5.0
 FLUSHING = 0.6
 CLOSING = 0.3
 """Seconds, all five; the last two together bound how long a node's end takes."""
-
-MAX_SIZE = 64 << 20
-"""Bytes that a message may have: images and point clouds pass."""
 
 _TRY_LATER = (408, 425, 429)
 _ERRNO = re.compile(r"\[Errno (\d+)\]")
@@ -149,7 +146,7 @@ class Connection:
         except ConnectionClosed as closed:
             reason = closed
         finally:
-            outbox.lose()
+            self._session.lose()
             writer.cancel()
             await asyncio.wait({writer})
             websocket.transport.abort()  # Does nothing if the writer could hang up in good order.

@@ -5,21 +5,39 @@ from __future__ import annotations
 import asyncio
 import os
 import time
-from collections.abc import Callable
-from typing import Any, Self, TypeVar, overload
+from collections.abc import Callable, Mapping
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Self, TypeVar, overload
 
 from fibws import names
-from fibws.interfaces import Message, Time
+from fibws.interfaces import Action, Message, Service, Time
+from fibws.interfaces.bases import F, G, R, Req, Res
 from fibws.node import address
+from fibws.node.calls import Calls
 from fibws.node.connection import Connection
+from fibws.node.identity import Identity
+from fibws.node.limits import check_queue_size, check_timeout
 from fibws.node.log import FORMAT, node_log
+from fibws.node.loggers import Loggers
 from fibws.node.publisher import P, Publisher
 from fibws.node.rate import Rate
 from fibws.node.rosout import Rosout
+from fibws.node.service import Handler, ServiceServer
+from fibws.node.services import Services
 from fibws.node.session import Session
 from fibws.node.subscription import Subscription
+from fibws.node.topics import Topics
 from fibws.node.types import Types
+from fibws.node.waiting import wait_for_message, wait_for_service
 from fibws.protocol.operations import Advertise, Subscribe
+
+if TYPE_CHECKING:
+    from fibws.node.actions.actions import Actions
+    from fibws.node.actions.client import ActionClient
+    from fibws.node.actions.over import Over
+    from fibws.node.actions.server import ActionServer, Execute
+    from fibws.node.graph import Graph
+    from fibws.node.params import Params
 
 M = TypeVar("M", bound=Message)
 
@@ -27,7 +45,7 @@ NO_REMAPPING = names.Remapping()
 
 
 class Node:
-    """Connects to a hub, publishes and subscribes: ``async with fibws.Node("talker") as node``.
+    """One place on the ROS graph: ``async with fibws.Node("talker") as node``.
 
     Entering, which is done once, waits until the hub answers. Leaving sends what still waits if
     that takes no more than 0.6 s, and logs a warning with the number of messages that were not. In
@@ -56,40 +74,35 @@ class Node:
         remapping: names.Remapping = NO_REMAPPING,
         log_format: str | None = None,
     ) -> None:
-        names.check_base(name)
-        if remapping.node_name is not None:
-            name = remapping.node_name
-        elif anonymous:
-            name = names.anonymous(name, pid=os.getpid(), milliseconds=time.time_ns() // 1_000_000)
-        environment = os.environ
-        self._namespace = names.check_namespace(
-            remapping.namespace or namespace or environment.get("ROS_NAMESPACE", "/")
+        self._identity = Identity.choose(
+            name, anonymous=anonymous, namespace=namespace, remapping=remapping
         )
-        self._name = names.resolve(name, namespace=self._namespace)
-        self._remapping = remapping
+        environment = os.environ
         self._hub = address.hub_url(hub or environment.get(address.ENVIRONMENT) or address.DEFAULT)
         self._types = Types(time.time_ns)
-        self.log = node_log(
-            self._name, log_format or environment.get("ROSCONSOLE_FORMAT") or FORMAT
-        )
+        self.log = node_log(self.name, log_format or environment.get("ROSCONSOLE_FORMAT") or FORMAT)
         """The node's own logger: what it is told goes to the console and to /rosout."""
         self._session = Session(self.log)
-        self._rosout = Rosout(self._name, self._session)
+        self._calls = Calls(self._session, self._types)
+        self._services = Services(self._session, self._types)
+        self._topics = Topics(self._session)  # Last: what is latched ends the greeting.
+        self._rosout = Rosout(self.name, self._topics)
         self.log.addHandler(self._rosout)
-        self._connection = Connection(self._hub, self._name, self._session, self.log)
+        self._loggers = Loggers(self.log, self._services, self.resolve)
+        self._connection = Connection(self._hub, self.name, self._session, self.log)
 
     def __repr__(self) -> str:
-        return f"<Node {self._name} at {self._hub}>"
+        return f"<Node {self.name} at {self._hub}>"
 
     @property
     def name(self) -> str:
         """The node's global name, such as ``/robot/talker``."""
-        return self._name
+        return self._identity.name
 
     @property
     def namespace(self) -> str:
         """The namespace that relative names belong to."""
-        return self._namespace
+        return self._identity.namespace
 
     @property
     def hub(self) -> str:
@@ -98,7 +111,21 @@ class Node:
 
     def resolve(self, name: str) -> str:
         """The global name that ``name`` stands for here, remappings included."""
-        return self._remapping.apply(name, namespace=self._namespace, node=self._name)
+        return self._identity.resolve(name)
+
+    @cached_property
+    def params(self) -> Params:
+        """The parameters that all nodes share."""
+        from fibws.node.params import Params  # Its types take 10 ms to load, and few nodes use it.
+
+        return Params(self._calls, self.resolve)
+
+    @cached_property
+    def graph(self) -> Graph:
+        """What is known of the other nodes, of topics and services."""
+        from fibws.node.graph import Graph  # As for params.
+
+        return Graph(self._calls, self.resolve)
 
     def now(self) -> Time:
         """The time of day."""
@@ -134,7 +161,7 @@ class Node:
             ValueError: ``queue_size`` is less than 1.
             NodeClosed: the node has ended.
         """
-        _check_queue_size(queue_size)
+        check_queue_size(queue_size)
         topic = self.resolve(topic)
         message_class = self._types.message_class(type)
         name = message_class._type
@@ -146,8 +173,8 @@ class Node:
             queue_size=queue_size,
             definition=self._types.definition(name),
         )
-        advertisement = self._session.advertise(operation)
-        return Publisher(self._session, advertisement, message_class, self._types.validate(name))
+        advertisement = self._topics.advertise(operation)
+        return Publisher(self._topics, advertisement, message_class, self._types.validate(name))
 
     @overload
     def subscribe(self, topic: str, type: type[M], *, queue_size: int = ...) -> Subscription[M]: ...
@@ -173,7 +200,7 @@ class Node:
             ValueError: ``queue_size`` is less than 1.
             NodeClosed: the node has ended.
         """
-        _check_queue_size(queue_size)
+        check_queue_size(queue_size)
         topic = self.resolve(topic)
         message_class = self._types.message_class(type)
         operation = Subscribe(
@@ -187,11 +214,258 @@ class Node:
             message_class._type,
             queue_size,
             self._types.reader(message_class),
-            self._session.unsubscribe,
+            self._topics.unsubscribe,
             self.log,
         )
-        self._session.subscribe(subscription)
+        self._topics.subscribe(subscription)
         return subscription
+
+    @overload
+    async def wait_for_message(
+        self,
+        topic: str,
+        type: type[M],
+        *,
+        timeout: float | None = ...,
+    ) -> M: ...
+
+    @overload
+    async def wait_for_message(
+        self,
+        topic: str,
+        type: str,
+        *,
+        timeout: float | None = ...,
+    ) -> Any: ...
+
+    async def wait_for_message(
+        self,
+        topic: str,
+        type: type[Any] | str,
+        *,
+        timeout: float | None = None,
+    ) -> Any:
+        """Wait for the next message on a topic, on a hub that may not be there yet either.
+
+        Args:
+            topic: its name, which is resolved and remapped.
+            type: a message class, or a type's name such as ``"std_msgs/Int32"``.
+            timeout: the most seconds to wait; None for ever.
+
+        Raises:
+            WaitTimeout: they have passed. It is a TimeoutError, too.
+            OperationRejected: the hub refuses.
+            InvalidName: the topic's name is not legal.
+            InterfaceError: there is no such type.
+            NodeClosed: the node has ended.
+        """
+        check_timeout(timeout)
+        return await wait_for_message(self.subscribe(topic, type, queue_size=1), timeout)
+
+    @overload
+    async def service(
+        self, name: str, type: type[Service[Req, Res]], handler: Handler[Req, Res]
+    ) -> ServiceServer[Req, Res]: ...
+
+    @overload
+    async def service(
+        self, name: str, type: str, handler: Handler[Any, Any]
+    ) -> ServiceServer[Any, Any]: ...
+
+    async def service(
+        self, name: str, type: type[Service[Any, Any]] | str, handler: Handler[Any, Any]
+    ) -> ServiceServer[Any, Any]:
+        """Begin to answer the calls of a service.
+
+        Each call is answered in a task of its own, which the end of the service or of the node
+        cancels. If the handler raises, the caller is told ``error processing request: ...``, the
+        log has a line of it, and the service goes on. If the hub refuses the service, the log says
+        so and `ServiceServer.spin` raises OperationRejected.
+
+        Args:
+            name: its name, which is resolved and remapped.
+            type: a service class, or a type's name such as ``"rospy_tutorials/AddTwoInts"``.
+            handler: is given the request, and returns the response: whole, or its fields as a dict
+                or a tuple, or the value of its only field. It may be async; if it is not, the node
+                does nothing else until it returns.
+
+        Raises:
+            InvalidName: the service's name is not legal.
+            InterfaceError: there is no such type.
+            ServiceError: this node offers the service already.
+            NodeClosed: the node has ended.
+        """
+        return self._services.serve(self.resolve(name), self._types.service_class(type), handler)
+
+    @overload
+    async def call(
+        self,
+        name: str,
+        type: type[Service[Req, Res]],
+        request: Req | Mapping[str, Any] | None = ...,
+        *,
+        timeout: float | None = ...,
+    ) -> Res: ...
+
+    @overload
+    async def call(
+        self,
+        name: str,
+        type: str,
+        request: Message | Mapping[str, Any] | None = ...,
+        *,
+        timeout: float | None = ...,
+    ) -> Any: ...
+
+    async def call(
+        self,
+        name: str,
+        type: type[Service[Any, Any]] | str,
+        request: Any = None,
+        *,
+        timeout: float | None = None,
+    ) -> Any:
+        """Call a service and return its response. Without a hub it waits until there is one.
+
+        Args:
+            name: its name, which is resolved and remapped.
+            type: a service class, or a type's name such as ``"rospy_tutorials/AddTwoInts"``.
+            request: a message, or a dict of its fields; None for the type's defaults.
+            timeout: seconds after which the caller waits no more; the hub is told them, too. With
+                None it is the hub's to give up (``--service-timeout``).
+
+        Raises:
+            InvalidMessage: a field of the request does not fit the type.
+            TypeError: the request is a message of another class.
+            ServiceError: there is no such service, or it failed, with its own text.
+            ServiceTimeout: there was no answer in time. It is a TimeoutError, too.
+            ServiceLost: the connection broke before the answer; nobody knows what was done.
+            InvalidName: the service's name is not legal.
+            InterfaceError: there is no such type.
+            NodeClosed: the node has ended.
+        """
+        check_timeout(timeout)
+        service = self._types.service_class(type)
+        return await self._calls.call(self.resolve(name), service, request, within=timeout)
+
+    async def wait_for_service(
+        self,
+        name: str,
+        *,
+        timeout: float | None = None,
+    ) -> None:
+        """Wait until somebody offers a service, on a hub that may not be there yet either.
+
+        Args:
+            name: its name, which is resolved and remapped.
+            timeout: the most seconds to wait; None for ever.
+
+        Raises:
+            WaitTimeout: they have passed. It is a TimeoutError, too.
+            InvalidName: the service's name is not legal.
+            NodeClosed: the node has ended.
+        """
+        check_timeout(timeout)
+        await wait_for_service(self.resolve(name), self.graph, self._session, timeout)
+
+    @overload
+    async def action_server(
+        self,
+        name: str,
+        type: type[Action[G, R, F]],
+        execute: Execute[G, R, F],
+        *,
+        over: Over = ...,
+        concurrent: bool | None = ...,
+    ) -> ActionServer[G, R, F]: ...
+
+    @overload
+    async def action_server(
+        self,
+        name: str,
+        type: str,
+        execute: Execute[Any, Any, Any],
+        *,
+        over: Over = ...,
+        concurrent: bool | None = ...,
+    ) -> ActionServer[Any, Any, Any]: ...
+
+    async def action_server(
+        self,
+        name: str,
+        type: type[Action[Any, Any, Any]] | str,
+        execute: Execute[Any, Any, Any],
+        *,
+        over: Over = "topics",
+        concurrent: bool | None = None,
+    ) -> ActionServer[Any, Any, Any]:
+        """Begin to pursue the goals of an action.
+
+        Each goal is pursued in a task of its own, which the end of the server or of the node
+        cancels. If ``execute`` raises, the goal is aborted with the error's text, the log has a
+        line of it, and the server goes on. If the hub refuses the server, the log says so and
+        `ActionServer.spin` raises OperationRejected.
+
+        Args:
+            name: its name, which is resolved and remapped.
+            type: an action class, or a type's name such as ``"actionlib_tutorials/Fibonacci"``.
+            execute: an async function that is given a `ServerGoal` and returns the result.
+            over: how goals come: by the ``"topics"`` of ROS 1's actionlib, or by the
+                ``"operations"`` that rosbridge has for ROS 2.
+            concurrent: whether goals are pursued side by side; if not, a new goal has the one
+                before it canceled, and begins when that has ended. Unless told, it is as in most
+                programs of either ROS: not over topics (SimpleActionServer), but over operations.
+
+        Raises:
+            InvalidName: the action's name is not legal.
+            InterfaceError: there is no such type.
+            ValueError: there is no such way as ``over``.
+            NodeError: this node serves the action already.
+            NodeClosed: the node has ended.
+        """
+        from fibws.node.actions.over import serve
+
+        action = self._types.action_class(type)
+        return serve(self._actions, self.resolve(name), action, execute, over, concurrent)
+
+    @overload
+    def action_client(
+        self, name: str, type: type[Action[G, R, F]], *, over: Over = ...
+    ) -> ActionClient[G, R, F]: ...
+
+    @overload
+    def action_client(
+        self, name: str, type: str, *, over: Over = ...
+    ) -> ActionClient[Any, Any, Any]: ...
+
+    def action_client(
+        self, name: str, type: type[Action[Any, Any, Any]] | str, *, over: Over = "topics"
+    ) -> ActionClient[Any, Any, Any]:
+        """Get ready to send goals to an action.
+
+        Args:
+            name: its name, which is resolved and remapped.
+            type: an action class, or a type's name such as ``"actionlib_tutorials/Fibonacci"``.
+            over: how goals go, as with `action_server`.
+
+        Raises:
+            InvalidName: the action's name is not legal.
+            InterfaceError: there is no such type.
+            ValueError: there is no such way as ``over``.
+            NodeClosed: the node has ended.
+        """
+        from fibws.node.actions.over import client
+
+        return client(self._actions, self.resolve(name), self._types.action_class(type), over)
+
+    @cached_property
+    def _actions(self) -> Actions:
+        from fibws.node.actions.actions import Actions  # Its types take time to load as well.
+
+        async def wait(name: str, within: float | None) -> None:
+            await wait_for_service(name, self.graph, self._session, within)
+
+        return Actions(self.name, self._session, self._topics, self._types, wait, time.time_ns)
 
     def rate(self, hz: float) -> Rate:
         """Ticks for a loop, until the node ends: ``async for _ in node.rate(10)``.
@@ -213,9 +487,7 @@ class Node:
         return self
 
     async def __aexit__(self, *error: object) -> None:
-        await self._connection.close()
-
-
-def _check_queue_size(queue_size: int) -> None:
-    if queue_size < 1:
-        raise ValueError(f"queue_size is at least 1, not {queue_size}")
+        try:
+            await self._connection.close()
+        finally:
+            await self._session.tasks.finished()

@@ -42,6 +42,7 @@ class Outbox:
         self._size = 0
         self._connected = False
         self._closed = False
+        self._hub = asyncio.Event()
         self._arrival = asyncio.Event()
         self._room = asyncio.Event()
         self._room.set()
@@ -85,6 +86,10 @@ class Outbox:
         await self._arrival.wait()
         return bool(self._frames)
 
+    async def hub(self) -> None:
+        """Wait until frames leave, or never will again."""
+        await self._hub.wait()
+
     async def room(self) -> None:
         """Wait until there is room for another message; without a hub, give way for a moment."""
         if not self._connected:
@@ -120,6 +125,7 @@ class Outbox:
             source.dropped += 1
 
     def _changed(self) -> None:
+        _signal(self._hub, self._connected or self._closed)
         _signal(self._arrival, bool(self._frames) or self._closed)
         _signal(self._room, not self._connected or self._closed or self._size < self._limit)
 

@@ -9,7 +9,7 @@ from typing_extensions import ParamSpec
 
 from fibws.interfaces import Message
 from fibws.node.outbox import Advertisement
-from fibws.node.session import Session
+from fibws.node.topics import Topics
 from fibws.protocol.operations import Publish, encode
 
 M = TypeVar("M", bound=Message)
@@ -25,12 +25,12 @@ class Publisher(Generic[M, P]):
 
     def __init__(
         self,
-        session: Session,
+        topics: Topics,
         advertisement: Advertisement,
         message_class: type[M],
         validate: Callable[[Any], dict[str, Any]],
     ) -> None:
-        self._session = session
+        self._topics = topics
         self._advertisement = advertisement
         self._class = message_class
         self._validate = validate
@@ -75,12 +75,12 @@ class Publisher(Generic[M, P]):
         """
         message = self._message(fields, named)
         text = encode(Publish(topic=self.topic, msg=self._validate(message.to_dict())))
-        await self._session.outbox.room()
-        self._session.publish(self._advertisement, text)
+        await self._topics.room()
+        self._topics.publish(self._advertisement, text)
 
     def close(self) -> None:
         """Publish no more. Does nothing when called again."""
-        self._session.unadvertise(self._advertisement)
+        self._topics.unadvertise(self._advertisement)
 
     async def __aenter__(self) -> Self:
         return self

@@ -7,7 +7,7 @@ import logging
 from contextlib import suppress
 from typing import Any
 
-from fibws.node.session import Session
+from fibws.node.topics import Topics
 from fibws.protocol.operations import Advertise, Publish, encode
 
 TOPIC = "/rosout"
@@ -19,11 +19,11 @@ _TEXT = logging.Formatter()
 class Rosout(logging.Handler):
     """Publishes each record as a rosgraph_msgs/Log, from any thread, and waits for nothing."""
 
-    def __init__(self, node: str, session: Session) -> None:
+    def __init__(self, node: str, topics: Topics) -> None:
         super().__init__()
         self._node = node
-        self._session = session
-        self._advertisement = session.advertise(
+        self._topics = topics
+        self._advertisement = topics.advertise(
             Advertise(
                 id=f"advertise:{TOPIC}",
                 topic=TOPIC,
@@ -57,13 +57,13 @@ class Rosout(logging.Handler):
             "file": _unicode(record.pathname),
             "function": record.funcName or "",
             "line": record.lineno,
-            "topics": self._session.topics(),
+            "topics": self._topics.names(),
         }
 
     def _publish(self, message: dict[str, Any]) -> None:
-        if not self._session.over and not self._advertisement.closed:
+        if not self._topics.over and not self._advertisement.closed:
             text = encode(Publish(topic=TOPIC, msg=message))
-            self._session.publish(self._advertisement, text)
+            self._topics.publish(self._advertisement, text)
 
 
 def level(number: int) -> int:

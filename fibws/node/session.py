@@ -4,119 +4,103 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections import defaultdict
-from collections.abc import Iterator
-from typing import Any, assert_never
+import time
+from typing import assert_never
 
 from fibws.errors import InvalidUtf8, NodeClosed, OperationError, OperationRejected
 from fibws.node.fault import tell
-from fibws.node.outbox import Advertisement, Outbox
-from fibws.node.subscription import Subscription
+from fibws.node.outbox import Outbox
+from fibws.node.part import Part
+from fibws.node.tasks import Tasks
+from fibws.protocol.fragments import Reassembly
 from fibws.protocol.operations import (
-    Advertise,
-    Id,
+    ActionFeedback,
+    ActionResult,
+    CallService,
+    CancelActionGoal,
+    Fragment,
+    Operation,
+    Png,
     Publish,
+    Reply,
+    SendActionGoal,
+    ServiceResponse,
     Status,
-    Subscribe,
-    Unadvertise,
-    Unsubscribe,
     encode,
 )
 from fibws.protocol.parsing import parse_reply
 from fibws.protocol.text import objects
 
+MAX_SIZE = 64 << 20
+"""Bytes that a message may have: images and point clouds pass."""
+
 _LEVELS = {"error": logging.ERROR, "warning": logging.WARNING, "info": logging.INFO}
 
 
 class Session:
-    """What a node has registered. It outlives the connection, and is told again to the next."""
+    """What a node's parts have in common. It outlives the connection, and greets the next one."""
 
     def __init__(self, log: logging.Logger) -> None:
         self.outbox = Outbox()
-        self._log = log
-        self._advertisements: dict[str, Advertisement] = {}
-        self._subscriptions: dict[str, Subscription[Any]] = {}
-        self._listeners: defaultdict[str, list[Subscription[Any]]] = defaultdict(list)
+        self.log = log
+        self.tasks = Tasks()
+        """What the parts have under way; the node's end cancels it."""
+        self._parts: list[Part] = []
+        self._fragments = Reassembly(max_size=MAX_SIZE)
         self._registrations = 0
         self._over = False
         self._waiters: set[asyncio.Future[None]] = set()
         self._fault: Exception | None = None
 
-    # What the node does
+    # What its parts do
 
-    def id(self, verb: str, topic: str) -> str:
+    def join(self, part: Part) -> None:
+        """Let a part take part, from now on until the end."""
+        self._parts.append(part)
+
+    def id(self, verb: str, name: str) -> str:
         """A new id for an operation."""
         self._registrations += 1
-        return f"{verb}:{topic}:{self._registrations}"
+        return f"{verb}:{name}:{self._registrations}"
 
-    def advertise(self, operation: Advertise) -> Advertisement:
-        """Register a publisher."""
-        self.check()
-        advertisement = Advertisement(operation)
-        self._advertisements[str(operation.id)] = advertisement
-        self._say(operation)
-        return advertisement
+    def say(self, operation: Operation) -> None:
+        """Send an operation, if there is somebody to hear it: the next hub gets the greeting."""
+        if self.outbox.connected:
+            self.outbox.put(encode(operation))
 
-    def publish(self, advertisement: Advertisement, text: bytes) -> None:
-        """Send a message, already encoded; the caller has waited for room."""
-        self.check()
-        if advertisement.fault is not None:
-            tell(advertisement.fault)
-        if advertisement.closed:
-            raise NodeClosed(f"publish on {advertisement.operation.topic}: it was closed")
-        if advertisement.operation.latch:
-            advertisement.latched = text
-        self.outbox.put(text, advertisement)
+    async def hub(self) -> None:
+        """Wait until there is a hub, and room for what is to be said to it.
 
-    def unadvertise(self, advertisement: Advertisement) -> None:
-        """Take a publisher back."""
-        advertisement.closed = True
-        operation = advertisement.operation
-        if self._advertisements.pop(str(operation.id), None) is not None:
-            self._say(Unadvertise(id=operation.id, topic=operation.topic))
-
-    def subscribe(self, subscription: Subscription[Any]) -> None:
-        """Register a subscription."""
-        self.check()
-        self._subscriptions[str(subscription.operation.id)] = subscription
-        self._listeners[subscription.topic].append(subscription)
-        self._say(subscription.operation)
-
-    def unsubscribe(self, subscription: Subscription[Any]) -> None:
-        """Take a subscription back."""
-        operation = subscription.operation
-        if self._forget(operation.id) is not None:
-            self._say(Unsubscribe(id=operation.id, topic=operation.topic))
-
-    def topics(self) -> list[str]:
-        """The topics that the node publishes or subscribes to."""
-        published = {each.operation.topic for each in self._advertisements.values()}
-        return sorted(published | {each.topic for each in self._subscriptions.values()})
+        Raises:
+            NodeClosed, or what was the matter: the node has ended.
+        """
+        while True:
+            await self.outbox.hub()
+            await self.outbox.room()
+            self.check()
+            if self.outbox.connected:
+                return
 
     # What happens to the node
 
     def greeting(self) -> list[bytes]:
         """What a new connection is told first, before the outbox's frames."""
-        return [encode(operation) for operation in self._registered()] + [
-            advertisement.latched
-            for advertisement in self._advertisements.values()
-            if advertisement.latched is not None and not advertisement.waiting
-        ]
+        return [text for part in self._parts for text in part.greeting()]
 
     def receive(self, text: bytes) -> None:
         """Hand on what the hub sent."""
         try:
             for fields in objects(text):
-                reply = parse_reply(fields)
-                match reply:
-                    case Publish():
-                        self._heard(reply)
-                    case Status():
-                        self._told(reply)
-                    case _:
-                        assert_never(reply)
+                self._take(parse_reply(fields))
         except (OperationError, InvalidUtf8) as error:
-            self._log.warning("The hub sent what this node does not understand: %s", error)
+            self.log.warning("The hub sent what this node does not understand: %s", error)
+
+    def lose(self) -> None:
+        """There is no hub any more."""
+        self.outbox.lose()
+        self._fragments = Reassembly(max_size=MAX_SIZE)
+        for part in self._parts:
+            part.lose()
 
     def end(self, fault: Exception | None = None) -> None:
         """The node is over, because of ``fault`` if there is one; later calls change nothing."""
@@ -126,8 +110,9 @@ class Session:
         self._over = True
         for waiter in self._waiters:
             _release(waiter)
-        for subscription in self._subscriptions.values():
-            subscription.end(fault)
+        for part in self._parts:
+            part.end(fault)
+        self.tasks.cancel()
         self.outbox.close()
 
     @property
@@ -163,42 +148,36 @@ class Session:
         if self._over:
             raise NodeClosed("the node has ended")
 
-    def _registered(self) -> Iterator[Advertise | Subscribe]:
-        for advertisement in self._advertisements.values():
-            yield advertisement.operation
-        for subscription in self._subscriptions.values():
-            yield subscription.operation
+    def _take(self, reply: Reply) -> None:
+        match reply:
+            case Publish() | CallService() | ServiceResponse():
+                self._hand_on(reply)
+            case SendActionGoal() | CancelActionGoal() | ActionFeedback() | ActionResult():
+                self._hand_on(reply)
+            case Status():
+                self._told(reply)
+            case Fragment():
+                text = self._fragments.add(reply, time.monotonic())
+                if text is not None:
+                    self.receive(text.encode())
+            case Png():
+                raise OperationError("an image of an operation, which it never asks for")
+            case _:
+                assert_never(reply)
 
-    def _heard(self, message: Publish) -> None:
-        for subscription in self._listeners.get(message.topic, ()):
-            subscription.offer(message.msg)
+    def _hand_on(self, reply: Reply) -> None:
+        for part in self._parts:
+            if part.receive(reply):
+                return
+        self.log.warning("The hub sent what nobody here waits for: %s", reply.op)
 
     def _told(self, status: Status) -> None:
         """A refused registration is its owner's to hear of; anything else goes to the log."""
-        if status.level == "error":
+        if status.level == "error" and status.id is not None:
             fault = OperationRejected(status.msg)
-            if (advertisement := self._advertisements.pop(str(status.id), None)) is not None:
-                advertisement.fault = fault
-                advertisement.closed = True
+            if any(part.refuse(str(status.id), fault) for part in self._parts):
                 return
-            if (subscription := self._forget(status.id)) is not None:
-                subscription.end(fault)
-                return
-        self._log.log(_LEVELS.get(status.level, logging.INFO), "The hub: %s", status.msg)
-
-    def _forget(self, id_: Id) -> Subscription[Any] | None:
-        subscription = self._subscriptions.pop(str(id_), None)
-        if subscription is not None:
-            listeners = self._listeners[subscription.topic]
-            listeners.remove(subscription)
-            if not listeners:
-                del self._listeners[subscription.topic]
-        return subscription
-
-    def _say(self, operation: Advertise | Unadvertise | Subscribe | Unsubscribe) -> None:
-        """Send an operation, if there is somebody to hear it: the next hub gets the greeting."""
-        if self.outbox.connected:
-            self.outbox.put(encode(operation))
+        self.log.log(_LEVELS.get(status.level, logging.INFO), "The hub: %s", status.msg)
 
 
 def _release(waiter: asyncio.Future[None]) -> None:

@@ -1,10 +1,11 @@
-"""A hub that does what the test says."""
+"""A hub that does what the test says, with sockets and without."""
 
 from __future__ import annotations
 
 import asyncio
 import json
 import logging
+import time
 from collections.abc import AsyncIterator, Callable
 from http import HTTPStatus
 from typing import Any
@@ -14,10 +15,18 @@ import uvloop
 from websockets.asyncio.server import Server, ServerConnection, serve
 from websockets.http11 import Request, Response
 
+from fibws.node.session import Session
+from fibws.node.types import Types
+
 
 def pytest_asyncio_loop_factories() -> dict[str, Callable[[], asyncio.AbstractEventLoop]]:
     """Every test that has a loop runs on both."""
     return {"asyncio": asyncio.new_event_loop, "uvloop": uvloop.new_event_loop}
+
+
+def _is_about_the_log(operation: dict[str, Any]) -> bool:
+    name: str = operation.get("topic") or operation.get("service", "")
+    return name == "/rosout" or name.endswith(("/get_loggers", "/set_logger_level"))
 
 
 class Peer:
@@ -32,11 +41,11 @@ class Peer:
         return self.websocket.request.path
 
     async def hears(self, op: str) -> dict[str, Any]:
-        """The next operation, which is this one; the node's log is passed over."""
+        """The next operation, which is this one; what has to do with its log is passed over."""
         async with asyncio.timeout(5):
             while True:
                 operation: dict[str, Any] = json.loads(await self.websocket.recv())
-                if operation["topic"] != "/rosout":
+                if not _is_about_the_log(operation):
                     assert operation["op"] == op, operation
                     return operation
 
@@ -114,6 +123,10 @@ class Lines(logging.Handler):
     def emit(self, record: logging.LogRecord) -> None:
         self._lines.put_nowait(record.getMessage())
 
+    def seen(self) -> list[str]:
+        """The lines so far that nobody has asked for yet."""
+        return [self._lines.get_nowait() for _ in range(self._lines.qsize())]
+
     async def next(self) -> str:
         async with asyncio.timeout(5):
             return await self._lines.get()
@@ -125,3 +138,44 @@ async def hub() -> AsyncIterator[ScriptedHub]:
     await hub.start()
     yield hub
     await hub.stop()
+
+
+@pytest.fixture
+def session() -> Session:
+    """A node's session with a hub that is there, and that has no socket."""
+    session = Session(logging.Logger("test"))
+    session.outbox.open()
+    return session
+
+
+@pytest.fixture
+def lines(session: Session) -> Lines:
+    return Lines(session.log)
+
+
+@pytest.fixture
+def types() -> Types:
+    return Types(time.time_ns)
+
+
+def said(session: Session) -> list[dict[str, Any]]:
+    """The operations that wait to be sent."""
+    return [json.loads(session.outbox.pop()) for _ in range(len(session.outbox))]
+
+
+def greeted(session: Session) -> list[dict[str, Any]]:
+    """What the next connection would be told first."""
+    return [json.loads(text) for text in session.greeting()]
+
+
+async def says(session: Session) -> dict[str, Any]:
+    """The next operation to be sent, once there is one."""
+    async with asyncio.timeout(5):
+        await session.outbox.arrival()
+    operation: dict[str, Any] = json.loads(session.outbox.pop())
+    return operation
+
+
+def hears(session: Session, op: str, **fields: Any) -> None:
+    """Let the session receive an operation."""
+    session.receive(json.dumps({"op": op, **fields}).encode())

@@ -135,8 +135,10 @@ async def test_a_lost_hub_is_told_again_what_the_node_is_and_what_waits(hub: Scr
         assert numbers.dropped == 1
         await hub.start()
         peer = await hub.peer()
-        again = [json.loads(await peer.websocket.recv()) for _ in range(11)]
-        assert [(each["op"], each["topic"]) for each in again] == [
+        again = [json.loads(await peer.websocket.recv()) for _ in range(13)]
+        assert [(each["op"], each.get("topic") or each["service"]) for each in again] == [
+            ("advertise_service", "/talker/get_loggers"),
+            ("advertise_service", "/talker/set_logger_level"),
             ("advertise", "/rosout"),
             ("advertise", "/fibonacci"),
             ("advertise", "/latched"),
@@ -149,7 +151,7 @@ async def test_a_lost_hub_is_told_again_what_the_node_is_and_what_waits(hub: Scr
             ("publish", "/fibonacci"),
             ("publish", "/newer"),
         ]
-        assert [again[n]["msg"]["data"] for n in (5, 7, 8, 9, 10)] == ["kept", 3, 4, 5, "new"]
+        assert [again[n]["msg"]["data"] for n in (7, 9, 10, 11, 12)] == ["kept", 3, 4, 5, "new"]
         await peer.says("publish", topic="/heard", msg={"data": 6})
         assert await anext(heard) == Int32(6)
     assert lost == f"Lost the hub at {hub.url} (the hub is shutting down); trying again."

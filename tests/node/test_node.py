@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import os
 import re
 from http import HTTPStatus
 
@@ -14,58 +13,30 @@ from fibws.msg.std_msgs import Float64, Int32, String
 
 from .conftest import ScriptedHub
 
-# Names
+# Who it is
 
 
-def test_a_node_is_in_the_root_unless_told_otherwise(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delenv("ROS_NAMESPACE", raising=False)
-    node = fibws.Node("talker")
-    assert (node.name, node.namespace) == ("/talker", "/")
+def test_it_has_a_name_and_knows_what_others_stand_for() -> None:
+    remapping = fibws.parse_remappings(["fibonacci:=numbers"])
+    node = fibws.Node("talker", namespace="robot", remapping=remapping)
+    assert (node.name, node.namespace) == ("/robot/talker", "/robot")
+    assert node.resolve("fibonacci") == "/robot/numbers"
+    assert repr(node) == f"<Node /robot/talker at {node.hub}>"
+    with pytest.raises(fibws.InvalidName):
+        fibws.Node("a/b")
 
 
-def test_the_environment_gives_namespace_and_hub(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("ROS_NAMESPACE", "robot")
+def test_the_environment_names_the_hub_unless_the_program_does(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setenv("FIBWS_HUB", "robot:9090")
-    node = fibws.Node("talker")
-    assert (node.name, node.namespace, node.hub) == ("/robot/talker", "/robot", "ws://robot:9090")
-
-
-def test_arguments_go_before_the_environment(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("ROS_NAMESPACE", "robot")
-    monkeypatch.setenv("FIBWS_HUB", "robot:9090")
-    node = fibws.Node("talker", hub="arm:9090", namespace="/arm")
-    assert (node.name, node.hub) == ("/arm/talker", "ws://arm:9090")
+    assert fibws.Node("talker").hub == "ws://robot:9090"
+    assert fibws.Node("talker", hub="arm:9090").hub == "ws://arm:9090"
 
 
 def test_without_either_the_hub_is_on_this_machine(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("FIBWS_HUB", raising=False)
     assert fibws.Node("talker").hub == "ws://127.0.0.1:9090"
-
-
-def test_an_anonymous_name_is_formed_as_rospy_forms_it() -> None:
-    name = fibws.Node("talker", anonymous=True).name
-    assert re.fullmatch(rf"/talker_{os.getpid()}_\d{{13}}", name)
-
-
-def test_the_command_line_names_the_node_and_its_namespace() -> None:
-    remapping = fibws.parse_remappings(["__name:=ear", "__ns:=/robot"])
-    node = fibws.Node("listener", anonymous=True, namespace="/arm", remapping=remapping)
-    assert node.name == "/robot/ear"
-
-
-@pytest.mark.parametrize("name", ["", "a/b", "/talker", "7", "~x"])
-def test_a_node_needs_a_legal_name(name: str) -> None:
-    with pytest.raises(fibws.InvalidName):
-        fibws.Node(name)
-
-
-def test_names_are_resolved_and_remapped() -> None:
-    remapping = fibws.parse_remappings(["fibonacci:=numbers", "~gain:=/gain"])
-    node = fibws.Node("talker", namespace="/robot", remapping=remapping)
-    assert node.resolve("fibonacci") == "/robot/numbers"
-    assert node.resolve("/fibonacci") == "/fibonacci"
-    assert node.resolve("~offset") == "/robot/talker/offset"
-    assert node.resolve("~gain") == "/gain"
 
 
 def test_a_hub_has_an_address() -> None:
@@ -336,3 +307,27 @@ async def test_a_node_may_be_prepared_before_it_is_entered(
         assert (await peer.hears("subscribe"))["topic"] == "/fibonacci"
         await peer.says("publish", topic="/fibonacci", msg={"data": 1})
         assert await anext(numbers) == Int32(1)
+
+
+# Services
+
+
+async def test_its_end_cancels_the_answers_under_way_and_waits_for_them(hub: ScriptedHub) -> None:
+    asked, left = asyncio.Event(), asyncio.Event()
+
+    async def never(request: object) -> tuple[bool, str]:
+        asked.set()
+        try:
+            await asyncio.Event().wait()
+        finally:
+            await asyncio.sleep(0)
+            left.set()
+        return True, ""
+
+    async with fibws.Node("node", hub=hub.url) as node:
+        peer = await hub.peer()
+        await node.service("never", "std_srvs/Trigger", never)
+        await peer.hears("advertise_service")
+        await peer.says("call_service", id="call", service="/never", args={})
+        await asked.wait()
+    assert left.is_set()

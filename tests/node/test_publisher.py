@@ -13,6 +13,7 @@ from fibws.errors import InvalidMessage, NodeClosed
 from fibws.msg.geometry_msgs import Point, Vector3
 from fibws.node.publisher import Publisher
 from fibws.node.session import Session
+from fibws.node.topics import Topics
 from fibws.node.types import Types
 from fibws.protocol.operations import Advertise
 
@@ -26,7 +27,8 @@ def session() -> Session:
 def points(session: Session) -> Publisher[Point]:
     operation = Advertise(id=1, topic="/points", type=Point._type, queue_size=2)
     validate = Types(time.time_ns).validate(Point._type)
-    return Publisher(session, session.advertise(operation), Point, validate)
+    topics = Topics(session)
+    return Publisher(topics, topics.advertise(operation), Point, validate)
 
 
 def published(session: Session) -> list[dict[str, Any]]:

@@ -13,6 +13,7 @@ from fibws.msg.rosgraph_msgs import Log
 from fibws.msg.std_msgs import Int32
 from fibws.node.rosout import Rosout, level
 from fibws.node.session import Session
+from fibws.node.topics import Topics
 
 from .conftest import ScriptedHub
 
@@ -61,7 +62,7 @@ async def test_other_threads_may_log(hub: ScriptedHub) -> None:
 
 def test_other_threads_may_log_even_when_the_loop_is_gone() -> None:
     session = Session(logging.Logger("test"))
-    rosout = Rosout("/talker", session)
+    rosout = Rosout("/talker", Topics(session))
     rosout.loop = asyncio.new_event_loop()
     rosout.loop.close()
     rosout.handle(logging.LogRecord("test", logging.INFO, "file", 1, "text", (), None))
@@ -70,7 +71,7 @@ def test_other_threads_may_log_even_when_the_loop_is_gone() -> None:
 
 def test_without_a_hub_the_newest_lines_are_kept() -> None:
     session = Session(logging.Logger("test"))
-    rosout = Rosout("/talker", session)
+    rosout = Rosout("/talker", Topics(session))
     for _ in range(1000):
         rosout.handle(logging.LogRecord("test", logging.INFO, "file", 1, "text", (), None))
     assert len(session.outbox) == 100
@@ -78,7 +79,7 @@ def test_without_a_hub_the_newest_lines_are_kept() -> None:
 
 def test_half_a_character_is_sent_as_a_question_mark() -> None:
     session = Session(logging.Logger("test"))
-    rosout = Rosout("/talker", session)
+    rosout = Rosout("/talker", Topics(session))
     rosout.handle(logging.LogRecord("test", logging.INFO, "\udcff.py", 1, "\ud83d", (), None))
     text = session.outbox.pop()
     assert b'"msg":"?"' in text
@@ -87,7 +88,7 @@ def test_half_a_character_is_sent_as_a_question_mark() -> None:
 
 def test_a_wrong_log_line_does_not_stop_the_program(capsys: pytest.CaptureFixture[str]) -> None:
     session = Session(logging.Logger("test"))
-    rosout = Rosout("/talker", session)
+    rosout = Rosout("/talker", Topics(session))
     rosout.handle(logging.LogRecord("test", logging.INFO, "file", 1, "%d", ("thirteen",), None))
     assert "%d format" in capsys.readouterr().err
     assert len(session.outbox) == 0

@@ -2,142 +2,152 @@
 
 from __future__ import annotations
 
-import json
-import logging
+from collections.abc import Iterator
 from typing import Any
 
 import pytest
 
 from fibws.errors import NodeClosed, NodeReplaced, OperationRejected
-from fibws.node.outbox import Advertisement
+from fibws.node.part import Part
 from fibws.node.session import Session
-from fibws.node.subscription import Subscription
-from fibws.protocol.operations import Advertise, Subscribe
+from fibws.protocol.operations import Publish, Reply, Unsubscribe
 
-INT32 = "std_msgs/Int32"
+from .conftest import Lines, hears, said
+
+
+class Ear(Part):
+    """A part that hears one topic, and notes what happens to it."""
+
+    def __init__(self, session: Session, topic: str) -> None:
+        self.topic = topic
+        self.notes: list[Any] = []
+        session.join(self)
+
+    def greeting(self) -> Iterator[bytes]:
+        yield self.topic.encode()
+
+    def receive(self, reply: Reply) -> bool:
+        if not isinstance(reply, Publish) or reply.topic != self.topic:
+            return False
+        self.notes.append(reply.msg)
+        return True
+
+    def refuse(self, id_: str, fault: OperationRejected) -> bool:
+        if id_ == self.topic:
+            self.notes.append(str(fault))
+        return id_ == self.topic
+
+    def lose(self) -> None:
+        self.notes.append("lost")
+
+    def end(self, fault: Exception | None) -> None:
+        self.notes.append(fault)
 
 
 @pytest.fixture
-def session() -> Session:
-    session = Session(logging.Logger("test"))
-    session.outbox.open()
-    return session
-
-
-def advertise(session: Session, topic: str, *, latch: bool = False) -> Advertisement:
-    id_ = session.id("advertise", topic)
-    return session.advertise(Advertise(id=id_, topic=topic, type=INT32, latch=latch))
-
-
-def subscribe(session: Session, topic: str) -> Subscription[Any]:
-    operation = Subscribe(id=session.id("subscribe", topic), topic=topic, type=INT32)
-    subscription: Subscription[Any] = Subscription(
-        operation, INT32, 10, lambda msg: msg, session.unsubscribe, logging.Logger("test")
-    )
-    session.subscribe(subscription)
-    return subscription
-
-
-def said(session: Session) -> list[tuple[str, str]]:
-    """The operations that wait, by name and topic."""
-    operations = [json.loads(session.outbox.pop()) for _ in range(len(session.outbox))]
-    return [(each["op"], each["topic"]) for each in operations]
-
-
-def greeted(session: Session) -> list[tuple[str, str]]:
-    operations = [json.loads(text) for text in session.greeting()]
-    return [(each["op"], each["topic"]) for each in operations]
-
-
-def test_registrations_are_said_as_they_come_and_go(session: Session) -> None:
-    advertisement = advertise(session, "/a")
-    subscription = subscribe(session, "/s")
-    session.unadvertise(advertisement)
-    subscription.close()
-    assert said(session) == [
-        ("advertise", "/a"),
-        ("subscribe", "/s"),
-        ("unadvertise", "/a"),
-        ("unsubscribe", "/s"),
-    ]
-    assert session.topics() == []
-
-
-def test_registrations_that_are_taken_back_twice_are_said_once(session: Session) -> None:
-    advertisement = advertise(session, "/a")
-    subscription = subscribe(session, "/s")
-    said(session)
-    for _ in range(2):
-        session.unadvertise(advertisement)
-        session.unsubscribe(subscription)
-    assert said(session) == [("unadvertise", "/a"), ("unsubscribe", "/s")]
-
-
-def test_without_a_hub_they_wait_for_the_greeting(session: Session) -> None:
-    session.outbox.lose()
-    advertise(session, "/a")
-    subscribe(session, "/s")
-    gone = advertise(session, "/gone")
-    session.unadvertise(gone)
-    assert said(session) == []
-    assert greeted(session) == [("advertise", "/a"), ("subscribe", "/s")]
-
-
-def test_a_greeting_ends_in_what_is_latched_unless_newer_messages_wait(session: Session) -> None:
-    sent = advertise(session, "/sent", latch=True)
-    waiting = advertise(session, "/waiting", latch=True)
-    unlatched = advertise(session, "/unlatched")
-    advertise(session, "/silent", latch=True)
-    for each in (sent, waiting, unlatched):
-        topic = each.operation.topic
-        session.publish(each, json.dumps({"op": "publish", "topic": topic}).encode())
-    said(session)
-    session.outbox.lose()
-    session.publish(waiting, b'{"op":"publish","topic":"/waiting"}')
-    assert greeted(session)[4:] == [("publish", "/sent")]
+def ears(session: Session) -> tuple[Ear, Ear]:
+    return Ear(session, "/a"), Ear(session, "/b")
 
 
 def test_ids_differ(session: Session) -> None:
     assert session.id("advertise", "/a") != session.id("advertise", "/a")
 
 
-async def test_a_frame_may_hold_several_operations(session: Session) -> None:
-    subscription = subscribe(session, "/s")
-    session.receive(b'{"op":"publish","topic":"/s","msg":1} {"op":"publish","topic":"/s","msg":2}')
-    subscription.end()
-    assert [message async for message in subscription] == [1, 2]
+def test_only_a_hub_that_is_there_is_told(session: Session) -> None:
+    operation = Unsubscribe(topic="/a")
+    session.say(operation)
+    assert said(session) == [{"op": "unsubscribe", "topic": "/a"}]
+    session.lose()
+    session.say(operation)
+    assert said(session) == []
 
 
-def test_a_refusal_reaches_its_publisher_alone(session: Session) -> None:
-    refused, other = advertise(session, "/a"), advertise(session, "/b")
-    status = {"op": "status", "level": "error", "id": refused.operation.id, "msg": "no"}
-    session.receive(json.dumps(status).encode())
-    with pytest.raises(OperationRejected, match="no"):
-        session.publish(refused, b"{}")
-    session.publish(other, b"{}")
-    assert session.topics() == ["/b"]
+def test_a_greeting_is_what_all_parts_have_to_say(session: Session, ears: tuple[Ear, Ear]) -> None:
+    assert session.greeting() == [b"/a", b"/b"]
 
 
-def test_a_warning_about_a_registration_does_not_end_it(session: Session) -> None:
-    advertisement = advertise(session, "/a")
-    status = {"op": "status", "level": "warning", "id": advertisement.operation.id, "msg": "hm"}
-    session.receive(json.dumps(status).encode())
-    session.publish(advertisement, b"{}")
+def test_each_part_gets_what_is_its_own(
+    session: Session, ears: tuple[Ear, Ear], lines: Lines
+) -> None:
+    hears(session, "publish", topic="/a", msg=1)
+    hears(session, "publish", topic="/b", msg=2)
+    assert [ear.notes for ear in ears] == [[1], [2]]
+    assert lines.seen() == []
 
 
-def test_what_is_closed_or_over_cannot_publish(session: Session) -> None:
-    closed, open_ = advertise(session, "/closed"), advertise(session, "/open")
-    session.unadvertise(closed)
-    with pytest.raises(NodeClosed, match="/closed"):
-        session.publish(closed, b"{}")
+def test_a_frame_may_hold_several_operations(session: Session, ears: tuple[Ear, Ear]) -> None:
+    session.receive(b'{"op":"publish","topic":"/a","msg":1} {"op":"publish","topic":"/a","msg":2}')
+    assert ears[0].notes == [1, 2]
+
+
+def test_what_nobody_takes_goes_to_the_log(session: Session, lines: Lines) -> None:
+    hears(session, "action_feedback", action="/a", id="7")
+    assert lines.seen() == ["The hub sent what nobody here waits for: action_feedback"]
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        (b"[]", "Expected a JSON object"),
+        (b'{"op":"fly"}', "Unknown operation: fly"),
+        (b'{"op":"png","data":""}', "an image of an operation"),
+        (b"\xff", "utf-8"),
+    ],
+)
+def test_what_is_not_understood_goes_to_the_log(
+    session: Session, lines: Lines, text: bytes, reason: str
+) -> None:
+    session.receive(text)
+    (line,) = lines.seen()
+    assert line.startswith("The hub sent what this node does not understand: ")
+    assert reason in line
+
+
+def test_fragments_are_put_together(session: Session, ears: tuple[Ear, Ear]) -> None:
+    text = '{"op":"publish","topic":"/a","msg":"grüße"}'
+    for number, data in enumerate((text[:20], text[20:])):
+        assert ears[0].notes == []
+        hears(session, "fragment", id="f", data=data, num=number, total=2)
+    assert ears[0].notes == ["grüße"]
+
+
+def test_half_a_message_is_of_no_use_to_the_next_connection(
+    session: Session, ears: tuple[Ear, Ear], lines: Lines
+) -> None:
+    text = '{"op":"publish","topic":"/a","msg":1}'
+    hears(session, "fragment", id="f", data=text[:20], num=0, total=2)
+    session.lose()
+    hears(session, "fragment", id="f", data=text[20:], num=1, total=2)
+    assert ears[0].notes == ["lost"]
+
+
+def test_a_refusal_reaches_whom_it_concerns(
+    session: Session, ears: tuple[Ear, Ear], lines: Lines
+) -> None:
+    hears(session, "status", level="error", id="/b", msg="no")
+    assert [ear.notes for ear in ears] == [[], ["no"]]
+    hears(session, "status", level="warning", id="/b", msg="hm")
+    hears(session, "status", level="error", id="/c", msg="what")
+    hears(session, "status", level="error", msg="how")
+    assert [ear.notes for ear in ears] == [[], ["no"]]
+    assert lines.seen() == ["The hub: hm", "The hub: what", "The hub: how"]
+
+
+def test_all_parts_hear_of_a_loss_and_of_the_first_end(
+    session: Session, ears: tuple[Ear, Ear]
+) -> None:
+    fault = NodeReplaced("by another")
+    session.lose()
+    session.end(fault)
     session.end()
-    with pytest.raises(NodeClosed, match="the node has ended"):
-        session.publish(open_, b"{}")
-
-
-def test_the_first_reason_for_the_end_is_the_one_that_counts(session: Session) -> None:
-    session.end(NodeReplaced("by another"))
-    session.end()
+    assert [ear.notes for ear in ears] == 2 * [["lost", fault]]
     assert session.over
     with pytest.raises(NodeReplaced):
+        session.check()
+
+
+def test_the_end_may_be_nobodys_fault(session: Session) -> None:
+    session.check()
+    session.end()
+    with pytest.raises(NodeClosed, match="the node has ended"):
         session.check()

@@ -13,6 +13,7 @@ from fibws.interfaces import Interfaces
 from fibws.msg import _finder
 from fibws.msg.std_msgs import Int32
 from fibws.node.types import Types
+from fibws.srv.rospy_tutorials import AddTwoInts
 
 from .conftest import ScriptedHub
 
@@ -24,6 +25,9 @@ def folder(tmp_path: Path) -> Path:
     messages.mkdir(parents=True)
     (messages / "Bed.msg").write_text("string crop\nPlant[] plants\n")
     (messages / "Plant.msg").write_text("float32 height\n")
+    services = tmp_path / "garden" / "srv"
+    services.mkdir()
+    (services / "Water.srv").write_text("Plant plant\n---\nfloat32 litres\n")
     return tmp_path
 
 
@@ -68,6 +72,28 @@ def test_only_the_users_own_types_are_explained_to_the_hub(folder: Path) -> None
     text = mine.definition("garden/Bed")
     assert text is not None
     assert text.startswith("string crop\nPlant[] plants\n")
+    assert "MSG: garden/Plant" in text
+
+
+def test_a_service_is_found_by_its_types_name() -> None:
+    assert types().service_class("rospy_tutorials/AddTwoInts") is AddTwoInts
+    assert types().service_class(AddTwoInts) is AddTwoInts
+    with pytest.raises(fibws.InterfaceError, match="garden"):
+        types().service_class("garden/Water")
+
+
+def test_what_is_no_service_is_refused() -> None:
+    with pytest.raises(fibws.InterfaceError, match="Int32"):
+        types().service(Int32)  # type: ignore[arg-type]
+
+
+def test_only_the_users_own_services_are_explained_to_the_hub(folder: Path) -> None:
+    fibws.msg.add_folder(folder)
+    mine = types()
+    assert mine.service_definition("rospy_tutorials/AddTwoInts") is None
+    text = mine.service_definition("garden/Water")
+    assert text is not None
+    assert text.startswith("Plant plant\n---\nfloat32 litres\n")
     assert "MSG: garden/Plant" in text
 
 

@@ -1,4 +1,4 @@
-"""A type checker knows which messages a publisher takes: an ignored error that is none is one."""
+"""A type checker knows what belongs together: an ignored error that is none is one."""
 
 from __future__ import annotations
 
@@ -6,9 +6,11 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parents[2]
 
-PROGRAM = """
+TOPICS = """
 from typing import Any
 
 from typing_extensions import assert_type
@@ -37,9 +39,51 @@ async def program(node: fibws.Node) -> None:
 """
 
 
-def test_a_publisher_takes_the_fields_of_its_messages(tmp_path: Path) -> None:
+SERVICES = """
+from typing import Any
+
+from typing_extensions import assert_type
+
+import fibws
+from fibws.msg.std_msgs import Int32
+from fibws.srv.rospy_tutorials import AddTwoInts, AddTwoIntsRequest, AddTwoIntsResponse, BadTwoInts
+from fibws.srv.std_srvs import Trigger
+
+
+def add(request: AddTwoIntsRequest) -> AddTwoIntsResponse:
+    return AddTwoInts.Response(request.a + request.b)
+
+
+async def add_later(request: AddTwoIntsRequest) -> AddTwoIntsResponse:
+    return add(request)
+
+
+def nothing(request: AddTwoIntsRequest) -> None:
+    pass
+
+
+async def program(node: fibws.Node) -> None:
+    server = await node.service("add", AddTwoInts, add)
+    assert_type(server, fibws.ServiceServer[AddTwoIntsRequest, AddTwoIntsResponse])
+    await node.service("add", AddTwoInts, add_later)
+    await node.service("add", AddTwoInts, lambda request: request.a + request.b)
+    await node.service("add", AddTwoInts, lambda request: {"sum": request.a + request.b})
+    await node.service("add", AddTwoInts, nothing)  # type: ignore[arg-type]
+    await node.service("add", Trigger, add)  # type: ignore[arg-type]
+    await node.service("add", "rospy_tutorials/AddTwoInts", add)
+    assert_type(await node.call("add", AddTwoInts, AddTwoInts.Request(1, 2)), AddTwoIntsResponse)
+    assert_type(await node.call("add", AddTwoInts, {"a": 1}), AddTwoIntsResponse)
+    assert_type(await node.call("add", "rospy_tutorials/AddTwoInts", {"a": 1}), Any)
+    await node.call("add", AddTwoInts, BadTwoInts.Request(1, 2))  # type: ignore[misc]
+    await node.call("add", Int32)  # type: ignore[arg-type]
+    assert_type(await node.wait_for_message("numbers", Int32), Int32)
+"""
+
+
+@pytest.mark.parametrize("program", [TOPICS, SERVICES], ids=["topics", "services"])
+def test_publishers_and_services_are_of_their_types(tmp_path: Path, program: str) -> None:
     script = tmp_path / "program.py"
-    script.write_text(PROGRAM, "utf-8")
+    script.write_text(program, "utf-8")
     done = subprocess.run(
         [sys.executable, "-m", "mypy", str(script)], cwd=ROOT, capture_output=True, text=True
     )

@@ -15,6 +15,8 @@ from fibws.msg.geometry_msgs import Twist, Vector3
 from fibws.msg.rosgraph_msgs import Log
 from fibws.msg.sensor_msgs import Image
 from fibws.msg.std_msgs import Float64, Int32, String
+from fibws.srv.rospy_tutorials import AddTwoInts, AddTwoIntsRequest
+from fibws.srv.std_srvs import Trigger
 
 from .conftest import Lines
 
@@ -141,3 +143,118 @@ async def test_what_is_published_without_a_hub_reaches_the_listeners() -> None:
             await publisher.publish(8)
             assert [*kept, (await anext(numbers)).data] == [3, 4, 5, 6, 7, 8]
             await stack.aclose()
+
+
+# Services
+
+
+def add(request: AddTwoIntsRequest) -> int:
+    return request.a + request.b
+
+
+async def test_one_node_calls_another(real_hub: Hub) -> None:
+    url = real_hub.url
+    async with fibws.Node("server", hub=url) as server, fibws.Node("client", hub=url) as client:
+        await server.service("add", AddTwoInts, add)
+        await client.wait_for_service("add", timeout=5)
+        assert await client.call("add", AddTwoInts, {"a": 1, "b": 2}) == AddTwoInts.Response(3)
+        named = await client.call("/add", "rospy_tutorials/AddTwoInts", AddTwoInts.Request(3, 4))
+        assert named.sum == 7
+        assert await server.call("add", AddTwoInts) == AddTwoInts.Response(0)
+
+
+async def test_many_calls_are_answered_beside_each_other(real_hub: Hub) -> None:
+    url = real_hub.url
+    async with fibws.Node("server", hub=url) as server, fibws.Node("client", hub=url) as client:
+        all_there = asyncio.Barrier(50)
+
+        async def add_together(request: AddTwoIntsRequest) -> int:
+            await all_there.wait()
+            return add(request)
+
+        await server.service("add", AddTwoInts, add_together)
+        await client.wait_for_service("add", timeout=5)
+        async with asyncio.timeout(10):
+            calls = (client.call("add", AddTwoInts, {"a": number, "b": 1}) for number in range(50))
+            sums = [response.sum for response in await asyncio.gather(*calls)]
+        assert sums == list(range(1, 51))
+
+
+async def test_failures_come_with_their_texts(real_hub: Hub) -> None:
+    async with fibws.Node("node", hub=real_hub.url) as node:
+
+        def fail(request: object) -> tuple[bool, str]:
+            raise ValueError("boom")
+
+        await node.service("fail", Trigger, fail)
+        with pytest.raises(fibws.ServiceError, match=r"error processing request: boom") as caught:
+            await node.call("fail", Trigger)
+        assert caught.value.service == "/fail"
+        with pytest.raises(fibws.ServiceError, match=r"^Service /nothing does not exist$"):
+            await node.call("nothing", Trigger)
+
+
+async def test_a_call_whose_provider_leaves_fails_at_once(real_hub: Hub) -> None:
+    url = real_hub.url
+    async with fibws.Node("client", hub=url) as client:
+        async with fibws.Node("server", hub=url) as server:
+            asked = asyncio.Event()
+
+            async def never(request: object) -> tuple[bool, str]:
+                asked.set()
+                await asyncio.Event().wait()
+                return True, ""
+
+            await server.service("never", Trigger, never)
+            await client.wait_for_service("never", timeout=5)
+            call = asyncio.create_task(client.call("never", Trigger))
+            await asked.wait()
+        async with asyncio.timeout(5):
+            with pytest.raises(fibws.ServiceError, match="/server has left"):
+                await call
+
+
+async def test_a_provider_that_takes_too_long_is_given_up_by_both(real_hub: Hub) -> None:
+    async with fibws.Node("node", hub=real_hub.url) as node:
+        may = asyncio.Event()
+
+        async def slow(request: object) -> tuple[bool, str]:
+            await may.wait()
+            return True, ""
+
+        await node.service("slow", Trigger, slow)
+        with pytest.raises(fibws.ServiceTimeout, match=r"within 0\.01 s"):
+            await node.call("slow", Trigger, timeout=0.01)
+        may.set()
+        assert (await node.call("slow", Trigger, timeout=5)).success
+
+
+async def test_services_and_their_callers_are_back_with_the_hub() -> None:
+    async with asyncio.timeout(20), contextlib.AsyncExitStack() as stack:
+        async with Hub(Settings(port=0)) as hub:
+            port, url = hub.port, hub.url
+            server = await stack.enter_async_context(fibws.Node("server", hub=url))
+            client = await stack.enter_async_context(fibws.Node("client", hub=url))
+            await server.service("add", AddTwoInts, add)
+            await client.wait_for_service("add")
+            lines = Lines(client.log)
+        assert "Lost the hub" in await lines.next()
+        call = asyncio.create_task(client.call("add", AddTwoInts, {"a": 1, "b": 2}))
+        async with Hub(Settings(port=port)):
+            assert (await call).sum == 3
+            await stack.aclose()
+
+
+async def test_the_users_own_service_reaches_a_hub_that_does_not_know_it(
+    real_hub: Hub, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for kind in ("msg", "srv"):
+        (tmp_path / "meadow" / kind).mkdir(parents=True)
+    (tmp_path / "meadow" / "msg" / "Plot.msg").write_text("uint8 rows\n")
+    (tmp_path / "meadow" / "srv" / "Mow.srv").write_text("Plot plot\n---\nuint8 hours\n")
+    monkeypatch.setenv("FIBWS_INTERFACES", str(tmp_path))
+    async with fibws.Node("node", hub=real_hub.url) as node:
+        await node.service("mow", "meadow/Mow", lambda request: request.plot.rows * 2)
+        with pytest.raises(fibws.InvalidMessage, match="rows"):
+            await node.call("mow", "meadow/Mow", {"plot": {"rows": 256}})
+        assert (await node.call("mow", "meadow/Mow", {"plot": {"rows": 7}})).hours == 14

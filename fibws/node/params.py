@@ -1,0 +1,75 @@
+"""The graph's parameters, as a node reads and sets them."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from fibws.errors import UnknownParameter
+from fibws.node.rosapi import Rosapi
+from fibws.srv import rosapi
+
+_MISSING = object()
+_ROOT = "/"
+
+
+class Params(Rosapi):
+    """The parameters that all nodes share: a tree of values, which lasts as long as the hub.
+
+    Names are resolved as all others: ``gain`` belongs to the node's namespace, ``~gain`` to the
+    node alone; ``/`` is the whole tree. A value is what JSON can hold but for null, and a dict is a
+    namespace (http://wiki.ros.org/Parameter%20Server). While there is no hub, all of these wait.
+
+    Raises:
+        InvalidName: a parameter's name is not legal.
+        ServiceError: the hub refuses, or is lost, as the text says.
+        NodeClosed: the node has ended.
+    """
+
+    async def get(self, name: str, default: Any = _MISSING) -> Any:
+        """The value of a parameter, or all of a namespace as a dict; or else the default.
+
+        Raises:
+            UnknownParameter: there is neither.
+        """
+        name = self._global(name)
+        answer = await self._ask("get_param", rosapi.GetParam, name=name, default="null")
+        value = json.loads(answer.value)
+        if value is not None:
+            return value
+        if default is _MISSING:
+            raise UnknownParameter(name)
+        return default
+
+    async def set(self, name: str, value: Any) -> None:
+        """Set a parameter; a dict takes the place of a whole namespace.
+
+        Raises:
+            TypeError, ValueError: JSON cannot hold the value.
+        """
+        text = json.dumps(value, allow_nan=False)
+        await self._ask("set_param", rosapi.SetParam, name=self._global(name), value=text)
+
+    async def has(self, name: str) -> bool:
+        """Whether there is a parameter or a namespace of this name."""
+        answer = await self._ask("has_param", rosapi.HasParam, name=self._global(name))
+        return answer.exists
+
+    async def delete(self, name: str) -> None:
+        """Delete a parameter, or all of a namespace; does nothing if there is none."""
+        await self._ask("delete_param", rosapi.DeleteParam, name=self._global(name))
+
+    async def search(self, name: str) -> str | None:
+        """The global name of the nearest parameter of this name.
+
+        It is looked for in the node's own namespace (``/robot/talker``), then in each above.
+        """
+        answer = await self._ask("search_param", rosapi.SearchParam, name=name)
+        return answer.global_name or None
+
+    async def names(self) -> list[str]:
+        """The names of all parameters, without those of namespaces."""
+        return (await self._ask("get_param_names", rosapi.GetParamNames)).names
+
+    def _global(self, name: str) -> str:
+        return name if name == _ROOT else self._resolve(name)

@@ -1,0 +1,151 @@
+"""The answering end of a service."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable, Mapping
+from inspect import isawaitable
+from typing import Any, Generic, Self, TypeAlias
+
+from fibws.interfaces.bases import Req, Res
+from fibws.node.fault import tell
+from fibws.node.service_type import ServiceType
+from fibws.node.session import Session
+from fibws.node.tasks import Tasks
+from fibws.protocol.operations import AdvertiseService, CallService, ServiceResponse
+
+MOST_CALLS = 100
+"""How many calls of one service are answered at once."""
+
+Answer: TypeAlias = (
+    Res | Mapping[str, Any] | tuple[Any, ...] | list[Any] | bool | int | float | str | bytes
+)
+"""A response: whole, or its fields by name or in order, or the value of its only field."""
+
+Handler: TypeAlias = Callable[[Req], Answer[Res] | Awaitable[Answer[Res]]]
+"""What answers a request: a plain function or an async one."""
+
+
+class ServiceServer(Generic[Req, Res]):
+    """Answers the calls of one service, each in a task of its own.
+
+    Leave it with `close`, or by ``async with``, to answer no more before the node ends.
+    """
+
+    def __init__(
+        self,
+        session: Session,
+        operation: AdvertiseService,
+        types: ServiceType[Req, Res],
+        handler: Handler[Req, Res],
+        leave: Callable[[ServiceServer[Any, Any]], None],
+    ) -> None:
+        self._session = session
+        self._operation = operation
+        self._types = types
+        self._handler = handler
+        self._leave = leave
+        self._tasks = Tasks(session.tasks)
+        self._asked_by = object()
+        self._ended = asyncio.Event()
+        self._fault: Exception | None = None
+
+    def __repr__(self) -> str:
+        return f"<ServiceServer {self.name} [{self.type}]>"
+
+    @property
+    def name(self) -> str:
+        """The service's global name."""
+        return self._operation.service
+
+    @property
+    def type(self) -> str:
+        """The service's type, such as ``std_srvs/Trigger``."""
+        return self._operation.type
+
+    @property
+    def operation(self) -> AdvertiseService:
+        """What offers the service to the hub."""
+        return self._operation
+
+    async def spin(self) -> None:
+        """Wait until the service or its node ends; raise the reason if something was the matter.
+
+        Raises:
+            OperationRejected: the hub refused the service, so that nobody can call it.
+        """
+        await self._ended.wait()
+        if self._fault is not None:
+            tell(self._fault)
+
+    def close(self) -> None:
+        """Answer no more, and cancel what is not answered yet. Does nothing when called again."""
+        if not self._ended.is_set():
+            self.end()
+            self._leave(self)
+
+    def take(self, call: CallService) -> None:
+        """Answer a call, now or later."""
+        if len(self._tasks) < MOST_CALLS:
+            name = f"{self.name} answers {call.id}"
+            self._tasks.start(self._answer(call, self._asked_by), name)
+        else:
+            self._say(call, f"service [{self.name}] is busy with {MOST_CALLS} calls", result=False)
+
+    def lose(self) -> None:
+        """The connection is gone: nobody waits for answers to what came from it."""
+        self._asked_by = object()
+
+    def end(self, fault: Exception | None = None) -> None:
+        """No call will come any more, because of ``fault`` if there is one."""
+        self.lose()
+        self._fault = fault
+        self._ended.set()
+        self._tasks.cancel()
+
+    async def __aenter__(self) -> Self:
+        return self
+
+    async def __aexit__(self, *error: object) -> None:
+        self.close()
+        await self._tasks.finished()
+
+    async def _answer(self, call: CallService, asked_by: object) -> None:
+        values: Any = "error processing request: it was cancelled"
+        result = False
+        try:
+            values, result = await self._outcome(call)
+            await self._session.outbox.room()
+        finally:
+            # Whatever befell the handler, its caller waits, unless the service or the hub is gone.
+            if asked_by is self._asked_by:
+                self._say(call, values, result=result)
+
+    async def _outcome(self, call: CallService) -> tuple[Any, bool]:
+        """The response's values, or the text of what went wrong, which is rospy's."""
+        try:
+            answer = self._handler(self._types.asked(call.args))
+            if isawaitable(answer):
+                answer = await answer
+        except Exception as error:
+            self._failed(f"{type(error).__name__}: {error}")
+            text = str(error) or type(error).__name__
+            return _unicode(f"error processing request: {text}"), False
+        try:
+            return self._types.answer(answer), True
+        except Exception as error:
+            self._failed(str(error))
+            return _unicode(f"service cannot process request: {error}"), False
+
+    def _failed(self, reason: str) -> None:
+        self._session.log.error("Service %s failed: %s", self.name, reason)
+
+    def _say(self, call: CallService, values: Any, *, result: bool) -> None:
+        self._session.say(
+            ServiceResponse(id=call.id, service=call.service, values=values, result=result)
+        )
+
+
+def _unicode(text: str) -> str:
+    """``text`` without halves of surrogate pairs, which file names may have, and JSON may not."""
+    return text.encode("utf-8", "replace").decode()

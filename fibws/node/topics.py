@@ -1,0 +1,133 @@
+"""A node's publishers and subscriptions, as its hub knows them."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator
+from typing import Any
+
+from fibws.errors import NodeClosed, OperationRejected
+from fibws.node.fault import tell
+from fibws.node.outbox import Advertisement
+from fibws.node.part import Part
+from fibws.node.session import Session
+from fibws.node.subscription import Subscription
+from fibws.protocol.operations import (
+    Advertise,
+    Publish,
+    Reply,
+    Unadvertise,
+    Unsubscribe,
+    encode,
+)
+
+
+class Topics(Part):
+    """The part of a session that publishes and listens."""
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+        self._advertisements: dict[str, Advertisement] = {}
+        self._subscriptions: dict[str, Subscription[Any]] = {}
+        self._listeners: defaultdict[str, list[Subscription[Any]]] = defaultdict(list)
+        session.join(self)
+
+    # What the node does
+
+    def advertise(self, operation: Advertise) -> Advertisement:
+        """Register a publisher."""
+        self._session.check()
+        advertisement = Advertisement(operation)
+        self._advertisements[str(operation.id)] = advertisement
+        self._session.say(operation)
+        return advertisement
+
+    async def room(self) -> None:
+        """Wait until there is room for another message."""
+        await self._session.outbox.room()
+
+    def publish(self, advertisement: Advertisement, text: bytes) -> None:
+        """Send a message, already encoded; the caller has waited for room."""
+        self._session.check()
+        if advertisement.fault is not None:
+            tell(advertisement.fault)
+        if advertisement.closed:
+            raise NodeClosed(f"publish on {advertisement.operation.topic}: it was closed")
+        if advertisement.operation.latch:
+            advertisement.latched = text
+        self._session.outbox.put(text, advertisement)
+
+    def unadvertise(self, advertisement: Advertisement) -> None:
+        """Take a publisher back."""
+        advertisement.closed = True
+        operation = advertisement.operation
+        if self._advertisements.pop(str(operation.id), None) is not None:
+            self._session.say(Unadvertise(id=operation.id, topic=operation.topic))
+
+    def subscribe(self, subscription: Subscription[Any]) -> None:
+        """Register a subscription."""
+        self._session.check()
+        self._subscriptions[str(subscription.operation.id)] = subscription
+        self._listeners[subscription.topic].append(subscription)
+        self._session.say(subscription.operation)
+
+    def unsubscribe(self, subscription: Subscription[Any]) -> None:
+        """Take a subscription back."""
+        operation = subscription.operation
+        if self._forget(str(operation.id)) is not None:
+            self._session.say(Unsubscribe(id=operation.id, topic=operation.topic))
+
+    @property
+    def over(self) -> bool:
+        """Whether the node has ended."""
+        return self._session.over
+
+    def names(self) -> list[str]:
+        """The topics that the node publishes or subscribes to."""
+        published = {each.operation.topic for each in self._advertisements.values()}
+        return sorted(published | {each.topic for each in self._subscriptions.values()})
+
+    # What happens to the node
+
+    def greeting(self) -> Iterator[bytes]:
+        """All registrations, then what is latched, unless newer messages wait."""
+        for advertisement in self._advertisements.values():
+            yield encode(advertisement.operation)
+        for subscription in self._subscriptions.values():
+            yield encode(subscription.operation)
+        for advertisement in self._advertisements.values():
+            if advertisement.latched is not None and not advertisement.waiting:
+                yield advertisement.latched
+
+    def receive(self, reply: Reply) -> bool:
+        """Hand a message to those who listen; it may come late, when nobody does any more."""
+        if not isinstance(reply, Publish):
+            return False
+        for subscription in self._listeners.get(reply.topic, ()):
+            subscription.offer(reply.msg)
+        return True
+
+    def refuse(self, id_: str, fault: OperationRejected) -> bool:
+        """End a publisher or a subscription that the hub will not have."""
+        if (advertisement := self._advertisements.pop(id_, None)) is not None:
+            advertisement.fault = fault
+            advertisement.closed = True
+            return True
+        if (subscription := self._forget(id_)) is not None:
+            subscription.end(fault)
+            return True
+        return False
+
+    def end(self, fault: Exception | None) -> None:
+        """Let all readers know."""
+        for subscription in self._subscriptions.values():
+            subscription.end(fault)
+
+    def _forget(self, id_: str) -> Subscription[Any] | None:
+        subscription = self._subscriptions.pop(id_, None)
+        if subscription is not None:
+            listeners = self._listeners[subscription.topic]
+            listeners.remove(subscription)
+            if not listeners:
+                del self._listeners[subscription.topic]
+        return subscription

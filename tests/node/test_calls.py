@@ -1,0 +1,216 @@
+"""A node's calls of services: text in, text out, no socket."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Any
+
+import pytest
+
+from fibws.errors import (
+    InvalidMessage,
+    NodeClosed,
+    NodeReplaced,
+    ServiceError,
+    ServiceLost,
+    ServiceTimeout,
+)
+from fibws.node.calls import Calls
+from fibws.node.session import Session
+from fibws.node.types import Types
+from fibws.srv.rospy_tutorials import AddTwoInts, AddTwoIntsResponse, BadTwoInts
+from fibws.srv.std_srvs import Trigger
+
+from .conftest import Lines, hears, said, says
+
+
+@pytest.fixture
+def calls(session: Session, types: Types) -> Calls:
+    return Calls(session, types)
+
+
+def add(calls: Calls, a: int, b: int, within: float | None = None) -> asyncio.Task[Any]:
+    call = calls.call("/add", AddTwoInts, AddTwoInts.Request(a, b), within=within)
+    return asyncio.create_task(call)
+
+
+def responds(session: Session, call: dict[str, Any], values: Any, result: bool = True) -> None:
+    hears(
+        session,
+        "service_response",
+        id=call["id"],
+        service=call["service"],
+        values=values,
+        result=result,
+    )
+
+
+async def test_a_call_goes_out_and_its_answer_comes_back(session: Session, calls: Calls) -> None:
+    answer = add(calls, 1, 2)
+    call = await says(session)
+    assert (call["op"], call["service"], call["args"]) == ("call_service", "/add", {"a": 1, "b": 2})
+    assert "timeout" not in call
+    responds(session, call, {"sum": 3})
+    assert await answer == AddTwoIntsResponse(3)
+    assert len(calls) == 0
+
+
+@pytest.mark.parametrize("request_", [None, {}, Trigger.Request()])
+async def test_fields_that_are_not_given_have_their_defaults(
+    session: Session, calls: Calls, request_: Any
+) -> None:
+    answer = asyncio.create_task(calls.call("/go", Trigger, request_))
+    call = await says(session)
+    assert call["args"] == {}
+    responds(session, call, {"success": True})
+    assert await answer == Trigger.Response(success=True, message="")
+
+
+async def test_a_bad_request_raises_and_is_not_sent(session: Session, calls: Calls) -> None:
+    with pytest.raises(InvalidMessage, match="field a"):
+        await calls.call("/add", AddTwoInts, {"a": "1"})
+    with pytest.raises(TypeError, match="rospy_tutorials/BadTwoIntsRequest"):
+        await calls.call("/add", AddTwoInts, BadTwoInts.Request(1, 2))  # type: ignore[misc]
+    assert said(session) == []
+
+
+async def test_answers_find_their_callers(session: Session, calls: Calls) -> None:
+    answers = [add(calls, number, 0) for number in range(3)]
+    for call in reversed([await says(session) for _ in range(3)]):
+        responds(session, call, {"sum": call["args"]["a"]})
+    assert [(await answer).sum for answer in answers] == [0, 1, 2]
+
+
+@pytest.mark.parametrize(
+    ("values", "text"), [("boom", "boom"), (None, "null"), ({"sum": 1}, '{"sum":1}')]
+)
+async def test_a_failure_raises_its_own_text(
+    session: Session, calls: Calls, values: Any, text: str
+) -> None:
+    answer = add(calls, 1, 2)
+    responds(session, await says(session), values, result=False)
+    with pytest.raises(ServiceError) as caught:
+        await answer
+    assert (caught.value.service, caught.value.text) == ("/add", text)
+    assert str(caught.value) == f"/add: {text}"
+
+
+@pytest.mark.parametrize("values", [None, {"sum": "3"}, {"total": 3}, "3"])
+async def test_an_answer_that_does_not_fit_is_a_failure(
+    session: Session, calls: Calls, values: Any
+) -> None:
+    answer = add(calls, 1, 2)
+    responds(session, await says(session), values)
+    with pytest.raises(ServiceError, match="does not fit rospy_tutorials/AddTwoInts"):
+        await answer
+
+
+async def test_a_refused_call_is_a_failure(session: Session, calls: Calls) -> None:
+    answer = add(calls, 1, 2)
+    call = await says(session)
+    hears(session, "status", level="error", id=call["id"], msg="call_service: no")
+    with pytest.raises(ServiceError, match="call_service: no"):
+        await answer
+
+
+async def test_who_waits_too_long_waits_no_more(
+    session: Session, calls: Calls, lines: Lines
+) -> None:
+    answer = add(calls, 1, 2, within=0.05)
+    call = await says(session)
+    assert 0 < call["timeout"] <= 0.05
+    with pytest.raises(ServiceTimeout, match=r"^/add: no answer within 0.05 s$"):
+        await answer
+    assert issubclass(ServiceTimeout, TimeoutError)
+    responds(session, call, {"sum": 3})
+    assert lines.seen() == []
+    assert len(calls) == 0
+
+
+async def test_without_a_hub_a_call_waits_for_one(session: Session, calls: Calls) -> None:
+    session.lose()
+    answer = add(calls, 1, 2)
+    await asyncio.sleep(0)
+    session.lose()
+    session.outbox.open()
+    call = await says(session)
+    responds(session, call, {"sum": 3})
+    assert (await answer).sum == 3
+
+
+async def test_without_a_hub_the_time_passes_as_well(session: Session, calls: Calls) -> None:
+    session.lose()
+    with pytest.raises(ServiceTimeout, match="no hub to ask within"):
+        await add(calls, 1, 2, within=0.01)
+
+
+async def test_a_full_connection_makes_callers_wait(session: Session, calls: Calls) -> None:
+    session.outbox.put(bytes(2 << 20))
+    answer = add(calls, 1, 2)
+    await asyncio.sleep(0)
+    assert len(session.outbox) == 1
+    session.outbox.pop()
+    responds(session, await says(session), {"sum": 3})
+    await answer
+
+
+async def test_who_waits_for_room_waits_for_the_next_hub_if_this_one_is_lost(
+    session: Session, calls: Calls
+) -> None:
+    session.outbox.put(bytes(2 << 20))
+    answer = add(calls, 1, 2)
+    await asyncio.sleep(0)
+    session.lose()
+    for _ in range(3):
+        await asyncio.sleep(0)
+    assert said(session) == []
+    session.outbox.open()
+    responds(session, await says(session), {"sum": 3})
+    await answer
+
+
+async def test_a_lost_connection_fails_its_calls_at_once(session: Session, calls: Calls) -> None:
+    answer = add(calls, 1, 2)
+    await says(session)
+    session.lose()
+    with pytest.raises(ServiceLost, match="the connection to the hub was lost"):
+        await answer
+
+
+@pytest.mark.parametrize(
+    ("fault", "raised"), [(None, NodeClosed), (NodeReplaced("by another"), NodeReplaced)]
+)
+async def test_the_nodes_end_fails_all_calls(
+    session: Session, calls: Calls, fault: Exception | None, raised: type[Exception]
+) -> None:
+    sent = add(calls, 1, 2)
+    await says(session)
+    session.end(fault)
+    session.lose()
+    with pytest.raises(raised):
+        await sent
+    with pytest.raises(raised):
+        await add(calls, 1, 2)
+
+
+async def test_the_nodes_end_fails_those_who_wait_for_a_hub(session: Session, calls: Calls) -> None:
+    session.lose()
+    answer = add(calls, 1, 2)
+    await asyncio.sleep(0)
+    session.end()
+    with pytest.raises(NodeClosed):
+        await answer
+
+
+async def test_who_is_cancelled_leaves_nothing_behind(
+    session: Session, calls: Calls, lines: Lines
+) -> None:
+    answer = add(calls, 1, 2)
+    call = await says(session)
+    session.lose()  # Both at once: it is the cancellation that counts.
+    answer.cancel()
+    with pytest.raises(asyncio.CancelledError):
+        await answer
+    assert len(calls) == 0
+    responds(session, call, {"sum": 3})
+    assert lines.seen() == []

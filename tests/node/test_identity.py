@@ -1,0 +1,60 @@
+"""Who a node is."""
+
+from __future__ import annotations
+
+import os
+import re
+
+import pytest
+
+from fibws.errors import InvalidName
+from fibws.names import Remapping, parse_remappings
+from fibws.node.identity import Identity
+
+
+@pytest.fixture(autouse=True)
+def no_environment(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("ROS_NAMESPACE", raising=False)
+
+
+def choose(
+    name: str, *remappings: str, anonymous: bool = False, namespace: str | None = None
+) -> Identity:
+    remapping = parse_remappings(remappings)
+    return Identity.choose(name, anonymous=anonymous, namespace=namespace, remapping=remapping)
+
+
+def test_a_node_is_in_the_root_unless_told_otherwise() -> None:
+    assert choose("talker") == Identity("/talker", "/", Remapping())
+
+
+def test_the_environment_gives_a_namespace(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_NAMESPACE", "robot")
+    identity = choose("talker")
+    assert (identity.name, identity.namespace) == ("/robot/talker", "/robot")
+    assert choose("talker", namespace="/arm").name == "/arm/talker"
+
+
+def test_an_anonymous_name_is_formed_as_rospy_forms_it() -> None:
+    name = choose("talker", anonymous=True).name
+    assert re.fullmatch(rf"/talker_{os.getpid()}_\d{{13}}", name)
+
+
+def test_the_command_line_goes_before_all_else(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_NAMESPACE", "leg")
+    identity = choose("listener", "__name:=ear", "__ns:=/robot", anonymous=True, namespace="/arm")
+    assert identity.name == "/robot/ear"
+
+
+@pytest.mark.parametrize("name", ["", "a/b", "/talker", "7", "~x"])
+def test_a_node_needs_a_legal_name(name: str) -> None:
+    with pytest.raises(InvalidName):
+        choose(name)
+
+
+def test_names_are_resolved_and_remapped() -> None:
+    identity = choose("talker", "fibonacci:=numbers", "~gain:=/gain", namespace="/robot")
+    assert identity.resolve("fibonacci") == "/robot/numbers"
+    assert identity.resolve("/fibonacci") == "/fibonacci"
+    assert identity.resolve("~offset") == "/robot/talker/offset"
+    assert identity.resolve("~gain") == "/gain"

@@ -1,0 +1,79 @@
+"""How much a node logs, as others may ask and change."""
+
+from __future__ import annotations
+
+import logging
+
+import pytest
+
+from fibws.node.loggers import LEVELS, Loggers
+from fibws.node.services import Services
+from fibws.node.session import Session
+from fibws.node.types import Types
+
+from .conftest import hears, said, says
+
+
+@pytest.fixture
+def log(session: Session, types: Types) -> logging.Logger:
+    log = logging.Logger("/talker", logging.INFO)
+    Loggers(log, Services(session, types), lambda name: f"/talker/{name[1:]}")
+    return log
+
+
+async def level(session: Session) -> str:
+    hears(session, "call_service", id="get", service="/talker/get_loggers", args={})
+    answer = await says(session)
+    (logger,) = answer["values"]["loggers"]
+    assert logger["name"] == "rosout"
+    found: str = logger["level"]
+    return found
+
+
+async def change(session: Session, logger: str, level: str) -> object:
+    args = {"logger": logger, "level": level}
+    hears(session, "call_service", id="set", service="/talker/set_logger_level", args=args)
+    return (await says(session))["values"]
+
+
+async def test_both_services_are_offered(session: Session, log: logging.Logger) -> None:
+    services = [(each["service"], each["type"]) for each in said(session)]
+    assert services == [
+        ("/talker/get_loggers", "roscpp/GetLoggers"),
+        ("/talker/set_logger_level", "roscpp/SetLoggerLevel"),
+    ]
+
+
+@pytest.mark.parametrize(("name", "number"), LEVELS.items())
+@pytest.mark.parametrize("logger", ["rosout", "/talker"])
+async def test_the_level_can_be_changed(
+    session: Session, log: logging.Logger, logger: str, name: str, number: int
+) -> None:
+    said(session)
+    assert await level(session) == "info"
+    assert await change(session, logger, name.capitalize()) == {}
+    assert await level(session) == name
+    assert log.level == number
+
+
+async def test_levels_in_between_are_told_by_the_one_below(
+    session: Session, log: logging.Logger
+) -> None:
+    said(session)
+    log.setLevel(logging.INFO + 5)
+    assert await level(session) == "info"
+
+
+@pytest.mark.parametrize(
+    ("logger", "name", "text"),
+    [
+        ("ros", "info", "there is no logger 'ros' here but 'rosout'"),
+        ("rosout", "loud", "'loud' is no level: say one of debug, info, warn, error, fatal"),
+    ],
+)
+async def test_what_is_not_there_is_refused(
+    session: Session, log: logging.Logger, logger: str, name: str, text: str
+) -> None:
+    said(session)
+    assert await change(session, logger, name) == f"error processing request: {text}"
+    assert log.level == logging.INFO

@@ -1,0 +1,94 @@
+"""Parameters, on a real hub."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import AsyncIterator
+from typing import Any
+
+import pytest
+from conftest import StartHub
+
+import fibws
+
+
+@pytest.fixture
+async def node(start_hub: StartHub) -> AsyncIterator[fibws.Node]:
+    remapping = fibws.parse_remappings(["speed:=/limits/speed"])
+    hub = await start_hub()
+    async with fibws.Node("arm", hub=hub.url, namespace="robot", remapping=remapping) as node:
+        yield node
+
+
+@pytest.mark.parametrize("value", [1, 2.5, True, "text", "", [1, "a", []], {"x": {"y": 1}}, 2**53])
+async def test_a_value_comes_back_as_it_was_set(node: fibws.Node, value: Any) -> None:
+    assert not await node.params.has("gain")
+    await node.params.set("gain", value)
+    assert await node.params.has("gain")
+    got = await node.params.get("gain")
+    assert (got, type(got)) == (value, type(value))
+
+
+async def test_names_are_resolved_as_all_others(node: fibws.Node) -> None:
+    params = node.params
+    assert params is node.params
+    for name in ("gain", "~gain", "/gain", "speed"):
+        await params.set(name, name)
+    assert await params.get("/robot/gain") == "gain"
+    assert await params.get("/robot/arm/gain") == "~gain"
+    assert await params.get("/gain") == "/gain"
+    assert await params.get("/limits/speed") == "speed"
+    names = await params.names()
+    assert {"/robot/gain", "/robot/arm/gain", "/gain", "/limits/speed"} <= set(names)
+    assert "/run_id" in names
+
+
+async def test_a_dict_is_a_namespace(node: fibws.Node) -> None:
+    await node.params.set("pid", {"p": 1, "i": 2})
+    assert await node.params.get("pid/p") == 1
+    await node.params.set("pid/d", 3)
+    assert await node.params.get("pid") == {"p": 1, "i": 2, "d": 3}
+    assert (await node.params.get("/"))["robot"] == {"pid": {"p": 1, "i": 2, "d": 3}}
+    await node.params.set("pid", {"p": 5})
+    assert await node.params.get("pid") == {"p": 5}
+
+
+async def test_what_is_not_there_has_a_default_or_raises(node: fibws.Node) -> None:
+    assert await node.params.get("gain", 7) == 7
+    assert await node.params.get("gain", None) is None
+    with pytest.raises(fibws.UnknownParameter, match=r"^There is no parameter /robot/gain$"):
+        await node.params.get("gain")
+    with pytest.raises(KeyError):
+        await node.params.get("gain")
+
+
+async def test_what_is_deleted_is_there_no_more(node: fibws.Node) -> None:
+    await node.params.set("gain", 1)
+    for _ in range(2):
+        await node.params.delete("gain")
+    assert not await node.params.has("gain")
+
+
+async def test_the_nearest_is_found(node: fibws.Node) -> None:
+    assert await node.params.search("gain") is None
+    for name in ("/gain", "/robot/gain", "/robot/arm/gain"):
+        await node.params.set(name, 1)
+        assert await node.params.search("gain") == name
+
+
+@pytest.mark.parametrize("value", [b"bytes", {1, 2}, object()])
+async def test_what_json_has_not_raises_here(node: fibws.Node, value: object) -> None:
+    with pytest.raises(TypeError, match="not JSON serializable"):
+        await node.params.set("gain", value)
+
+
+async def test_what_is_no_number_raises_here(node: fibws.Node) -> None:
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        await node.params.set("gain", math.nan)
+
+
+async def test_what_the_hub_refuses_raises_its_text(node: fibws.Node) -> None:
+    with pytest.raises(fibws.ServiceError, match="null is no value"):
+        await node.params.set("gain", None)
+    with pytest.raises(fibws.InvalidName):
+        await node.params.get("no name")

@@ -1,0 +1,241 @@
+"""The answering end of a service: text in, text out, no socket."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from typing import Any
+
+import pytest
+
+from fibws.node.service import MOST_CALLS, ServiceServer
+from fibws.node.services import Services
+from fibws.node.session import Session
+from fibws.node.types import Types
+from fibws.srv.rospy_tutorials import AddTwoInts, AddTwoIntsRequest, AddTwoIntsResponse
+
+from .conftest import Lines, hears, said, says
+
+Serve = Callable[[Any], ServiceServer[Any, Any]]
+
+
+@pytest.fixture
+def serve(session: Session, types: Types) -> Serve:
+    """Serves ``/add``."""
+    services = Services(session, types)
+
+    def serve(handler: Any) -> ServiceServer[Any, Any]:
+        server = services.serve("/add", AddTwoInts, handler)
+        said(session)
+        return server
+
+    return serve
+
+
+def asks(session: Session, a: int = 1, b: int = 2, id_: str = "call") -> None:
+    hears(session, "call_service", id=id_, service="/add", args={"a": a, "b": b})
+
+
+class Gate:
+    """A handler that answers when it is let."""
+
+    def __init__(self) -> None:
+        self.entered: list[int] = []
+        self.left: list[int] = []
+        self.open = asyncio.Event()
+
+    async def __call__(self, request: AddTwoIntsRequest) -> int:
+        self.entered.append(request.a)
+        try:
+            if request.a:
+                await self.open.wait()
+            return request.a + request.b
+        finally:
+            self.left.append(request.a)
+
+    async def settled(self, session: Session) -> None:
+        """Wait until all that began has ended."""
+        async with asyncio.timeout(5):
+            await session.tasks.finished()
+
+
+def plain(request: AddTwoIntsRequest) -> AddTwoIntsResponse:
+    return AddTwoIntsResponse(request.a + request.b)
+
+
+async def coroutine(request: AddTwoIntsRequest) -> AddTwoIntsResponse:
+    await asyncio.sleep(0)
+    return plain(request)
+
+
+def future(request: AddTwoIntsRequest) -> Awaitable[AddTwoIntsResponse]:
+    return asyncio.ensure_future(coroutine(request))
+
+
+@pytest.mark.parametrize("handler", [plain, coroutine, future, lambda request: (3,)])
+async def test_a_handler_is_a_function_of_the_request(
+    session: Session, serve: Serve, handler: Any
+) -> None:
+    serve(handler)
+    asks(session)
+    assert await says(session) == {
+        "op": "service_response",
+        "id": "call",
+        "service": "/add",
+        "values": {"sum": 3},
+        "result": True,
+    }
+
+
+@pytest.mark.parametrize(
+    ("fault", "text", "line"),
+    [
+        (ValueError("boom"), "boom", "ValueError: boom"),
+        (AssertionError(), "AssertionError", "AssertionError: "),
+        (OSError("no file \udcff"), "no file ?", "OSError: no file \udcff"),
+    ],
+)
+async def test_what_a_handler_raises_is_its_callers_to_know_and_the_service_lives_on(
+    session: Session, serve: Serve, lines: Lines, fault: Exception, text: str, line: str
+) -> None:
+    def fail(request: AddTwoIntsRequest) -> None:
+        raise fault
+
+    serve(fail)
+    for _ in range(2):
+        asks(session)
+        answer = await says(session)
+        assert answer["values"] == f"error processing request: {text}"
+        assert answer["result"] is False
+    assert lines.seen() == 2 * [f"Service /add failed: {line}"]
+
+
+async def test_an_answer_that_is_none_is_a_failure(
+    session: Session, serve: Serve, lines: Lines
+) -> None:
+    serve(lambda request: None)
+    asks(session)
+    text = "service cannot process request: service handler returned None"
+    assert (await says(session))["values"] == text
+    assert lines.seen() == ["Service /add failed: service handler returned None"]
+
+
+async def test_an_answer_that_contains_itself_is_a_failure(session: Session, serve: Serve) -> None:
+    endless: list[Any] = []
+    endless.append(endless)
+    serve(lambda request: {"sum": endless})
+    asks(session)
+    assert (await says(session))["result"] is False
+
+
+async def test_a_request_that_does_not_fit_is_a_failure(session: Session, serve: Serve) -> None:
+    serve(plain)
+    hears(session, "call_service", id="call", service="/add", args={"c": 1})
+    answer = await says(session)
+    assert answer["result"] is False
+    assert "does not have a field c" in answer["values"]
+
+
+async def test_calls_are_answered_beside_each_other(session: Session, serve: Serve) -> None:
+    gate = Gate()
+    serve(gate)
+    asks(session, 1, id_="slow")
+    asks(session, 0, id_="fast")
+    assert (await says(session))["id"] == "fast"
+    gate.open.set()
+    assert (await says(session))["id"] == "slow"
+
+
+async def test_they_are_bounded_in_number(session: Session, serve: Serve) -> None:
+    gate = Gate()
+    serve(gate)
+    for number in range(MOST_CALLS):
+        asks(session, number + 1)
+    asks(session, id_="too many")
+    (refused,) = said(session)
+    assert (refused["id"], refused["result"]) == ("too many", False)
+    assert refused["values"] == f"service [/add] is busy with {MOST_CALLS} calls"
+    gate.open.set()
+    await gate.settled(session)
+    assert len(said(session)) == MOST_CALLS
+    asks(session, 0)
+    assert (await says(session))["result"] is True
+
+
+async def test_answers_wait_for_room(session: Session, serve: Serve) -> None:
+    serve(plain)
+    session.outbox.put(bytes(2 << 20))
+    asks(session)
+    await asyncio.sleep(0)
+    assert len(session.outbox) == 1
+    session.outbox.pop()
+    assert (await says(session))["id"] == "call"
+
+
+async def test_a_closed_service_gives_up_what_it_has_not_answered(
+    session: Session, serve: Serve
+) -> None:
+    gate = Gate()
+    async with serve(gate) as server:
+        asks(session, 1)
+        await asyncio.sleep(0)
+        assert gate.entered == [1]
+    assert gate.left == [1]
+    assert [each["op"] for each in said(session)] == ["unadvertise_service"]
+    await server.spin()
+
+
+async def test_a_handler_may_close_its_service(session: Session, serve: Serve) -> None:
+    left = asyncio.Event()
+
+    async def once(request: AddTwoIntsRequest) -> int:
+        async with server:
+            pass
+        left.set()
+        return 3
+
+    server = serve(once)
+    asks(session)
+    async with asyncio.timeout(5):
+        await left.wait()
+        await server.spin()
+
+
+async def test_a_service_ends_with_its_node(session: Session, serve: Serve) -> None:
+    gate = Gate()
+    server = serve(gate)
+    asks(session, 1)
+    await asyncio.sleep(0)
+    session.end()
+    await server.spin()
+    await gate.settled(session)
+    assert gate.left == [1]
+    assert said(session) == []
+
+
+async def test_the_next_hub_is_not_given_answers_to_the_lost_ones_calls(
+    session: Session, serve: Serve
+) -> None:
+    gate = Gate()
+    serve(gate)
+    asks(session, 1)
+    await asyncio.sleep(0)
+    session.lose()
+    session.outbox.open()
+    gate.open.set()
+    await gate.settled(session)
+    assert gate.left == [1]
+    assert said(session) == []
+
+
+async def test_a_handler_that_is_cancelled_answers_all_the_same(
+    session: Session, serve: Serve
+) -> None:
+    async def give_up(request: AddTwoIntsRequest) -> int:
+        raise asyncio.CancelledError
+
+    serve(give_up)
+    asks(session)
+    answer = await says(session)
+    assert answer["values"] == "error processing request: it was cancelled"
+    assert answer["result"] is False

@@ -1,0 +1,94 @@
+"""What services ask and answer, between Python and the wire."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from fibws.errors import InvalidMessage
+from fibws.interfaces import Time
+from fibws.msg.diagnostic_msgs import KeyValue
+from fibws.msg.std_msgs import Int32
+from fibws.node.types import Types
+from fibws.srv.diagnostic_msgs import SelfTest
+from fibws.srv.nav_msgs import GetMap
+from fibws.srv.rosapi import GetTime
+from fibws.srv.rospy_tutorials import AddTwoInts
+from fibws.srv.std_srvs import Empty, Trigger
+
+
+def test_it_knows_its_name(types: Types) -> None:
+    assert types.service(AddTwoInts).name == "rospy_tutorials/AddTwoInts"
+    assert types.service(AddTwoInts) is types.service(AddTwoInts)
+
+
+@pytest.mark.parametrize("given", [{"a": 1}, AddTwoInts.Request(1), AddTwoInts.Request(a=1)])
+def test_a_request_is_a_message_or_its_fields(types: Types, given: Any) -> None:
+    assert types.service(AddTwoInts).ask(given) == {"a": 1, "b": 0}
+
+
+@pytest.mark.parametrize(
+    ("given", "name"),
+    [(Int32(1), "std_msgs/Int32"), (5, "int"), ((1, 2), "tuple"), (AddTwoInts, "type")],
+)
+def test_a_request_of_another_kind_is_refused(types: Types, given: Any, name: str) -> None:
+    fault = rf"expected \[rospy_tutorials/AddTwoIntsRequest\] but got \[{name}\]"
+    with pytest.raises(TypeError, match=fault):
+        types.service(AddTwoInts).ask(given)
+
+
+def test_a_request_off_the_wire_is_checked(types: Types) -> None:
+    service = types.service(AddTwoInts)
+    assert service.asked({"a": 1}) == AddTwoInts.Request(1, 0)
+    assert service.asked(None) == AddTwoInts.Request()
+    with pytest.raises(InvalidMessage, match="field c"):
+        service.asked({"c": 1})
+
+
+@pytest.mark.parametrize("given", [AddTwoInts.Response(3), {"sum": 3}, (3,), [3], 3])
+def test_an_answer_has_the_forms_that_rospy_takes(types: Types, given: Any) -> None:
+    assert types.service(AddTwoInts).answer(given) == {"sum": 3}
+
+
+@pytest.mark.parametrize("given", [(True, "done"), {"success": True, "message": "done"}])
+def test_an_answers_fields_come_in_order_or_by_name(types: Types, given: Any) -> None:
+    assert types.service(Trigger).answer(given) == {"success": True, "message": "done"}
+
+
+@pytest.mark.parametrize("given", [{}, (), Empty.Response()])
+def test_an_answer_may_be_empty(types: Types, given: Any) -> None:
+    assert types.service(Empty).answer(given) == {}
+
+
+def test_fields_may_hold_messages_and_times(types: Types) -> None:
+    nested = {"id": "x", "status": [{"name": "motor", "values": (KeyValue("volts", "12"),)}]}
+    values = types.service(SelfTest).answer(nested)
+    assert values["status"][0]["values"] == [{"key": "volts", "value": "12"}]
+    for time in (Time(5, 6), {"time": Time(5, 6)}):
+        assert types.service(GetTime).answer(time) == {"time": {"secs": 5, "nsecs": 6}}
+    assert types.service(GetMap).answer({"map": {"data": [1, -1]}})["map"]["data"] == [1, -1]
+
+
+@pytest.mark.parametrize(
+    ("given", "text"),
+    [
+        (None, "^service handler returned None$"),
+        ((1, 2), "^handler returned wrong number of values: "),
+        ("3", "^handler returned invalid value: .* field sum"),
+        ({"total": 3}, "^handler returned invalid value: .* field total"),
+        (Int32(3), r"^handler returned invalid value: .* but got \[std_msgs/Int32\]"),
+    ],
+)
+def test_an_answer_of_another_kind_is_refused_in_rospys_words(
+    types: Types, given: Any, text: str
+) -> None:
+    with pytest.raises(InvalidMessage, match=text):
+        types.service(AddTwoInts).answer(given)
+
+
+def test_an_answer_off_the_wire_is_checked(types: Types) -> None:
+    service = types.service(AddTwoInts)
+    assert service.answered({"sum": 3}) == AddTwoInts.Response(3)
+    with pytest.raises(InvalidMessage):
+        service.answered("3")

@@ -1,0 +1,116 @@
+"""The services of a node, as its hub hears of them: no socket."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from fibws.errors import NodeClosed, OperationRejected, ServiceError
+from fibws.node.services import Services
+from fibws.node.session import Session
+from fibws.node.types import Types
+from fibws.srv.std_srvs import Trigger, TriggerRequest
+
+from .conftest import Lines, greeted, hears, said, says
+
+
+@pytest.fixture
+def services(session: Session, types: Types) -> Services:
+    return Services(session, types)
+
+
+def done(request: TriggerRequest) -> tuple[bool, str]:
+    return True, "done"
+
+
+def names(operations: list[dict[str, Any]]) -> list[tuple[str, str]]:
+    return [(each["op"], each["service"]) for each in operations]
+
+
+async def test_they_are_said_as_they_come_and_go(session: Session, services: Services) -> None:
+    server = services.serve("/go", Trigger, done)
+    assert (server.name, server.type) == ("/go", "std_srvs/Trigger")
+    assert repr(server) == "<ServiceServer /go [std_srvs/Trigger]>"
+    for _ in range(2):
+        server.close()
+    advertised, unadvertised = said(session)
+    assert advertised == {
+        "op": "advertise_service",
+        "id": server.operation.id,
+        "service": "/go",
+        "type": "std_srvs/Trigger",
+    }
+    assert unadvertised["op"] == "unadvertise_service"
+    assert unadvertised["service"] == "/go"
+
+
+async def test_a_new_connection_is_told_of_those_that_are_left(
+    session: Session, services: Services
+) -> None:
+    session.lose()
+    services.serve("/stay", Trigger, done)
+    services.serve("/go", Trigger, done).close()
+    assert said(session) == []
+    assert names(greeted(session)) == [("advertise_service", "/stay")]
+
+
+async def test_a_node_offers_a_service_once_at_a_time(session: Session, services: Services) -> None:
+    server = services.serve("/go", Trigger, done)
+    with pytest.raises(ServiceError, match="/go: this node offers it already"):
+        services.serve("/go", Trigger, done)
+    server.close()
+    services.serve("/go", Trigger, done)
+
+
+async def test_calls_reach_their_services(session: Session, services: Services) -> None:
+    services.serve("/yes", Trigger, done)
+    services.serve("/no", Trigger, lambda request: (False, "not done"))
+    said(session)
+    for name in ("/yes", "/no"):
+        hears(session, "call_service", id=f"to {name}", service=name, args={})
+    answers = [await says(session), await says(session)]
+    assert [(each["id"], each["values"]["success"]) for each in answers] == [
+        ("to /yes", True),
+        ("to /no", False),
+    ]
+
+
+async def test_a_call_that_comes_too_late_is_answered_all_the_same(
+    session: Session, services: Services
+) -> None:
+    services.serve("/go", Trigger, done).close()
+    said(session)
+    hears(session, "call_service", id="late", service="/go", args={})
+    assert said(session) == [
+        {
+            "op": "service_response",
+            "id": "late",
+            "service": "/go",
+            "values": "service [/go] is offered no more",
+            "result": False,
+        }
+    ]
+
+
+async def test_a_refusal_reaches_its_owner_and_the_log(
+    session: Session, services: Services, lines: Lines
+) -> None:
+    refused = services.serve("/go", Trigger, done)
+    other = services.serve("/stay", Trigger, done)
+    hears(session, "status", level="error", id=refused.operation.id, msg="no room")
+    with pytest.raises(OperationRejected, match="no room"):
+        await refused.spin()
+    assert lines.seen() == ["The hub refused the service /go: no room"]
+    said(session)
+    refused.close()
+    assert said(session) == []
+    assert greeted(session)[0]["id"] == other.operation.id
+
+
+async def test_after_the_nodes_end_there_are_none(session: Session, services: Services) -> None:
+    server = services.serve("/go", Trigger, done)
+    session.end()
+    await server.spin()
+    with pytest.raises(NodeClosed):
+        services.serve("/stay", Trigger, done)

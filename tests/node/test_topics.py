@@ -1,0 +1,146 @@
+"""A node's publishers and subscriptions, as its hub hears of them: no socket and no loop."""
+
+from __future__ import annotations
+
+import json
+import logging
+from typing import Any
+
+import pytest
+
+from fibws.errors import NodeClosed, OperationRejected
+from fibws.node.outbox import Advertisement
+from fibws.node.session import Session
+from fibws.node.subscription import Subscription
+from fibws.node.topics import Topics
+from fibws.protocol.operations import Advertise, Subscribe
+
+from .conftest import greeted, hears, said
+
+INT32 = "std_msgs/Int32"
+
+
+@pytest.fixture
+def topics(session: Session) -> Topics:
+    return Topics(session)
+
+
+def advertise(topics: Topics, topic: str, *, latch: bool = False) -> Advertisement:
+    operation = Advertise(id=f"advertise:{topic}", topic=topic, type=INT32, latch=latch)
+    return topics.advertise(operation)
+
+
+def subscribe(topics: Topics, topic: str) -> Subscription[Any]:
+    operation = Subscribe(id=f"subscribe:{topic}", topic=topic, type=INT32)
+    subscription: Subscription[Any] = Subscription(
+        operation, INT32, 10, lambda msg: msg, topics.unsubscribe, logging.Logger("test")
+    )
+    topics.subscribe(subscription)
+    return subscription
+
+
+def names(operations: list[dict[str, Any]]) -> list[tuple[str, str]]:
+    return [(each["op"], each["topic"]) for each in operations]
+
+
+def test_registrations_are_said_as_they_come_and_go(session: Session, topics: Topics) -> None:
+    advertisement = advertise(topics, "/a")
+    subscription = subscribe(topics, "/s")
+    topics.unadvertise(advertisement)
+    subscription.close()
+    assert names(said(session)) == [
+        ("advertise", "/a"),
+        ("subscribe", "/s"),
+        ("unadvertise", "/a"),
+        ("unsubscribe", "/s"),
+    ]
+    assert topics.names() == []
+
+
+def test_registrations_that_are_taken_back_twice_are_said_once(
+    session: Session, topics: Topics
+) -> None:
+    advertisement = advertise(topics, "/a")
+    subscription = subscribe(topics, "/s")
+    said(session)
+    for _ in range(2):
+        topics.unadvertise(advertisement)
+        topics.unsubscribe(subscription)
+    assert names(said(session)) == [("unadvertise", "/a"), ("unsubscribe", "/s")]
+
+
+def test_without_a_hub_they_wait_for_the_greeting(session: Session, topics: Topics) -> None:
+    session.lose()
+    advertise(topics, "/a")
+    subscribe(topics, "/s")
+    gone = advertise(topics, "/gone")
+    topics.unadvertise(gone)
+    assert names(said(session)) == []
+    assert names(greeted(session)) == [("advertise", "/a"), ("subscribe", "/s")]
+
+
+def test_a_greeting_ends_in_what_is_latched_unless_newer_messages_wait(
+    session: Session, topics: Topics
+) -> None:
+    sent = advertise(topics, "/sent", latch=True)
+    waiting = advertise(topics, "/waiting", latch=True)
+    unlatched = advertise(topics, "/unlatched")
+    advertise(topics, "/silent", latch=True)
+    for each in (sent, waiting, unlatched):
+        topic = each.operation.topic
+        topics.publish(each, json.dumps({"op": "publish", "topic": topic}).encode())
+    said(session)
+    session.lose()
+    topics.publish(waiting, b'{"op":"publish","topic":"/waiting"}')
+    assert names(greeted(session))[4:] == [("publish", "/sent")]
+
+
+async def test_messages_reach_their_listeners_alone(session: Session, topics: Topics) -> None:
+    subscription, other = subscribe(topics, "/s"), subscribe(topics, "/o")
+    session.receive(b'{"op":"publish","topic":"/s","msg":1}')
+    session.receive(b'{"op":"publish","topic":"/late","msg":2}')
+    session.end()
+    assert [message async for message in subscription] == [1]
+    assert [message async for message in other] == []
+
+
+async def test_what_is_no_message_is_for_others(session: Session, topics: Topics) -> None:
+    subscription = subscribe(topics, "/s")
+    hears(session, "service_response", service="/s", id="subscribe:/s", values={}, result=True)
+    session.end()
+    assert [message async for message in subscription] == []
+
+
+def test_a_refusal_reaches_its_publisher_alone(session: Session, topics: Topics) -> None:
+    refused, other = advertise(topics, "/a"), advertise(topics, "/b")
+    hears(session, "status", level="error", id="advertise:/a", msg="no")
+    with pytest.raises(OperationRejected, match="no"):
+        topics.publish(refused, b"{}")
+    topics.publish(other, b"{}")
+    assert topics.names() == ["/b"]
+
+
+async def test_a_refusal_reaches_its_reader_alone(session: Session, topics: Topics) -> None:
+    refused, other = subscribe(topics, "/a"), subscribe(topics, "/b")
+    hears(session, "status", level="error", id="subscribe:/a", msg="no")
+    session.receive(b'{"op":"publish","topic":"/b","msg":1}')
+    with pytest.raises(OperationRejected, match="no"):
+        await anext(refused)
+    assert await anext(other) == 1
+
+
+def test_a_warning_about_a_registration_does_not_end_it(session: Session, topics: Topics) -> None:
+    advertisement = advertise(topics, "/a")
+    hears(session, "status", level="warning", id="advertise:/a", msg="hm")
+    topics.publish(advertisement, b"{}")
+
+
+def test_what_is_closed_or_over_cannot_publish(session: Session, topics: Topics) -> None:
+    closed, open_ = advertise(topics, "/closed"), advertise(topics, "/open")
+    topics.unadvertise(closed)
+    with pytest.raises(NodeClosed, match="/closed"):
+        topics.publish(closed, b"{}")
+    session.end()
+    assert topics.over
+    with pytest.raises(NodeClosed, match="the node has ended"):
+        topics.publish(open_, b"{}")

@@ -1,0 +1,133 @@
+"""Waiting for services and messages."""
+
+from __future__ import annotations
+
+import asyncio
+
+import pytest
+
+import fibws
+from fibws.msg.std_msgs import Int32
+
+from .conftest import Peer, ScriptedHub
+
+
+async def answers(peer: Peer, type_: str) -> None:
+    """Say which type the service has that the node asks for."""
+    call = await peer.hears("call_service")
+    assert (call["service"], call["args"]) == ("/rosapi/service_type", {"service": "/add"})
+    await peer.says(
+        "service_response",
+        id=call["id"],
+        service=call["service"],
+        values={"type": type_},
+        result=True,
+    )
+
+
+async def test_a_service_is_looked_for_until_it_is_there(hub: ScriptedHub) -> None:
+    async with fibws.Node("node", hub=hub.url) as node, asyncio.timeout(5):
+        peer = await hub.peer()
+        waiting = asyncio.create_task(node.wait_for_service("add"))
+        for type_ in ("", "", "rospy_tutorials/AddTwoInts"):
+            assert not waiting.done()
+            await answers(peer, type_)
+        await waiting
+
+
+async def test_a_service_may_come_with_the_next_hub(hub: ScriptedHub) -> None:
+    async with fibws.Node("node", hub=hub.url) as node, asyncio.timeout(5):
+        peer = await hub.peer()
+        waiting = asyncio.create_task(node.wait_for_service("add"))
+        await peer.hears("call_service")
+        peer.websocket.transport.abort()
+        await answers(await hub.peer(), "rospy_tutorials/AddTwoInts")
+        await waiting
+
+
+async def test_a_service_that_does_not_come_is_waited_for_so_long(hub: ScriptedHub) -> None:
+    async with fibws.Node("node", hub=hub.url) as node:
+        text = "^timeout exceeded while waiting for service /add$"
+        with pytest.raises(fibws.WaitTimeout, match=text):
+            await node.wait_for_service("add", timeout=0.01)
+        assert issubclass(fibws.WaitTimeout, TimeoutError)
+
+
+async def test_a_hub_that_knows_no_services_is_not_asked_again(hub: ScriptedHub) -> None:
+    async with fibws.Node("node", hub=hub.url) as node:
+        peer = await hub.peer()
+        waiting = asyncio.create_task(node.wait_for_service("add"))
+        call = await peer.hears("call_service")
+        await peer.says(
+            "service_response",
+            id=call["id"],
+            service=call["service"],
+            values="Service /rosapi/service_type does not exist",
+            result=False,
+        )
+        with pytest.raises(fibws.ServiceError, match="/rosapi/service_type does not exist"):
+            await waiting
+
+
+async def test_the_nodes_end_ends_the_waiting_for_a_service(hub: ScriptedHub) -> None:
+    async with fibws.Node("node", hub=hub.url) as node:
+        peer = await hub.peer()
+        waiting = asyncio.create_task(node.wait_for_service("add"))
+        await answers(peer, "")
+        asked = asyncio.create_task(node.wait_for_service("add"))
+        await peer.hears("call_service")
+    for each in (waiting, asked):
+        with pytest.raises(fibws.NodeClosed):
+            await each
+
+
+async def test_a_message_is_listened_to_once(hub: ScriptedHub) -> None:
+    async with fibws.Node("node", hub=hub.url) as node, asyncio.timeout(5):
+        peer = await hub.peer()
+        waiting = asyncio.create_task(node.wait_for_message("numbers", Int32))
+        subscribe = await peer.hears("subscribe")
+        assert (subscribe["topic"], subscribe["queue_length"]) == ("/numbers", 1)
+        await peer.says("publish", topic="/numbers", msg={"data": 8})
+        assert await waiting == Int32(8)
+        assert (await peer.hears("unsubscribe"))["id"] == subscribe["id"]
+
+
+async def test_a_message_that_does_not_come_is_waited_for_so_long(hub: ScriptedHub) -> None:
+    async with fibws.Node("node", hub=hub.url) as node:
+        peer = await hub.peer()
+        text = "^timeout exceeded while waiting for message on topic /numbers$"
+        with pytest.raises(fibws.WaitTimeout, match=text):
+            await node.wait_for_message("numbers", "std_msgs/Int32", timeout=0.01)
+        await peer.hears("subscribe")
+        await peer.hears("unsubscribe")
+
+
+async def test_a_message_may_be_refused(hub: ScriptedHub) -> None:
+    async with fibws.Node("node", hub=hub.url) as node:
+        peer = await hub.peer()
+        waiting = asyncio.create_task(node.wait_for_message("numbers", Int32))
+        subscribe = await peer.hears("subscribe")
+        await peer.says("status", level="error", id=subscribe["id"], msg="no")
+        with pytest.raises(fibws.OperationRejected, match="no"):
+            await waiting
+
+
+async def test_the_nodes_end_ends_the_waiting_for_a_message(hub: ScriptedHub) -> None:
+    async with fibws.Node("node", hub=hub.url) as node:
+        peer = await hub.peer()
+        waiting = asyncio.create_task(node.wait_for_message("numbers", Int32))
+        await peer.hears("subscribe")
+    with pytest.raises(fibws.NodeClosed, match="ended while waiting for message on topic /numbers"):
+        await waiting
+
+
+@pytest.mark.parametrize("seconds", [0, -1])
+async def test_no_time_at_all_is_refused(hub: ScriptedHub, seconds: float) -> None:
+    async with fibws.Node("node", hub=hub.url) as node:
+        for waiting in (
+            node.wait_for_service("add", timeout=seconds),
+            node.wait_for_message("numbers", Int32, timeout=seconds),
+            node.call("add", "std_srvs/Trigger", timeout=seconds),
+        ):
+            with pytest.raises(ValueError, match="a timeout is a number of seconds above 0"):
+                await waiting

@@ -1,0 +1,41 @@
+"""The tutorial's service."""
+
+from __future__ import annotations
+
+import signal
+
+import fibws
+from fibws.hub import Hub
+from fibws.srv.rospy_tutorials import AddTwoInts
+
+from .conftest import Start
+
+SERVER = "fibws.add_two_ints_server"
+
+
+async def test_it_adds_two_integers(hub: Hub, start: Start) -> None:
+    program = await start(SERVER, FIBWS_HUB=hub.url)
+    assert await program.line() == "Ready to add two ints.\n"
+    async with fibws.Node("test", hub=hub.url) as node:
+        await node.wait_for_service("add_two_ints", timeout=10)
+        response = await node.call("add_two_ints", AddTwoInts, AddTwoInts.Request(1, 2))
+    assert response.sum == 3
+    assert await program.line() == "Returning [1 + 2 = 3]\n"
+    program.send(signal.SIGINT)
+    assert await program.end() == (0, "", "")
+
+
+async def test_a_sum_that_is_too_large_fails_and_the_server_lives_on(
+    hub: Hub, start: Start
+) -> None:
+    program = await start(SERVER, "--hub", hub.url, "add_two_ints:=add")
+    async with fibws.Node("test", hub=hub.url) as node:
+        await node.wait_for_service("add", timeout=10)
+        try:
+            await node.call("add", AddTwoInts, {"a": 2**63 - 1, "b": 1})
+        except fibws.ServiceError as error:
+            assert "9223372036854775808" in error.text
+        else:
+            raise AssertionError("the sum does not fit")
+        assert (await node.call("add", AddTwoInts, {"a": -1, "b": 1})).sum == 0
+    assert "Service /add failed" in await program.error_line()
