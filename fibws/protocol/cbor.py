@@ -17,7 +17,7 @@ import cbor2
 from fibws.errors import OperationError
 
 DEEPEST: Final = 200
-"""How many arrays and maps may be in each other; it is the same in JSON."""
+"""How many arrays and maps may be in each other: as many as pydantic_core allows in JSON."""
 
 _TYPED_ARRAYS: Final = {
     **{64: "<B", 68: "<B", 69: "<H", 70: "<I", 71: "<Q", 72: "<b", 77: "<h", 78: "<i", 79: "<q"},

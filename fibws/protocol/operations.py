@@ -239,14 +239,18 @@ Reply = (
 
 def encode(operation: Operation) -> bytes:
     """The operation as JSON text, ``op`` first, without the fields that are None."""
-    return to_json(_fields(operation), inf_nan_mode="null")
+    fields = operation.__dict__
+    return encode_fields({"op": fields["op"], **fields})
 
 
-def encode_with(operation: Operation, name: str, text: bytes) -> bytes:
-    """The operation as JSON text, with one more field that is JSON text already."""
-    return b'%b,"%b":%b}' % (encode(operation)[:-1], name.encode(), text)
+def encode_fields(fields: dict[str, Any], **texts: bytes) -> bytes:
+    """An operation's fields as JSON text, without those that are None.
 
-
-def _fields(operation: Operation) -> dict[str, Any]:
-    fields = {name: value for name, value in operation.__dict__.items() if value is not None}
-    return {"op": fields.pop("op"), **fields}
+    Args:
+        texts: fields that are JSON text already.
+    """
+    known = {name: value for name, value in fields.items() if value is not None}
+    text = to_json(known, inf_nan_mode="null")
+    for name, value in texts.items():
+        text = b'%b,"%b":%b}' % (text[:-1], name.encode(), value)
+    return text

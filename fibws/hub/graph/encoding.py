@@ -106,10 +106,10 @@ PLAIN = Encoding()
 """JSON in one piece."""
 
 
-def text_frames(text: bytes, fragment_size: int | None, id_: str) -> bytes:
+def text_frames(text: bytes, fragment_size: int | None, new_id: Callable[[], str]) -> bytes:
     """A text's frame; or those of its pieces, if it is longer than they may be."""
     if fragment_size is not None and len(text) > fragment_size:
-        pieces = split(text.decode(), fragment_size, id_)
+        pieces = split(text.decode(), fragment_size, new_id())
         frames = b"".join(text_frame(encode(piece)) for piece in pieces)
         if frames:
             return frames
@@ -131,11 +131,14 @@ def _text_framer(spelling: str, encoding: Encoding) -> Frame:
     before = _before(spelling)
     numbers = count(1)
 
+    def new_id() -> str:
+        return f"publish:{spelling}:{next(numbers)}"
+
     def frame(publication: Publication) -> bytes:
         text = b"%b%b}" % (before, publication.json())
         if encoding.compression == "png":
             text = encode(Png(data=encode_png(text)))
-        return text_frames(text, encoding.fragment_size, f"publish:{spelling}:{next(numbers)}")
+        return text_frames(text, encoding.fragment_size, new_id)
 
     return frame
 

@@ -6,6 +6,7 @@ answer in time, or answers what does not fit the type.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol, TypeAlias
@@ -13,7 +14,6 @@ from typing import Any, Protocol, TypeAlias
 from pydantic_core import to_json
 
 from fibws.errors import FibwsError
-from fibws.hub.clock import Clock
 from fibws.hub.graph.types import ServiceType
 
 Answer: TypeAlias = dict[str, Any] | bytes
@@ -66,7 +66,7 @@ class Call:
         failed: is given the text of what went wrong.
     """
 
-    __slots__ = ("_failed", "_open", "_succeeded", "_timer", "caller", "id", "request", "service")
+    __slots__ = ("_failed", "_open", "_succeeded", "caller", "due", "id", "request", "service")
 
     def __init__(
         self,
@@ -79,19 +79,17 @@ class Call:
         self.service = service
         self.request = request
         self.caller = caller
+        self.due = math.inf
+        """When the caller waits no more, by the clock of its session."""
         self.id = ""
         """What its provider knows it by."""
         self._succeeded = succeeded
         self._failed = failed
         self._open = True
-        self._timer: Callable[[], object] | None = None
 
-    def start(self, clock: Clock, timeout: float) -> None:
-        """Ask the provider, who has ``timeout`` seconds."""
+    def start(self) -> None:
+        """Ask the provider."""
         self.service.provider.take(self)
-        if self._open:
-            text = f"Service {self.service.name} did not answer within {timeout:g} s"
-            self._timer = clock.call_later(timeout, lambda: self._give_up(text)).cancel
 
     def answer(self, values: object) -> None:
         """Take the provider's response.
@@ -116,16 +114,14 @@ class Call:
         if self._close():
             self.service.provider.forget(self)
 
-    def _give_up(self, text: str) -> None:
+    def give_up(self, timeout: float) -> None:
+        """The provider has not answered within ``timeout`` seconds."""
         self.service.provider.forget(self)
-        self.fail(text)
+        self.fail(f"Service {self.service.name} did not answer within {timeout:g} s")
 
     def _close(self) -> bool:
         """Whether this was the answer, of which there is only one."""
         was_open, self._open = self._open, False
-        if self._timer is not None:
-            self._timer()
-            self._timer = None
         return was_open
 
 

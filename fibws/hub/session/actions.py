@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from itertools import count
+from typing import Any
 
 from pydantic_core import to_json
 
@@ -20,7 +21,7 @@ from fibws.protocol.operations import (
     SendActionGoal,
     UnadvertiseAction,
     encode,
-    encode_with,
+    encode_fields,
 )
 
 
@@ -89,8 +90,7 @@ class Actions:
         """Send the client feedback, if it wants any."""
         request = self._sent[goal]
         if request.feedback:
-            reply = ActionFeedback(id=request.id, action=request.action)
-            self._reply(request, encode_with(reply, "values", feedback))
+            self._reply(request, {"op": "action_feedback"}, feedback)
 
     def end(self, goal: Goal, status: GoalStatus, result: bytes, *, ok: bool) -> None:
         """Send the client a goal's result."""
@@ -101,12 +101,14 @@ class Actions:
     def _result(
         self, request: SendActionGoal, status: GoalStatus, values: bytes, *, ok: bool
     ) -> None:
-        reply = ActionResult(id=request.id, action=request.action, status=int(status), result=ok)
-        self._reply(request, encode_with(reply, "values", values))
+        self._reply(request, {"op": "action_result", "status": int(status), "result": ok}, values)
 
-    def _reply(self, request: SendActionGoal, text: bytes) -> None:
-        id_ = f"{request.action}:{next(self._numbers)}"
-        self._client.outbox.reply(text_frames(text, request.fragment_size, id_))
+    def _reply(self, request: SendActionGoal, fields: dict[str, Any], values: bytes) -> None:
+        text = encode_fields({**fields, "action": request.action, "id": request.id}, values=values)
+        self._client.outbox.reply(text_frames(text, request.fragment_size, self._fragment_id))
+
+    def _fragment_id(self) -> str:
+        return f"action:{next(self._numbers)}"
 
     # As a server.
 

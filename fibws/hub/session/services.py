@@ -7,6 +7,7 @@ from itertools import count
 from pydantic_core import to_json
 
 from fibws.errors import FibwsError, InvalidMessage, OperationError
+from fibws.hub.clock import Timer
 from fibws.hub.framing import text_frame
 from fibws.hub.graph.encoding import text_frames
 from fibws.hub.graph.service import Call, Service
@@ -17,8 +18,7 @@ from fibws.protocol.operations import (
     Id,
     ServiceResponse,
     UnadvertiseService,
-    encode,
-    encode_with,
+    encode_fields,
 )
 
 LONGEST_TIMEOUT = 86400.0
@@ -28,7 +28,7 @@ LONGEST_TIMEOUT = 86400.0
 class Services:
     """One client's part in services, as provider and as caller."""
 
-    __slots__ = ("_calls", "_client", "_due", "_numbers", "_provided")
+    __slots__ = ("_alarm", "_calls", "_client", "_due", "_numbers", "_provided", "_rings")
 
     def __init__(self, client: Client) -> None:
         self._client = client
@@ -38,6 +38,9 @@ class Services:
         """What the client is to answer, by the ids that it was given."""
         self._calls: dict[Call, CallService] = {}
         """What the client waits for."""
+        self._alarm: Timer | None = None
+        self._rings = 0.0
+        """When the alarm will go off: it is one for all calls, no later than the first is due."""
         self._numbers = count(1)
 
     @property
@@ -69,11 +72,10 @@ class Services:
         self._client.check_room(len(self._calls), "max_calls")
         valid = service.type.ask(request.args)
         call = Call(service, valid, self.node, self._succeeded, self._failed)
+        call.due = self._client.clock.time() + self._patience(request)
         self._calls[call] = request
-        timeout = request.timeout
-        if timeout is None or timeout <= 0:
-            timeout = self._client.settings.service_timeout
-        call.start(self._client.clock, min(timeout, LONGEST_TIMEOUT))
+        self._watch(call.due)
+        call.start()
 
     def _succeeded(self, call: Call, values: bytes) -> None:
         self._respond(self._calls.pop(call), values, result=True)
@@ -85,10 +87,41 @@ class Services:
         self._respond(request, to_json(text), result=False)
 
     def _respond(self, request: CallService, values: bytes, *, result: bool) -> None:
-        response = ServiceResponse(id=request.id, service=request.service, result=result)
-        text = encode_with(response, "values", values)
-        id_ = f"service_response:{request.service}:{next(self._numbers)}"
-        self._client.outbox.reply(text_frames(text, request.fragment_size, id_))
+        fields = {
+            "op": "service_response",
+            "service": request.service,
+            "id": request.id,
+            "result": result,
+        }
+        text = encode_fields(fields, values=values)
+        self._client.outbox.reply(text_frames(text, request.fragment_size, self._fragment_id))
+
+    def _fragment_id(self) -> str:
+        return f"service_response:{next(self._numbers)}"
+
+    def _watch(self, due: float) -> None:
+        """See to it that the alarm goes off when a call is due."""
+        if self._alarm is not None:
+            if self._rings <= due:
+                return
+            self._alarm.cancel()
+        self._rings = due
+        clock = self._client.clock
+        self._alarm = clock.call_later(due - clock.time(), self._give_up)
+
+    def _patience(self, request: CallService) -> float:
+        """Seconds for which a call is waited for: not to name a time, or 0, leaves it to the hub."""
+        if request.timeout is None or request.timeout <= 0:
+            return self._client.settings.service_timeout
+        return min(request.timeout, LONGEST_TIMEOUT)
+
+    def _give_up(self) -> None:
+        """Fail the calls that are overdue."""
+        self._alarm = None
+        for call in [each for each in self._calls if each.due <= self._rings]:
+            call.give_up(self._patience(self._calls[call]))
+        if self._calls:
+            self._watch(min(call.due for call in self._calls))
 
     # As a provider.
 
@@ -122,7 +155,9 @@ class Services:
         """Ask the client."""
         _, spelling = self._provided[call.service.name]
         id_ = f"service_request:{spelling}:{next(self._numbers)}"
-        text = encode(CallService(id=id_, service=spelling, args=call.request))
+        text = encode_fields(
+            {"op": "call_service", "id": id_, "service": spelling, "args": call.request}
+        )
         outbox = self._client.outbox
         if outbox.has_room(len(text)):
             call.id = id_
@@ -204,6 +239,9 @@ class Services:
         for call in list(self._calls):
             call.abandon()
         self._calls.clear()
+        if self._alarm is not None:
+            self._alarm.cancel()
+            self._alarm = None
         for id_, call in list(self._due.items()):
             del self._due[id_]
             call.fail(f"service [{call.service.name}] unavailable: {self.node} has left")

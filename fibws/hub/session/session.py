@@ -178,6 +178,10 @@ class Session:
             case Publish():
                 publisher = self.topics.advertise_by_publishing(request)
                 self.topics.publish(publisher, request.msg, request.id)
+            case CallService():
+                self.services.call(request)
+            case ServiceResponse():
+                self.services.respond(request)
             case Subscribe():
                 self.topics.subscribe(request)
             case Unsubscribe():
@@ -186,10 +190,6 @@ class Session:
                 self.topics.advertise(request)
             case Unadvertise():
                 self.topics.unadvertise(request)
-            case CallService():
-                self.services.call(request)
-            case ServiceResponse():
-                self.services.respond(request)
             case AdvertiseService():
                 self.services.advertise(request)
             case UnadvertiseService():
