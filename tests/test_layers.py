@@ -1,8 +1,8 @@
 """Dependencies point down only, the core is pure, and each module has its test file.
 
-programs        broadcaster  listener  cli
+programs        broadcaster  listener  action_server ...  cli/  tf/
     |
-node/  hub/
+node/  hub/     with msg/  srv/  action/, the classes of messages, beside node/
     \\  /
 protocol/  interfaces/  names  errors
 """
@@ -22,31 +22,43 @@ IMPURE = {"asyncio", "websockets", "time", "random", "socket", "threading", "sel
 MASK = {"websockets.speedups.apply_mask", "websockets.utils.apply_mask"}
 
 PURE_HUB = ["clock", "framing", "liveness", "outbox", "settings"]
+PURE_TF = ["buffer", "history", "messages", "selection", "transform"]
+CLASSES = {"msg", "srv", "action"}
 BELOW = {
     "errors": set[str](),
     "names": {"errors"},
     "protocol": {"errors", "names", "protocol"},
     "interfaces": {"errors", "names", "interfaces"},
     "hub": {"errors", "names", "protocol", "interfaces", "hub", "__version__"},
-    "node": {"errors", "names", "protocol", "interfaces", "node", "msg", "__version__"},
+    "node": {"errors", "names", "protocol", "interfaces", "node", *CLASSES, "__version__"},
     "msg": {"errors", "interfaces", "msg"},
+    "srv": {"errors", "interfaces", "msg", "srv"},
+    "action": {"errors", "interfaces", "msg", "action"},
+    "tf": {"errors", "interfaces", *CLASSES, "tf"},
 }
 """What each part of fibws may import of fibws."""
 
+PROGRAMS = ["action_client", "action_server", "add_two_ints_client", "add_two_ints_server"]
+PROGRAMS += ["broadcaster", "listener", "static_transform_publisher", "tf2_web_republisher"]
+"""Modules to be read as well as to be run."""
+
 TESTED_ELSEWHERE = {
     "__main__.py": "programs/test_cli.py",
-    "broadcaster.py": "programs/test_broadcaster.py",
     "cli/demo.py": "programs/test_demo.py",
     "cli/options.py": "programs/test_listener.py",
     "cli/program.py": "programs/test_listener.py",
+    "interfaces/binary.py": "interfaces/test_serialization.py",
     "interfaces/builtin.py": "interfaces/test_validators.py",
     "interfaces/definition.py": "interfaces/test_parser.py",
     "interfaces/faults.py": "interfaces/test_validators.py",
+    "interfaces/layout.py": "interfaces/test_serialization.py",
     "interfaces/leaves.py": "interfaces/test_validators.py",
     "interfaces/linker.py": "interfaces/test_catalogue.py",
     "interfaces/package.py": "interfaces/test_catalogue.py",
-    "listener.py": "programs/test_listener.py",
+    "interfaces/source.py": "interfaces/test_generator.py",
     "msg/_finder.py": "msg/test_import.py",
+    "node/part.py": "node/test_session.py",
+    "node/rosapi.py": "node/test_params.py",
 }
 """Programs are tested as processes, and some modules only by way of the one they serve."""
 
@@ -83,6 +95,7 @@ PURE = [
     *modules("errors.py", "names.py", "protocol/*.py", "interfaces/*.py"),
     *modules("hub/graph/*.py", "hub/session/*.py", "hub/rosapi/*.py"),
     *(PACKAGE / "hub" / f"{name}.py" for name in PURE_HUB),
+    *(PACKAGE / "tf" / f"{name}.py" for name in PURE_TF),
 ]
 
 
@@ -103,9 +116,9 @@ def test_dependencies_point_down(path: Path) -> None:
     assert parts(path) <= BELOW[part]
 
 
-@pytest.mark.parametrize("path", modules("broadcaster.py", "listener.py"), ids=path_id)
+@pytest.mark.parametrize("path", modules(*(f"{name}.py" for name in PROGRAMS)), ids=path_id)
 def test_a_program_uses_only_public_names(path: Path) -> None:
-    public = {*fibws.__all__, "cli", "msg"}
+    public = {*fibws.__all__, *CLASSES, "cli", "tf"}
     assert parts(path) <= public
 
 
@@ -119,16 +132,19 @@ def test_nothing_in_the_core_is_imported_by_a_private_name(path: Path) -> None:
 def test_every_module_has_its_test_file() -> None:
     missing = {
         path_id(path): f"tests/{mirror(path)}"
-        for path in modules("*.py", "[!m]*/**/*.py", "msg/_*.py")
+        for path in modules("**/*.py")
         if path.name != "__init__.py"
         and path_id(path) not in UNTESTED
+        and (path.parent.name not in CLASSES or path.stem.startswith("_"))
         and not (TESTS / mirror(path)).exists()
     }
     assert not missing, "\n".join(f"{name} needs {test}" for name, test in missing.items())
 
 
 def mirror(path: Path) -> str:
-    """``hub/test_topic.py`` for ``hub/topic.py``."""
+    """``hub/test_gate.py`` for ``hub/gate.py``."""
+    if path.parent == PACKAGE and path.stem in PROGRAMS:
+        return f"programs/test_{path.stem}.py"
     beside = path.relative_to(PACKAGE).with_name(f"test_{path.stem.strip('_')}.py")
     return TESTED_ELSEWHERE.get(path_id(path), beside.as_posix())
 

@@ -15,7 +15,11 @@ import pytest
 from fibws.hub import Hub, Settings
 
 README = (Path(__file__).parents[1] / "README.md").read_text()
-PROGRAMS = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+PROGRAMS = {
+    found["node"]: found[0].strip("`").removeprefix("python\n")
+    for found in re.finditer(r"```python\n[^`]*fibws\.Node\(\"(?P<node>\w+)\"\)[^`]*```", README)
+}
+"""By the names of their nodes."""
 DEFINITION = re.search(r"`(fibonacci/msg/Fibonacci\.msg)`:\n\n```text\n(.*?)```", README, re.DOTALL)
 
 
@@ -47,7 +51,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 async def test_the_listener_hears_the_talker(folder: Path) -> None:
-    talker, listener = PROGRAMS[0], PROGRAMS[1]
+    talker, listener = PROGRAMS["talker"], PROGRAMS["listener"]
     async with Hub(Settings(port=0)) as hub:
         processes = [await start(talker, hub, folder), await start(listener, hub, folder)]
         try:
@@ -58,9 +62,31 @@ async def test_the_listener_hears_the_talker(folder: Path) -> None:
                 await process.wait()
 
 
+@pytest.mark.parametrize(
+    ("node", "lines"),
+    [
+        ("adder", ["1 + 2 = 3", "last: 3 of ['/adder/last', ", "topics: {"]),
+        ("counter", ["so far: [0, 1, 1]", "in all: [0, 1, 1, 2, 3, 5, 8]"]),
+    ],
+)
+async def test_what_a_node_does_for_itself_is_printed(
+    node: str, lines: list[str], folder: Path
+) -> None:
+    async with Hub(Settings(port=0)) as hub:
+        process = await start(PROGRAMS[node], hub, folder)
+        for line in lines:
+            await line_with(line, process)
+        assert await process.wait() == 0
+
+
+def test_all_programs_are_tested() -> None:
+    assert PROGRAMS.keys() == {"talker", "listener", "adder", "counter", "indexed_broadcaster"}
+    assert len(PROGRAMS) == README.count("```python")
+
+
 async def test_a_definition_of_ones_own_goes_from_end_to_end(folder: Path) -> None:
     async with Hub(Settings(port=0, interfaces=(folder,))) as hub:
-        process = await start(PROGRAMS[2], hub, folder)
+        process = await start(PROGRAMS["indexed_broadcaster"], hub, folder)
         try:
             await line_with("F(10) = 55", process)
             topic = hub.graph.topics["/indexed"]
