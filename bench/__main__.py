@@ -9,6 +9,7 @@ from dataclasses import replace
 
 from bench.binaries import binary
 from bench.codecs import codecs
+from bench.encodings import encodings
 from bench.errors import BenchError
 from bench.fanout import fanout
 from bench.flood import flood
@@ -17,7 +18,10 @@ from bench.latency import latency
 from bench.machine import require_linux
 from bench.plan import QUICK, Plan
 from bench.report import Report
+from bench.rosapi import rosapi
+from bench.services import services
 from bench.startup import startup
+from bench.subscriptions import subscriptions
 
 SCENARIOS = {
     "fanout": fanout,
@@ -26,6 +30,10 @@ SCENARIOS = {
     "idle": idle,
     "start": startup,
     "codecs": codecs,
+    "services": services,
+    "encodings": encodings,
+    "rosapi": rosapi,
+    "subscriptions": subscriptions,
 }
 OPEN_FILES = 8192
 

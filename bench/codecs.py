@@ -15,6 +15,7 @@ from bench import naive
 from bench.plan import HUB, Plan
 from bench.repeated import Repeated
 from bench.report import Report
+from bench.stopwatch import microseconds
 from fibws.interfaces import Interfaces, Validators
 
 
@@ -148,7 +149,7 @@ def codecs(plan: Plan, report: Report) -> None:
         # Ours narrows float32 fields to what a float32 holds: narrow naive's as well.
         if json.loads(ours())["msg"] != validate(json.loads(reference())["msg"]):
             report.fault(HUB, sample.type_name, "ours and naive disagree")
-        times = _microseconds((ours, reference), rounds)
+        times = microseconds((ours, reference), rounds)
         cost, its_cost = (Repeated.of(each) for each in times)
         ratio = cost / its_cost
         report.record("codecs", type=sample.type_name, ours=times[0], naive=times[1])
@@ -166,23 +167,3 @@ def codecs(plan: Plan, report: Report) -> None:
         ("message", "hub", "naive", "hub : naive", "limit"),
         rows,
     )
-
-
-def _microseconds(
-    calls: tuple[Callable[[], object], ...], rounds: int, round_seconds: float = 0.005
-) -> list[list[float]]:
-    """Return the CPU time per call of each round, the calls taking turns."""
-    repeats = []
-    for call in calls:
-        start = time.process_time()
-        call()
-        once = max(time.process_time() - start, 1e-6)
-        repeats.append(max(1, int(round_seconds / once)))
-    times: list[list[float]] = [[] for _ in calls]
-    for _ in range(rounds):
-        for call, repeat, found in zip(calls, repeats, times, strict=True):
-            start = time.process_time()
-            for _ in range(repeat):
-                call()
-            found.append((time.process_time() - start) / repeat * 1e6)
-    return times

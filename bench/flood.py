@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import statistics
 import time
-from contextlib import nullcontext
 from dataclasses import dataclass
 
 from bench.handshake import handshake
 from bench.load import Flood, load
-from bench.machine import cpus, pinned
+from bench.machine import on_load_cpu
 from bench.plan import NAIVE, Plan
 from bench.repeated import Repeated
 from bench.report import Report
@@ -78,11 +77,10 @@ def flood(plan: Plan, report: Report) -> None:
 
 
 def _strain(server: Server, plan: Plan, report: Report) -> Strain:
-    chosen = cpus()
     with Flood(server, longest_seconds=plan.warm_seconds + plan.seconds + 60) as flooder:
         time.sleep(LEAD_SECONDS)
         seen = load(server, plan, "--rate", f"{RATE}")
-        with pinned(chosen.load) if chosen else nullcontext():
+        with on_load_cpu():
             shakes = _handshakes(server)
         flooded = flooder.stop()
     report.fault(server.name, "beside a flood", seen.fault)

@@ -19,7 +19,7 @@ from bench import plan
 from bench.binaries import binary
 from bench.errors import BenchError
 from bench.handshake import handshake
-from bench.machine import cpus
+from bench.machine import cpu_seconds, cpus
 
 ROOT = Path(__file__).parents[1]
 ADDRESS = re.compile(rb"ws://[\d.]+:(\d+)")
@@ -35,6 +35,11 @@ class Server:
     pid: int
     port: int
     start_seconds: float
+
+    @property
+    def cpu_seconds(self) -> float:
+        """Return the CPU time that it has taken."""
+        return cpu_seconds(self.pid)
 
 
 @contextmanager
