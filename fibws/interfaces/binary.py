@@ -6,13 +6,13 @@ the rest is put side by side.
 
 from __future__ import annotations
 
-from binascii import a2b_base64, b2a_base64
 from collections.abc import Sequence
 from math import nan
 from struct import Struct
 from struct import error as StructError
 from typing import Any, Protocol
 
+from fibws.interfaces import base64text
 from fibws.interfaces.layout import Layout
 from fibws.interfaces.linker import MOST_VALUES
 
@@ -53,7 +53,7 @@ class Reader:
         begin = self.skip(4)
         return int.from_bytes(self.data[begin : begin + 4], "little")
 
-    def bytes(self) -> bytes:
+    def take(self) -> bytes:
         """As many bytes as the length before them says."""
         size = self.length()
         begin = self.skip(size)
@@ -96,7 +96,7 @@ class Text:
 
     def read(self, reader: Reader) -> str:
         try:
-            return reader.bytes().decode()
+            return reader.take().decode()
         except UnicodeDecodeError as error:
             raise Fault(f"{error.reason} of UTF-8 at byte {error.start}") from None
 
@@ -108,11 +108,11 @@ class Blob:
     free = 0
 
     def write(self, value: str, to: list[bytes]) -> None:
-        data = a2b_base64(value)
+        data = base64text.decode(value)
         to += (_length(data), data)
 
     def read(self, reader: Reader) -> str:
-        return b2a_base64(reader.bytes(), newline=False).decode()
+        return base64text.encode(reader.take())
 
 
 class Numbers:

@@ -6,7 +6,6 @@ except that arrays of a fixed size, which it fails at, are like any others here.
 
 from __future__ import annotations
 
-from binascii import a2b_base64
 from collections.abc import Callable
 from functools import partial
 from math import nan
@@ -16,7 +15,7 @@ from typing import Any, Final, TypeAlias
 
 import cbor2
 
-from fibws.interfaces import builtin
+from fibws.interfaces import base64text, builtin
 from fibws.interfaces.catalogue import Interfaces
 from fibws.interfaces.definition import Field, MessageDefinition
 
@@ -70,7 +69,7 @@ class CborEncoders:
 
     def _field(self, field: Field) -> _Convert | None:
         if field.is_bytes:
-            return a2b_base64
+            return base64text.decode
         if field.array is not None and field.type in _TYPED_ARRAYS:
             return partial(_typed_array, *_TYPED_ARRAYS[field.type])
         if field.type in builtin.FLOATS:

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
+from typing import TypeAlias
 
 from fibws.errors import FibwsError, InterfaceError
 from fibws.interfaces import source
@@ -21,6 +22,9 @@ from fibws.interfaces.package import KINDS, Kind
 
 MODULES = Path(__file__).parents[1]
 """Where the folders are that hold the modules of the standard packages."""
+
+_Classes: TypeAlias = dict[str, list[str]]
+"""The lines of classes, in order, by their names."""
 
 _PLURALS: dict[Kind, str] = {"msg": "messages", "srv": "services", "action": "actions"}
 
@@ -40,10 +44,6 @@ def generate(package: str, interfaces: Interfaces, kind: Kind = "msg") -> str:
             classes, imported = _actions(package, interfaces)
     body = [line for lines in classes.values() for line in ("", "", *lines)]
     return "\n".join([*_head(package, kind, imported, body), *_names(classes), *body, ""])
-
-
-_Classes = dict[str, list[str]]
-"""The lines of classes, in order, by their names."""
 
 
 def _messages(package: str, interfaces: Interfaces) -> tuple[_Classes, set[str]]:

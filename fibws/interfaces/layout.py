@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from binascii import a2b_base64, b2a_base64
 from collections.abc import Iterator, Sequence
 from itertools import islice
 from typing import Any, Protocol
+
+from fibws.interfaces import base64text
 
 
 class Fixed(Protocol):
@@ -61,10 +62,10 @@ class Bytes:
         self.free = 0 if count else 1
 
     def flatten(self, value: str, to: list[Any]) -> None:
-        to.append(a2b_base64(value))
+        to.append(base64text.decode(value))
 
     def build(self, values: Iterator[Any]) -> str:
-        return b2a_base64(next(values), newline=False).decode()
+        return base64text.encode(next(values))
 
 
 class Layout:

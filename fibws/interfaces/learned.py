@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 MOST = 1000
 """How many types clients may bring, so that they cannot fill the memory."""
+MOST_TEXT = 2**22
+"""How many characters the texts of all of them may have together."""
 LONGEST_TEXT = 2**18
 """How many characters a definition that a client brings may have."""
 
@@ -36,6 +38,7 @@ class Learned:
         self.messages: dict[str, MessageDefinition] = {}
         self.services: dict[str, ServiceDefinition] = {}
         self.actions: dict[str, ActionDefinition] = {}
+        self._text = 0
 
     def names(self, kind: Kind) -> Iterable[str]:
         """The types of one kind as ``package/Name``."""
@@ -65,7 +68,7 @@ class Learned:
         """
         _check_length(name, text)
         trial = _Trial(self._interfaces, full_text.read_message(text, name))
-        self._make_room(name, len(trial.unknown))
+        self._make_room(name, text, len(trial.unknown))
         self.messages.update(trial.unknown)
 
     def learn_service(self, name: str, text: str) -> None:
@@ -83,7 +86,7 @@ class Learned:
         else:
             trial.compare(service.request, known.request)
             trial.compare(service.response, known.response)
-        self._make_room(name, len(trial.unknown) + len(services))
+        self._make_room(name, text, len(trial.unknown) + len(services))
         self.messages.update(trial.unknown)
         self.services.update(services)
 
@@ -99,13 +102,21 @@ class Learned:
             self._interfaces.action(name)
         except (UnknownType, UnknownPackage):
             actions[name] = action
-        self._make_room(name, len(trial.unknown) + len(actions))
+        self._make_room(name, text, len(trial.unknown) + len(actions))
         self.messages.update(trial.unknown)
         self.actions.update(actions)
 
-    def _make_room(self, name: str, additions: int) -> None:
+    def _make_room(self, name: str, text: str, additions: int) -> None:
+        if not additions:
+            return
         if len(self.messages) + len(self.services) + len(self.actions) + additions > MOST:
             raise InterfaceError(f"Clients have brought {MOST} types, {name} is too many")
+        if self._text + len(text) > MOST_TEXT:
+            raise InterfaceError(
+                f"The types that clients bring may have {MOST_TEXT} characters together, "
+                f"{name} is too many"
+            )
+        self._text += len(text)
 
 
 class _Trial:

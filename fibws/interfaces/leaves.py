@@ -6,8 +6,6 @@ rule of its own: float32's rounding, byte strings, and times that are relative t
 
 from __future__ import annotations
 
-from binascii import Error as Base64Error
-from binascii import a2b_base64, b2a_base64
 from collections.abc import Callable
 from math import nan
 from struct import Struct, pack, unpack
@@ -16,7 +14,7 @@ from typing import Any, Final, TypeAlias
 
 from pydantic_core import PydanticCustomError, SchemaValidator, core_schema
 
-from fibws.interfaces import builtin
+from fibws.interfaces import base64text, builtin
 from fibws.interfaces.definition import Array, Field
 
 Stamp: TypeAlias = Callable[[], dict[str, int]]
@@ -122,33 +120,21 @@ def _bytes_reader(element: core_schema.CoreSchema, array: Array) -> Callable[[ob
 
     def read(value: object) -> str:
         if isinstance(value, str):
-            data, text = _from_base64(value)
+            try:
+                data, text = base64text.read(value)
+            except ValueError as error:
+                raise fault(f"bad base64: {error}") from None
         else:
             is_bytes = isinstance(value, (bytes, bytearray))
             elements: Any = value if is_bytes else numbers.validate_python(value)
             data = bytes(elements)
-            text = _to_base64(data)
+            text = base64text.encode(data)
         if len(data) < (array.fixed or 0) or (array.size is not None and len(data) > array.size):
             most = "" if array.fixed else "at most "
             raise fault(f"it has {len(data)} elements, not {most}{array.size}")
         return text
 
     return read
-
-
-def _from_base64(text: str) -> tuple[bytes, str]:
-    """The bytes, and the text as it is usually spelled: the last letter's spare bits are zero."""
-    try:
-        data = a2b_base64(text, strict_mode=True)
-    except (Base64Error, ValueError) as error:
-        raise fault(f"bad base64: {error}") from None
-    # Four letters make three bytes; to encode all the others again would take an image's time.
-    last = _to_base64(data[len(text) // 4 * 3 - 3 :])
-    return data, text if text.endswith(last) else text[:-4] + last
-
-
-def _to_base64(data: bytes) -> str:
-    return b2a_base64(data, newline=False).decode()
 
 
 def _round(value: float) -> float:

@@ -94,18 +94,19 @@ class PackageFinder:
         parent, _, package = fullname.rpartition(".")
         if parent not in _PARENTS or package.startswith("_"):
             return None
-        if default_interfaces().is_users(package):
-            return ModuleSpec(
-                fullname, cast("Loader", _GeneratedLoader), origin="written by its import"
-            )
-        if PathFinder.find_spec(fullname, path) is None:
-            raise ModuleNotFoundError(
-                f"No module named {fullname!r}: neither the standard packages nor the folders in "
-                f"{VARIABLE} ({os.environ.get(VARIABLE, 'not set')}) hold {_PARENTS[parent]} files "
-                f"of {package}",
-                name=fullname,
-            )
-        return None
+        kind, interfaces = _PARENTS[parent], default_interfaces()
+        if interfaces.is_users(package):
+            if interfaces.types(package, kind):
+                return ModuleSpec(
+                    fullname, cast("Loader", _GeneratedLoader), origin="written by its import"
+                )
+        elif PathFinder.find_spec(fullname, path) is not None:
+            return None
+        raise ModuleNotFoundError(
+            f"No module named {fullname!r}: neither the standard packages nor the folders in "
+            f"{VARIABLE} ({os.environ.get(VARIABLE, 'not set')}) hold {kind} files of {package}",
+            name=fullname,
+        )
 
 
 class _GeneratedLoader:

@@ -19,6 +19,9 @@ from fibws.errors import OperationError
 DEEPEST: Final = 200
 """How many arrays and maps may be in each other: as many as pydantic_core allows in JSON."""
 
+MOST_BYTES: Final = 2**23
+"""An empty array is one byte, and eighty once it is decoded: what follows must fit the memory."""
+
 _TYPED_ARRAYS: Final = {
     **{64: "<B", 68: "<B", 69: "<H", 70: "<I", 71: "<Q", 72: "<b", 77: "<h", 78: "<i", 79: "<q"},
     **{65: ">H", 66: ">I", 67: ">Q", 73: ">h", 74: ">i", 75: ">q"},
@@ -44,6 +47,8 @@ def object_of_cbor(data: bytes) -> dict[str, Any]:
     Raises:
         OperationError: the data is no CBOR, or no map, or holds what has no place in JSON.
     """
+    if len(data) > MOST_BYTES:
+        raise OperationError(f"Expected a map in CBOR of at most {MOST_BYTES} bytes")
     source = BytesIO(data.removeprefix(_SELF_DESCRIBED))
     decoder = cbor2.CBORDecoder(
         source,

@@ -59,7 +59,7 @@ def _expected(interfaces: Interfaces, field: Field, value: Any) -> Any:
 
 
 @pytest.mark.parametrize("type_", TYPES)
-@settings(max_examples=10, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=6, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(data=st.data())
 def test_any_message_of_a_standard_type_is_encoded(type_: str, data: st.DataObject) -> None:
     message = data.draw(messages(STANDARD, type_))

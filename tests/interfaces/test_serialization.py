@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from math import nan
-from pathlib import Path
 from struct import pack
 from typing import Any
 
@@ -48,10 +47,10 @@ uint64 last
 """
 
 
-@pytest.fixture
-def interfaces(tmp_path: Path) -> Interfaces:
+@pytest.fixture(scope="module")
+def interfaces(tmp_path_factory: pytest.TempPathFactory) -> Interfaces:
     """The standard types and a package of odd ones."""
-    folder = tmp_path / "odd_msgs" / "msg"
+    folder = tmp_path_factory.mktemp("interfaces") / "odd_msgs" / "msg"
     folder.mkdir(parents=True)
     for name, text in {
         "All": ALL,
@@ -66,7 +65,12 @@ def interfaces(tmp_path: Path) -> Interfaces:
         "Bounded": "wstring<=3[<=4] names\nfloat64[<=2] numbers\nuint8[<=2] data",
     }.items():
         (folder / f"{name}.msg").write_text(text, "utf-8")
-    return Interfaces([tmp_path])
+    return Interfaces([folder.parents[1]])
+
+
+@pytest.fixture(scope="module")
+def oracle(interfaces: Interfaces) -> Oracle:
+    return Oracle(interfaces)
 
 
 def check(oracle: Oracle, serializers: Serializers, type_: str, message: dict[str, Any]) -> None:
@@ -78,7 +82,7 @@ def check(oracle: Oracle, serializers: Serializers, type_: str, message: dict[st
 
 
 @pytest.mark.parametrize("type_", TYPES)
-@settings(max_examples=10, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=6, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(data=st.data())
 def test_any_message_of_a_standard_type_has_the_right_bytes(
     type_: str, data: st.DataObject
@@ -86,15 +90,13 @@ def test_any_message_of_a_standard_type_has_the_right_bytes(
     check(ORACLE, SERIALIZERS, type_, data.draw(messages(STANDARD, type_)))
 
 
-@settings(
-    max_examples=100, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
+@settings(deadline=None)
 @given(data=st.data())
 def test_any_message_of_an_odd_type_has_the_right_bytes(
-    interfaces: Interfaces, data: st.DataObject
+    interfaces: Interfaces, oracle: Oracle, data: st.DataObject
 ) -> None:
     message = data.draw(messages(interfaces, "odd_msgs/All"))
-    check(Oracle(interfaces), Serializers(interfaces), "odd_msgs/All", message)
+    check(oracle, Serializers(interfaces), "odd_msgs/All", message)
 
 
 @pytest.mark.parametrize("type_", TYPES)

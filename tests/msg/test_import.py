@@ -87,8 +87,8 @@ def test_the_users_services_and_actions_are_written_too(tmp_path: Path) -> None:
     assert following.Response.from_dict({"next": {"value": 6}}).next == number(6)
     count: Any = action_class("count_msgs/Count")
     assert count is importlib.import_module("fibws.action.count_msgs").Count
-    assert count.Result is fibws.msg.message_class("count_msgs/CountResult")
     assert count.Result().last == number(0)
+    assert count.Result is fibws.msg.message_class("count_msgs/CountResult")
 
 
 @pytest.mark.parametrize("kind", ["msg", "srv", "action"])
@@ -97,6 +97,16 @@ def test_a_package_that_nobody_has_is_an_import_error(kind: str) -> None:
         importlib.import_module(f"fibws.{kind}.nobodys_msgs")
     assert caught.value.name == f"fibws.{kind}.nobodys_msgs"
     assert f"hold {kind} files of nobodys_msgs" in str(caught.value)
+
+
+def test_a_users_package_without_services_has_no_module_of_them(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # What the standard package of its name has is not the user's.
+    fibws.msg.add_folder(write(tmp_path, "std_srvs", "Mine", "int32 x"))
+    monkeypatch.delitem(sys.modules, "fibws.srv.std_srvs", raising=False)
+    with pytest.raises(ModuleNotFoundError, match="hold srv files of std_srvs"):
+        importlib.import_module("fibws.srv.std_srvs")
 
 
 @pytest.mark.parametrize("find", [fibws.msg.message_class, service_class, action_class])

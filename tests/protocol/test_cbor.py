@@ -81,13 +81,11 @@ def test_the_map_may_say_that_it_is_cbor() -> None:
     assert object_of_cbor(bytes.fromhex("d9d9f7a161610a")) == {"a": 10}
 
 
-@pytest.mark.parametrize(
-    "payload", ["00", "4100", "6130", "80", "8201f4", "820102", "a0"], ids=lambda text: f"of-{text}"
-)
+@pytest.mark.parametrize("payload", ["00", "4100", "820102"])
 def test_every_other_tag_is_refused(payload: str) -> None:
     typed = {*range(64, 88)} - {76, 83, 87}
     for tag in {*range(2**16), 2**32, 2**64 - 1} - typed:
-        head = cbor2.dumps(cbor2.CBORTag(tag, 0))[:-1] if tag != 55799 else b"\xd9\xd9\xf7"
+        head = cbor2.dumps(cbor2.CBORTag(tag, 0))[:-1]
         with pytest.raises(OperationError, match="Expected a map in CBOR"):
             object_of_cbor(b"\xa1\x61a" + head + bytes.fromhex(payload))
 

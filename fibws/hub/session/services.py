@@ -110,7 +110,7 @@ class Services:
         self._alarm = clock.call_later(due - clock.time(), self._give_up)
 
     def _patience(self, request: CallService) -> float:
-        """Seconds for which a call is waited for: not to name a time, or 0, leaves it to the hub."""
+        """Seconds for which a call is waited for; no time of its own, or 0, is the hub's."""
         if request.timeout is None or request.timeout <= 0:
             return self._client.settings.service_timeout
         return min(request.timeout, LONGEST_TIMEOUT)
