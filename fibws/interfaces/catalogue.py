@@ -16,7 +16,7 @@ from fibws.interfaces.definition import (
     ServiceDefinition,
 )
 from fibws.interfaces.learned import Learned
-from fibws.interfaces.linker import Linker
+from fibws.interfaces.linker import MOST_VALUES, Linker
 from fibws.interfaces.package import Kind, Package, find_packages
 
 STANDARD = Path(__file__).parent / "definitions"
@@ -83,6 +83,10 @@ class Interfaces:
             DefinitionError: its definition, or that of a nested type, is wrong.
         """
         return self._linker.known.get(name) or self._linker.message(self.canonical(name))
+
+    def most_elements(self, name: str) -> int:
+        """How many messages of a type one array may hold; it raises as `message` does."""
+        return MOST_VALUES // self._linker.values(self.message(name).type)
 
     def service(self, name: str) -> ServiceDefinition:
         """The service of that name; it raises as `message` does."""

@@ -88,8 +88,9 @@ def _reason(field: Field, detail: ErrorDetails) -> str | None:
             return f"{shown} is not in {low}..{high}"
         case "too_short" | "too_long":
             assert field.array is not None
-            most = "at most " if field.array.bounded else ""
-            return f"it has {len(value)} elements, not {most}{field.array.size}"
+            if field.array.fixed is not None:
+                return f"it has {len(value)} elements, not {field.array.size}"
+            return f"it has {len(value)} elements, not at most {detail['ctx']['max_length']}"
         case "string_too_long":
             return f"it has {len(value)} characters, not at most {field.limit}"
         case "string_unicode":

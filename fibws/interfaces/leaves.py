@@ -50,9 +50,14 @@ def scalar(field: Field) -> core_schema.CoreSchema:
     return core_schema.nullable_schema(schema)
 
 
-def array(field: Field, element: core_schema.CoreSchema) -> core_schema.CoreSchema:
-    """The schema of the array field whose elements are ``element``."""
+def array(
+    field: Field, element: core_schema.CoreSchema, most: int | None
+) -> core_schema.CoreSchema:
+    """The schema of the array field whose elements are ``element``, and ``most`` many."""
     assert field.array is not None
+    if most is not None and field.array.fixed is None:
+        most = most if field.array.size is None else min(most, field.array.size)
+        return _list_of(element, Array(most, bounded=True))
     if field.is_bytes:
         return core_schema.no_info_plain_validator_function(_bytes_reader(element, field.array))
     if field.type == "float32":

@@ -16,7 +16,8 @@ DEEPEST = 50
 MOST_FIELDS = 10_000
 """How many fields a message may have, those of nested messages included."""
 MOST_VALUES = 2**22
-"""How many values a message may have when its fixed arrays are full and the others empty."""
+"""How many values a message may have when its fixed arrays are full and the others empty, and how
+many a list of messages may have in all: a few bytes of JSON for each could fill the memory."""
 
 
 class Linker:
@@ -39,6 +40,10 @@ class Linker:
             UnknownType, UnknownPackage: there is no such type.
         """
         return self.known.get(name) or self._add(self._read(name), ())
+
+    def values(self, name: str) -> int:
+        """How many values a message of a linked type has when its arrays of any size are empty."""
+        return self._sizes[name][1]
 
     def check(self, definition: MessageDefinition) -> None:
         """Link the types nested in a definition that is no message of its own, as a request."""

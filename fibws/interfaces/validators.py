@@ -75,7 +75,8 @@ class Validators:
         """The schema of a field and of what stands in for it where it is left out."""
         schema = self._element(field)
         if field.array is not None:
-            schema = leaves.array(field, schema)
+            most = self._interfaces.most_elements(field.type) if field.is_nested else None
+            schema = leaves.array(field, schema, most)
         return _with_default(field, schema)
 
     def _element(self, field: Field) -> core_schema.CoreSchema:

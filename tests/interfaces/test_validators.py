@@ -294,6 +294,19 @@ def test_a_field_that_is_left_out_has_its_default(line: str, data: object) -> No
     assert validate_as(line, {}) == data
 
 
+@pytest.mark.parametrize("brackets", ["[]", "[<=1000]"])
+def test_a_list_of_large_messages_is_bounded(brackets: str) -> None:
+    """Else each ``{}`` of three bytes would become a megabyte of defaults."""
+    interfaces = Interfaces()
+    text = f"Large{brackets} all\n{'=' * 80}\nMSG: my_msgs/Large\nfloat64[100000] numbers\n"
+    interfaces.learn("my_msgs/Many", text)
+    most = interfaces.most_elements("my_msgs/Large")
+    validator = Validators(interfaces, lambda: 0).of("my_msgs/Many")
+    assert len(validator.validate({"all": [{}] * most})["all"]) == most < 1000
+    with pytest.raises(InvalidMessage, match=rf"it has {most + 1} elements, not at most {most}"):
+        validator.validate({"all": [{}] * (most + 1)})
+
+
 def test_defaults_are_not_shared() -> None:
     first, second = (validate("geometry_msgs/PoseArray", {}) for _ in range(2))
     first["poses"].append(1)
