@@ -24,7 +24,7 @@ if TYPE_CHECKING:
         UnknownParameter,
         WaitTimeout,
     )
-    from fibws.interfaces import Duration, Message, Time
+    from fibws.interfaces import Action, Duration, Message, Service, Time
     from fibws.names import Remapping, parse_remappings
     from fibws.node.actions.client import ActionClient, ClientGoal
     from fibws.node.actions.goal import ServerGoal
@@ -59,7 +59,7 @@ _HOMES = {
         "UnknownParameter",
         "WaitTimeout",
     ),
-    "fibws.interfaces": ("Duration", "Message", "Time"),
+    "fibws.interfaces": ("Action", "Duration", "Message", "Service", "Time"),
     "fibws.names": ("Remapping", "parse_remappings"),
     "fibws.node.actions.client": ("ActionClient", "ClientGoal"),
     "fibws.node.actions.goal": ("ServerGoal",),
@@ -76,6 +76,7 @@ _HOMES = {
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 
 __all__ = [
+    "Action",
     "ActionClient",
     "ActionError",
     "ActionServer",
@@ -101,6 +102,7 @@ __all__ = [
     "Rate",
     "Remapping",
     "ServerGoal",
+    "Service",
     "ServiceError",
     "ServiceLost",
     "ServiceServer",

@@ -1,0 +1,274 @@
+"""The asking end of an action."""
+
+from __future__ import annotations
+
+import asyncio
+from abc import abstractmethod
+from collections import deque
+from collections.abc import AsyncIterator, Callable, Mapping
+from typing import Any, Generic, Self
+
+from fibws.errors import ActionError, NodeClosed, NodeError, WaitTimeout
+from fibws.interfaces.bases import F, G, R
+from fibws.node.actions.actions import Actions
+from fibws.node.actions.status import GoalStatus
+from fibws.node.actions.type import ActionType
+from fibws.node.fault import tell
+from fibws.node.limits import check_queue_size, check_timeout
+from fibws.node.part import Part
+
+HUB_LOST = "the connection to the hub was lost"
+
+
+class ClientGoal(Generic[R, F]):
+    """A goal that was sent: what is heard of it, and what becomes of it.
+
+    Args:
+        id_: what the graph calls it.
+        queue_size: how much feedback waits for a slow reader; then the newest stays.
+        cancel: tells the server that it is wanted no more.
+    """
+
+    def __init__(self, id_: str, queue_size: int, cancel: Callable[[str], None]) -> None:
+        self._id = id_
+        self._cancel = cancel
+        self._status = GoalStatus.PENDING
+        self._feedback: deque[F] = deque(maxlen=queue_size)
+        self._dropped = 0
+        self._news = asyncio.Event()
+        self._over = asyncio.Event()
+        self._result: R | None = None
+        self._fault: Exception | None = None
+
+    def __repr__(self) -> str:
+        return f"<ClientGoal {self.id} {self.status.name}>"
+
+    @property
+    def id(self) -> str:
+        """What the graph calls it."""
+        return self._id
+
+    @property
+    def status(self) -> GoalStatus:
+        """Its state, as far as it is known here. Operations tell of few states but the last."""
+        return self._status
+
+    @property
+    def dropped(self) -> int:
+        """How much feedback made way for newer before it was read."""
+        return self._dropped
+
+    async def feedback(self) -> AsyncIterator[F]:
+        """How far the server has come, until the goal ends: ``async for ... in goal.feedback()``.
+
+        It ends whatever becomes of the goal, which `result` then tells at once.
+        """
+        while True:
+            while self._feedback:
+                yield self._feedback.popleft()
+            if self._over.is_set():
+                return
+            self._news.clear()
+            await self._news.wait()
+
+    async def result(self, timeout: float | None = None) -> R:
+        """Wait until the goal ends, and return its result.
+
+        Args:
+            timeout: the seconds that this may take. The goal goes on after that, as it does if this
+                is canceled: `cancel` is what ends it.
+
+        Raises:
+            ActionError: it did not succeed.
+            WaitTimeout: it did not end in time. It is a TimeoutError, too.
+            NodeClosed, or what was the matter: the node has ended.
+        """
+        check_timeout(timeout)
+        try:
+            async with asyncio.timeout(timeout):
+                await self._over.wait()
+        except TimeoutError:
+            text = f"timeout exceeded while waiting for the result of goal {self.id}"
+            raise WaitTimeout(text) from None
+        if self._fault is not None:
+            tell(self._fault)
+        assert self._result is not None
+        return self._result
+
+    async def cancel(self) -> None:
+        """Ask the server to stop; `result` tells when it has. Does nothing after the end."""
+        if not self._over.is_set():
+            self._cancel(self.id)
+
+    # What its client does
+
+    def told(self, status: GoalStatus) -> None:
+        """Note what the server says."""
+        self._status = status
+
+    def offer(self, feedback: F) -> None:
+        """Take feedback off the wire."""
+        self._dropped += len(self._feedback) == self._feedback.maxlen
+        self._feedback.append(feedback)
+        self._news.set()
+
+    def succeed(self, result: R) -> None:
+        """The goal was reached."""
+        self._result = result
+        self._end(GoalStatus.SUCCEEDED)
+
+    def fail(self, status: GoalStatus, fault: Exception) -> None:
+        """The goal was not reached."""
+        self._fault = fault
+        self._end(status)
+
+    def _end(self, status: GoalStatus) -> None:
+        self._status = status
+        self._over.set()
+        self._news.set()
+
+
+class ActionClient(Part, Generic[G, R, F]):
+    """Sends goals to the server of one action.
+
+    Leave it with `close`, or by ``async with``, to hear no more before the node ends.
+
+    Args:
+        actions: the node's.
+        name: the action's global name.
+        type_: the action's type.
+    """
+
+    def __init__(self, actions: Actions, name: str, type_: ActionType[G, R, F]) -> None:
+        self._actions = actions
+        self._session = actions.session
+        self._name = name
+        self._type = type_
+        self._goals: dict[str, ClientGoal[R, F]] = {}
+        self._fault: Exception | None = None
+        actions.join(self)
+
+    def __repr__(self) -> str:
+        return f"<ActionClient {self.name} [{self.type}]>"
+
+    @property
+    def name(self) -> str:
+        """The action's global name."""
+        return self._name
+
+    @property
+    def type(self) -> str:
+        """The action's type, such as ``actionlib_tutorials/Fibonacci``."""
+        return self._type.name
+
+    async def send(self, goal: G | Mapping[str, Any], *, queue_size: int = 10) -> ClientGoal[R, F]:
+        """Send a goal; waits until there is a hub.
+
+        Without a server, of which `wait_for_server` tells, the goal fails: over operations at once,
+        over topics when nothing was heard for 5 s.
+
+        Args:
+            goal: what is wanted: a message, or a dict of its fields.
+            queue_size: how much feedback waits for a slow reader; then the newest stays.
+
+        Raises:
+            InvalidMessage: a field does not fit the type.
+            TypeError: it is no goal of this action.
+            ValueError: ``queue_size`` is less than 1.
+            OperationRejected: the hub did not let this client have the action's topics.
+            NodeClosed: the client or its node was closed.
+        """
+        check_queue_size(queue_size)
+        values = self._type.write_goal(goal)
+        await self._session.hub()
+        self._check()
+        id_ = self._new_id()
+        sent = self._goals[id_] = ClientGoal[R, F](id_, queue_size, self._tell_cancel)
+        self._tell_goal(id_, values)
+        return sent
+
+    @abstractmethod
+    async def wait_for_server(self, timeout: float | None = None) -> None:
+        """Wait until the action has a server, on a hub that may not be there yet either.
+
+        Args:
+            timeout: the most seconds to wait; None for ever.
+
+        Raises:
+            WaitTimeout: there was none in time.
+            OperationRejected: the hub did not let this client have the action's topics.
+            NodeClosed: the client or its node was closed.
+        """
+
+    def close(self) -> None:
+        """Hear no more of any goal, which go on. Does nothing when called again."""
+        if self._fault is None:
+            self._close(NodeClosed(f"the client of {self.name} was closed"))
+
+    async def __aenter__(self) -> Self:
+        return self
+
+    async def __aexit__(self, *error: object) -> None:
+        self.close()
+
+    def lose(self) -> None:
+        """Nobody can tell what becomes of the goals that the lost hub knew of."""
+        for goal in list(self._goals.values()):
+            self._fail(goal, GoalStatus.LOST, HUB_LOST)
+
+    def end(self, fault: Exception | None) -> None:
+        """The node is over."""
+        self._stop(fault or NodeClosed("the node has ended"))
+
+    def _check(self) -> None:
+        if self._fault is not None:
+            tell(self._fault)
+
+    def _refuse(self, fault: NodeError) -> None:
+        """The hub does not let this client have what it needs."""
+        self._close(fault)
+
+    def _close(self, fault: Exception) -> None:
+        self._stop(fault)
+        self._actions.leave(self)
+        self._unadvertise()
+
+    def _stop(self, fault: Exception) -> None:
+        self._fault = fault
+        for goal in list(self._goals.values()):
+            self._forget(goal)
+            goal.fail(GoalStatus.LOST, fault)
+
+    # What is heard of goals
+
+    def _succeed(self, goal: ClientGoal[R, F], result: R) -> None:
+        self._forget(goal)
+        goal.succeed(result)
+
+    def _fail(
+        self, goal: ClientGoal[R, F], status: GoalStatus, text: str, result: R | None = None
+    ) -> None:
+        self._forget(goal)
+        goal.fail(status, ActionError(self.name, status, text, result))
+
+    def _forget(self, goal: ClientGoal[R, F]) -> None:
+        """A goal has ended."""
+        del self._goals[goal.id]
+
+    # What the graph is told
+
+    @abstractmethod
+    def _new_id(self) -> str:
+        """What a new goal is called."""
+
+    @abstractmethod
+    def _tell_goal(self, id_: str, goal: dict[str, Any]) -> None:
+        """A goal is wanted."""
+
+    @abstractmethod
+    def _tell_cancel(self, id_: str) -> None:
+        """A goal is wanted no more."""
+
+    @abstractmethod
+    def _unadvertise(self) -> None:
+        """Take the registrations back."""

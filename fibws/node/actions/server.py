@@ -1,0 +1,233 @@
+"""The serving end of an action."""
+
+from __future__ import annotations
+
+import asyncio
+from abc import abstractmethod
+from collections.abc import Awaitable, Callable
+from typing import Any, Generic, Self, TypeAlias
+
+from fibws.errors import NodeError
+from fibws.interfaces.bases import F, G, R
+from fibws.node.actions.actions import Actions
+from fibws.node.actions.goal import ServerGoal
+from fibws.node.actions.record import Record
+from fibws.node.actions.status import Turn
+from fibws.node.actions.type import ActionType
+from fibws.node.fault import tell
+from fibws.node.part import Part
+from fibws.node.tasks import Tasks
+
+Execute: TypeAlias = Callable[[ServerGoal[G, R, F]], Awaitable[R]]
+"""Pursues a goal, and returns the result."""
+
+MOST_GOALS = 1000
+"""How many goals are pursued at once."""
+
+SUPERSEDED = "This goal was canceled because another goal was received by the simple action server"
+ENDED = "the action server has ended"
+
+
+class ActionServer(Part, Generic[G, R, F]):
+    """Pursues the goals of one action, each in a task of its own.
+
+    Leave it with `close`, or by ``async with``, to end it before the node does. Goals that are
+    still pursued are then aborted, and their tasks canceled. When the hub is lost, goals that came
+    over topics go on, as in ROS; those that came over operations are wanted no more, since nobody
+    can hear of them again.
+
+    Args:
+        actions: the node's.
+        name: the action's global name.
+        type_: the action's type.
+        execute: what pursues a goal. An exception in it aborts the goal, with its text.
+        concurrent: whether goals are pursued side by side. If not, it is as with actionlib's
+            SimpleActionServer: a new goal has the one before it canceled, and begins thereafter.
+    """
+
+    def __init__(
+        self,
+        actions: Actions,
+        name: str,
+        type_: ActionType[G, R, F],
+        execute: Execute[G, R, F],
+        *,
+        concurrent: bool,
+    ) -> None:
+        for other in actions.parts():
+            if type(other) is type(self) and other.name == name:
+                raise NodeError(f"{name}: this node serves it already")
+        self._actions = actions
+        self._session = actions.session
+        self._name = name
+        self._type = type_
+        self._execute = execute
+        self._concurrent = concurrent
+        self._goals: dict[str, ServerGoal[G, R, F]] = {}
+        """Those whose end somebody waits for."""
+        self._tasks = Tasks(actions.session.tasks)
+        self._current: ServerGoal[G, R, F] | None = None
+        self._next: ServerGoal[G, R, F] | None = None
+        self._ended = asyncio.Event()
+        self._fault: Exception | None = None
+        actions.join(self)
+
+    def __repr__(self) -> str:
+        return f"<ActionServer {self.name} [{self.type}]>"
+
+    @property
+    def name(self) -> str:
+        """The action's global name."""
+        return self._name
+
+    @property
+    def type(self) -> str:
+        """The action's type, such as ``actionlib_tutorials/Fibonacci``."""
+        return self._type.name
+
+    async def spin(self) -> None:
+        """Wait until the server or its node ends; raise the reason if something was the matter.
+
+        Raises:
+            OperationRejected: the hub refused the server, so that nobody can send it goals.
+        """
+        await self._ended.wait()
+        if self._fault is not None:
+            tell(self._fault)
+
+    def close(self) -> None:
+        """Pursue no more goals. Does nothing when called again."""
+        if not self._ended.is_set():
+            self._close(None)
+
+    async def __aenter__(self) -> Self:
+        return self
+
+    async def __aexit__(self, *error: object) -> None:
+        self.close()
+        await self._tasks.finished()
+
+    def end(self, fault: Exception | None) -> None:
+        """No goal will come any more, because of ``fault`` if there is one."""
+        self._fault = fault
+        self._ended.set()
+        for goal in list(self._goals.values()):
+            self._finish(goal, Turn.REJECT if goal is self._next else Turn.ABORT, text=ENDED)
+        self._next = None
+        self._tasks.cancel()
+
+    # What comes from the graph
+
+    def _receive(self, record: Record, request: G) -> None:
+        """Begin with a goal, or have it wait, or refuse it."""
+        goal = ServerGoal(record, request, self._type.Result, self._feedback)
+        self._goals[record.id] = goal
+        if len(self._tasks) >= MOST_GOALS:
+            self._finish(goal, Turn.REJECT, text=f"{MOST_GOALS} goals are pursued already")
+        elif self._concurrent or self._current is None:
+            self._start(goal)
+        else:
+            self._line_up(goal, self._current)
+
+    def _cancel(self, id_: str) -> None:
+        """A goal is wanted no more, if it still is pursued."""
+        goal = self._goals.get(id_)
+        if goal is None:
+            return
+        if goal is self._next:
+            self._next = None
+            self._finish(goal, Turn.CANCEL)
+        else:
+            if goal.record.turn(Turn.CANCEL_REQUEST):
+                self._tell_status()
+            goal.want_no_more()
+
+    # What becomes of goals
+
+    def _line_up(self, goal: ServerGoal[G, R, F], current: ServerGoal[G, R, F]) -> None:
+        """Have a goal begin after the current one, which has to end: only the latest one counts."""
+        latest = self._next or current
+        if goal.record.stamp < latest.record.stamp:
+            self._finish(goal, Turn.CANCEL, text=SUPERSEDED)
+            return
+        if self._next is not None:
+            self._finish(self._next, Turn.CANCEL, text=SUPERSEDED)
+        self._next = goal
+        current.want_no_more()
+
+    def _start(self, goal: ServerGoal[G, R, F]) -> None:
+        self._current = goal
+        goal.record.turn(Turn.ACCEPT)
+        self._tell_status()
+        self._tasks.start(self._pursue(goal), f"goal {goal.id} of {self.name}")
+
+    async def _pursue(self, goal: ServerGoal[G, R, F]) -> None:
+        values = None
+        try:
+            result = await self._execute(goal)
+            turn, text = goal.ending
+            values = self._type.write_result(result)
+        except Exception as error:
+            text = str(error) or type(error).__name__
+            # Errors about files may hold halves of surrogate pairs, which no JSON can hold.
+            turn, text = Turn.ABORT, text.encode(errors="replace").decode()
+            self._session.log.error("%s: goal %s was aborted: %s", self.name, goal.id, text)
+        except asyncio.CancelledError:
+            # Of a task that the function waited for; or of this one, whose goal has ended then.
+            turn, text = Turn.ABORT, "it was interrupted"
+        self._finish(goal, turn, values, text)
+        if goal is self._current:
+            self._current = None
+            if self._next is not None:
+                goal, self._next = self._next, None
+                self._start(goal)
+
+    def _finish(
+        self,
+        goal: ServerGoal[G, R, F],
+        turn: Turn,
+        values: dict[str, Any] | None = None,
+        text: str = "",
+    ) -> None:
+        """End a goal, once."""
+        if self._goals.get(goal.id) is goal:
+            del self._goals[goal.id]
+            goal.record.turn(turn, text)
+            self._tell_result(goal.record, values)
+
+    async def _feedback(self, goal: ServerGoal[G, R, F], feedback: F) -> None:
+        values = self._type.write_feedback(feedback)
+        if goal.status.is_final:
+            raise RuntimeError(f"goal {goal.id} of {self.name} has ended")
+        await self._session.outbox.room()
+        if self._goals.get(goal.id) is goal:
+            self._tell_feedback(goal.record, values)
+
+    def _refuse(self, fault: NodeError) -> None:
+        """The hub does not have this server; its owner may not be waiting for that."""
+        if not self._ended.is_set():
+            self._session.log.error("The hub refused the action server %s: %s", self.name, fault)
+            self._close(fault)
+
+    def _close(self, fault: Exception | None) -> None:
+        self.end(fault)
+        self._actions.leave(self)
+        self._unadvertise()
+
+    # How the graph hears of it
+
+    @abstractmethod
+    def _tell_status(self) -> None:
+        """A goal's status has changed."""
+
+    @abstractmethod
+    def _tell_feedback(self, record: Record, feedback: dict[str, Any]) -> None:
+        """A goal has come as far as ``feedback`` says."""
+
+    @abstractmethod
+    def _tell_result(self, record: Record, result: dict[str, Any] | None) -> None:
+        """A goal has ended; without a result if something went wrong."""
+
+    @abstractmethod
+    def _unadvertise(self) -> None:
+        """Take the registrations back."""

@@ -1,0 +1,340 @@
+"""Servers and clients at a real hub, over topics and over operations."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator
+from pathlib import Path
+from typing import Any, assert_type
+
+import pytest
+
+import fibws
+from fibws.action import action_class
+from fibws.action.actionlib_tutorials import Fibonacci
+from fibws.hub import Hub, Settings
+from fibws.msg.actionlib_tutorials import FibonacciFeedback, FibonacciGoal, FibonacciResult
+from fibws.msg.std_msgs import String
+from fibws.node.actions.over import Over
+
+FibonacciServerGoal = fibws.ServerGoal[FibonacciGoal, FibonacciResult, FibonacciFeedback]
+FibonacciClientGoal = fibws.ClientGoal[FibonacciResult, FibonacciFeedback]
+
+WAYS: list[Over] = ["topics", "operations"]
+
+both_ways = pytest.mark.parametrize("over", WAYS)
+
+
+@pytest.fixture
+async def real_hub() -> AsyncIterator[Hub]:
+    """A hub whose nodes must leave no tasks of goals behind."""
+    async with Hub(Settings(port=0, close_timeout=0.1)) as hub:
+        yield hub
+    names = {task.get_name() for task in asyncio.all_tasks()}
+    assert not {name for name in names if "fibonacci" in name or "numbers" in name}
+
+
+@pytest.fixture
+async def server(real_hub: Hub) -> AsyncIterator[fibws.Node]:
+    async with fibws.Node("server", hub=real_hub.url) as node:
+        yield node
+
+
+@pytest.fixture
+async def client(real_hub: Hub) -> AsyncIterator[fibws.Node]:
+    async with fibws.Node("client", hub=real_hub.url) as node:
+        yield node
+
+
+async def count(goal: FibonacciServerGoal) -> FibonacciResult:
+    """Counts to the order; negative orders wait to be canceled; 13 brings bad luck."""
+    order = goal.request.order
+    if order == 13:
+        raise RuntimeError("bad luck")
+    numbers = []
+    for number in range(abs(order)):
+        numbers.append(number)
+        await goal.feedback(Fibonacci.Feedback(numbers))
+    if order < 0:
+        await goal.cancellation()
+        return goal.canceled(Fibonacci.Result(numbers))
+    return Fibonacci.Result(numbers)
+
+
+async def ready(
+    node: fibws.Node, over: Over, name: str = "fibonacci"
+) -> fibws.ActionClient[FibonacciGoal, FibonacciResult, FibonacciFeedback]:
+    client = node.action_client(name, Fibonacci, over=over)
+    await client.wait_for_server(timeout=10)
+    return client
+
+
+async def fault_of(goal: FibonacciClientGoal) -> fibws.ActionError:
+    with pytest.raises(fibws.ActionError) as error:
+        await goal.result(timeout=10)
+    return error.value
+
+
+@both_ways
+async def test_a_goal_succeeds(server: fibws.Node, client: fibws.Node, over: Over) -> None:
+    await server.action_server("fibonacci", Fibonacci, count, over=over)
+    fibonacci = await ready(client, over)
+    goal = await fibonacci.send(Fibonacci.Goal(order=3))
+    heard = []
+    async for feedback in goal.feedback():
+        assert_type(feedback, FibonacciFeedback)
+        heard.append(feedback.sequence)
+    assert heard == [[0], [0, 1], [0, 1, 2]]
+    result = await goal.result()
+    assert_type(result, FibonacciResult)
+    assert result.sequence == [0, 1, 2]
+    assert goal.status is fibws.GoalStatus.SUCCEEDED
+
+
+@both_ways
+async def test_a_goal_is_canceled(server: fibws.Node, client: fibws.Node, over: Over) -> None:
+    await server.action_server("fibonacci", Fibonacci, count, over=over)
+    fibonacci = await ready(client, over)
+    goal = await fibonacci.send(Fibonacci.Goal(-2))
+    await anext(goal.feedback())
+    await goal.cancel()
+    fault = await fault_of(goal)
+    assert fault.status is goal.status is fibws.GoalStatus.PREEMPTED
+    assert fault.result == FibonacciResult([0, 1])
+
+
+@both_ways
+async def test_an_error_aborts_its_goal_and_nothing_else(
+    server: fibws.Node, client: fibws.Node, over: Over
+) -> None:
+    await server.action_server("fibonacci", Fibonacci, count, over=over)
+    fibonacci = await ready(client, over)
+    fault = await fault_of(await fibonacci.send(Fibonacci.Goal(13)))
+    assert (fault.status, fault.text) == (fibws.GoalStatus.ABORTED, "bad luck")
+    goal = await fibonacci.send(Fibonacci.Goal(1))
+    assert (await goal.result(timeout=10)).sequence == [0]
+
+
+async def test_unless_told_otherwise_goals_over_topics_preempt_each_other(
+    server: fibws.Node, client: fibws.Node
+) -> None:
+    await server.action_server("fibonacci", Fibonacci, count)
+    fibonacci = await ready(client, "topics")
+    first = await fibonacci.send(Fibonacci.Goal(-1))
+    await anext(first.feedback())
+    second = await fibonacci.send(Fibonacci.Goal(2))
+    assert (await fault_of(first)).status is fibws.GoalStatus.PREEMPTED
+    assert (await second.result(timeout=10)).sequence == [0, 1]
+
+
+async def test_unless_told_otherwise_goals_over_operations_do_not(
+    server: fibws.Node, client: fibws.Node
+) -> None:
+    await server.action_server("fibonacci", Fibonacci, count, over="operations")
+    fibonacci = await ready(client, "operations")
+    first = await fibonacci.send(Fibonacci.Goal(-1))
+    second = await fibonacci.send(Fibonacci.Goal(2))
+    assert (await second.result(timeout=10)).sequence == [0, 1]
+    assert first.status is fibws.GoalStatus.ACTIVE
+
+
+@both_ways
+async def test_many_goals_are_pursued_side_by_side(
+    server: fibws.Node, client: fibws.Node, over: Over
+) -> None:
+    await server.action_server("fibonacci", Fibonacci, count, over=over, concurrent=True)
+    fibonacci = await ready(client, over)
+    goals = [await fibonacci.send(Fibonacci.Goal(-1 - number)) for number in range(50)]
+    for goal in reversed(goals):
+        await anext(goal.feedback())
+        await goal.cancel()
+    for number, goal in enumerate(goals):
+        assert len((await fault_of(goal)).result.sequence) == number + 1
+
+
+@both_ways
+async def test_a_type_may_be_named_and_a_goal_a_dict(
+    server: fibws.Node, client: fibws.Node, over: Over
+) -> None:
+    async def execute(goal: fibws.ServerGoal[Any, Any, Any]) -> Any:
+        return FibonacciResult([goal.request.order])
+
+    await server.action_server("fibonacci", "actionlib_tutorials/Fibonacci", execute, over=over)
+    fibonacci = client.action_client("fibonacci", "actionlib_tutorials/Fibonacci", over=over)
+    await fibonacci.wait_for_server(timeout=10)
+    goal = await fibonacci.send({"order": 8})
+    assert (await goal.result(timeout=10)).sequence == [8]
+
+
+@both_ways
+async def test_names_are_resolved_and_remapped(real_hub: Hub, over: Over) -> None:
+    remapping = fibws.parse_remappings(["fibonacci:=/robot/numbers"])
+    async with (
+        fibws.Node("server", hub=real_hub.url, remapping=remapping) as server,
+        fibws.Node("client", hub=real_hub.url, namespace="/robot") as client,
+    ):
+        served = await server.action_server("fibonacci", Fibonacci, count, over=over)
+        assert served.name == "/robot/numbers"
+        goal = await (await ready(client, over, "numbers")).send(Fibonacci.Goal(1))
+        assert (await goal.result(timeout=10)).sequence == [0]
+
+
+@both_ways
+async def test_the_users_own_action_reaches_a_hub_that_does_not_know_it(
+    real_hub: Hub, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, over: Over
+) -> None:
+    package = tmp_path / f"herd_{over}"
+    (package / "msg").mkdir(parents=True)
+    (package / "action").mkdir()
+    (package / "msg" / "Sheep.msg").write_text("string name\n")
+    (package / "action" / "Count.action").write_text(
+        "Sheep[] sheep\n---\nuint8 count\n---\nSheep counted\n"
+    )
+    monkeypatch.setenv("FIBWS_INTERFACES", str(tmp_path))
+
+    async def execute(goal: fibws.ServerGoal[Any, Any, Any]) -> Any:
+        feedback = action_class(f"{package.name}/Count").Feedback
+        for sheep in goal.request.sheep:
+            await goal.feedback(feedback(sheep))
+        return goal.aborted(action_class(f"{package.name}/Count").Result(len(goal.request.sheep)))
+
+    async with fibws.Node("node", hub=real_hub.url) as node:
+        await node.action_server("count", f"{package.name}/Count", execute, over=over)
+        client = node.action_client("count", f"{package.name}/Count", over=over)
+        await client.wait_for_server(timeout=10)
+        with pytest.raises(fibws.InvalidMessage, match="name"):
+            await client.send({"sheep": [{"name": 5}]})
+        goal = await client.send({"sheep": [{"name": "Dolly"}, {"name": "Molly"}]})
+        names = [feedback.counted.name async for feedback in goal.feedback()]
+        assert names == ["Dolly", "Molly"]
+        assert (await fault_of(goal)).result.count == 2
+
+
+# Who leaves
+
+
+@both_ways
+async def test_when_the_server_ends_its_goals_are_aborted(
+    server: fibws.Node, client: fibws.Node, over: Over
+) -> None:
+    async with await server.action_server("fibonacci", Fibonacci, count, over=over):
+        fibonacci = await ready(client, over)
+        goal = await fibonacci.send(Fibonacci.Goal(-1))
+        await anext(goal.feedback())
+    fault = await fault_of(goal)
+    assert (fault.status, fault.text) == (
+        fibws.GoalStatus.ABORTED,
+        "the action server has ended",
+    )
+
+
+@both_ways
+async def test_when_the_servers_node_ends_its_goals_are_aborted(
+    real_hub: Hub, client: fibws.Node, over: Over
+) -> None:
+    async with fibws.Node("server", hub=real_hub.url) as server:
+        await server.action_server("fibonacci", Fibonacci, count, over=over)
+        fibonacci = await ready(client, over)
+        goal = await fibonacci.send(Fibonacci.Goal(-1))
+        await anext(goal.feedback())
+    assert (await fault_of(goal)).text == "the action server has ended"
+
+
+async def test_when_a_client_leaves_its_goals_over_operations_are_wanted_no_more(
+    real_hub: Hub, server: fibws.Node
+) -> None:
+    ended = asyncio.Event()
+
+    async def execute(goal: FibonacciServerGoal) -> FibonacciResult:
+        await goal.feedback(Fibonacci.Feedback())
+        await goal.cancellation()
+        ended.set()
+        return goal.canceled()
+
+    await server.action_server("fibonacci", Fibonacci, execute, over="operations")
+    async with fibws.Node("client", hub=real_hub.url) as client:
+        goal = await (await ready(client, "operations")).send(Fibonacci.Goal())
+        await anext(goal.feedback())
+    async with asyncio.timeout(10):
+        await ended.wait()
+
+
+@both_ways
+async def test_when_the_hub_is_lost_so_is_the_goal_and_the_next_hub_has_all_again(
+    real_hub: Hub, over: Over
+) -> None:
+    old = await Hub(Settings(port=0, close_timeout=0.1)).__aenter__()
+    async with (
+        fibws.Node("server", hub=old.url) as server,
+        fibws.Node("client", hub=old.url) as client,
+    ):
+        await server.action_server("fibonacci", Fibonacci, count, over=over)
+        fibonacci = await ready(client, over)
+        goal = await fibonacci.send(Fibonacci.Goal(-1))
+        await anext(goal.feedback())
+        port = int(old.url.rpartition(":")[2])
+        await old.__aexit__(None, None, None)
+        # Over operations the hub may have seen the server go before it let the client go.
+        assert (await fault_of(goal)).text in (
+            "the connection to the hub was lost",
+            "Action /fibonacci is unavailable: /server has left",
+        )
+        async with Hub(Settings(port=port, close_timeout=0.1)):
+            await fibonacci.wait_for_server(timeout=10)
+            again = await fibonacci.send(Fibonacci.Goal(2))
+            assert (await again.result(timeout=10)).sequence == [0, 1]
+
+
+@both_ways
+async def test_a_client_that_nobody_serves(client: fibws.Node, over: Over) -> None:
+    fibonacci = client.action_client("fibonacci", Fibonacci, over=over)
+    with pytest.raises(fibws.WaitTimeout, match="while waiting for action server /fibonacci"):
+        await fibonacci.wait_for_server(timeout=0.1)
+    if over == "operations":
+        fault = await fault_of(await fibonacci.send(Fibonacci.Goal(1)))
+        assert fault.text == "Action /fibonacci does not exist"
+
+
+# What is refused
+
+
+async def test_over_topics_of_other_types_there_is_no_action(
+    server: fibws.Node, client: fibws.Node
+) -> None:
+    for topic in ("feedback", "cancel"):
+        await (await client.advertise(f"{topic}_taken/{topic}", String)).publish("mine")
+        # The hub knows of the other type once it has heard what came after it.
+        client.subscribe(f"{topic}_taken/{topic}", String)
+        await client.graph.topics()
+        refused = await server.action_server(f"{topic}_taken", Fibonacci, count)
+        goal_topic = await client.advertise(
+            f"{topic}_taken/goal", "actionlib_tutorials/FibonacciActionGoal"
+        )
+        await server.graph.topics()
+        await goal_topic.publish(goal=Fibonacci.Goal(1))
+        with pytest.raises(fibws.OperationRejected, match="already established with type"):
+            await asyncio.wait_for(refused.spin(), 10)
+
+
+async def test_over_operations_a_type_that_is_not_the_servers(
+    server: fibws.Node, client: fibws.Node
+) -> None:
+    await server.action_server("fibonacci", Fibonacci, count, over="operations")
+    other = client.action_client("fibonacci", "example_interfaces/Fibonacci", over="operations")
+    await other.wait_for_server(timeout=10)
+    goal = await other.send({"order": 1})
+    with pytest.raises(fibws.ActionError, match="is of type actionlib_tutorials/Fibonacci"):
+        await goal.result(timeout=10)
+
+
+async def test_there_is_no_third_way(server: fibws.Node) -> None:
+    nowhere: Any = "smoke"
+    with pytest.raises(ValueError, match='over "topics" or over "operations", not over \'smoke\''):
+        await server.action_server("fibonacci", Fibonacci, count, over=nowhere)
+    with pytest.raises(ValueError, match="not over 'smoke'"):
+        server.action_client("fibonacci", Fibonacci, over=nowhere)
+
+
+async def test_an_action_that_nobody_defined(server: fibws.Node) -> None:
+    with pytest.raises(fibws.InterfaceError, match="did you mean actionlib_tutorials/Fibonacci"):
+        server.action_client("fibonacci", "actionlib_tutorials/Fibonaci")
