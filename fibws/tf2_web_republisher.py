@@ -1,0 +1,34 @@
+"""Tells web pages and others without a transform library where frames are."""
+
+from __future__ import annotations
+
+import click
+
+import fibws
+from fibws.cli import options
+from fibws.cli.program import run
+from fibws.tf.republisher import Republisher
+
+
+@click.command(context_settings=options.SETTINGS)
+@options.node("tf2_web_republisher", anonymous=False)
+def command(node: fibws.Node) -> None:
+    """Tell the clients of TFClient, as roslib and roslibpy have it, where frames are.
+
+    It takes what is published on /tf and /tf_static, and answers goals of the action
+    /tf2_web_republisher and calls of the service /republish_tfs: with the transforms that changed
+    by more than a client's thresholds, at the client's rate.
+
+    FROM:=TO renames a topic (/tf:=/robot/tf), the service, or the node with its action
+    (__name:=transforms), as in ROS.
+    """
+
+    async def program() -> None:
+        async with node:
+            await Republisher(node).run()
+
+    run(program())
+
+
+if __name__ == "__main__":
+    command(prog_name="python -m fibws.tf2_web_republisher")

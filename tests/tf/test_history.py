@@ -1,0 +1,125 @@
+"""Where one frame was over time."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fibws.errors import TransformOutOfTime
+from fibws.tf.history import CACHE_TIME, LATEST, FixedPlace, History, Sample, seconds
+from fibws.tf.transform import Transform
+
+SECOND = 1_000_000_000
+
+
+def sample(at: float, x: float, parent: str = "map") -> Sample:
+    return Sample(int(at * SECOND), parent, Transform((x, 0.0, 0.0)))
+
+
+def history(*samples: Sample) -> History:
+    history = History("base")
+    for each in samples:
+        history.insert(each)
+    return history
+
+
+def x_at(places: History | FixedPlace, at: float) -> float:
+    return places.at(int(at * SECOND)).transform.translation[0]
+
+
+def test_between_two_samples_the_frame_is_on_its_way() -> None:
+    places = history(sample(1, 10), sample(2, 20), sample(4, 0))
+    assert [x_at(places, at) for at in (1, 1.5, 2, 3, 4)] == [10, 15, 20, 10, 0]
+    assert places.at(3 * SECOND).stamp == 3 * SECOND
+
+
+def test_the_latest_sample_is_asked_for_with_0() -> None:
+    places = history(sample(1, 10), sample(2, 20))
+    assert places.at(LATEST) == places.latest == sample(2, 20)
+
+
+@pytest.mark.parametrize(
+    ("at", "fault"),
+    [
+        (0.5, "at 0.5 was asked for, but it is known since 1: .* into the past"),
+        (2.25, "at 2.25 was asked for, but it is known until 2: .* into the future"),
+    ],
+)
+def test_what_came_before_and_after_is_not_guessed(at: float, fault: str) -> None:
+    places = history(sample(1, 10), sample(2, 20))
+    with pytest.raises(TransformOutOfTime, match=f"'base' {fault}"):
+        places.at(int(at * SECOND))
+
+
+def test_one_sample_is_right_at_one_time_only() -> None:
+    places = history(sample(1, 10))
+    assert x_at(places, 1) == 10
+    with pytest.raises(TransformOutOfTime, match="it is known at 1 only"):
+        places.at(2 * SECOND)
+
+
+def test_samples_may_come_out_of_order() -> None:
+    places = history(sample(4, 0), sample(1, 10), sample(2, 20))
+    assert [x_at(places, at) for at in (1, 1.5, 2, 3, 4)] == [10, 15, 20, 10, 0]
+
+
+def test_a_sample_of_the_same_time_replaces_the_first() -> None:
+    places = history(sample(0, 1), sample(0, 2))
+    assert (len(places), places.latest) == (1, sample(0, 2))
+    places = history(sample(1, 10), sample(2, 20), sample(1, 12))
+    assert (len(places), x_at(places, 1.5)) == (2, 16)
+
+
+def test_while_its_parent_changes_it_stays_where_it_was() -> None:
+    places = history(sample(1, 10, "map"), sample(2, 20, "odom"))
+    assert places.at(int(1.9 * SECOND)) == sample(1, 10, "map")
+    assert places.at(2 * SECOND) == sample(2, 20, "odom")
+
+
+def test_it_reaches_ten_seconds_back() -> None:
+    places = history(sample(1, 1), sample(2, 2), sample(12, 12))
+    assert (len(places), x_at(places, 2)) == (2, 2)
+    with pytest.raises(TransformOutOfTime, match="known since 2"):
+        places.at(SECOND)
+
+
+def test_a_clock_that_was_set_back_begins_a_new_history() -> None:
+    places = history(sample(100, 1), sample(101, 2), sample(90.9, 3))
+    assert (len(places), places.latest) == (1, sample(90.9, 3))
+
+
+def test_a_late_sample_within_ten_seconds_does_not() -> None:
+    places = history(sample(100, 1), sample(101, 2), sample(91, 3))
+    assert (len(places), places.latest) == (3, sample(101, 2))
+
+
+def test_the_oldest_sample_can_be_given_up() -> None:
+    places = history(sample(1, 10), sample(2, 20))
+    places.shorten()
+    assert (len(places), places.latest) == (1, sample(2, 20))
+
+
+@given(st.lists(st.integers(0, 3 * CACHE_TIME), min_size=1))
+def test_it_never_holds_more_than_its_time_nor_two_of_one(stamps: list[int]) -> None:
+    places = History("base")
+    for stamp in stamps:
+        places.insert(Sample(stamp, "map", Transform()))
+        kept = [each.stamp for each in places._samples]
+        assert kept == sorted(set(kept))
+        assert stamp in kept
+        assert kept[-1] - kept[0] <= CACHE_TIME
+
+
+def test_a_fixed_place_is_right_at_all_times() -> None:
+    place = FixedPlace(sample(5, 10))
+    assert [x_at(place, at) for at in (0, 1, 99)] == [10, 10, 10]
+    assert (len(place), place.latest.stamp) == (1, LATEST)
+
+
+@pytest.mark.parametrize(
+    ("nanoseconds", "text"),
+    [(0, "0"), (1, "0.000000001"), (10 * SECOND, "10"), (1_500_000_000, "1.5")],
+)
+def test_seconds_are_written_exactly(nanoseconds: int, text: str) -> None:
+    assert seconds(nanoseconds) == text

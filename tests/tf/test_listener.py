@@ -1,0 +1,83 @@
+"""What fills a buffer."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Awaitable, Callable
+
+import pytest
+
+import fibws
+from fibws.errors import TransformError
+from fibws.hub import Hub
+from fibws.msg.geometry_msgs import TransformStamped
+from fibws.msg.rosgraph_msgs import Log
+from fibws.msg.std_msgs import Header, String
+from fibws.msg.tf2_msgs import TFMessage
+from fibws.tf.buffer import Buffer
+from fibws.tf.history import Sample
+from fibws.tf.listener import Listener
+
+from .conftest import PATIENCE, Publish
+
+
+class Known:
+    """A buffer that is being filled."""
+
+    def __init__(self) -> None:
+        self.buffer = Buffer()
+
+    async def lookup(self, target: str, source: str) -> Sample:
+        """The transform, once it is known."""
+        async with asyncio.timeout(PATIENCE):
+            while True:
+                try:
+                    return self.buffer.lookup(target, source)
+                except TransformError:
+                    await asyncio.sleep(0.01)
+
+
+@pytest.fixture
+async def known(hub: Hub) -> AsyncIterator[Known]:
+    known = Known()
+    async with fibws.Node("robot", hub=hub.url) as node:
+        listener = Listener(node, known.buffer)
+        tasks = [
+            asyncio.create_task(listener.hear_moving()),
+            asyncio.create_task(listener.hear_static()),
+        ]
+        yield known
+        for task in tasks:
+            task.cancel()
+
+
+async def test_moving_and_static_frames_are_heard(known: Known, publish: Publish) -> None:
+    await publish(("base", "map", 1), ("wheel", "base", 10))
+    await publish(("camera", "base", 100), static=True)
+    assert (await known.lookup("map", "camera")).transform.translation == (101.0, 0.0, 0.0)
+    assert (await known.lookup("camera", "wheel")).transform.translation == (-90.0, 0.0, 0.0)
+
+
+async def test_what_is_of_no_use_is_said_once_for_each_frame(
+    known: Known,
+    node: fibws.Node,
+    publish: Publish,
+    line: Callable[[str], Awaitable[Log]],
+) -> None:
+    topic = await node.advertise("/tf", TFMessage)
+    for frame in ("base", "base", "arm"):
+        wrong = TransformStamped(header=Header(frame_id="map"), child_frame_id=frame)
+        await topic.publish(TFMessage([wrong]))
+    await publish(("good", "map", 1))
+    await known.lookup("map", "good")
+    first = await line("Ignored")
+    assert (first.level, first.name) == (Log.WARN, "/robot")
+    assert first.msg.startswith("Ignored a transform on /tf: 'base': the rotation (0.0, 0.0, 0.0,")
+    assert "'arm'" in (await line("Ignored")).msg
+
+
+async def test_a_topic_of_another_type_is_an_error(node: fibws.Node) -> None:
+    await node.advertise("/tf_static", String)
+    with pytest.raises(fibws.OperationRejected, match="/tf_static"):
+        async with asyncio.timeout(PATIENCE):
+            await Listener(node, Buffer()).hear_static()

@@ -1,0 +1,289 @@
+"""The action and the service of tf2_web_republisher."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Awaitable, Callable
+from itertools import count
+from math import inf, nan
+from typing import Any, TypeAlias
+
+import pytest
+
+import fibws
+from fibws.action.tf2_web_republisher import TFSubscription
+from fibws.hub import Hub
+from fibws.msg.actionlib_msgs import GoalID, GoalStatusArray
+from fibws.msg.rosgraph_msgs import Log
+from fibws.msg.std_msgs import String
+from fibws.msg.tf2_web_republisher import (
+    TFArray,
+    TFSubscriptionActionFeedback,
+    TFSubscriptionActionGoal,
+    TFSubscriptionGoal,
+    TFSubscriptionResult,
+)
+from fibws.msg.tf2_web_republisher import TFSubscriptionFeedback as Feedback
+from fibws.srv.tf2_web_republisher import RepublishTFs
+from fibws.tf import republisher as module
+from fibws.tf.republisher import Republisher
+
+from .conftest import PATIENCE, Place, Publish, places
+
+pytestmark = pytest.mark.usefixtures("republisher")
+
+ACTION = "/tf2_web_republisher"
+ACTIVE = fibws.GoalStatus.ACTIVE
+Client: TypeAlias = fibws.ActionClient[TFSubscriptionGoal, TFSubscriptionResult, Feedback]
+Line: TypeAlias = Callable[[str], Awaitable[Log]]
+
+
+def wish(*frames: str, target: str = "map", rate: float = 50, thresholds: float = 0.01) -> Any:
+    return {
+        "source_frames": list(frames),
+        "target_frame": target,
+        "angular_thres": thresholds,
+        "trans_thres": thresholds,
+        "rate": rate,
+    }
+
+
+async def open_topic(node: fibws.Node, *frames: str, patience: float = 5, **others: Any) -> str:
+    """Call the service; the new topic's name."""
+    request = RepublishTFs.Request(
+        **wish(*frames, **others), timeout=fibws.Duration.from_sec(patience)
+    )
+    return (await node.call("/republish_tfs", RepublishTFs, request)).topic_name
+
+
+@pytest.fixture
+async def client(node: fibws.Node) -> AsyncIterator[Client]:
+    async with node.action_client(ACTION, TFSubscription) as client:
+        await client.wait_for_server(PATIENCE)
+        yield client
+
+
+async def heard(messages: AsyncIterator[TFArray | Feedback]) -> list[Place]:
+    """The transforms in the next message."""
+    async with asyncio.timeout(PATIENCE):
+        return places((await anext(messages)).transforms)
+
+
+async def fault(goal: fibws.ClientGoal[TFSubscriptionResult, Feedback]) -> str:
+    """Why a goal was not reached."""
+    with pytest.raises(fibws.ActionError) as caught:
+        await goal.result(PATIENCE)
+    return str(caught.value)
+
+
+# The service
+
+
+async def test_a_call_opens_a_topic_of_its_own(node: fibws.Node, publish: Publish) -> None:
+    names = [await open_topic(node, frame) for frame in ("base", "arm")]
+    assert names == [f"{ACTION}/tf_repub_0", f"{ACTION}/tf_repub_1"]
+    base, arm = (node.subscribe(name, TFArray) for name in names)
+    await publish(("arm", "base", 10), ("base", "map", 1))
+    assert await heard(base) == [("base", "map", 1)]
+    assert await heard(arm) == [("arm", "map", 11)]
+
+
+async def test_the_stamp_is_the_time_at_which_it_is_told(
+    node: fibws.Node, publish: Publish
+) -> None:
+    arrays = node.subscribe(await open_topic(node, "camera"), TFArray)
+    before = node.now()
+    await publish(("camera", "map", 1), static=True)
+    async with asyncio.timeout(PATIENCE):
+        (transform,) = (await anext(arrays)).transforms
+    assert before < transform.header.stamp < node.now()
+
+
+async def test_only_what_changed_by_more_than_the_threshold_is_told(
+    node: fibws.Node, publish: Publish
+) -> None:
+    arrays = node.subscribe(await open_topic(node, "/arm", "/base", target="/map"), TFArray)
+    await publish(("base", "map", 1), ("arm", "map", 1))
+    assert await heard(arrays) == [("arm", "map", 1), ("base", "map", 1)]
+    for x in count(2):
+        await publish(("base", "map", 1 + 0.009 * (x % 2)), ("arm", "map", x))
+        told = await heard(arrays)
+        if len(told) == 1:  # The republisher may learn late that somebody listens.
+            break
+    assert told == [("arm", "map", x)]
+
+
+async def test_with_a_threshold_of_0_everything_is_told_all_the_time(
+    node: fibws.Node, publish: Publish
+) -> None:
+    arrays = node.subscribe(await open_topic(node, "base", thresholds=0), TFArray)
+    await publish(("base", "map", 1))
+    for _ in range(5):
+        assert await heard(arrays) == [("base", "map", 1)]
+
+
+async def test_who_comes_late_hears_all_that_is_known(
+    node: fibws.Node, publish: Publish, client: Client
+) -> None:
+    witness = (await client.send(TFSubscriptionGoal(**wish("arm")))).feedback()
+    name = await open_topic(node, "base", "arm", rate=1000)
+    await publish(("base", "map", 1))
+    for x in (2, 3, 4):
+        await publish(("arm", "map", x))
+        assert await heard(witness) == [("arm", "map", x)]
+    arrays = node.subscribe(name, TFArray)
+    assert ("base", "map", 1) in await heard(arrays)
+
+
+async def test_who_comes_after_another_hears_all_that_is_known(
+    hub: Hub, node: fibws.Node, publish: Publish
+) -> None:
+    name = await open_topic(node, "base", "arm")
+    async with fibws.Node("first", hub=hub.url) as first:
+        arrays = first.subscribe(name, TFArray)
+        for frame in ("base", "arm"):
+            await publish((frame, "map", 1))
+            while (frame, "map", 1) not in await heard(arrays):
+                pass
+    async with fibws.Node("second", hub=hub.url) as second:
+        arrays = second.subscribe(name, TFArray)
+        while ("base", "map", 1) not in await heard(arrays):
+            pass
+
+
+async def test_a_topic_that_the_hub_refuses_is_said(node: fibws.Node, line: Line) -> None:
+    node.subscribe(f"{ACTION}/tf_repub_0", String)
+    name = await open_topic(node, "map", thresholds=0)
+    said = await line(f"Tried to register topic {name} with type tf2_web_republisher/TFArray")
+    assert (said.level, said.name) == (Log.ERROR, ACTION)
+
+
+async def test_a_topic_is_closed_when_nobody_has_listened_for_the_timeout(
+    node: fibws.Node, publish: Publish, line: Line
+) -> None:
+    await publish(("base", "map", 1))
+    name = await open_topic(node, "base", patience=0.2)
+    with_listener = node.subscribe(name, TFArray)
+    await heard(with_listener)
+    other = await open_topic(node, "base", patience=0.2)
+    assert (await line("Nobody")).msg == f"Nobody listened to {other} for 0.2 s"
+    topics = await node.graph.topics()
+    assert name in topics
+    assert other not in topics
+    with_listener.close()
+    assert (await line("Nobody")).msg == f"Nobody listened to {name} for 0.2 s"
+    assert name not in await node.graph.topics()
+
+
+@pytest.mark.parametrize(
+    ("asked", "reason"),
+    [
+        ({"rate": 0}, "rate is 0: write how many times a second, up to 1000"),
+        ({"rate": -1}, "rate is -1: "),
+        ({"rate": 1001}, "rate is 1001: "),
+        ({"rate": nan}, "rate is nan: "),
+        ({"patience": 0}, "timeout is 0 s: write a time above 0"),
+        ({"patience": -1.5}, "timeout is -1.5 s: "),
+        ({"target": ""}, "a frame's id is empty"),
+        ({"thresholds": nan}, "a threshold is no number"),
+    ],
+)
+async def test_a_call_that_makes_no_sense_is_refused(
+    node: fibws.Node, asked: dict[str, Any], reason: str
+) -> None:
+    with pytest.raises(fibws.ServiceError, match=reason):
+        await open_topic(node, "base", **asked)
+    assert ACTION + "/tf_repub_0" not in await node.graph.topics()
+
+
+async def test_topics_are_bounded_in_number(
+    node: fibws.Node, line: Line, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "MAX_TOPICS", 1)
+    await open_topic(node, "base", patience=0.2)
+    with pytest.raises(fibws.ServiceError, match="1 topics are open already"):
+        await open_topic(node, "base")
+    await line("Nobody")
+    await open_topic(node, "base")
+
+
+# The action
+
+
+async def test_a_goal_is_told_what_changes_until_it_is_canceled(
+    publish: Publish, client: Client
+) -> None:
+    goal = await client.send(TFSubscriptionGoal(**wish("base")))
+    feedback = goal.feedback()
+    for x in (1.0, 2.0):
+        await publish(("base", "map", x))
+        assert await heard(feedback) == [("base", "map", x)]
+    await goal.cancel()
+    await fault(goal)
+    assert goal.status is fibws.GoalStatus.PREEMPTED
+
+
+async def test_goals_do_not_concern_each_other(publish: Publish, client: Client) -> None:
+    forth = await client.send(TFSubscriptionGoal(**wish("base")))
+    back = await client.send(TFSubscriptionGoal(**wish("map", target="base")))
+    await publish(("base", "map", 1))
+    assert await heard(forth.feedback()) == [("base", "map", 1)]
+    assert await heard(back.feedback()) == [("map", "base", -1)]
+    await forth.cancel()
+    await fault(forth)
+    await publish(("base", "map", 2))
+    assert await heard(back.feedback()) == [("map", "base", -2)]
+
+
+@pytest.mark.parametrize(
+    ("asked", "reason"),
+    [({"rate": 0}, "rate is 0"), ({"rate": inf}, "rate is"), ({"target": "/"}, "id is empty")],
+)
+async def test_a_goal_that_makes_no_sense_is_aborted(
+    client: Client, asked: dict[str, Any], reason: str
+) -> None:
+    goal = await client.send(TFSubscriptionGoal(**wish("base", **asked)))
+    assert reason in await fault(goal)
+    assert goal.status is fibws.GoalStatus.ABORTED
+
+
+async def test_the_oldest_goal_makes_way(
+    publish: Publish, client: Client, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "MAX_GOALS", 2)
+    first, *others = [await client.send(TFSubscriptionGoal(**wish("base"))) for _ in range(3)]
+    assert "it made way for one of 2 newer goals" in await fault(first)
+    await publish(("base", "map", 1))
+    for goal in others:
+        assert await heard(goal.feedback()) == [("base", "map", 1)]
+
+
+async def test_goals_rest_while_nobody_hears_their_feedback(
+    node: fibws.Node, publish: Publish
+) -> None:
+    await publish(("base", "map", 1), ("arm", "map", 2))
+    statuses = node.subscribe(f"{ACTION}/status", GoalStatusArray)
+    goals = await node.advertise(f"{ACTION}/goal", TFSubscriptionActionGoal)
+    goal = TFSubscriptionGoal(**wish("base", "arm"))
+    await goals.publish(TFSubscriptionActionGoal(goal_id=GoalID(id="page"), goal=goal))
+    async with asyncio.timeout(PATIENCE):
+        while [each.status for each in (await anext(statuses)).status_list] != [ACTIVE]:
+            pass
+        # When this has come, there could have been feedback, too.
+        await heard(node.subscribe(await open_topic(node, "base"), TFArray))
+        subscription = node.subscribe(f"{ACTION}/feedback", TFSubscriptionActionFeedback)
+        feedback = await anext(subscription)
+    assert feedback.status.goal_id.id == "page"
+    assert places(feedback.feedback.transforms) == [("base", "map", 1), ("arm", "map", 2)]
+
+
+# Both
+
+
+async def test_it_ends_with_its_node_and_says_why(hub: Hub, node: fibws.Node) -> None:
+    async with fibws.Node("transforms", hub=hub.url) as other:
+        serving = asyncio.create_task(Republisher(other).run())
+        await node.action_client("/transforms", TFSubscription).wait_for_server(PATIENCE)
+        async with fibws.Node("transforms", hub=hub.url):
+            with pytest.raises(fibws.NodeReplaced, match="took the name /transforms"):
+                await asyncio.wait_for(serving, PATIENCE)

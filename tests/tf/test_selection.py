@@ -1,0 +1,155 @@
+"""What one client of tf2_web_republisher is told."""
+
+from __future__ import annotations
+
+import logging
+import math
+
+import pytest
+
+from fibws.errors import InvalidTransform
+from fibws.tf import selection as module
+from fibws.tf.buffer import Buffer
+from fibws.tf.history import Sample
+from fibws.tf.selection import Selection
+from fibws.tf.transform import Transform, of_yaw_pitch_roll
+
+LOG = logging.getLogger("tests.tf.selection")
+ANGULAR, TRANSLATIONAL = 0.1, 0.01
+
+
+@pytest.fixture
+def buffer() -> Buffer:
+    return Buffer()
+
+
+def place(buffer: Buffer, frame: str, x: float = 0, yaw: float = 0, *, sign: int = 1) -> None:
+    qx, qy, qz, qw = of_yaw_pitch_roll(yaw, 0, 0)
+    rotation = (sign * qx, sign * qy, sign * qz, sign * qw)
+    buffer.insert(frame, Sample(1, "map", Transform((x, 0.0, 0.0), rotation)))
+
+
+def select(
+    *sources: str, angular: float = ANGULAR, translational: float = TRANSLATIONAL
+) -> Selection:
+    return Selection("/map", sources, angular, translational, LOG)
+
+
+def test_the_first_transform_counts_as_a_change(buffer: Buffer) -> None:
+    place(buffer, "base")
+    selection = select("/base")
+    assert selection.changes(buffer) == {"base": Transform()}
+    assert selection.target == "map"
+    assert selection.changes(buffer) == {}
+
+
+def test_what_moved_by_more_than_the_threshold_is_told(buffer: Buffer) -> None:
+    selection = select("base")
+    told = []
+    for x in (1.0, 1.009, 1.0101, 1.02, 1.0001):
+        place(buffer, "base", x)
+        told += [change.translation[0] for change in selection.changes(buffer).values()]
+    assert told == [1.0, 1.0101, 1.0001]
+
+
+def test_what_turned_by_more_than_the_threshold_is_told(buffer: Buffer) -> None:
+    selection = select("base")
+    told = []
+    for yaw in (1.0, 1.099, 1.101, 1.19, 0.9):
+        place(buffer, "base", yaw=yaw)
+        told += [yaw for _ in selection.changes(buffer)]
+    assert told == [1.0, 1.101, 0.9]
+
+
+def test_a_quaternion_that_only_changed_its_sign_is_the_same_rotation(buffer: Buffer) -> None:
+    selection = select("base")
+    place(buffer, "base", yaw=1)
+    assert selection.changes(buffer)
+    place(buffer, "base", yaw=1, sign=-1)
+    assert selection.changes(buffer) == {}
+
+
+def test_many_small_steps_are_a_change_in_the_end(buffer: Buffer) -> None:
+    selection = select("base")
+    told = 0
+    for step in range(101):
+        place(buffer, "base", step * 0.001)
+        told += len(selection.changes(buffer))
+    assert told == 1 + 9
+
+
+@pytest.mark.parametrize(("angular", "translational"), [(0, 1), (1, 0), (0, 0), (-1, 1)])
+def test_a_threshold_of_0_tells_everything(
+    buffer: Buffer, angular: float, translational: float
+) -> None:
+    place(buffer, "base")
+    selection = select("base", angular=angular, translational=translational)
+    for _ in range(3):
+        assert selection.changes(buffer) == {"base": Transform()}
+
+
+def test_infinite_thresholds_tell_the_first_one_only(buffer: Buffer) -> None:
+    place(buffer, "base")
+    selection = select("base", angular=math.inf, translational=math.inf)
+    assert selection.changes(buffer)
+    place(buffer, "base", 1e6, 3)
+    assert selection.changes(buffer) == {}
+
+
+def test_each_frame_changes_for_itself(buffer: Buffer) -> None:
+    selection = select("base", "arm", "base", "map")
+    for frame in ("base", "arm"):
+        place(buffer, frame)
+    assert list(selection.changes(buffer)) == ["base", "arm", "map"]
+    place(buffer, "arm", 1)
+    assert list(selection.changes(buffer)) == ["arm"]
+
+
+def test_who_comes_anew_is_told_everything_again(buffer: Buffer) -> None:
+    place(buffer, "base")
+    selection = select("base")
+    assert selection.changes(buffer)
+    selection.renew()
+    assert selection.changes(buffer) == {"base": Transform()}
+
+
+def test_a_frame_that_is_not_known_is_said_once_and_told_when_it_is(
+    buffer: Buffer, caplog: pytest.LogCaptureFixture
+) -> None:
+    caplog.set_level(logging.INFO)
+    place(buffer, "arm")
+    selection = select("base", "arm")
+    assert list(selection.changes(buffer)) == ["arm"]
+    assert selection.changes(buffer) == {}
+    place(buffer, "base")
+    assert list(selection.changes(buffer)) == ["base"]
+    selection.changes(buffer)
+    assert [(record.levelname, record.getMessage()) for record in caplog.records] == [
+        (
+            "WARNING",
+            "No transform to map: Frame 'base' does not exist: no transform leads to it or from it",
+        ),
+        ("INFO", "The transform from base to map is known."),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("target", "sources", "thresholds", "fault"),
+    [
+        ("", ["base"], (0, 0), "a frame's id is empty"),
+        ("map", ["base", "/"], (0, 0), "a frame's id is empty"),
+        ("map", ["base"], (math.nan, 0), "a threshold is no number"),
+        ("map", ["base"], (0, math.nan), "a threshold is no number"),
+        ("map", list("abcd"), (0, 0), "4 frames at once: 3 are the most"),
+    ],
+)
+def test_what_cannot_be_told_is_refused(
+    monkeypatch: pytest.MonkeyPatch,
+    target: str,
+    sources: list[str],
+    thresholds: tuple[float, float],
+    fault: str,
+) -> None:
+    monkeypatch.setattr(module, "MAX_FRAMES", 3)
+    with pytest.raises(InvalidTransform, match=fault):
+        Selection(target, sources, *thresholds, LOG)
