@@ -1,0 +1,84 @@
+"""Which client plays which scenarios, and where."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import pytest
+
+ROSLIB_1, ROSLIB_2, FOXGLOVE, ROSLIBPY = (
+    "roslib 1.4.1",
+    "roslib 2.1.0",
+    "foxglove/roslibjs",
+    "roslibpy",
+)
+
+
+@dataclass(frozen=True)
+class Program:
+    """A program of ours that serves clients, from when this service is there."""
+
+    command: tuple[str, ...]
+    service: str
+
+
+PROGRAMS = (
+    Program(("fibws.tf2_web_republisher",), "/republish_tfs"),
+    Program(("fibws.add_two_ints_server",), "/add_two_ints"),
+    Program(("fibws.action_server", "--rate", "50"), "/fibonacci/_action/cancel_goal"),
+)
+
+
+@dataclass(frozen=True)
+class Cast:
+    """A client library, what it runs in, its scenarios, and the programs that these need."""
+
+    library: str
+    runtime: str
+    scenarios: tuple[str, ...]
+    programs: tuple[Program, ...] = ()
+
+    def __str__(self) -> str:
+        return f"{self.library} in {self.runtime}"
+
+
+_COMMON = ("topics", "services", "parameters", "introspection", "actionlib")
+_JAVASCRIPT = (*_COMMON, "statuses", "encodings", "actionlib_js")
+_ROSLIB = (*_JAVASCRIPT, "png", "typedefs")
+_SCENARIOS = {
+    ROSLIB_1: _ROSLIB,
+    ROSLIB_2: (*_ROSLIB, "fragments", "promises", "actions"),
+    FOXGLOVE: _JAVASCRIPT,
+    ROSLIBPY: _COMMON,
+}
+_RUNTIMES = {
+    ROSLIB_1: ("Node", "Chromium"),
+    ROSLIB_2: ("Node", "Chromium"),
+    FOXGLOVE: ("Node", "Chromium"),
+    ROSLIBPY: ("twisted", "asyncio"),
+}
+_WITH_PROGRAMS = {
+    ROSLIB_1: ("tutorials", "tf", "tf_service"),
+    ROSLIB_2: ("tutorials", "tf", "tutorial_actions"),
+    ROSLIBPY: ("tutorials", "tf_service", "tutorial_actions"),
+}
+
+
+def _casts() -> Iterable[Cast]:
+    for library, runtimes in _RUNTIMES.items():
+        for runtime in runtimes:
+            yield Cast(library, runtime, _SCENARIOS[library])
+            yield Cast(library, runtime, ("reconnection",))
+            if library in _WITH_PROGRAMS:
+                yield Cast(library, runtime, _WITH_PROGRAMS[library], PROGRAMS)
+    yield Cast(FOXGLOVE, "Node", ("foxglove",))
+
+
+CASTS = tuple(_casts())
+
+
+def playing(scenarios: str) -> pytest.MarkDecorator:
+    """Runs a module's tests for each client that plays these scenarios."""
+    casts = [cast for cast in CASTS if scenarios in cast.scenarios]
+    return pytest.mark.parametrize("cast", casts, ids=str)

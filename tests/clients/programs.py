@@ -1,0 +1,79 @@
+"""The programs that clients meet at a hub, the hub among them."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+import sys
+from collections.abc import AsyncIterator, Sequence
+from contextlib import asynccontextmanager
+from typing import Self
+
+from fibws import Node
+
+from .casts import Program
+
+PATIENCE = 20
+
+
+class Hub:
+    """The hub as a program, which another one on the same port can replace."""
+
+    def __init__(self) -> None:
+        self.log: list[str] = []
+        self._port = "0"
+
+    async def __aenter__(self) -> Self:
+        await self._start()
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        await self._stop()
+
+    @property
+    def url(self) -> str:
+        return f"ws://127.0.0.1:{self._port}"
+
+    async def restart(self) -> None:
+        await self._stop()
+        await self._start()
+
+    async def _start(self) -> None:
+        self._process = await asyncio.create_subprocess_exec(
+            *(sys.executable, "-m", "fibws.hub", "--port", self._port),
+            stdout=asyncio.subprocess.PIPE,
+            stderr=asyncio.subprocess.PIPE,
+        )
+        assert self._process.stdout is not None
+        greeting = (await self._process.stdout.readline()).decode()
+        found = re.search(r"ws://127\.0\.0\.1:(\d+)", greeting)
+        assert found is not None, (await self._process.communicate())[1].decode()
+        self._port = found[1]
+        self._logging = asyncio.create_task(self._process.communicate())
+
+    async def _stop(self) -> None:
+        self._process.terminate()
+        _, log = await self._logging
+        self.log += log.decode().splitlines()
+
+
+@asynccontextmanager
+async def running(programs: Sequence[Program], url: str) -> AsyncIterator[None]:
+    """Programs at the hub, from when all of them are ready."""
+    processes = [
+        await asyncio.create_subprocess_exec(
+            *(sys.executable, "-m", *program.command, "--hub", url),
+            stdout=asyncio.subprocess.DEVNULL,
+        )
+        for program in programs
+    ]
+    try:
+        async with Node("stage", hub=url) as node:
+            for program in programs:
+                await node.wait_for_service(program.service, timeout=PATIENCE)
+        yield
+    finally:
+        for process in processes:
+            if process.returncode is None:
+                process.terminate()
+            await process.wait()

@@ -1,0 +1,35 @@
+"""A hub that goes away and another one in its place: roslibpy comes back by itself."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from roslibpy import Message, Service, ServiceRequest, Topic  # type: ignore[import-untyped]
+
+from .world import PATIENCE, Collected, World, eventually
+
+
+def a_client_comes_back_with_the_hub(world: World) -> Any:
+    talker, listener = world.connect(), world.connect()
+    heard = Collected()
+    Topic(listener, "/chatter", "std_msgs/String").subscribe(heard.put)
+    world.settled(listener)
+    topic = Topic(talker, "/chatter", "std_msgs/String")
+    topic.publish(Message({"data": "before"}))
+    before = heard.many(1)
+    lost, back = Collected(), Collected()
+    for ros in (talker, listener):
+        ros.on("close", lost.put)
+        ros.on("ready", back.put)
+    world.report({"restart": True})
+    lost.many(2)
+    back.many(2)
+    # It advertises and subscribes again a while after it is back.
+    eventually(lambda: _nodes(talker, "publishers") and _nodes(listener, "subscribers"))
+    topic.publish(Message({"data": "after"}))
+    return before + heard.many(1)
+
+
+def _nodes(ros: Any, role: str) -> bool:
+    service = Service(ros, f"/rosapi/{role}", f"rosapi/{role.capitalize()}")
+    return bool(service.call(ServiceRequest({"topic": "/chatter"}), timeout=PATIENCE)[role])

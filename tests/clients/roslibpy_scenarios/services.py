@@ -1,0 +1,90 @@
+"""Services, as the documentation of roslibpy uses them."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+from roslibpy import Service, ServiceRequest  # type: ignore[import-untyped]
+from roslibpy.core import ServiceException  # type: ignore[import-untyped]
+
+from .world import PATIENCE, World
+
+ADD = "rospy_tutorials/AddTwoInts"
+TRIGGER = "std_srvs/Trigger"
+
+
+def _add(request: Any, response: Any) -> bool:
+    response["sum"] = request["a"] + request["b"]
+    return True
+
+
+def _call(service: Any, **request: Any) -> Any:
+    return service.call(ServiceRequest(request), timeout=PATIENCE)
+
+
+def _refusal(service: Any, **request: Any) -> str:
+    try:
+        answer = _call(service, **request)
+    except ServiceException as error:
+        return str(error)
+    raise AssertionError(f"It was not refused but gave {answer}.")
+
+
+def a_service_answers_another_client(world: World) -> Any:
+    provider, caller = world.connect(), world.connect()
+    Service(provider, "/add_two_ints", ADD).advertise(_add)
+    world.settled(provider)
+    return _call(Service(caller, "/add_two_ints", ADD), a=1, b=2)
+
+
+def a_service_answers_its_own_client(world: World) -> Any:
+    ros = world.connect()
+    Service(ros, "/own/add_two_ints", ADD).advertise(_add)
+    return _call(Service(ros, "/own/add_two_ints", ADD), a=20, b=22)
+
+
+def a_field_that_the_request_leaves_out_is_0(world: World) -> Any:
+    ros = world.connect()
+    Service(ros, "/short/add_two_ints", ADD).advertise(_add)
+    return _call(Service(ros, "/short/add_two_ints", ADD), b=5)
+
+
+def calls_that_overlap_get_each_its_own_answer(world: World) -> Any:
+    ros = world.connect()
+    Service(ros, "/busy/add_two_ints", ADD).advertise(_add)
+    service = Service(ros, "/busy/add_two_ints", ADD)
+    with ThreadPoolExecutor() as pool:
+        answers = pool.map(lambda a: _call(service, a=a, b=10), [1, 2, 3])
+        return [answer["sum"] for answer in answers]
+
+
+def a_service_says_that_it_failed(world: World) -> Any:
+    ros = world.connect()
+
+    def fail(_: Any, response: Any) -> bool:
+        response["message"] = "out of paper"
+        return False
+
+    Service(ros, "/failing/trigger", TRIGGER).advertise(fail)
+    return _call(Service(ros, "/failing/trigger", TRIGGER))
+
+
+def a_service_that_is_not_there_fails(world: World) -> Any:
+    return _refusal(Service(world.connect(), "/nobody/trigger", TRIGGER))
+
+
+def a_service_that_is_no_longer_there_fails(world: World) -> Any:
+    ros = world.connect()
+    provider = Service(ros, "/brief/add_two_ints", ADD)
+    provider.advertise(_add)
+    world.settled(ros)
+    provider.unadvertise()
+    world.settled(ros)
+    return _refusal(Service(ros, "/brief/add_two_ints", ADD), a=1, b=2)
+
+
+def a_request_that_does_not_fit_the_type_fails(world: World) -> Any:
+    ros = world.connect()
+    Service(ros, "/strict/add_two_ints", ADD).advertise(_add)
+    return _refusal(Service(ros, "/strict/add_two_ints", ADD), a="one", b=2)

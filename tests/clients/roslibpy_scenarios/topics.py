@@ -1,0 +1,139 @@
+"""Topics, as the documentation of roslibpy uses them."""
+
+from __future__ import annotations
+
+import math
+import time
+from typing import Any
+
+from roslibpy import Message, Topic  # type: ignore[import-untyped]
+
+from .world import Collected, World
+
+NUMBER = "std_msgs/Int32"
+
+
+def a_message_reaches_another_client(world: World) -> Any:
+    talker, listener = world.connect(), world.connect()
+    heard = Collected()
+    Topic(listener, "/chatter", "std_msgs/String").subscribe(heard.put)
+    world.settled(listener)
+    topic = Topic(talker, "/chatter", "std_msgs/String")
+    topic.publish(Message({"data": "hello"}))
+    topic.publish(Message({"data": "wörld 🌍"}))
+    return heard.many(2)
+
+
+def a_client_hears_itself(world: World) -> Any:
+    ros, heard = world.connect(), Collected()
+    Topic(ros, "/monologue", NUMBER).subscribe(heard.put)
+    Topic(ros, "/monologue", NUMBER).publish(Message({"data": 8}))
+    return heard.many(1)
+
+
+def a_message_of_many_fields_arrives_as_it_was_sent(world: World) -> Any:
+    ros, heard = world.connect(), Collected()
+    Topic(ros, "/imu", "sensor_msgs/Imu").subscribe(heard.put)
+    message = {
+        "header": {"seq": 0, "stamp": {"secs": 12, "nsecs": 34}, "frame_id": "base_link"},
+        "orientation": {"x": 0, "y": 0, "z": 0, "w": 1},
+        "orientation_covariance": [1.5, 0, 0, 0, math.nan, 0, 0, 0, -2],
+        "linear_acceleration": {"z": -9.81},
+    }
+    Topic(ros, "/imu", "sensor_msgs/Imu").publish(Message(message))
+    return heard.many(1)[0]
+
+
+def a_late_listener_hears_the_latched_message_once(world: World) -> Any:
+    talker, listener = world.connect(), world.connect()
+    topic = Topic(talker, "/map_name", "std_msgs/String", latch=True)
+    topic.publish(Message({"data": "attic"}))
+    topic.publish(Message({"data": "cellar"}))
+    world.settled(talker)
+    heard = Collected()
+    Topic(listener, "/map_name", "std_msgs/String").subscribe(heard.put)
+    world.settled(listener)
+    return heard.many(heard.qsize())
+
+
+def a_throttled_listener_hears_the_first_message_and_then_the_newest(world: World) -> Any:
+    return _throttled(world, "/newest", queue_length=1, count=2)
+
+
+def the_queue_of_a_throttled_listener_is_drained_at_its_rate(world: World) -> Any:
+    return _throttled(world, "/drained", queue_length=3, count=4)
+
+
+def a_throttled_listener_without_a_queue_misses_what_comes_too_early(world: World) -> Any:
+    return _throttled(world, "/missed", queue_length=0, count=2)
+
+
+def _throttled(world: World, name: str, queue_length: int, count: int) -> dict[str, Any]:
+    """What a listener at a rate of one message in 300 ms hears, and in which time."""
+    ros, heard = world.connect(), Collected()
+    listener = Topic(ros, name, NUMBER, throttle_rate=300, queue_length=queue_length)
+    listener.subscribe(lambda message: heard.put((message["data"], time.monotonic())))
+    talker = Topic(ros, name, NUMBER)
+    for number in range(10):
+        talker.publish(Message({"data": number}))
+    if queue_length == 0:
+        while heard.qsize() < 2:
+            time.sleep(0.02)
+            talker.publish(Message({"data": 10}))
+    messages = heard.many(count)
+    took = 1000 * (messages[-1][1] - messages[0][1])
+    return {"heard": [number for number, _ in messages], "took": took}
+
+
+def two_listeners_of_one_client_hear_each_message_once(world: World) -> Any:
+    ros, heard = world.connect(), [Collected(), Collected()]
+    for each in heard:
+        Topic(ros, "/shared", NUMBER).subscribe(
+            lambda message, each=each: each.put(message["data"])
+        )
+    talker = Topic(ros, "/shared", NUMBER)
+    for number in (1, 2):
+        talker.publish(Message({"data": number}))
+    world.settled(ros)
+    return [each.many(each.qsize()) for each in heard]
+
+
+def a_topic_may_be_spelled_without_its_slash_and_its_type_as_in_ROS_2(world: World) -> Any:
+    talker, listener = world.connect(), world.connect()
+    heard = Collected()
+    Topic(listener, "spelled/chatter", "std_msgs/msg/String").subscribe(heard.put)
+    world.settled(listener)
+    Topic(talker, "/spelled/chatter", "std_msgs/String").publish(Message({"data": "hello"}))
+    return heard.many(1)
+
+
+def a_message_of_megabytes_arrives(world: World) -> Any:
+    ros, heard = world.connect(), Collected()
+    sent = "0123456789" * 300_000
+    Topic(ros, "/essay", "std_msgs/String").subscribe(heard.put)
+    Topic(ros, "/essay", "std_msgs/String").publish(Message({"data": sent}))
+    return heard.many(1)[0]["data"] == sent
+
+
+def nothing_is_heard_after_unsubscribing(world: World) -> Any:
+    ros, heard = world.connect(), Collected()
+    talker, listener = Topic(ros, "/number", NUMBER), Topic(ros, "/number", NUMBER)
+    listener.subscribe(heard.put)
+    talker.publish(Message({"data": 1}))
+    first = heard.many(1)
+    listener.unsubscribe()
+    talker.publish(Message({"data": 2}))
+    world.settled(ros)
+    listener.subscribe(heard.put)
+    talker.publish(Message({"data": 3}))
+    return first + heard.many(1)
+
+
+def a_topic_is_gone_when_nobody_advertises_it_any_more(world: World) -> Any:
+    ros = world.connect()
+    topic = Topic(ros, "/gone", NUMBER)
+    topic.advertise()
+    before = "/gone" in ros.get_topics()
+    topic.unadvertise()
+    world.settled(ros)
+    return {"before": before, "after": "/gone" in ros.get_topics()}

@@ -1,0 +1,32 @@
+"""The programs of this package that serve what ROS's tutorials do."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from roslibpy import Message, Service, ServiceRequest  # type: ignore[import-untyped]
+from roslibpy.ros1.actionlib import ActionClient, Goal, GoalStatus  # type: ignore[import-untyped]
+
+from .world import PATIENCE, World, eventually
+
+
+def the_service_of_the_tutorial_adds_two_ints(world: World) -> Any:
+    service = Service(world.connect(), "/add_two_ints", "rospy_tutorials/AddTwoInts")
+    return service.call(ServiceRequest({"a": 1, "b": 2}), timeout=PATIENCE)
+
+
+def the_action_of_the_tutorial_gives_the_series_and_can_be_cancelled(world: World) -> Any:
+    client = ActionClient(world.connect(), "/fibonacci", "actionlib_tutorials/FibonacciAction")
+    goal = Goal(client, Message({"order": 5}))
+    goal.send()
+    sequence = goal.wait(PATIENCE)["sequence"]
+    long = Goal(client, Message({"order": 40}))
+    long.on("feedback", lambda _: long.cancel())
+    long.send()
+    long.wait(PATIENCE)
+    # The status follows the result, and roslibpy waits for it only if the goal was active before.
+    eventually(lambda: long.status["status"] != GoalStatus.PREEMPTING)
+    return {
+        "done": {"sequence": sequence, "status": goal.status["status"]},
+        "cancelled": long.status["status"],
+    }

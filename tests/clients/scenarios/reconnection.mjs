@@ -1,0 +1,33 @@
+/** A hub that goes away and another one in its place: user code connects again on `close`. */
+
+import { collect, pause } from "../world.mjs";
+
+export default {
+  "a client comes back with the hub": async ({ library, url, report, settled }) => {
+    const returns = collect();
+    const connect = () => {
+      const ros = new library.Ros({ url, encoding: "utf8", ...library.options });
+      ros.on("connection", () => returns.add(ros));
+      ros.on("error", () => {}); // No hub is there for a while.
+      ros.on("close", async () => {
+        await pause(100);
+        ros.connect(url);
+      });
+      return ros;
+    };
+    const [talker, listener] = [connect(), connect()];
+    await returns.many(2);
+    const chatter = { name: "/chatter", messageType: "std_msgs/String" };
+    const heard = collect();
+    new library.Topic({ ros: listener, ...chatter }).subscribe(heard.add);
+    await settled(listener);
+    const topic = new library.Topic({ ros: talker, ...chatter });
+    topic.publish({ data: "before" });
+    await heard.many(1);
+    report({ restart: true });
+    await returns.many(4);
+    await settled(listener);
+    topic.publish({ data: "after" });
+    return heard.many(2);
+  },
+};

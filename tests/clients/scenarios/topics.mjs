@@ -1,0 +1,170 @@
+/** Topics, as the README of roslib uses them. */
+
+import { collect, pause } from "../world.mjs";
+
+export default {
+  "a message reaches another client": async ({ library, connect, settled }) => {
+    const [talker, listener] = [await connect(), await connect()];
+    const chatter = { name: "/chatter", messageType: "std_msgs/String" };
+    const heard = collect();
+    new library.Topic({ ros: listener, ...chatter }).subscribe(heard.add);
+    await settled(listener);
+    const topic = new library.Topic({ ros: talker, ...chatter });
+    topic.publish({ data: "hello" });
+    topic.publish({ data: "wörld 🌍" });
+    return heard.many(2);
+  },
+
+  "a client hears itself": async ({ library, connect }) => {
+    const topic = new library.Topic({
+      ros: await connect(),
+      name: "/monologue",
+      messageType: "std_msgs/Int32",
+    });
+    const heard = collect();
+    topic.subscribe(heard.add);
+    topic.publish({ data: 8 });
+    return heard.many(1);
+  },
+
+  "a message of many fields arrives as it was sent": async ({ library, connect }) => {
+    const topic = new library.Topic({
+      ros: await connect(),
+      name: "/imu",
+      messageType: "sensor_msgs/Imu",
+    });
+    const heard = collect();
+    topic.subscribe(heard.add);
+    topic.publish({
+      header: { seq: 0, stamp: { secs: 12, nsecs: 34 }, frame_id: "base_link" },
+      orientation: { x: 0, y: 0, z: 0, w: 1 },
+      orientation_covariance: [1.5, 0, 0, 0, NaN, 0, 0, 0, -2],
+      linear_acceleration: { z: -9.81 },
+    });
+    const [message] = await heard.many(1);
+    return message;
+  },
+
+  "a late listener hears the latched message once": async ({ library, connect, settled }) => {
+    const [talker, listener] = [await connect(), await connect()];
+    const map = { name: "/map_name", messageType: "std_msgs/String" };
+    const topic = new library.Topic({ ros: talker, ...map, latch: true });
+    topic.advertise();
+    topic.publish({ data: "attic" });
+    topic.publish({ data: "cellar" });
+    await settled(talker);
+    const heard = collect();
+    new library.Topic({ ros: listener, ...map }).subscribe(heard.add);
+    await settled(listener);
+    return heard.many(1);
+  },
+
+  "a throttled listener hears the first message and then the newest": async (world) => {
+    const { publish, heard } = await throttled(world, "/newest", { queue_length: 1 });
+    publish(0, 1, 2, 3, 4, 5, 6, 7, 8, 9);
+    return timed(await heard.many(2));
+  },
+
+  "the queue of a throttled listener is drained at its rate": async (world) => {
+    const { publish, heard } = await throttled(world, "/drained", { queue_length: 3 });
+    publish(0, 1, 2, 3, 4, 5, 6, 7, 8, 9);
+    return timed(await heard.many(4));
+  },
+
+  "a throttled listener without a queue misses what comes too early": async (world) => {
+    const { publish, heard } = await throttled(world, "/missed", {});
+    publish(0, 1, 2, 3, 4, 5, 6, 7, 8, 9);
+    while (heard.seen.length < 2) {
+      await pause(20);
+      publish(10);
+    }
+    return timed(heard.seen);
+  },
+
+  "two listeners of one client hear each message once": async ({ library, connect, settled }) => {
+    const number = { ros: await connect(), name: "/shared", messageType: "std_msgs/Int32" };
+    const listeners = [collect(), collect()];
+    listeners.forEach(({ add }) => new library.Topic(number).subscribe(({ data }) => add(data)));
+    const talker = new library.Topic(number);
+    [1, 2].forEach((data) => talker.publish({ data }));
+    await settled(number.ros);
+    return listeners.map(({ seen }) => seen);
+  },
+
+  "a topic may be spelled without its slash and its type as in ROS 2": async (world) => {
+    const { library, connect, settled } = world;
+    const [talker, listener] = [await connect(), await connect()];
+    const heard = collect();
+    new library.Topic({
+      ros: listener,
+      name: "spelled/chatter",
+      messageType: "std_msgs/msg/String",
+    }).subscribe(heard.add);
+    await settled(listener);
+    new library.Topic({
+      ros: talker,
+      name: "/spelled/chatter",
+      messageType: "std_msgs/String",
+    }).publish({ data: "hello" });
+    return heard.many(1);
+  },
+
+  "a message of megabytes arrives": async ({ library, connect }) => {
+    const topic = new library.Topic({
+      ros: await connect(),
+      name: "/essay",
+      messageType: "std_msgs/String",
+    });
+    const sent = "0123456789".repeat(300_000);
+    const heard = collect();
+    topic.subscribe(heard.add);
+    topic.publish({ data: sent });
+    const [{ data }] = await heard.many(1);
+    return data === sent;
+  },
+
+  "nothing is heard after unsubscribing": async ({ library, connect, settled }) => {
+    const ros = await connect();
+    const number = { ros, name: "/number", messageType: "std_msgs/Int32" };
+    const talker = new library.Topic(number);
+    const listener = new library.Topic(number);
+    const heard = collect();
+    listener.subscribe(heard.add);
+    talker.publish({ data: 1 });
+    await heard.many(1);
+    listener.unsubscribe();
+    talker.publish({ data: 2 });
+    await settled(ros);
+    listener.subscribe(heard.add);
+    talker.publish({ data: 3 });
+    return heard.many(2);
+  },
+
+  "a topic is gone when nobody advertises it any more": async ({ library, connect, settled }) => {
+    const ros = await connect();
+    const topic = new library.Topic({ ros, name: "/gone", messageType: "std_msgs/Int32" });
+    const there = () =>
+      new Promise((resolve) => ros.getTopics(({ topics }) => resolve(topics.includes("/gone"))));
+    topic.advertise();
+    const before = await there();
+    topic.unadvertise();
+    await settled(ros);
+    return { before, after: await there() };
+  },
+};
+
+/** A listener at a rate of one message in 300 ms, and what publishes to it. */
+async function throttled({ library, connect }, name, options) {
+  const number = { ros: await connect(), name, messageType: "std_msgs/Int32" };
+  const heard = collect();
+  const listener = new library.Topic({ ...number, throttle_rate: 300, ...options });
+  listener.subscribe(({ data }) => heard.add([data, performance.now()]));
+  const talker = new library.Topic(number);
+  const publish = (...values) => values.forEach((data) => talker.publish({ data }));
+  return { publish, heard };
+}
+
+const timed = (heard) => ({
+  heard: heard.map(([data]) => data),
+  took: heard.at(-1)[1] - heard[0][1],
+});

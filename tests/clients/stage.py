@@ -1,0 +1,72 @@
+"""Plays a client's scenarios at a hub of its own, and keeps what was seen."""
+
+from __future__ import annotations
+
+import asyncio
+from contextlib import AsyncExitStack
+from dataclasses import dataclass, field
+from typing import Any
+
+from . import runtimes
+from .casts import Cast
+from .programs import Hub, running
+
+PATIENCE = 45
+
+
+@dataclass
+class Observations:
+    """What a client saw in its scenarios, and what it and the hub complained of."""
+
+    saw: dict[str, Any] = field(default_factory=dict)
+    failed: dict[str, str] = field(default_factory=dict)
+    complaints: list[str] = field(default_factory=list)
+    faults: list[str] = field(default_factory=list)
+    """The errors in the hub's log."""
+
+    def of(self, scenario: str) -> Any:
+        """What was seen in a scenario.
+
+        Raises:
+            AssertionError: it failed, did not come to its end, or is none.
+        """
+        assert scenario not in self.failed, self.failed[scenario]
+        assert scenario in self.saw, f"{scenario!r} did not end: {self.complaints} {self.faults}"
+        return self.saw[scenario]
+
+
+async def play(cast: Cast) -> Observations:
+    """Have a client play its scenarios, all at once, at a hub of its own."""
+    observations = Observations()
+    lines: asyncio.Queue[dict[str, Any]] = asyncio.Queue()
+    async with AsyncExitStack() as stack:
+        hub = await stack.enter_async_context(Hub())
+        if cast.programs:
+            await stack.enter_async_context(running(cast.programs, hub.url))
+        await stack.enter_async_context(runtimes.run(cast, hub.url, lines.put_nowait))
+        try:
+            async with asyncio.timeout(PATIENCE):
+                await _watch(lines, hub, observations)
+        except TimeoutError:
+            pass  # Each scenario that did not end has a test that says so.
+    observations.faults = [line for line in hub.log if "ERROR" in line or "Traceback" in line]
+    return observations
+
+
+async def _watch(
+    lines: asyncio.Queue[dict[str, Any]], hub: Hub, observations: Observations
+) -> None:
+    while True:
+        match await lines.get():
+            case {"scenario": str(scenario), "saw": saw}:
+                observations.saw[scenario] = saw
+            case {"scenario": str(scenario), "failed": str(reason)}:
+                observations.failed[scenario] = reason
+            case {"complaint": str(complaint)}:
+                observations.complaints.append(complaint)
+            case {"restart": True}:
+                await hub.restart()
+            case {"done": True}:
+                return
+            case line:
+                raise ValueError(line)

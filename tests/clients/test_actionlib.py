@@ -1,0 +1,55 @@
+"""Actions over topics, with each client."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from .casts import playing
+
+pytestmark = playing("actionlib")
+
+
+PREEMPTED, SUCCEEDED = 2, 3
+
+
+def test_an_action_tells_its_progress_and_its_result(seen: Any) -> None:
+    assert seen == {
+        "feedback": [{"sequence": [0, 1, 1, 2, 3][:length]} for length in (3, 4, 5)],
+        "status": SUCCEEDED,
+        "result": {"sequence": [0, 1, 1, 2, 3]},
+    }
+
+
+def test_a_goal_can_be_cancelled(seen: Any) -> None:
+    assert seen == {
+        "feedback": [{"sequence": [0, 1]}],
+        "status": PREEMPTED,
+        "result": {"sequence": []},
+    }
+
+
+def test_all_goals_can_be_cancelled(seen: Any) -> None:
+    assert seen == {
+        "feedback": [{"sequence": [0, 1]}],
+        "status": PREEMPTED,
+        "result": {"sequence": []},
+    }
+
+
+def test_a_newer_goal_takes_the_place_of_the_older_one(seen: Any) -> None:
+    assert seen == {
+        "older": {
+            "feedback": [{"sequence": [1]}],
+            "status": PREEMPTED,
+            "result": {"sequence": []},
+        },
+        "newer": {
+            "feedback": [{"sequence": [2]}],
+            "status": SUCCEEDED,
+            "result": {"sequence": [2]},
+        },
+    }
+
+
+def test_action_servers_are_listed(seen: Any) -> None:
+    assert seen is True

@@ -1,0 +1,28 @@
+"""Nothing that clients do makes them, or the hub, log an error."""
+
+from __future__ import annotations
+
+import pytest
+
+from .casts import CASTS, Cast
+from .conftest import Observe
+
+UNAVOIDABLE = {
+    # roslib 2.1.0 of the answer to its own cancelAllGoals, which is a call without an id.
+    "actions": "console.error: Received service response without ID",
+    # Chromium of the time between two hubs.
+    "reconnection": "net::ERR_CONNECTION_REFUSED",
+}
+"""What clients complain of just as much when they meet a rosbridge."""
+
+
+@pytest.mark.parametrize("cast", CASTS, ids=lambda cast: f"{cast}: {cast.scenarios[0]}")
+def test_nobody_complains(cast: Cast, observe: Observe) -> None:
+    observations = observe(cast)
+    unavoidable = [UNAVOIDABLE[each] for each in cast.scenarios if each in UNAVOIDABLE]
+    complaints = [
+        complaint
+        for complaint in observations.complaints
+        if not complaint.endswith(tuple(unavoidable))
+    ]
+    assert (complaints, observations.faults) == ([], [])
