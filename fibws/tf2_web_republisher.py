@@ -13,11 +13,12 @@ from fibws.tf.republisher import Republisher
 @click.command(context_settings=options.SETTINGS)
 @options.node("tf2_web_republisher", anonymous=False)
 def command(node: fibws.Node) -> None:
-    """Tell the clients of TFClient, as roslib and roslibpy have it, where frames are.
+    """Tell TFClient, as roslib and roslibpy have it, and roslib's ROS2TFClient where frames are.
 
     It takes what is published on /tf and /tf_static, and answers goals of the action
-    /tf2_web_republisher and calls of the service /republish_tfs: with the transforms that changed
-    by more than a client's thresholds, at the client's rate.
+    /tf2_web_republisher (over topics, as in ROS 1, and by operation, as in ROS 2) and calls of the
+    service /republish_tfs: with the transforms that changed by more than a client's thresholds, at
+    the client's rate.
 
     FROM:=TO renames a topic (/tf:=/robot/tf), the service, or the node with its action
     (__name:=transforms), as in ROS.

@@ -1,24 +1,24 @@
 """Tells those who have no transform library where frames are, as RobotWebTools' node does.
 
-Source: https://github.com/RobotWebTools/tf2_web_republisher, its version for ROS 1.
+Source: https://github.com/RobotWebTools/tf2_web_republisher, its version for ROS 1; for how goals
+over operations end, that for ROS 2.
 """
 
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable
 from itertools import count
-from typing import Protocol, TypeAlias
+from typing import Any, Protocol, TypeAlias
 
 import fibws
-from fibws.action.tf2_web_republisher import TFSubscription
+from fibws.action import tf2_web_republisher, tf2_web_republisher_interfaces
 from fibws.errors import InvalidMessage
+from fibws.interfaces.bases import F, R
+from fibws.msg import tf2_web_republisher as ros1
+from fibws.msg import tf2_web_republisher_interfaces as ros2
 from fibws.msg.geometry_msgs import TransformStamped
-from fibws.msg.tf2_web_republisher import (
-    TFArray,
-    TFSubscriptionFeedback,
-    TFSubscriptionGoal,
-    TFSubscriptionResult,
-)
+from fibws.msg.tf2_web_republisher import TFArray
 from fibws.srv.tf2_web_republisher import RepublishTFs, RepublishTFsRequest, RepublishTFsResponse
 from fibws.tf.audience import Audience
 from fibws.tf.buffer import Buffer
@@ -29,7 +29,7 @@ from fibws.tf.selection import Selection
 
 MAX_GOALS = 100
 """Goals that are pursued at once. One more makes the oldest end: many are of pages that were
-closed, which cancels nothing."""
+closed, which cancels none over topics."""
 
 MAX_TOPICS = 100
 """Topics that are open at once. One more is refused, since they end by themselves."""
@@ -38,9 +38,12 @@ MAX_RATE = 1000
 """Hz."""
 
 
-Goal: TypeAlias = (
-    "fibws.ServerGoal[TFSubscriptionGoal, TFSubscriptionResult, TFSubscriptionFeedback]"
-)
+Ros1Goal: TypeAlias = fibws.ServerGoal[
+    ros1.TFSubscriptionGoal, ros1.TFSubscriptionResult, ros1.TFSubscriptionFeedback
+]
+Ros2Goal: TypeAlias = fibws.ServerGoal[
+    ros2.TFSubscriptionGoal, ros2.TFSubscriptionResult, ros2.TFSubscriptionFeedback
+]
 
 
 class Wish(Protocol):
@@ -56,8 +59,9 @@ class Wish(Protocol):
 class Republisher:
     """Answers goals of the action that is named like the node, and calls of ``republish_tfs``.
 
-    A goal lasts until it is canceled; it rests while nobody listens to the action's feedback. A
-    call opens a topic, which lasts until nobody has listened to it for the call's timeout.
+    A goal lasts until it is canceled. One that came over topics rests while nobody listens to the
+    action's feedback; one that came over operations is canceled when its client is lost. A call
+    opens a topic, which lasts until nobody has listened to it for the call's timeout.
     """
 
     def __init__(self, node: fibws.Node) -> None:
@@ -65,7 +69,7 @@ class Republisher:
         self._buffer = Buffer()
         self._listener = Listener(node, self._buffer)
         self._feedback = Audience(node, f"{node.name}/feedback")
-        self._goals: dict[str, Goal] = {}
+        self._goals: list[fibws.ServerGoal[Any, Any, Any]] = []
         self._open_topics = 0
         self._numbers = count()
         self._tasks = asyncio.TaskGroup()
@@ -83,37 +87,74 @@ class Republisher:
                 self._tasks.create_task(self._listener.hear_static())
                 self._tasks.create_task(self._feedback.watch())
                 await node.action_server(
-                    node.name, TFSubscription, self._pursue, over="topics", concurrent=True
+                    node.name,
+                    tf2_web_republisher.TFSubscription,
+                    self._pursue_ros1,
+                    over="topics",
+                    concurrent=True,
+                )
+                await node.action_server(
+                    node.name,
+                    tf2_web_republisher_interfaces.TFSubscription,
+                    self._pursue_ros2,
+                    over="operations",
+                    concurrent=True,
                 )
                 await node.service("republish_tfs", RepublishTFs, self._open)
                 await node.spin()
         except ExceptionGroup as group:
             raise group.exceptions[0] from None
 
-    async def _pursue(self, goal: Goal) -> TFSubscriptionResult:
-        """Give feedback until the goal is canceled."""
+    async def _pursue_ros1(self, goal: Ros1Goal) -> ros1.TFSubscriptionResult:
+        return await self._pursue(
+            goal, ros1.TFSubscriptionFeedback, goal.canceled, audience=self._feedback
+        )
+
+    async def _pursue_ros2(self, goal: Ros2Goal) -> ros2.TFSubscriptionResult:
+        # A goal that is canceled succeeds, as the original has it: roslib, which cancels a goal
+        # for each frame more, would print any other end as an error.
+        return await self._pursue(goal, ros2.TFSubscriptionFeedback, ros2.TFSubscriptionResult)
+
+    async def _pursue(
+        self,
+        goal: fibws.ServerGoal[Any, R, F],
+        feedback: Callable[[list[TransformStamped]], F],
+        result: Callable[[], R],
+        audience: Audience | None = None,
+    ) -> R:
+        """Give feedback until the goal is canceled, but only to this audience if there is one."""
         selection, rate = self._selection(goal.request), _rate(goal.request)
         if len(self._goals) == MAX_GOALS:
-            self._goals.pop(next(iter(self._goals))).want_no_more()
-        self._goals[goal.id] = goal
+            self._goals.pop(0).want_no_more()
+        self._goals.append(goal)
         try:
-            await self._give_feedback(goal, selection, 1 / rate)
+            await self._give_feedback(goal, feedback, selection, 1 / rate, audience)
         finally:
-            made_way = self._goals.pop(goal.id, None) is None
+            made_way = goal not in self._goals
+            if not made_way:
+                self._goals.remove(goal)
         if made_way:
             return goal.aborted(text=f"it made way for one of {MAX_GOALS} newer goals")
-        return goal.canceled()
+        return result()
 
-    async def _give_feedback(self, goal: Goal, selection: Selection, period: float) -> None:
-        await self._feedback.look()
+    async def _give_feedback(
+        self,
+        goal: fibws.ServerGoal[Any, R, F],
+        feedback: Callable[[list[TransformStamped]], F],
+        selection: Selection,
+        period: float,
+        audience: Audience | None,
+    ) -> None:
+        if audience is not None:
+            await audience.look()
         clock = asyncio.get_running_loop().time
         due = clock()
         while not await goal.cancellation(within=max(0, due - clock())):
             due = max(due + period, clock())
-            if self._feedback.is_empty:
+            if audience is not None and audience.is_empty:
                 selection.renew()
             elif transforms := self._changes(selection):
-                await goal.feedback(TFSubscriptionFeedback(transforms))
+                await goal.feedback(feedback(transforms))
 
     async def _open(self, request: RepublishTFsRequest) -> RepublishTFsResponse:
         """Answer a call: open a topic."""

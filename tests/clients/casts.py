@@ -60,7 +60,7 @@ _RUNTIMES = {
 }
 _WITH_PROGRAMS = {
     ROSLIB_1: ("tutorials", "tf", "tf_service"),
-    ROSLIB_2: ("tutorials", "tf", "tutorial_actions"),
+    ROSLIB_2: ("tutorials", "tf", "tf_operations", "tutorial_actions"),
     ROSLIBPY: ("tutorials", "tf_service", "tutorial_actions"),
 }
 

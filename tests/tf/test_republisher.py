@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import suppress
+from dataclasses import dataclass
 from itertools import count
 from math import inf, nan
-from typing import Any, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import pytest
 
 import fibws
-from fibws.action.tf2_web_republisher import TFSubscription
+from fibws.action import tf2_web_republisher, tf2_web_republisher_interfaces
 from fibws.hub import Hub
+from fibws.interfaces import Action
 from fibws.msg.actionlib_msgs import GoalID, GoalStatusArray
 from fibws.msg.rosgraph_msgs import Log
 from fibws.msg.std_msgs import String
@@ -21,9 +24,7 @@ from fibws.msg.tf2_web_republisher import (
     TFSubscriptionActionFeedback,
     TFSubscriptionActionGoal,
     TFSubscriptionGoal,
-    TFSubscriptionResult,
 )
-from fibws.msg.tf2_web_republisher import TFSubscriptionFeedback as Feedback
 from fibws.srv.tf2_web_republisher import RepublishTFs
 from fibws.tf import republisher as module
 from fibws.tf.republisher import Republisher
@@ -34,8 +35,25 @@ pytestmark = pytest.mark.usefixtures("republisher")
 
 ACTION = "/tf2_web_republisher"
 ACTIVE = fibws.GoalStatus.ACTIVE
-Client: TypeAlias = fibws.ActionClient[TFSubscriptionGoal, TFSubscriptionResult, Feedback]
+Client: TypeAlias = fibws.ActionClient[Any, Any, Any]
+ClientGoal: TypeAlias = fibws.ClientGoal[Any, Any]
 Line: TypeAlias = Callable[[str], Awaitable[Log]]
+
+
+@dataclass(frozen=True)
+class Way:
+    """How goals travel, and what they end as when they are canceled."""
+
+    over: Literal["topics", "operations"]
+    action: type[Action[Any, Any, Any]]
+    canceled: fibws.GoalStatus
+
+    def client(self, node: fibws.Node) -> Client:
+        return node.action_client(ACTION, self.action, over=self.over)
+
+
+ROS1 = Way("topics", tf2_web_republisher.TFSubscription, fibws.GoalStatus.PREEMPTED)
+ROS2 = Way("operations", tf2_web_republisher_interfaces.TFSubscription, fibws.GoalStatus.SUCCEEDED)
 
 
 def wish(*frames: str, target: str = "map", rate: float = 50, thresholds: float = 0.01) -> Any:
@@ -56,20 +74,33 @@ async def open_topic(node: fibws.Node, *frames: str, patience: float = 5, **othe
     return (await node.call("/republish_tfs", RepublishTFs, request)).topic_name
 
 
+@pytest.fixture(params=[ROS1, ROS2], ids=lambda way: way.over)
+def way(request: pytest.FixtureRequest) -> Way:
+    found: Way = request.param
+    return found
+
+
 @pytest.fixture
-async def client(node: fibws.Node) -> AsyncIterator[Client]:
-    async with node.action_client(ACTION, TFSubscription) as client:
+async def client(node: fibws.Node, way: Way) -> AsyncIterator[Client]:
+    async with way.client(node) as client:
         await client.wait_for_server(PATIENCE)
         yield client
 
 
-async def heard(messages: AsyncIterator[TFArray | Feedback]) -> list[Place]:
-    """The transforms in the next message."""
+async def heard(messages: AsyncIterator[Any]) -> list[Place]:
+    """The transforms in the next array or feedback."""
     async with asyncio.timeout(PATIENCE):
         return places((await anext(messages)).transforms)
 
 
-async def fault(goal: fibws.ClientGoal[TFSubscriptionResult, Feedback]) -> str:
+async def end(goal: ClientGoal) -> fibws.GoalStatus:
+    """What became of a goal."""
+    with suppress(fibws.ActionError):
+        await goal.result(PATIENCE)
+    return goal.status
+
+
+async def fault(goal: ClientGoal) -> str:
     """Why a goal was not reached."""
     with pytest.raises(fibws.ActionError) as caught:
         await goal.result(PATIENCE)
@@ -125,7 +156,7 @@ async def test_with_a_threshold_of_0_everything_is_told_all_the_time(
 async def test_who_comes_late_hears_all_that_is_known(
     node: fibws.Node, publish: Publish, client: Client
 ) -> None:
-    witness = (await client.send(TFSubscriptionGoal(**wish("arm")))).feedback()
+    witness = (await client.send(wish("arm"))).feedback()
     name = await open_topic(node, "base", "arm", rate=1000)
     await publish(("base", "map", 1))
     for x in (2, 3, 4):
@@ -211,26 +242,25 @@ async def test_topics_are_bounded_in_number(
 
 
 async def test_a_goal_is_told_what_changes_until_it_is_canceled(
-    publish: Publish, client: Client
+    publish: Publish, way: Way, client: Client
 ) -> None:
-    goal = await client.send(TFSubscriptionGoal(**wish("base")))
+    goal = await client.send(wish("base"))
     feedback = goal.feedback()
     for x in (1.0, 2.0):
         await publish(("base", "map", x))
         assert await heard(feedback) == [("base", "map", x)]
     await goal.cancel()
-    await fault(goal)
-    assert goal.status is fibws.GoalStatus.PREEMPTED
+    assert await end(goal) is way.canceled
 
 
 async def test_goals_do_not_concern_each_other(publish: Publish, client: Client) -> None:
-    forth = await client.send(TFSubscriptionGoal(**wish("base")))
-    back = await client.send(TFSubscriptionGoal(**wish("map", target="base")))
+    forth = await client.send(wish("base"))
+    back = await client.send(wish("map", target="base"))
     await publish(("base", "map", 1))
     assert await heard(forth.feedback()) == [("base", "map", 1)]
     assert await heard(back.feedback()) == [("map", "base", -1)]
     await forth.cancel()
-    await fault(forth)
+    await end(forth)
     await publish(("base", "map", 2))
     assert await heard(back.feedback()) == [("map", "base", -2)]
 
@@ -242,7 +272,7 @@ async def test_goals_do_not_concern_each_other(publish: Publish, client: Client)
 async def test_a_goal_that_makes_no_sense_is_aborted(
     client: Client, asked: dict[str, Any], reason: str
 ) -> None:
-    goal = await client.send(TFSubscriptionGoal(**wish("base", **asked)))
+    goal = await client.send(wish("base", **asked))
     assert reason in await fault(goal)
     assert goal.status is fibws.GoalStatus.ABORTED
 
@@ -251,14 +281,28 @@ async def test_the_oldest_goal_makes_way(
     publish: Publish, client: Client, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(module, "MAX_GOALS", 2)
-    first, *others = [await client.send(TFSubscriptionGoal(**wish("base"))) for _ in range(3)]
+    first, *others = [await client.send(wish("base")) for _ in range(3)]
     assert "it made way for one of 2 newer goals" in await fault(first)
     await publish(("base", "map", 1))
     for goal in others:
         assert await heard(goal.feedback()) == [("base", "map", 1)]
 
 
-async def test_goals_rest_while_nobody_hears_their_feedback(
+async def test_goals_over_topics_and_over_operations_count_together(
+    node: fibws.Node, publish: Publish, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "MAX_GOALS", 1)
+    await publish(("base", "map", 1))
+    async with ROS1.client(node) as over_topics, ROS2.client(node) as over_operations:
+        await over_topics.wait_for_server(PATIENCE)
+        older = await over_topics.send(wish("base"))
+        await heard(older.feedback())
+        newer = await over_operations.send(wish("base"))
+        assert "it made way" in await fault(older)
+        assert await heard(newer.feedback()) == [("base", "map", 1)]
+
+
+async def test_goals_over_topics_rest_while_nobody_hears_their_feedback(
     node: fibws.Node, publish: Publish
 ) -> None:
     await publish(("base", "map", 1), ("arm", "map", 2))
@@ -283,7 +327,8 @@ async def test_goals_rest_while_nobody_hears_their_feedback(
 async def test_it_ends_with_its_node_and_says_why(hub: Hub, node: fibws.Node) -> None:
     async with fibws.Node("transforms", hub=hub.url) as other:
         serving = asyncio.create_task(Republisher(other).run())
-        await node.action_client("/transforms", TFSubscription).wait_for_server(PATIENCE)
+        client = node.action_client("/transforms", tf2_web_republisher.TFSubscription)
+        await client.wait_for_server(PATIENCE)
         async with fibws.Node("transforms", hub=hub.url):
             with pytest.raises(fibws.NodeReplaced, match="took the name /transforms"):
                 await asyncio.wait_for(serving, PATIENCE)

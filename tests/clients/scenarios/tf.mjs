@@ -3,19 +3,20 @@
 import { collect } from "../world.mjs";
 
 export default {
-  "transforms come by an action": (world) => follow(world, "by_action", {}),
+  "transforms come by an action": (world) => follow(world, "by_action"),
 };
 
-/** Moves a frame twice and listens to it with a TFClient. */
-export async function follow({ library, connect, settled }, frame, options) {
+/** How a client listens to frames here. */
+export const LISTENING = { fixedFrame: "world", angularThres: 0.01, transThres: 0.01, rate: 50 };
+
+/** Moves a frame twice and listens to it with a client of this class. */
+export async function follow(
+  { library, connect, settled },
+  frame,
+  { client = "TFClient", ...options } = {},
+) {
   const ros = await connect(options);
-  const tf = new library.TFClient({
-    ros,
-    fixedFrame: "world",
-    angularThres: 0.01,
-    transThres: 0.01,
-    rate: 50,
-  });
+  const tf = new library[client]({ ros, ...LISTENING });
   const heard = collect();
   tf.subscribe(frame, ({ translation, rotation }) => heard.add({ translation, rotation }));
   const topic = new library.Topic({ ros, name: "/tf", messageType: "tf2_msgs/TFMessage" });
@@ -29,7 +30,7 @@ export async function follow({ library, connect, settled }, frame, options) {
   return transforms;
 }
 
-function move(topic, child_frame_id, translation, rotation) {
+export function move(topic, child_frame_id, translation, rotation) {
   const now = Date.now();
   const stamp = { secs: Math.floor(now / 1000), nsecs: (now % 1000) * 1e6 };
   const header = { stamp, frame_id: "world" };

@@ -1,0 +1,26 @@
+"""Transforms by way of tf2_web_republisher's action by operation."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from .casts import playing
+
+pytestmark = playing("tf_operations")
+
+SUCCEEDED = 4
+"""What roslib takes for the end of a goal without an error."""
+
+
+def test_transforms_come_by_operation(seen: Any) -> None:
+    rotation = {"x": 0, "y": 0, "z": pytest.approx(0.5**0.5), "w": pytest.approx(0.5**0.5)}
+    assert seen == [
+        {"translation": {"x": 1, "y": 2, "z": 3}, "rotation": rotation},
+        {"translation": {"x": 4, "y": 5, "z": 6}, "rotation": rotation},
+    ]
+
+
+def test_another_frame_makes_another_goal_by_operation(seen: Any) -> None:
+    assert seen == [SUCCEEDED, SUCCEEDED]
