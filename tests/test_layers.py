@@ -21,7 +21,7 @@ TESTS = Path(__file__).parent
 IMPURE = {"asyncio", "websockets", "time", "random", "socket", "threading", "select", "signal"}
 MASK = {"websockets.speedups.apply_mask", "websockets.utils.apply_mask"}
 
-PURE_HUB = ["clock", "framing", "liveness", "outbox", "settings"]
+PURE_HUB = ["budget", "clock", "frames", "liveness", "log", "outbox", "settings", "splitter"]
 PURE_TF = ["buffer", "history", "messages", "selection", "transform"]
 CLASSES = {"msg", "srv", "action"}
 BELOW = {
@@ -101,7 +101,7 @@ PURE = [
 
 @pytest.mark.parametrize("path", PURE, ids=path_id)
 def test_the_core_knows_no_sockets_tasks_or_clocks(path: Path) -> None:
-    allowed = MASK if path_id(path) == "hub/framing.py" else set()
+    allowed = MASK if path_id(path) == "hub/splitter.py" else set()
     impure = {name for name in imports(path) - allowed if name.partition(".")[0] in IMPURE}
     assert not impure
 

@@ -91,7 +91,7 @@ async def test_a_definition_of_ones_own_goes_from_end_to_end(folder: Path) -> No
             await line_with("F(10) = 55", process)
             topic = hub.graph.topics["/indexed"]
             assert topic.type is not None
-            assert topic.type.type == "fibonacci/Fibonacci"
+            assert topic.type.name == "fibonacci/Fibonacci"
         finally:
             process.terminate()
             await process.wait()

@@ -21,7 +21,6 @@ from websockets.protocol import State
 from websockets.server import ServerProtocol
 
 from fibws.errors import InvalidUtf8
-from fibws.hub.framing import Splitter
 from fibws.hub.gate import Gate, node_name
 from fibws.hub.graph.graph import Graph
 from fibws.hub.liveness import Liveness
@@ -29,6 +28,7 @@ from fibws.hub.log import printable
 from fibws.hub.outbox import Flusher, Outbox
 from fibws.hub.session.session import Session
 from fibws.hub.settings import KIB, Settings
+from fibws.hub.splitter import Splitter
 from fibws.protocol.closing import FRAGMENTS, INVALID_UTF8, OVERFULL, Closing
 
 logger = logging.getLogger("fibws.hub")
@@ -148,8 +148,10 @@ class Connection(asyncio.BufferedProtocol):
         return False
 
     def connection_lost(self, exc: Exception | None) -> None:
-        self._shared.lost(self)
-        self._leave()
+        try:
+            self._leave()
+        finally:
+            self._shared.lost(self)
         if self.session is not None:
             self._report_drops(float("inf"))
             logger.info("%s has left.", self.session.node)
@@ -340,10 +342,13 @@ class Connection(asyncio.BufferedProtocol):
 
     # Once a second.
 
-    def sweep(self, now: float) -> None:
-        """Do what is overdue."""
+    def sweep(self, now: float, late: float) -> None:
+        """Do what is overdue; the sweep itself is ``late`` by so many seconds."""
+        self._liveness.excuse(late)
         if self.session is not None:
             self._report_drops(now)
+            if self.outbox.overfull:
+                self._fail(OVERFULL)
         verdict = self._liveness.verdict(now, self._transport.get_write_buffer_size())
         if verdict == "abort":
             self._transport.abort()

@@ -59,6 +59,16 @@ class Liveness:
         """The last frame is on its way: the client is to go."""
         self._closing_since = now
 
+    def excuse(self, seconds: float) -> None:
+        """The hub was busy for so long, and has not read what it is owed: nobody is to blame."""
+        self._since += seconds
+        if self._pong_due is not None:
+            self._pong_due += seconds
+        if self._paused_since is not None:
+            self._paused_since += seconds
+        if self._closing_since is not None:
+            self._closing_since += seconds
+
     def verdict(self, now: float, unsent: int) -> Verdict:
         """What is overdue; ``unsent`` bytes wait in the transport."""
         settings = self._settings

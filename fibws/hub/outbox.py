@@ -7,8 +7,16 @@ and all of them together stay within the client's limit of bytes. Replies are ne
 
 from __future__ import annotations
 
+import logging
 from collections import OrderedDict, deque
 from collections.abc import Callable
+
+from fibws.hub.budget import Budget
+
+logger = logging.getLogger("fibws.hub")
+
+MOST_UNWRITTEN = 2**22
+"""Bytes that may wait for the end of the loop's turn in all outboxes, frames' headers included."""
 
 
 class Queue:
@@ -25,25 +33,6 @@ class Queue:
         self.dropped = 0
         self.waiting: deque[int] = deque()
         """The numbers of this queue's messages in the outbox, the oldest first."""
-
-
-class Budget:
-    """The bytes that all queues of one client may keep together.
-
-    Args:
-        limit: bytes, frames' headers included.
-    """
-
-    __slots__ = ("limit", "used")
-
-    def __init__(self, limit: int) -> None:
-        self.limit = limit
-        self.used = 0
-
-    @property
-    def exceeded(self) -> bool:
-        """Whether something must be dropped."""
-        return self.used > self.limit
 
 
 class Outbox:
@@ -102,8 +91,8 @@ class Outbox:
         return self._reply_bytes > self.budget.limit
 
     def has_room(self, size: int) -> bool:
-        """Whether a reply of that many bytes breaks no bound."""
-        return not self.paused or self._reply_bytes + size <= self.budget.limit
+        """Whether a reply of that many bytes leaves room for others: half of the limit."""
+        return not self.paused or self._reply_bytes + size <= self.budget.limit // 2
 
     def put(self, frame: bytes, queue: Queue) -> None:
         """Send a message's frame, or keep it in its subscription's queue if the client is slow."""
@@ -113,17 +102,20 @@ class Outbox:
         if not self.frames:
             self.flusher.add(self)
         self.frames.append(frame)
+        self.flusher.count(len(frame))
 
     def reply(self, frame: bytes) -> None:
         """Send a frame that may not be dropped; it overtakes the messages that are kept."""
         if self.paused:
-            self._replies.append(frame)
-            self.budget.used += len(frame)
-            self._reply_bytes += len(frame)
+            if not self.overfull:  # Else the client is lost: it will be closed.
+                self._replies.append(frame)
+                self.budget.used += len(frame)
+                self._reply_bytes += len(frame)
             return
         if not self.frames:
             self.flusher.add(self)
         self.frames.append(frame)
+        self.flusher.count(len(frame))
 
     def write(self, data: bytes) -> None:
         """Write the bytes of whole frames, unless the connection is lost or closed."""
@@ -131,14 +123,18 @@ class Outbox:
             self._write(data)
         except (OSError, RuntimeError):
             # uvloop raises where asyncio is silent; the publisher must not pay for it.
-            self.close()
-            self._broken()
+            self.cut_off()
 
     def flush(self) -> None:
         """Write what waits, unless paused."""
         if self.frames and not self.paused:
             frames, self.frames = self.frames, []
             self.write(b"".join(frames))
+
+    def cut_off(self) -> None:
+        """The connection is of no use any more."""
+        self.close()
+        self._broken()
 
     def close(self) -> None:
         """Nothing may be written any more."""
@@ -201,7 +197,9 @@ def _discard(data: bytes) -> None:
 class Flusher:
     """Writes what waits in the outboxes at the end of the loop's turn, one write for each.
 
-    However many messages come until then leave together; a lone one waits for nothing.
+    However many messages come until then leave together; a lone one waits for nothing. What would
+    take too much memory until then leaves earlier, upon which those who are too slow for it are
+    paused, and their queues bound what is kept.
 
     Args:
         call_soon: calls back at the end of the turn.
@@ -210,6 +208,7 @@ class Flusher:
     def __init__(self, call_soon: Callable[[Callable[[], None]], object]) -> None:
         self._call_soon = call_soon
         self._due: list[Outbox] = []
+        self._bytes = 0
 
     def add(self, outbox: Outbox) -> None:
         """Have an outbox flushed; it says so once a turn."""
@@ -217,19 +216,31 @@ class Flusher:
             self._call_soon(self.flush)
         self._due.append(outbox)
 
+    def count(self, size: int) -> None:
+        """Take note of bytes that were put into outboxes since this was last called."""
+        self._bytes += size
+        if self._bytes > MOST_UNWRITTEN:
+            self.flush()
+
     def flush(self) -> None:
         """Write what is due.
 
         Subscribers of the same topics mostly hold equal lists of shared frames: joined once.
         """
         due, self._due = self._due, []
+        self._bytes = 0
         joined: list[bytes] = []
         data = b""
         for outbox in due:
             if outbox.paused:
                 continue
             frames, outbox.frames = outbox.frames, []
-            if frames != joined:
-                joined, data = frames, b"".join(frames)
-            if frames:
-                outbox.write(data)
+            try:
+                if frames != joined:
+                    joined, data = frames, b"".join(frames)
+                if frames:
+                    outbox.write(data)
+            except Exception:
+                # One client that cannot be written to must not silence those behind it.
+                logger.exception("A client is cut off: it could not be written to.")
+                outbox.cut_off()

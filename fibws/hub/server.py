@@ -177,11 +177,12 @@ class Hub:
 
     def _sweep(self) -> None:
         loop = asyncio.get_running_loop()
-        self._sweeper = loop.call_later(SWEEP_INTERVAL, self._sweep)
         now = loop.time()
+        late = max(0.0, now - self._sweeper.when())
+        self._sweeper = loop.call_later(SWEEP_INTERVAL, self._sweep)
         for connection in list(self._connections):
             try:
-                connection.sweep(now)
+                connection.sweep(now, late)
             except Exception:
                 # What is wrong with one client must not leave the others unwatched.
                 logger.exception("%s: the sweep failed.", connection.name)

@@ -19,8 +19,12 @@ from fibws.errors import OperationError
 DEEPEST: Final = 200
 """How many arrays and maps may be in each other: as many as pydantic_core allows in JSON."""
 
-MOST_BYTES: Final = 2**23
-"""An empty array is one byte, and eighty once it is decoded: what follows must fit the memory."""
+MOST_ITEMS: Final = 2**20
+"""How many values there may be: an empty array is one byte, and eighty once it is decoded."""
+
+_BYTES: Final = 2
+_TEXT: Final = 3
+"""The major types of what is longer than its head."""
 
 _TYPED_ARRAYS: Final = {
     **{64: "<B", 68: "<B", 69: "<H", 70: "<I", 71: "<Q", 72: "<b", 77: "<h", 78: "<i", 79: "<q"},
@@ -47,8 +51,7 @@ def object_of_cbor(data: bytes) -> dict[str, Any]:
     Raises:
         OperationError: the data is no CBOR, or no map, or holds what has no place in JSON.
     """
-    if len(data) > MOST_BYTES:
-        raise OperationError(f"Expected a map in CBOR of at most {MOST_BYTES} bytes")
+    _check_items(data)
     source = BytesIO(data.removeprefix(_SELF_DESCRIBED))
     decoder = cbor2.CBORDecoder(
         source,
@@ -67,6 +70,31 @@ def object_of_cbor(data: bytes) -> dict[str, Any]:
     if rest:
         raise OperationError(f"Expected one map in CBOR, but {rest} bytes follow it")
     return _plain_map(value)
+
+
+def _check_items(data: bytes) -> None:
+    """Refuse what would take far more memory decoded than encoded.
+
+    Only heads are read (RFC 8949, section 3): what is in arrays and maps follows theirs.
+    """
+    position, end = 0, len(data)
+    for _ in range(MOST_ITEMS):
+        if position >= end:
+            return
+        kind, argument = data[position] >> 5, data[position] & 31
+        position += 1
+        if 24 <= argument <= 27:
+            size = 1 << (argument - 24)
+            argument = int.from_bytes(data[position : position + size], "big")
+            position += size
+        elif argument > 27:
+            argument = (
+                0  # Indefinite: its parts follow as items. Or wrong, as the decoder will say.
+            )
+        if kind in (_BYTES, _TEXT):
+            position += argument
+    if position < end:
+        raise OperationError(f"Expected a map in CBOR of at most {MOST_ITEMS} values")
 
 
 def _plain_map(value: dict[Any, Any]) -> dict[str, Any]:

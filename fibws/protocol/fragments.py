@@ -86,7 +86,10 @@ class Reassembly:
             self._size += cost
         if self._size > self._max_size:
             self._drop(fragment.id)
-            raise OperationError(f"unfinished messages may take {self._max_size} bytes together")
+            raise OperationError(
+                f"unfinished messages may take {self._max_size} bytes together "
+                "(--max-fragment-bytes of the hub)"
+            )
         if len(message.pieces) < message.total:
             return None
         self._drop(fragment.id)

@@ -6,15 +6,22 @@ case in `hub/session/session.py`, which does not type-check until it has one.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 from pydantic_core import to_json
 
-Id = str | int | float | bool | None
+LONGEST_ID = 2000
+"""Characters: it is kept while its operation lasts."""
+Id = Annotated[str, Field(max_length=LONGEST_ID)] | int | float | bool | None
+"""What a client may call an operation by."""
 Level = Literal["error", "warning", "info", "none"]
-FragmentSize = Annotated[int, Field(gt=0)] | None
-"""Characters above which a text is to come in pieces; None for never."""
+FragmentSize = Annotated[
+    int | None, AfterValidator(lambda size: size if size and size > 0 else None)
+]
+"""Characters above which a text is to come in pieces; None for never, as what is not above 0."""
 
 
 class Operation(BaseModel):
@@ -186,6 +193,12 @@ class Fragment(Operation):
     total: int
 
 
+class Auth(Operation):
+    """Who the client is, in the way of rosauth, which this hub does not ask for."""
+
+    op: Literal["auth"] = "auth"
+
+
 class SetLevel(Operation):
     """Which statuses the client wants to be sent: this level and what is graver."""
 
@@ -218,6 +231,7 @@ Request = (
     | ActionFeedback
     | ActionResult
     | Fragment
+    | Auth
     | SetLevel
 )
 """What a client may send."""
@@ -237,6 +251,17 @@ Reply = (
 """What a client may be sent."""
 
 
+def legal_id(id_: object) -> Id:
+    """The id of an operation that may be none; None if that is none, either."""
+    if isinstance(id_, str):
+        return id_ if len(id_) <= LONGEST_ID else None
+    return id_ if isinstance(id_, int | float) else None
+
+
+json_of: Callable[[object], bytes] = partial(to_json, inf_nan_mode="null", bytes_mode="base64")
+"""Gives a value as JSON text, as rosbridge has it: NaN and infinity are null; bytes do no harm."""
+
+
 def encode(operation: Operation) -> bytes:
     """The operation as JSON text, ``op`` first, without the fields that are None."""
     fields = operation.__dict__
@@ -250,7 +275,7 @@ def encode_fields(fields: dict[str, Any], **texts: bytes) -> bytes:
         texts: fields that are JSON text already.
     """
     known = {name: value for name, value in fields.items() if value is not None}
-    text = to_json(known, inf_nan_mode="null")
+    text = json_of(known)
     for name, value in texts.items():
         text = b'%b,"%b":%b}' % (text[:-1], name.encode(), value)
     return text

@@ -6,6 +6,7 @@ A field that is null counts as absent, as the real server has it. The texts are 
 
 from __future__ import annotations
 
+from itertools import islice
 from typing import Annotated, Any, TypeVar, get_args
 
 from pydantic import Field, TypeAdapter, ValidationError
@@ -55,6 +56,8 @@ _WANTED = {
     "int_from_float": "int",
     "float_type": "int, float",
     "finite_number": "a finite number",
+    "greater_than_equal": "an int from 0 to 6",
+    "less_than_equal": "an int from 0 to 6",
 }
 
 
@@ -82,5 +85,16 @@ def _fault(error: ValidationError, known: list[str], fields: dict[str, Any]) -> 
 
 def quoted(value: Any) -> str:
     """A wrong value as JSON text, cut to a length that is fit to be read."""
-    text = to_json(value, inf_nan_mode="constants").decode()
+    start = _start(value, QUOTED_LENGTH)
+    text = to_json(start, inf_nan_mode="constants", bytes_mode="base64").decode()
     return text if len(text) <= QUOTED_LENGTH else f"{text[:QUOTED_LENGTH]}..."
+
+
+def _start(value: Any, most: int) -> Any:
+    """The start of a value, which may have millions of elements; its text is cut in any case."""
+    if isinstance(value, list):
+        return [_start(each, most // 2) for each in value[: most + 1]]
+    if isinstance(value, dict):
+        items = islice(value.items(), most + 1)
+        return {name[: most + 1]: _start(each, most // 2) for name, each in items}
+    return value[: QUOTED_LENGTH + 1] if isinstance(value, str | bytes) else value

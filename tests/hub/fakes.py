@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sized
 from heapq import heappop, heappush
 from itertools import count
 from typing import Any
+
+import cbor2
 
 from fibws.hub.graph.graph import Graph
 from fibws.hub.outbox import Flusher, Outbox
@@ -20,6 +22,11 @@ NANOSECONDS = 1_700_000_000_000_000_005
 
 INT32 = "std_msgs/Int32"
 STRING = "std_msgs/String"
+ADD = "rospy_tutorials/AddTwoInts"
+FIBONACCI = "example_interfaces/Fibonacci"
+
+TEXT, BINARY = 0x81, 0x82
+"""The first bytes of frames that hold a whole message."""
 
 
 class FakeTimer:
@@ -79,17 +86,24 @@ class FakeClock:
         return sum(not timer.cancelled for _, _, timer in self._timers)
 
 
-def payloads(data: bytes) -> Iterator[bytes]:
-    """What is in a row of unmasked WebSocket frames, each a whole text."""
+def frames(data: bytes) -> Iterator[tuple[int, bytes]]:
+    """The first bytes and payloads of a row of unmasked WebSocket frames, each a whole message."""
     while data:
-        assert data[0] == 0x81
         start, size = 2, data[1]
         if size == 126:
             start, size = 4, int.from_bytes(data[2:4])
         elif size == 127:
             start, size = 10, int.from_bytes(data[2:10])
-        yield data[start : start + size]
+        assert len(data) >= start + size
+        yield data[0], data[start : start + size]
         data = data[start + size :]
+
+
+def payloads(data: bytes) -> Iterator[bytes]:
+    """What is in a row of frames, each a whole text."""
+    for first, payload in frames(data):
+        assert first == TEXT
+        yield payload
 
 
 class FakeHub:
@@ -109,7 +123,8 @@ class FakeHub:
     @property
     def empty(self) -> bool:
         """Whether nothing is left in the graph."""
-        return not self.graph.topics and not self.graph.nodes
+        graph = self.graph
+        return not (graph.nodes or graph.topics or graph.services or graph.actions)
 
 
 class Client:
@@ -133,12 +148,33 @@ class Client:
     def says_text(self, text: str) -> None:
         self.session.receive(text.encode())
 
-    def hears(self) -> list[dict[str, Any]]:
+    def says_binary(self, data: bytes) -> None:
+        self.session.receive_binary(data)
+
+    def hears_frames(self) -> list[tuple[int, bytes]]:
         """What has come since this was last asked, at the end of the loop's turn."""
         self._hub.clock.turn()
-        heard = [json.loads(text) for data in self.writes for text in payloads(data)]
+        heard = [frame for data in self.writes for frame in frames(data)]
         self.writes.clear()
         return heard
+
+    def hears(self) -> list[dict[str, Any]]:
+        """The operations that have come; all are JSON text."""
+        heard = self.hears_frames()
+        assert {first for first, _ in heard} <= {TEXT}
+        return [json.loads(payload) for _, payload in heard]
+
+    def hears_one(self, op: str) -> dict[str, Any]:
+        """The one operation that has come."""
+        [heard] = self.hears()
+        assert heard["op"] == op, heard
+        return heard
+
+    def hears_cbor(self) -> list[dict[str, Any]]:
+        """The operations that have come; all are CBOR."""
+        heard = self.hears_frames()
+        assert {first for first, _ in heard} <= {BINARY}
+        return [cbor2.loads(payload) for _, payload in heard]
 
     def hears_messages(self, topic: str) -> list[dict[str, Any]]:
         """The messages of one topic, spelled so; nothing else may have come."""
@@ -161,6 +197,28 @@ class Client:
 
     def leaves(self) -> None:
         self.session.leave()
+
+    @property
+    def kept(self) -> dict[str, Sized]:
+        """What the hub keeps for the client, by what it is."""
+        session = self.session
+        return {
+            "publishers": session.topics.publishers,
+            "subscriptions": session.topics.subscriptions,
+            "latched bytes": range(session.topics._latches.used),
+            "services": session.services._provided,
+            "calls to answer": session.services._due,
+            "calls": session.calls._calls,
+            "actions": session.actions._served,
+            "goals to pursue": session.actions._pursued,
+            "goals": session.goals._sent,
+            "ids of goals": session.goals._by_id,
+        }
+
+    @property
+    def forgotten(self) -> bool:
+        """Whether the hub keeps nothing for the client."""
+        return not any(self.kept.values())
 
 
 def number(data: int) -> dict[str, int]:

@@ -232,10 +232,10 @@ class TestPings:
             kind = type(broken)
             sweep = kind.sweep
 
-            def fail(self: Any, now: float) -> None:
+            def fail(self: Any, now: float, late: float) -> None:
                 if self is broken:
                     raise RuntimeError("injected")
-                sweep(self, now)
+                sweep(self, now, late)
 
             monkeypatch.setattr(kind, "sweep", fail)
             assert (await other.frame())[0] == PING

@@ -12,8 +12,8 @@ from websockets.frames import Frame, Opcode
 from websockets.protocol import State
 from websockets.server import ServerProtocol
 
-from fibws.hub.framing import Splitter
 from fibws.hub.settings import KIB, MIB
+from fibws.hub.splitter import Splitter
 
 MAX_SIZE = 300
 STREAMS = 4000

@@ -11,9 +11,8 @@ from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Any, Protocol
 
-from pydantic_core import to_json
-
 from fibws.hub.graph.types import ActionType
+from fibws.protocol.operations import json_of
 
 
 class GoalStatus(IntEnum):
@@ -83,7 +82,7 @@ class Goal:
         accepted: when, in nanoseconds since 1970.
     """
 
-    __slots__ = ("_client", "accepted", "action", "id", "request", "uuid")
+    __slots__ = ("_canceling", "_client", "accepted", "action", "id", "request", "uuid")
 
     def __init__(
         self,
@@ -100,40 +99,50 @@ class Goal:
         self.id = ""
         """What its server knows it by."""
         self._client = client
+        self._canceling = False
 
     def start(self) -> None:
         """Have the server begin."""
         self.action.goals[self.uuid] = self
         self.action.server.pursue(self)
+        # It has been told; what may be large need not be kept until the goal ends.
+        self.request = {}
 
     def feedback(self, values: object) -> None:
         """Tell the client how far the server has come; raises `InvalidMessage`."""
         valid = self.action.type.feedback(values)
-        self._client.hear(self, to_json(valid, inf_nan_mode="null"))
+        self._client.hear(self, json_of(valid))
 
     def finish(self, status: GoalStatus, values: object) -> None:
         """End with the server's result; raises `InvalidMessage`, upon which it has not ended."""
-        result = to_json(self.action.type.result(values), inf_nan_mode="null")
+        result = json_of(self.action.type.result(values))
         self._end(status, result, ok=True)
 
     def fail(self, text: str, status: GoalStatus = GoalStatus.ABORTED) -> None:
         """End without a result."""
-        self._end(status, to_json(text), ok=False)
+        self._end(status, json_of(text), ok=False)
 
     def cancel(self) -> None:
-        """Ask the server to stop."""
-        self.action.server.cancel(self)
+        """Ask the server to stop; to ask once is enough."""
+        if not self._canceling:
+            self._canceling = True
+            self.action.server.cancel(self)
 
     def abandon(self) -> None:
         """The client has left: the server may stop, and nobody waits for the result."""
         if self.action.goals.pop(self.uuid, None) is not None:
-            self.action.server.cancel(self)
+            self.cancel()
             self.action.server.forget(self)
 
     def _end(self, status: GoalStatus, result: bytes, *, ok: bool) -> None:
         if self.action.goals.pop(self.uuid, None) is not None:
             self.action.server.forget(self)
             self._client.end(self, status, result, ok=ok)
+
+
+def cancel_service(action: str) -> str:
+    """The name of the service beside an action by which its goals can be cancelled, as in ROS 2."""
+    return f"{action}/_action/cancel_goal"
 
 
 def cancel_goals(action: Action, request: dict[str, Any]) -> dict[str, Any]:

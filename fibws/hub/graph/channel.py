@@ -17,6 +17,7 @@ class Channel:
         self.key = (spelling, encoding)
         self.frame = encoding.framer(spelling)
         """Makes the frame of a publication; raises `OperationError` if it cannot be encoded so."""
+        self._replayed: tuple[Publication, bytes] | None = None
         self._direct: dict[Outbox, Subscription] = {}
         self._throttled: dict[Outbox, Subscription] = {}
 
@@ -38,16 +39,32 @@ class Channel:
         self._direct.pop(subscription.outbox, None)
         self._throttled.pop(subscription.outbox, None)
 
+    def replay(self, publication: Publication) -> bytes:
+        """The frame of a latched message, made once however many come late."""
+        if self._replayed is None or self._replayed[0] is not publication:
+            self._replayed = (publication, self.frame(publication))
+        return self._replayed[1]
+
+    def forget(self, publication: Publication) -> None:
+        """A message is latched no more."""
+        if self._replayed is not None and self._replayed[0] is publication:
+            self._replayed = None
+
     def send(self, publication: Publication) -> None:
         """Send a message to every subscription; they share the bytes of its frame."""
-        frame = self.frame(publication)
-        # The hub's innermost loop: `Outbox.put`, written out.
-        for outbox, subscription in self._direct.items():
-            if outbox.paused:
-                outbox.keep(frame, subscription.queue)
-                continue
-            if not outbox.frames:
-                outbox.flusher.add(outbox)
-            outbox.frames.append(frame)
-        for subscription in self._throttled.values():
-            subscription.offer(frame)
+        if self._direct:
+            frame = self.frame(publication)
+            # The hub's innermost loop: `Outbox.put`, written out.
+            for outbox, subscription in self._direct.items():
+                if outbox.paused:
+                    outbox.keep(frame, subscription.queue)
+                    continue
+                if not outbox.frames:
+                    outbox.flusher.add(outbox)
+                outbox.frames.append(frame)
+            outbox.flusher.count(len(frame) * len(self._direct))
+        wanting = [each for each in self._throttled.values() if each.wants_more]
+        if wanting:
+            frame = self.frame(publication)
+            for subscription in wanting:
+                subscription.offer(frame)

@@ -11,12 +11,11 @@ from itertools import count
 from typing import Any, NamedTuple, TypeAlias
 
 import cbor2
-from pydantic_core import to_json
+from pydantic_core import from_json, to_json
 
-from fibws.hub.framing import binary_frame, text_frame, text_header
+from fibws.hub.frames import binary_frame, text_frames, text_header
 from fibws.hub.graph.types import MessageType
-from fibws.protocol.fragments import split
-from fibws.protocol.operations import Png, Subscribe, encode
+from fibws.protocol.operations import Png, Subscribe, encode, json_of
 from fibws.protocol.png import encode_png
 
 COMPRESSIONS = ("cbor-raw", "cbor", "png", "none")
@@ -31,21 +30,47 @@ class Publication:
         received: when, in nanoseconds since 1970.
     """
 
-    __slots__ = ("_cbor", "_json", "_raw", "_received", "_type", "message")
+    __slots__ = ("_cbor", "_json", "_message", "_pngs", "_raw", "_received", "_type")
 
     def __init__(self, message: dict[str, Any], type_: MessageType, received: int) -> None:
-        self.message = message
+        self._message: dict[str, Any] | None = message
+        self._pngs: dict[str, bytes] | None = None
         self._type = type_
         self._received = received
         self._json: bytes | None = None
         self._cbor: bytes | None = None
         self._raw: bytes | None = None
 
+    @property
+    def message(self) -> dict[str, Any]:
+        """It, as it was validated."""
+        if self._message is not None:
+            return self._message
+        message: dict[str, Any] = from_json(self.json())
+        return message
+
     def json(self) -> bytes:
         """It as JSON text."""
         if self._json is None:
-            self._json = to_json(self.message, inf_nan_mode="null")
+            self._json = json_of(self._message)
         return self._json
+
+    def settle(self) -> None:
+        """Keep it as JSON text alone, which takes a fraction of the memory.
+
+        What is infinite is NaN from then on, as it is in JSON.
+        """
+        self.json()
+        self._message = self._cbor = self._raw = self._pngs = None
+
+    def png(self, spelling: str) -> bytes:
+        """The text of a png operation with it on the topic that is spelled so."""
+        if self._pngs is None:
+            self._pngs = {}
+        if spelling not in self._pngs:
+            text = b"%b%b}" % (_before(spelling), self.json())
+            self._pngs[spelling] = encode(Png(data=encode_png(text)))
+        return self._pngs[spelling]
 
     def cbor(self) -> bytes:
         """It as CBOR, with typed arrays."""
@@ -87,10 +112,6 @@ class Encoding(NamedTuple):
         is_text = compression in ("png", "none")
         return cls(compression, min(sizes, default=None) if is_text else None)
 
-    def suits(self, type_: MessageType) -> bool:
-        """Whether messages of the type can be encoded so: only known fields can be serialized."""
-        return type_.checked or self.compression != "cbor-raw"
-
     def framer(self, spelling: str) -> Frame:
         """Makes frames of publications on the topic that is spelled so."""
         if self.compression == "cbor":
@@ -104,16 +125,6 @@ class Encoding(NamedTuple):
 
 PLAIN = Encoding()
 """JSON in one piece."""
-
-
-def text_frames(text: bytes, fragment_size: int | None, new_id: Callable[[], str]) -> bytes:
-    """A text's frame; or those of its pieces, if it is longer than they may be."""
-    if fragment_size is not None and len(text) > fragment_size:
-        pieces = split(text.decode(), fragment_size, new_id())
-        frames = b"".join(text_frame(encode(piece)) for piece in pieces)
-        if frames:
-            return frames
-    return text_frame(text)
 
 
 def _json_framer(spelling: str) -> Frame:
@@ -135,9 +146,10 @@ def _text_framer(spelling: str, encoding: Encoding) -> Frame:
         return f"publish:{spelling}:{next(numbers)}"
 
     def frame(publication: Publication) -> bytes:
-        text = b"%b%b}" % (before, publication.json())
         if encoding.compression == "png":
-            text = encode(Png(data=encode_png(text)))
+            text = publication.png(spelling)
+        else:
+            text = b"%b%b}" % (before, publication.json())
         return text_frames(text, encoding.fragment_size, new_id)
 
     return frame

@@ -14,13 +14,20 @@ from itertools import count
 from typing import Any, Protocol
 
 from fibws.errors import OperationError, TypeConflict
-from fibws.hub.graph.action import Action, ActionClient, ActionServer, Goal, cancel_goals
+from fibws.hub.budget import Budget
+from fibws.hub.graph.action import (
+    Action,
+    ActionClient,
+    ActionServer,
+    Goal,
+    cancel_goals,
+    cancel_service,
+)
 from fibws.hub.graph.parameters import Parameters
 from fibws.hub.graph.service import Function, OwnProvider, Provider, Service
 from fibws.hub.graph.subscription import Subscription
 from fibws.hub.graph.topic import Publisher, Topic
 from fibws.hub.graph.types import MessageType, Types
-from fibws.hub.outbox import Budget
 from fibws.interfaces import Interfaces
 from fibws.protocol.operations import Id, Subscribe
 
@@ -161,6 +168,9 @@ class Graph:
         if request.type is not None:
             self._establish(subscription.topic, request.type)
         try:
+            type_ = subscription.topic.type
+            if request.compression == "cbor-raw" and type_ is not None:
+                type_.check_binary()
             subscription.request(request)
             subscription.topic.update(subscription)
             self.topics[subscription.topic.name] = subscription.topic
@@ -177,13 +187,18 @@ class Graph:
     def _establish(self, topic: Topic, type_: str, definition: str | None = None) -> MessageType:
         """Give a topic its type; return what checks its messages."""
         name = self.interfaces.canonical(type_)
-        if topic.type is not None and topic.type.type == name and definition is None:
+        if topic.type is not None and topic.type.name == name and definition is None:
             return topic.type
-        if topic.type is not None and topic.type.type != name and topic.held:
-            raise TypeConflict(topic.name, name, topic.type.type, topic.holder())
+        if topic.type is not None and topic.type.name != name and topic.held:
+            raise TypeConflict(topic.name, name, topic.type.name, topic.holder())
         wanted = self._types.message(name, definition)
-        if topic.type is None or topic.type.type != name:
+        if topic.type is None or topic.type.name != name:
             topic.type = wanted
+        elif wanted.checked and not topic.type.checked:
+            # Somebody has brought the definition: it is for those who came before, too.
+            topic.type = wanted
+            for publisher in topic.publishers.values():
+                publisher.type = wanted
         return topic.type
 
     def _settle(self, topic: Topic) -> None:
@@ -209,17 +224,20 @@ class Graph:
         older = self.services.get(name)
         if older is not None and isinstance(older.provider, OwnProvider):
             raise OperationError(f"Service {name} is the hub's own ({older.node})")
-        service = self.services[name] = Service(name, service_type, provider)
-        self.revision += 1
-        if older is not None:
-            older.provider.displaced(older)
-        return service
+        return self._provide(Service(name, service_type, provider))
 
     def offer(self, name: str, type_: str, node: str, function: Function) -> None:
         """Have the hub itself answer a service, as one of its own nodes."""
         provider = OwnProvider(node, function)
-        self.services[name] = Service(name, self._types.service(type_), provider)
+        self._provide(Service(name, self._types.service(type_), provider))
+
+    def _provide(self, service: Service) -> Service:
+        older = self.services.get(service.name)
+        self.services[service.name] = service
         self.revision += 1
+        if older is not None:
+            older.provider.displaced(older)
+        return service
 
     def remove_service(self, service: Service) -> None:
         """Let a service go, unless another provider has taken it over."""
@@ -243,14 +261,14 @@ class Graph:
             older.server.displaced(older)
         action = self.actions[name] = Action(name, action_type, server)
         self.offer(
-            _cancel_service(action),
+            cancel_service(action.name),
             CANCEL_GOAL,
             server.node,
             lambda request, caller: cancel_goals(action, request),
         )
         return action
 
-    def goal(self, action: Action, request: dict[str, Any], client: ActionClient) -> Goal:
+    def new_goal(self, action: Action, request: dict[str, Any], client: ActionClient) -> Goal:
         """A new goal, which is not started yet."""
         uuid = next(self._goals).to_bytes(16, "big")
         return Goal(action, request, client, uuid, self.now())
@@ -259,9 +277,5 @@ class Graph:
         """Let an action go, unless another server has taken it over."""
         if self.actions.get(action.name) is action:
             del self.actions[action.name]
-            self.services.pop(_cancel_service(action), None)
+            self.services.pop(cancel_service(action.name), None)
             self.revision += 1
-
-
-def _cancel_service(action: Action) -> str:
-    return f"{action.name}/_action/cancel_goal"

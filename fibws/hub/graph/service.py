@@ -11,10 +11,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol, TypeAlias
 
-from pydantic_core import to_json
-
 from fibws.errors import FibwsError
 from fibws.hub.graph.types import ServiceType
+from fibws.protocol.operations import json_of
 
 Answer: TypeAlias = dict[str, Any] | bytes
 """A response, or its JSON text where that is at hand already."""
@@ -90,6 +89,8 @@ class Call:
     def start(self) -> None:
         """Ask the provider."""
         self.service.provider.take(self)
+        # It has been told; what may be large need not be kept until it answers.
+        self.request = {}
 
     def answer(self, values: object) -> None:
         """Take the provider's response.
@@ -97,7 +98,7 @@ class Call:
         Raises:
             InvalidMessage: it does not fit the type; the call is still to be answered.
         """
-        self.answer_text(to_json(self.service.type.response(values), inf_nan_mode="null"))
+        self.answer_text(json_of(self.service.type.response(values)))
 
     def answer_text(self, text: bytes) -> None:
         """Take the response as JSON text."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from fibws.errors import OperationError
@@ -26,11 +27,14 @@ class Subscription:
         node: the client's name.
         spelling: the topic's name as the client wrote it, and will read it.
         outbox: where the client's frames go.
+        complain: tells the client what is wrong with a request.
         queue_length: messages kept for a client that falls behind and named no queue_length.
     """
 
     __slots__ = (
         "_clock",
+        "_complain",
+        "_complained",
         "_default",
         "_throttle",
         "_throttled_by",
@@ -52,9 +56,12 @@ class Subscription:
         spelling: str,
         outbox: Outbox,
         clock: Clock,
+        complain: Callable[[Id, str], None],
         *,
         queue_length: int,
     ) -> None:
+        self._complain = complain
+        self._complained = False
         self.node = node
         self.topic = topic
         self.spelling = spelling
@@ -76,6 +83,11 @@ class Subscription:
         """Whether each message goes straight to the outbox."""
         return self._throttle is None
 
+    @property
+    def wants_more(self) -> bool:
+        """Whether a message that came now would not be passed over by the throttle."""
+        return self._throttle is None or self._throttle.wants_more
+
     def request(self, request: Subscribe) -> None:
         """Add a request; one of the same id replaces the older.
 
@@ -94,6 +106,13 @@ class Subscription:
         elif self.requests.pop(id_, None) is None:
             return
         self._merge()
+
+    def refuse(self, fault: OperationError) -> None:
+        """Say, once, that messages cannot be had in the encoding that was asked for."""
+        if not self._complained:
+            self._complained = True
+            id_ = next(each.id for each in self.requests.values() if each.compression == "cbor-raw")
+            self._complain(id_, f"subscribe: {fault}")
 
     def send(self, frame: bytes) -> None:
         """Send a frame at once, whatever the throttle."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable
 
+from fibws.hub.budget import Budget
 from fibws.hub.clock import Clock, Timer
-from fibws.hub.outbox import Budget
 
 EARLY = 0.001
 """Seconds by which a message may come early: timers are no finer than a millisecond."""
@@ -43,10 +43,18 @@ class Throttle:
         self._due = clock.time()
         self._timer: Timer | None = None
 
+    @property
+    def wants_more(self) -> bool:
+        """Whether a frame that is offered now is sent, now or later."""
+        return bool(self._queue_length) or self._is_due(self._clock.time())
+
+    def _is_due(self, now: float) -> bool:
+        return self._timer is None and now >= self._due - EARLY
+
     def offer(self, frame: bytes) -> None:
         """Send a frame now, later or never."""
         now = self._clock.time()
-        if self._timer is None and now >= self._due - EARLY:
+        if self._is_due(now):
             self._due = now + self._period
             self._send(frame)
             return

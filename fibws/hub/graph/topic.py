@@ -11,11 +11,11 @@ from itertools import chain
 from typing import Any, TypeAlias
 
 from fibws.errors import OperationError
+from fibws.hub.budget import Budget
 from fibws.hub.graph.channel import Channel
 from fibws.hub.graph.encoding import Encoding, Publication
 from fibws.hub.graph.subscription import MAX_REGISTRATIONS, Subscription
 from fibws.hub.graph.types import MessageType
-from fibws.hub.outbox import Budget
 from fibws.protocol.operations import Id
 
 Observer: TypeAlias = Callable[[dict[str, Any]], None]
@@ -70,27 +70,27 @@ class Topic:
                 del self.channels[older.key]
         subscription.channel = channel
 
-    def replay(self, subscription: Subscription) -> bool:
-        """Send what publishers have latched to one subscription; tell whether there was any.
+    def replay(self, subscription: Subscription) -> None:
+        """Send what publishers have latched to one subscription.
 
         Raises:
             OperationError: it cannot be had in the encoding that the subscription wants.
         """
-        recalled = [each.recall() for each in self.publishers.values()]
-        latched = [each for each in recalled if each is not None]
-        if subscription.channel is not None:
-            for publication in latched:
-                subscription.send(subscription.channel.frame(publication))
-        return bool(latched)
+        for publisher in self.publishers.values():
+            publication = publisher.recall()
+            if publication is not None and subscription.channel is not None:
+                subscription.send(subscription.channel.replay(publication))
 
     def deliver(self, publication: Publication) -> None:
         """Send a message to all who hear the topic."""
         for channel in self.channels.values():
             try:
                 channel.send(publication)
-            except OperationError:
-                # It cannot be encoded so, as those subscriptions were told. The others go on.
-                continue
+            except OperationError as fault:
+                # It cannot be encoded so. Those who asked for that before the type was known are
+                # told; the others go on.
+                for subscription in channel.subscriptions():
+                    subscription.refuse(fault)
         for observe in self.observers:
             observe(publication.message)
 
@@ -183,10 +183,13 @@ class Publisher:
         """Keep no latched message any more."""
         if self.latched is not None:
             self._latches.used -= len(self.latched.json())
+            for channel in self.topic.channels.values():
+                channel.forget(self.latched)
             self.latched = None
 
     def _keep(self, publication: Publication) -> None:
         self.forget()
+        publication.settle()
         self._latches.used += len(publication.json())
         self.latched = publication
         if self._latches.exceeded:

@@ -14,11 +14,13 @@ import cbor2
 
 from fibws.errors import InvalidMessage, OperationError, UnknownPackage
 from fibws.hub.log import is_power_of_ten
-from fibws.interfaces import Interfaces, MessageDefinition, Validators
+from fibws.interfaces import Interfaces, MessageDefinition, Validators, base64text
 from fibws.interfaces.cbor import CborEncoders
 from fibws.interfaces.serialization import Serializers
 
 logger = logging.getLogger("fibws.hub")
+
+_PLAIN = frozenset({str, int, float, bool, type(None)})
 
 Validate: TypeAlias = Callable[[object], dict[str, Any]]
 """Gives a message with every field filled; raises `InvalidMessage`."""
@@ -32,16 +34,21 @@ class MessageType:
 
     ``missing`` names the fields that a valid message leaves to their defaults. ``sequenced`` tells
     whether publishers count their messages in ``header.seq``, as rospy's do. ``binary`` raises
-    `OperationError` if the type is unchecked.
+    `OperationError` if the type is not ``checked``.
     """
 
-    type: str
+    name: str
     validate: Validate
     missing: Callable[[dict[str, Any]], list[str]]
     cbor: Encode
     binary: Encode
     sequenced: bool
     checked: bool
+
+    def check_binary(self) -> None:
+        """Raise `OperationError` if nobody knows how ROS 1 would serialize the messages."""
+        if not self.checked:
+            self.binary({})
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,7 +58,7 @@ class ServiceType:
     ``arguments`` are the request's fields in order, if they are known.
     """
 
-    type: str
+    name: str
     request: Validate
     response: Validate
     arguments: tuple[str, ...] | None
@@ -64,23 +71,35 @@ class ServiceType:
         Raises:
             InvalidMessage: a field does not fit the type.
         """
-        if isinstance(args, list):
-            if self.arguments is None:
-                raise InvalidMessage(
-                    f"Expected a JSON object for type {self.type}, whose fields are not known here"
-                )
-            args = dict(zip(self.arguments, args, strict=False))
-        return self.request(args if isinstance(args, dict) else {})
+        return self.request(_named(args, self.arguments, self.name))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ActionType:
-    """What checks the goals of an action, their feedback and their results."""
+    """What checks the goals of an action, their feedback and their results.
 
-    type: str
+    ``arguments`` are the goal's fields in order, if they are known.
+    """
+
+    name: str
     goal: Validate
     feedback: Validate
     result: Validate
+    arguments: tuple[str, ...] | None
+
+    def ask(self, args: object) -> dict[str, Any]:
+        """The goal that ``args`` stand for; as `ServiceType.ask`."""
+        return self.goal(_named(args, self.arguments, self.name))
+
+
+def _named(args: object, names: tuple[str, ...] | None, type_: str) -> dict[str, Any]:
+    if isinstance(args, list):
+        if names is None:
+            raise InvalidMessage(
+                f"Expected a JSON object for type {type_}, whose fields are not known here"
+            )
+        return dict(zip(names, args, strict=False))
+    return args if isinstance(args, dict) else {}
 
 
 class Types:
@@ -134,7 +153,7 @@ class Types:
                 name,
                 self._validate(service.request),
                 self._validate(service.response),
-                tuple(field.name for field in service.request.fields),
+                _fields(service.request),
             )
         return self._services[name]
 
@@ -147,12 +166,14 @@ class Types:
                 action = self._interfaces.action(name)
             except UnknownPackage as error:
                 self._tolerate(name, error)
-                return ActionType(name, _relayed(name), _relayed(name), _relayed(name))
+                relayed = _relayed(name)
+                return ActionType(name, relayed, relayed, relayed, None)
             self._actions[name] = ActionType(
                 name,
                 self._validate(action.goal),
                 self._validate(action.feedback),
                 self._validate(action.result),
+                _fields(action.goal),
             )
         return self._actions[name]
 
@@ -181,6 +202,10 @@ class Types:
             logger.warning("%s. Messages of type %s are relayed unchecked.", error, name)
 
 
+def _fields(definition: MessageDefinition) -> tuple[str, ...]:
+    return tuple(field.name for field in definition.fields)
+
+
 def _unchecked(name: str) -> MessageType:
     def binary(message: dict[str, Any]) -> bytes:
         raise OperationError(f"cbor-raw needs the definition of {name}, which nobody brought")
@@ -198,6 +223,17 @@ def _relayed(name: str) -> Validate:
             raise InvalidMessage(
                 f"Expected a JSON object for type {name} but received a {type(msg).__name__}"
             )
-        return msg
+        return {name: _as_json(value) for name, value in msg.items()}
 
     return validate
+
+
+def _as_json(value: Any) -> Any:
+    """The value with base64 for bytes, which CBOR can bring where no type says what they are."""
+    if isinstance(value, bytes):
+        return base64text.encode(value)
+    if isinstance(value, dict):
+        return {name: _as_json(each) for name, each in value.items()}
+    if isinstance(value, list) and not _PLAIN.issuperset(map(type, value)):
+        return [_as_json(each) for each in value]
+    return value

@@ -89,7 +89,7 @@ class Introspection:
     def topic_type(self, request: dict[str, Any], caller: str) -> Answer:
         """The type of a topic."""
         topic = self._graph.topics.get(_global(request["topic"], caller))
-        return {"type": topic.type.type if topic is not None and topic.type is not None else ""}
+        return {"type": topic.type.name if topic is not None and topic.type is not None else ""}
 
     def publishers(self, request: dict[str, Any], caller: str) -> Answer:
         """The nodes that publish a topic."""
@@ -115,18 +115,18 @@ class Introspection:
         """The services of a type."""
         wanted = self._canonical(request["type"])
         services = self._graph.services.values()
-        return {"services": sorted(each.name for each in services if each.type.type == wanted)}
+        return {"services": sorted(each.name for each in services if each.type.name == wanted)}
 
     def service_providers(self, request: dict[str, Any], caller: str) -> Answer:
         """The nodes that provide services of a type, which the request calls the service."""
         wanted = self._canonical(request["service"])
         services = self._graph.services.values()
-        return {"providers": sorted({each.node for each in services if each.type.type == wanted})}
+        return {"providers": sorted({each.node for each in services if each.type.name == wanted})}
 
     def service_type(self, request: dict[str, Any], caller: str) -> Answer:
         """The type of a service."""
         service = self._graph.services.get(_global(request["service"], caller))
-        return {"type": service.type.type if service is not None else ""}
+        return {"type": service.type.name if service is not None else ""}
 
     def service_node(self, request: dict[str, Any], caller: str) -> Answer:
         """The node that provides a service."""
@@ -206,7 +206,7 @@ class Introspection:
     def _types_of_topics(self) -> list[tuple[str, str]]:
         """All topics, sorted, each with its type's name, which is empty if it has none."""
         return sorted(
-            (name, topic.type.type if topic.type is not None else "")
+            (name, topic.type.name if topic.type is not None else "")
             for name, topic in self._graph.topics.items()
         )
 

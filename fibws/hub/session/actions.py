@@ -1,17 +1,10 @@
-"""The actions whose goals one client pursues, and the goals that it has sent."""
+"""The actions whose goals one client pursues."""
 
 from __future__ import annotations
 
-from itertools import count
-from typing import Any
-
-from pydantic_core import to_json
-
-from fibws.errors import FibwsError, InvalidMessage, OperationError
-from fibws.hub.framing import text_frame
-from fibws.hub.graph.action import Action, Goal, GoalStatus
-from fibws.hub.graph.encoding import text_frames
-from fibws.hub.session.client import Client
+from fibws.errors import InvalidMessage
+from fibws.hub.graph.action import Action, Goal, GoalStatus, cancel_service
+from fibws.hub.session.client import Client, check_room
 from fibws.protocol.operations import (
     ActionFeedback,
     ActionResult,
@@ -21,136 +14,72 @@ from fibws.protocol.operations import (
     SendActionGoal,
     UnadvertiseAction,
     encode,
-    encode_fields,
 )
 
 
 class Actions:
-    """One client's part in actions, as server and as client."""
+    """One client's actions, and the goals that it pursues."""
 
-    __slots__ = ("_by_id", "_client", "_numbers", "_pursued", "_sent", "_served")
+    __slots__ = ("_client", "_pursued", "_served")
 
     def __init__(self, client: Client) -> None:
         self._client = client
         self._served: dict[str, tuple[Action, str]] = {}
         """By the action's name, with the spelling of it that the client knows."""
         self._pursued: dict[Id, Goal] = {}
-        """What the client pursues, by the ids that it was given."""
-        self._sent: dict[Goal, SendActionGoal] = {}
-        """What the client waits for."""
-        self._by_id: dict[Id, Goal] = {}
-        """What the client waits for, by the ids that it gave."""
-        self._numbers = count(1)
+        """By the ids that the client was given."""
 
     @property
     def node(self) -> str:
         """The name of the client's node."""
         return self._client.node
 
-    # As a client.
-
-    def send_goal(self, request: SendActionGoal) -> None:
-        """Send a goal; whatever becomes of that, there is a result."""
-        try:
-            goal = self._goal(request)
-        except FibwsError as error:
-            self._result(request, GoalStatus.ABORTED, to_json(str(error)), ok=False)
-            return
-        self._sent[goal] = request
-        if request.id is not None:
-            self._by_id[request.id] = goal
-        goal.start()
-
-    def _goal(self, request: SendActionGoal) -> Goal:
-        graph = self._client.graph
-        name = self._client.resolve(request.action)
-        action = graph.actions.get(name)
-        if action is None:
-            raise OperationError(f"Action {name} does not exist")
-        type_ = graph.interfaces.canonical(request.action_type)
-        if type_ != action.type.type:
-            raise OperationError(f"Action {name} is of type {action.type.type}, not {type_}")
-        if request.id in self._by_id:
-            raise OperationError(f"A goal of id {request.id} has not ended yet")
-        self._client.check_room(len(self._sent), "max_goals")
-        valid = action.type.goal({} if request.args is None else request.args)
-        return graph.goal(action, valid, self)
-
-    def cancel_goal(self, request: CancelActionGoal) -> None:
-        """Want a goal no more; its result still comes."""
-        goal = self._by_id.get(request.id)
-        if goal is None:
-            # It may have ended in the meantime.
-            text = f"cancel_action_goal: no goal of {request.action} has this id"
-            self._client.statuses.info(request.id, text)
-        else:
-            goal.cancel()
-
-    def hear(self, goal: Goal, feedback: bytes) -> None:
-        """Send the client feedback, if it wants any."""
-        request = self._sent[goal]
-        if request.feedback:
-            self._reply(request, {"op": "action_feedback"}, feedback)
-
-    def end(self, goal: Goal, status: GoalStatus, result: bytes, *, ok: bool) -> None:
-        """Send the client a goal's result."""
-        request = self._sent.pop(goal)
-        self._by_id.pop(request.id, None)
-        self._result(request, status, result, ok=ok)
-
-    def _result(
-        self, request: SendActionGoal, status: GoalStatus, values: bytes, *, ok: bool
-    ) -> None:
-        self._reply(request, {"op": "action_result", "status": int(status), "result": ok}, values)
-
-    def _reply(self, request: SendActionGoal, fields: dict[str, Any], values: bytes) -> None:
-        text = encode_fields({**fields, "action": request.action, "id": request.id}, values=values)
-        self._client.outbox.reply(text_frames(text, request.fragment_size, self._fragment_id))
-
-    def _fragment_id(self) -> str:
-        return f"action:{next(self._numbers)}"
-
-    # As a server.
+    def services(self) -> list[str]:
+        """The names of the services by which the goals can be cancelled."""
+        return [cancel_service(name) for name in self._served]
 
     def advertise(self, request: AdvertiseAction) -> None:
         """Pursue an action's goals; whoever did before is displaced."""
         name = self._client.resolve(request.action)
         if name not in self._served:
-            self._client.check_room(len(self._served), "max_advertisements")
+            limit = self._client.settings.max_advertisements
+            check_room(len(self._served), limit, "advertisements")
         action = self._client.graph.add_action(name, request.type, request.definition, self)
         self._served[name] = (action, request.action)
-        self._client.statuses.info(request.id, f"{self.node} serves {name} ({action.type.type})")
+        statuses, type_ = self._client.statuses, action.type
+        if type_.arguments is None:
+            statuses.warning(request.id, f"{name}: goals of type {type_.name} are not checked")
+        statuses.info(request.id, f"{self.node} serves {name} ({type_.name})")
 
     def unadvertise(self, request: UnadvertiseAction) -> None:
         """Pursue an action's goals no more; those that have not ended are aborted."""
         action, _ = self._served.pop(self._client.resolve(request.action), (None, ""))
         if action is not None:
             self._client.graph.remove_action(action)
-            self._abort(action, f"Action {action.name} was unadvertised")
+            for goal in list(self._pursued.values()):
+                if goal.action.name == action.name:
+                    goal.fail(f"Action {action.name} was unadvertised")
 
     def pursue(self, goal: Goal) -> None:
         """Have the client begin with a goal."""
         action = goal.action
         _, spelling = self._served[action.name]
-        goal.id = f"action_goal:{spelling}:{next(self._numbers)}"
+        goal.id = f"action_goal:{spelling}:{next(self._client.numbers)}"
         request = SendActionGoal(
             id=goal.id,
             action=spelling,
-            action_type=action.type.type,
+            action_type=action.type.name,
             args=goal.request,
             feedback=True,
         )
-        text = encode(request)
-        if self._client.outbox.has_room(len(text)):
+        if self._client.ask(encode(request)):
             self._pursued[goal.id] = goal
-            self._client.outbox.reply(text_frame(text))
         else:
-            # Its replies may not be dropped: it must not be others' goals that break its bounds.
             goal.fail(f"Action {action.name} is unavailable: {self.node} reads too slowly")
 
     def cancel(self, goal: Goal) -> None:
         """Tell the client that a goal is wanted no more."""
-        self._client.send(CancelActionGoal(id=goal.id, action=self._spelling(goal)))
+        self._client.reply(encode(CancelActionGoal(id=goal.id, action=self._spelling(goal))))
 
     def forget(self, goal: Goal) -> None:
         """A goal has ended."""
@@ -185,7 +114,8 @@ class Actions:
         if not result.result:
             reason = result.values
             text = reason if isinstance(reason, str) and reason else "the goal failed"
-            goal.fail(text, status or GoalStatus.ABORTED)
+            canceled = status is GoalStatus.CANCELED
+            goal.fail(text, GoalStatus.CANCELED if canceled else GoalStatus.ABORTED)
             return
         try:
             values = {} if result.values is None else result.values
@@ -193,6 +123,11 @@ class Actions:
         except InvalidMessage as error:
             goal.fail(str(error))
             raise
+
+    def spoil(self, id_: object, text: str) -> None:
+        """The client's result of a goal was no operation at all: ``text`` says why."""
+        if isinstance(id_, str) and id_ in self._pursued:
+            self._pursued[id_].fail(text)
 
     def _unknown(self, operation: ActionFeedback | ActionResult) -> None:
         """The goal may have ended in the meantime."""
@@ -203,18 +138,10 @@ class Actions:
         _, spelling = self._served.get(goal.action.name, (None, goal.action.name))
         return spelling
 
-    def _abort(self, action: Action, text: str) -> None:
-        for goal in list(action.goals.values()):
-            goal.fail(text)
-
     def leave(self) -> None:
-        """Take all back: the goals of others are aborted, its own cancelled."""
+        """Take all back: the goals of others are aborted."""
         for action, _ in self._served.values():
             self._client.graph.remove_action(action)
         self._served.clear()
-        for goal in list(self._sent):
-            goal.abandon()
-        self._sent.clear()
-        self._by_id.clear()
         for goal in list(self._pursued.values()):
             goal.fail(f"Action {goal.action.name} is unavailable: {self.node} has left")

@@ -1,20 +1,24 @@
 """A session: what one client does, operation by operation.
 
 Synchronous and without a socket: text comes in by `Session.receive`, frames go out by the outbox.
-What an operation does is told in the part that it belongs to: `topics`, `services`, `actions`.
+What an operation does is told in the part that it belongs to: `topics`, `calls` and `services`,
+`goals` and `actions`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import ExitStack
 from typing import Any, assert_never
 
-from fibws.errors import FibwsError, OperationError
+from fibws.errors import FibwsError, InvalidUtf8, OperationError
 from fibws.hub.clock import Clock
 from fibws.hub.graph.graph import Graph
 from fibws.hub.outbox import Outbox
 from fibws.hub.session.actions import Actions
+from fibws.hub.session.calls import Calls
 from fibws.hub.session.client import Client
+from fibws.hub.session.goals import Goals
 from fibws.hub.session.services import Services
 from fibws.hub.session.statuses import Statuses
 from fibws.hub.session.topics import Topics
@@ -28,6 +32,7 @@ from fibws.protocol.operations import (
     Advertise,
     AdvertiseAction,
     AdvertiseService,
+    Auth,
     CallService,
     CancelActionGoal,
     Fragment,
@@ -59,8 +64,10 @@ class Session:
 
     __slots__ = (
         "_actions",
+        "_calls",
         "_client",
         "_close",
+        "_goals",
         "_reassembly",
         "_services",
         "node",
@@ -83,19 +90,35 @@ class Session:
         self._client = Client(self.node, graph, outbox, clock, settings, statuses)
         self.topics = Topics(self._client)
         # Most clients have to do with topics alone, and there may be thousands of them.
+        self._calls: Calls | None = None
         self._services: Services | None = None
+        self._goals: Goals | None = None
         self._actions: Actions | None = None
 
     @property
+    def calls(self) -> Calls:
+        """What the client calls."""
+        if self._calls is None:
+            self._calls = Calls(self._client)
+        return self._calls
+
+    @property
     def services(self) -> Services:
-        """The client's services and calls."""
+        """What the client is called for."""
         if self._services is None:
             self._services = Services(self._client)
         return self._services
 
     @property
+    def goals(self) -> Goals:
+        """What the client wants done."""
+        if self._goals is None:
+            self._goals = Goals(self._client)
+        return self._goals
+
+    @property
     def actions(self) -> Actions:
-        """The client's actions and goals."""
+        """What the client does for others."""
         if self._actions is None:
             self._actions = Actions(self._client)
         return self._actions
@@ -114,14 +137,12 @@ class Session:
     def receive_binary(self, data: bytes) -> None:
         """Do what binary data ask for: JSON text, as the real server takes it, or CBOR."""
         try:
-            data.decode()
-        except UnicodeDecodeError:
-            try:
+            if data[:1] < b"\x80":  # No map in CBOR begins with an ASCII character.
+                self.receive(data)
+            else:
                 self._perform(object_of_cbor(data))
-            except OperationError as error:
-                self._client.statuses.error(None, str(error))
-        else:
-            self.receive(data)
+        except (OperationError, InvalidUtf8) as error:
+            self._client.statuses.error(None, f"Expected JSON text or CBOR: {error}")
 
     def replaced(self) -> None:
         """Another client has taken this one's name."""
@@ -138,16 +159,16 @@ class Session:
 
     def providing(self) -> set[str]:
         """The global names of the services that the client provides."""
-        return set(self._services.provided()) if self._services is not None else set()
+        names = set(self._services.names()) if self._services is not None else set()
+        return names.union(self._actions.services() if self._actions is not None else ())
 
     def leave(self) -> None:
         """Take the client's registrations back; the second time nothing happens."""
-        self.topics.leave()
-        if self._services is not None:
-            self._services.leave()
-        if self._actions is not None:
-            self._actions.leave()
-        self._client.graph.leave(self, self.node)
+        with ExitStack() as stack:  # Whatever fails of this, the rest is done.
+            stack.callback(self._client.graph.leave, self, self.node)
+            for part in (self._actions, self._goals, self._services, self._calls, self.topics):
+                if part is not None:
+                    stack.callback(part.leave)
 
     def _perform_all(self, data: bytes, *, reassembled: bool = False) -> None:
         for number, fields in enumerate(objects(data)):
@@ -169,17 +190,26 @@ class Session:
                     return
             self._handle(parse_request(fields))
         except FibwsError as error:
-            operation = fields.get("op")
-            prefix = f"{operation}: " if operation in REQUESTS else ""
-            self._client.statuses.error(fields.get("id"), f"{prefix}{error}")
+            self._refuse(fields, str(error))
+        except Exception as fault:
+            self._refuse(fields, "this failed in the hub, whose log says why", fault)
+
+    def _refuse(self, fields: dict[str, Any], text: str, fault: Exception | None = None) -> None:
+        """Say what is wrong with an operation; who waits for it to answer is told as well."""
+        operation, id_ = fields.get("op"), fields.get("id")
+        prefix = f"{operation}: " if operation in REQUESTS else ""
+        self._client.statuses.error(id_, f"{prefix}{text}", fault)
+        if operation == "service_response":
+            self.services.spoil(id_, text)
+        elif operation == "action_result":
+            self.actions.spoil(id_, text)
 
     def _handle(self, request: Request) -> None:
         match request:
             case Publish():
-                publisher = self.topics.advertise_by_publishing(request)
-                self.topics.publish(publisher, request.msg, request.id)
+                self.topics.publish_unadvertised(request)
             case CallService():
-                self.services.call(request)
+                self.calls.call(request)
             case ServiceResponse():
                 self.services.respond(request)
             case Subscribe():
@@ -195,9 +225,9 @@ class Session:
             case UnadvertiseService():
                 self.services.unadvertise(request)
             case SendActionGoal():
-                self.actions.send_goal(request)
+                self.goals.send(request)
             case CancelActionGoal():
-                self.actions.cancel_goal(request)
+                self.goals.cancel(request)
             case ActionFeedback():
                 self.actions.feedback(request)
             case ActionResult():
@@ -208,6 +238,9 @@ class Session:
                 self.actions.unadvertise(request)
             case Fragment():
                 self._reassemble(request)
+            case Auth():
+                # A hub that asks nobody for a password has nothing against who shows one.
+                self._client.statuses.warning(request.id, "auth: this hub asks for none")
             case SetLevel():
                 self._client.statuses.set_level(request.level)
             case _:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import logging
 
-from fibws.hub.framing import text_frame
+from fibws.hub.frames import text_frame
 from fibws.hub.log import is_power_of_ten, printable, shortened
 from fibws.hub.outbox import Outbox
-from fibws.protocol.operations import Level, Status, encode
+from fibws.protocol.operations import Level, Status, encode, legal_id
 
 logger = logging.getLogger("fibws.hub")
 
-_GRAVITY: dict[Level, int] = {"none": 0, "error": 1, "warning": 2, "info": 3}
+_VERBOSITY: dict[Level, int] = {"none": 0, "error": 1, "warning": 2, "info": 3}
 
 
 class Statuses:
@@ -21,25 +21,32 @@ class Statuses:
         node: the client's name, for the log.
     """
 
-    __slots__ = ("_errors", "_level", "_node", "_outbox", "wants_info")
+    __slots__ = ("_errors", "_faults", "_level", "_node", "_outbox", "wants_info")
 
     def __init__(self, node: str, outbox: Outbox) -> None:
         self._node = node
         self._outbox = outbox
         self._errors = 0
+        self._faults = 0
         self.set_level("error")
 
     def set_level(self, level: Level) -> None:
         """From now on send this level and what is graver."""
-        self._level = _GRAVITY[level]
+        self._level = _VERBOSITY[level]
         self.wants_info = level == "info"
 
-    def error(self, id_: object, text: str) -> None:
-        """Refuse an operation; the log hears of it, too."""
+    def error(self, id_: object, text: str, fault: Exception | None = None) -> None:
+        """Refuse an operation; the log hears of it, too, with the traceback of a fault of ours."""
         self._errors += 1
-        if is_power_of_ten(self._errors):
-            logger.warning(
-                "%s: %s (error %d of this client)", self._node, printable(text), self._errors
+        self._faults += fault is not None
+        if is_power_of_ten(self._errors if fault is None else self._faults):
+            logger.log(
+                logging.WARNING if fault is None else logging.ERROR,
+                "%s: %s (error %d of this client)",
+                self._node,
+                printable(text),
+                self._errors,
+                exc_info=fault,
             )
         self._send("error", id_, text)
 
@@ -52,7 +59,6 @@ class Statuses:
         self._send("info", id_, text)
 
     def _send(self, level: Level, id_: object, text: str) -> None:
-        if _GRAVITY[level] <= self._level:
-            known = id_ if isinstance(id_, str | int | float) else None
-            status = Status(id=known, level=level, msg=shortened(text))
+        if _VERBOSITY[level] <= self._level:
+            status = Status(id=legal_id(id_), level=level, msg=shortened(text))
             self._outbox.reply(text_frame(encode(status)))

@@ -4,22 +4,32 @@ from __future__ import annotations
 
 from typing import Any
 
-from fibws.errors import OperationError
+from fibws.errors import FibwsError, OperationError
+from fibws.hub.budget import Budget
 from fibws.hub.graph.subscription import Subscription
 from fibws.hub.graph.topic import Publisher, Topic
-from fibws.hub.outbox import Budget
-from fibws.hub.session.client import Client
+from fibws.hub.session.client import Client, check_room
+from fibws.hub.session.early import GRACE, EarlyMessages
 from fibws.protocol.operations import Advertise, Publish, Subscribe, Unadvertise, Unsubscribe
 
 
 class Topics:
     """One client's publishers and subscriptions."""
 
-    __slots__ = ("_client", "_latches", "publishers", "subscriptions")
+    __slots__ = (
+        "_client",
+        "_early",
+        "_grace_ends",
+        "_latches",
+        "publishers",
+        "subscriptions",
+    )
 
     def __init__(self, client: Client) -> None:
         self._client = client
         self._latches = Budget(client.settings.max_latched_bytes)
+        self._grace_ends = client.clock.time() + GRACE
+        self._early: EarlyMessages | None = None
         self.publishers: dict[str, Publisher] = {}
         """By the spelling of the topic's name that the client used."""
         self.subscriptions: dict[str, Subscription] = {}
@@ -41,17 +51,47 @@ class Topics:
         name, type_ = publisher.topic.name, publisher.type
         statuses = self._client.statuses
         if not type_.checked:
-            statuses.warning(request.id, f"{name}: messages of type {type_.type} are not checked")
-        statuses.info(request.id, f"{self._client.node} publishes {name} ({type_.type})")
+            statuses.warning(request.id, f"{name}: messages of type {type_.name} are not checked")
+        statuses.info(request.id, f"{self._client.node} publishes {name} ({type_.name})")
+        self._publish_early(publisher.topic)
 
-    def advertise_by_publishing(self, request: Publish) -> Publisher:
-        """The publisher of a message that nothing announced, if its topic has a type."""
+    def publish_unadvertised(self, request: Publish) -> None:
+        """Publish a message that nothing announced, once its topic has a type."""
+        topic = self._topic(request.topic)
+        if topic.type is None and self._is_early(topic, request):
+            return
+        self._publish_early(topic)
+        self._advertise_by_publishing(request)
+
+    def _is_early(self, topic: Topic, request: Publish) -> bool:
+        """Whether a message may wait for its topic's type."""
+        if self._early is None:
+            if self._client.clock.time() >= self._grace_ends:
+                return False
+            self._early = EarlyMessages(self._client.clock, self._grace_ends, self._publish_late)
+        return self._early.put(topic.name, request)
+
+    def _publish_early(self, topic: Topic) -> None:
+        """Publish what waited for the topic's type."""
+        if self._early is not None:
+            for message in self._early.take(topic.name):
+                self._publish_late(message)
+
+    def _advertise_by_publishing(self, request: Publish) -> None:
         topic = self._topic(request.topic)
         if topic.type is None:
             raise OperationError(
                 f"Cannot infer topic type for topic {request.topic} as it is not yet advertised"
             )
-        return self._register(request, topic.type.type, None)
+        publisher = self._register(request, topic.type.name, None)
+        self.publish(publisher, request.msg, request.id)
+
+    def _publish_late(self, request: Publish) -> None:
+        """Publish a message that waited for its topic's type, or say why that cannot be."""
+        try:
+            self._advertise_by_publishing(request)
+        except FibwsError as error:
+            self._client.statuses.error(request.id, f"publish: {error}")
 
     def unadvertise(self, request: Unadvertise) -> None:
         """Take back an advertisement; the publisher goes with the last."""
@@ -68,13 +108,14 @@ class Topics:
         client = self._client
         subscription = self.subscriptions.get(request.topic)
         if subscription is None:
-            client.check_room(len(self.subscriptions), "max_subscriptions")
+            check_room(len(self.subscriptions), client.settings.max_subscriptions, "subscriptions")
             subscription = Subscription(
                 client.node,
                 self._topic(request.topic),
                 request.topic,
                 client.outbox,
                 client.clock,
+                client.statuses.error,
                 queue_length=client.settings.queue_length,
             )
         client.graph.subscribe(subscription, request)
@@ -82,14 +123,7 @@ class Topics:
         topic = subscription.topic
         if topic.type is None:
             client.statuses.info(request.id, f"{topic.name} waits for a publisher to have a type")
-        if topic.type is not None and not subscription.encoding.suits(topic.type):
-            raise OperationError(
-                f"cbor-raw needs the definition of {topic.type.type}, which nobody brought"
-            )
-        if topic.replay(subscription):
-            # The one answer that is larger than what asked for it: written at once, so that a
-            # client that asks and asks is paused, and its queues bound what is kept.
-            client.outbox.flush()
+        topic.replay(subscription)
 
     def unsubscribe(self, request: Unsubscribe) -> None:
         """Take back one request, or all; the subscription goes with the last."""
@@ -101,6 +135,8 @@ class Topics:
 
     def leave(self) -> None:
         """Take all back."""
+        if self._early is not None:
+            self._early.close()
         for publisher in {id(each): each for each in self.publishers.values()}.values():
             self._client.graph.remove_publisher(publisher)
         self.publishers.clear()
@@ -112,7 +148,8 @@ class Topics:
         self, request: Advertise | Publish, type_: str, definition: str | None
     ) -> Publisher:
         if request.topic not in self.publishers:
-            self._client.check_room(len(self.publishers), "max_advertisements")
+            limit = self._client.settings.max_advertisements
+            check_room(len(self.publishers), limit, "advertisements")
         publisher = self._client.graph.add_publisher(
             self._topic(request.topic),
             self._client.node,

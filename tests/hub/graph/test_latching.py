@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from ..fakes import INT32, Client, FakeHub, number, talker_and_listener
+from fibws.hub.outbox import MOST_UNWRITTEN
+
+from ..fakes import INT32, STRING, Client, FakeHub, number, talker_and_listener
 
 
 def latched(hub: FakeHub, node: str, *messages: int, topic: str = "/fib") -> Client:
@@ -88,11 +90,82 @@ def test_a_latched_message_goes_with_its_publisher(end: str) -> None:
     assert other.hears() == []
 
 
-def test_a_latched_message_leaves_at_once() -> None:
+def test_who_asks_again_and_again_does_not_fill_the_memory() -> None:
     hub = FakeHub()
-    latched(hub, "/a", 1)
-    listener = hub.client()
-    listener.says("subscribe", "/fib")
-    assert len(listener.writes) == 1
-    listener.says("subscribe", "/other")
-    assert len(listener.writes) == 1
+    talker, listener = hub.client(), hub.client()
+    talker.says("advertise", "/a", type=STRING, latch=True)
+    talker.says("publish", "/a", msg={"data": "x" * 10**6})
+    for id_ in range(50):
+        listener.says("subscribe", "/a", id=id_)
+        assert sum(map(len, listener.outbox.frames)) <= MOST_UNWRITTEN + 2 * 10**6
+    assert listener.writes
+    assert len(listener.hears_messages("/a")) == 50
+
+
+# How much may be latched.
+
+EIGHT = {"data": "x" * 8}
+"""A message whose JSON has 19 bytes."""
+
+
+def test_what_is_too_large_to_be_kept_is_sent_all_the_same_and_its_talker_told() -> None:
+    hub = FakeHub(max_latched_bytes=18)
+    talker, listener, late = hub.client(), hub.client(), hub.client()
+    talker.says("advertise", "/a", type=STRING, latch=True)
+    listener.says("subscribe", "/a")
+    talker.says("publish", "/a", msg=EIGHT, id="p")
+    [told] = talker.hears()
+    assert (told["level"], told["id"]) == ("error", "p")
+    assert told["msg"] == (
+        "publish: a latched message of /a was sent but not kept: those of one client may have "
+        "18 bytes together (--max-latched-bytes)"
+    )
+    assert listener.hears_messages("/a") == [EIGHT]
+    late.says("subscribe", "/a")
+    assert late.hears() == []
+
+
+def test_what_cannot_be_kept_takes_the_older_message_along() -> None:
+    """An old message that is taken for the last one would be worse than none."""
+    hub = FakeHub(max_latched_bytes=19)
+    talker, late = hub.client(), hub.client()
+    talker.says("advertise", "/a", type=STRING, latch=True)
+    talker.says("publish", "/a", msg=EIGHT)
+    talker.says("publish", "/a", msg={"data": "x" * 9})
+    assert len(talker.hears_statuses()) == 1
+    late.says("subscribe", "/a")
+    assert late.hears() == []
+    talker.says("publish", "/a", msg=EIGHT)
+    late.says("subscribe", "/a", id="again")
+    assert [*late.hears_messages("/a"), *talker.hears()] == [EIGHT, EIGHT]
+
+
+def test_all_that_one_client_latches_counts_together() -> None:
+    hub = FakeHub(max_latched_bytes=40)
+    talker, other = hub.client(), hub.client()
+    for client, topics in ((talker, ("/a", "/b", "/c")), (other, ("/d",))):
+        for topic in topics:
+            client.says("advertise", topic, type=STRING, latch=True)
+            for _ in range(3):
+                client.says("publish", topic, msg=EIGHT)
+    assert len(talker.hears_statuses()) == 3
+    assert other.hears() == []
+    talker.says("unadvertise", "/a")
+    talker.says("publish", "/c", msg=EIGHT)
+    assert talker.hears() == []
+    talker.leaves()
+    assert talker.forgotten
+
+
+def test_what_is_not_latched_does_not_count() -> None:
+    client = FakeHub(max_latched_bytes=0).client()
+    client.says("advertise", "/a", type=STRING)
+    client.says("publish", "/a", msg=EIGHT)
+    assert client.hears() == []
+
+
+def test_characters_count_as_the_bytes_that_they_take() -> None:
+    client = FakeHub(max_latched_bytes=19).client()
+    client.says("advertise", "/a", type=STRING, latch=True)
+    client.says("publish", "/a", msg={"data": "ä" * 8})
+    assert len(client.hears_statuses()) == 1

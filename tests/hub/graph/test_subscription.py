@@ -26,8 +26,15 @@ class Subscriber:
         self.outbox = Outbox(
             self.writes.append, print, Flusher(self.clock.call_soon), max_bytes=1000
         )
+        self.complaints: list[tuple[Id, str]] = []
         self.subscription = Subscription(
-            "/listener", Topic("/a"), "/a", self.outbox, self.clock, queue_length=DEFAULT
+            "/listener",
+            Topic("/a"),
+            "/a",
+            self.outbox,
+            self.clock,
+            lambda id_, text: self.complaints.append((id_, text)),
+            queue_length=DEFAULT,
         )
 
     def request(self, id_: Id = None, **fields: Any) -> None:
@@ -184,6 +191,15 @@ def test_it_holds_the_type_if_any_request_names_one() -> None:
     it.subscription.cancel(None)
     typed.append(it.subscription.typed)
     assert typed == [False, True, False, False]
+
+
+def test_it_complains_once_of_what_it_cannot_have_to_who_asked_for_that() -> None:
+    it = Subscriber()
+    for id_, compression in (("a", "none"), ("b", "png"), ("c", "cbor-raw"), ("d", "cbor")):
+        it.request(id_, compression=compression)
+    for _ in range(3):
+        it.subscription.refuse(OperationError("no such encoding"))
+    assert it.complaints == [("c", "subscribe: no such encoding")]
 
 
 def test_so_many_requests_are_enough() -> None:

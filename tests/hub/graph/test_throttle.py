@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from fibws.hub.budget import Budget
 from fibws.hub.graph.throttle import Throttle
-from fibws.hub.outbox import Budget
 
 from ..fakes import FakeClock
 

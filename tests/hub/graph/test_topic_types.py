@@ -27,8 +27,8 @@ def test_a_topic_has_one_type(op: str) -> None:
         f"{op}: Tried to register topic /fib with type std_msgs/String "
         "but it is already established with type std_msgs/Int32 (by /talker)"
     ]
-    assert not other.session.publishers
-    assert not other.session.subscriptions
+    assert not other.session.topics.publishers
+    assert not other.session.topics.subscriptions
 
 
 def test_a_subscription_with_a_type_holds_the_topic_to_it() -> None:

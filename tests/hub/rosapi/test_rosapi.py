@@ -43,9 +43,9 @@ def asking() -> Asking:
 
 def test_its_services_are_those_of_ros_1(asking: Asking) -> None:
     own = {
-        name.removeprefix("/rosapi/"): service.type.type.removeprefix("rosapi/")
+        name.removeprefix("/rosapi/"): service.type.name.removeprefix("rosapi/")
         for name, service in asking.graph.services.items()
-        if service.type.type.startswith("rosapi/")
+        if service.type.name.startswith("rosapi/")
     }
     assert own == SERVICES
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+from typing import Any
 
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fibws.protocol.closing import REPLACED
@@ -27,8 +28,8 @@ def test_a_client_that_leaves_leaves_nothing_behind() -> None:
     client.leaves()
     assert hub.empty
     assert hub.clock.timers == 0
-    assert not client.session.publishers
-    assert not client.session.subscriptions
+    assert not client.session.topics.publishers
+    assert not client.session.topics.subscriptions
 
 
 def test_the_second_time_a_client_leaves_nothing_happens() -> None:
@@ -94,6 +95,23 @@ def test_the_newer_node_keeps_what_is_its_own_when_the_older_is_gone() -> None:
     assert hub.empty
 
 
+def test_who_says_who_it_is_is_not_asked_again() -> None:
+    client = FakeHub().client()
+    fields: dict[str, Any] = {
+        "mac": "5e",
+        "client": "a",
+        "dest": "b",
+        "rand": "c",
+        "t": 1,
+        "end": 2,
+    }
+    client.says("auth", **fields, level="admin")
+    assert client.hears() == []
+    client.says("set_level", level="warning")
+    client.says("auth", **fields, id=1)
+    assert client.hears_statuses("warning") == ["auth: this hub asks for none"]
+
+
 TOPICS = st.sampled_from(["/a", "a", "~a", "/b", "b", "/", "", 5, None])
 IDS: st.SearchStrategy[object] = st.sampled_from([None, "x", 1, True, 1.5, [], {}])
 TYPES = st.sampled_from([INT32, STRING, "my_msgs/Thing", "std_msgs/Sting", "nonsense", 5, None])
@@ -112,7 +130,7 @@ FIELDS = st.fixed_dictionaries(
         "msg": st.sampled_from([{}, {"data": 1}, {"data": "x"}, {"data": [None]}, [], "x", None]),
         "throttle_rate": SIZES,
         "queue_length": SIZES,
-        "compression": st.sampled_from(["none", "png", "cbor", 5]),
+        "compression": st.sampled_from(["none", "png", "cbor", "cbor-raw", 5]),
         "fragment_size": SIZES,
         "level": st.sampled_from(["info", "warning", "error", "none", "loud"]),
         "definition": st.sampled_from([None, "int32 data", "int8 a\nint8 b", "int33 c"]),
@@ -139,11 +157,12 @@ STEPS = st.lists(
 )
 
 
+@settings(deadline=None)
 @given(STEPS)
 def test_whatever_clients_say_nothing_raises_and_nothing_is_left(
     steps: list[tuple[int, list[str] | str]],
 ) -> None:
-    hub = FakeHub()
+    hub = FakeHub(max_latched_bytes=30, max_fragment_bytes=500, max_subscriptions=3)
     clients = [hub.client("/robot"), hub.client()]
     for number_, step in steps:
         client = clients[number_]
@@ -155,7 +174,7 @@ def test_whatever_clients_say_nothing_raises_and_nothing_is_left(
             case "time":
                 hub.clock.advance(0.25)
             case "turn":
-                client.hears()
+                client.hears_frames()
             case list():
                 for text in step:
                     client.says_text(text)
@@ -163,4 +182,5 @@ def test_whatever_clients_say_nothing_raises_and_nothing_is_left(
         client.leaves()
     assert hub.empty
     assert hub.clock.timers == 0
+    assert all(client.forgotten for client in clients)
     assert all(client.outbox.kept_bytes == 0 or client.outbox.paused for client in clients)

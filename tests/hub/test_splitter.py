@@ -1,13 +1,12 @@
-"""WebSocket frames, made and split."""
+"""The bytes of WebSocket frames are split where the frames are."""
 
 from __future__ import annotations
 
 import pytest
 from websockets.frames import Frame, Opcode
 
-from fibws.hub.framing import Splitter, text_frame, text_header
+from fibws.hub.splitter import Splitter
 
-SIZES = [0, 1, 125, 126, 127, 65535, 65536, 100_000]
 TEXTS = [b"", b"a", b"x" * 125, b"y" * 126, b"z" * 300]
 
 
@@ -41,17 +40,6 @@ class Split:
 
 def texts(*datas: bytes) -> list[tuple[str, bytes]]:
     return [("text", data) for data in datas]
-
-
-@pytest.mark.parametrize("size", SIZES)
-def test_a_text_frame_is_the_librarys(size: int) -> None:
-    data = bytes(range(256)) * (size // 256 + 1)
-    assert text_frame(data[:size]) == Frame(Opcode.TEXT, data[:size]).serialize(mask=False)
-
-
-@pytest.mark.parametrize("size", SIZES)
-def test_a_header_is_what_goes_before_the_text(size: int) -> None:
-    assert text_frame(b"x" * size) == text_header(size) + b"x" * size
 
 
 def test_texts_come_out_unmasked_and_one_by_one() -> None:

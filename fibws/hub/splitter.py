@@ -1,4 +1,4 @@
-"""WebSocket frames (RFC 6455, section 5): made once for all, and split without a detour.
+"""WebSocket frames, split without a detour (RFC 6455, section 5).
 
 Nearly every frame that a client sends is a whole text message. The `Splitter` takes those straight
 from the bytes; whatever else there is, and whatever is wrong, goes to the websockets library, whose
@@ -11,41 +11,16 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable
 
+from fibws.hub.frames import TEXT
+
 try:
     from websockets.speedups import apply_mask
 except ImportError:  # The library's pure Python build has it elsewhere.
     from websockets.utils import apply_mask
 
-_TEXT = 0x81
-"""The first byte of a whole text message: final frame, no reserved bits, opcode 1."""
-_BINARY = 0x82
-"""The first byte of a whole binary message."""
 _OPCODES = frozenset({0x0, 0x1, 0x2, 0x8, 0x9, 0xA})
 _LENGTH_16 = struct.Struct("!H")
 _LENGTH_64 = struct.Struct("!Q")
-
-
-def text_frame(text: bytes) -> bytes:
-    """An unmasked frame with one whole text message."""
-    return text_header(len(text)) + text
-
-
-def binary_frame(data: bytes) -> bytes:
-    """An unmasked frame with one whole binary message."""
-    return _header(_BINARY, len(data)) + data
-
-
-def text_header(size: int) -> bytes:
-    """What goes before a text of ``size`` bytes to make a frame of it."""
-    return _header(_TEXT, size)
-
-
-def _header(first: int, size: int) -> bytes:
-    if size < 126:
-        return bytes((first, size))
-    if size < 65536:
-        return bytes((first, 126)) + _LENGTH_16.pack(size)
-    return bytes((first, 127)) + _LENGTH_64.pack(size)
 
 
 class Splitter:
@@ -148,7 +123,7 @@ class Splitter:
                 return start
             (length,) = _LENGTH_64.unpack_from(data, start + 2)
         whole = payload + length
-        if first != _TEXT or self.fragmented or length > self._max_size:
+        if first != TEXT or self.fragmented or length > self._max_size:
             self._through = whole
             return start
         if size < whole:

@@ -1,0 +1,250 @@
+"""What checks messages, and what encodes them."""
+
+from __future__ import annotations
+
+import logging
+from struct import pack
+from typing import Any
+
+import cbor2
+import pytest
+
+from fibws.errors import (
+    DefinitionError,
+    InterfaceError,
+    InvalidMessage,
+    OperationError,
+    UnknownPackage,
+    UnknownType,
+)
+from fibws.hub.graph.types import Types
+from fibws.interfaces import Interfaces
+
+from ..fakes import ADD, FIBONACCI, INT32, NANOSECONDS
+
+TYPES = Types(Interfaces(), lambda: NANOSECONDS, strict=False)
+
+
+def new_types(*, strict: bool = False) -> Types:
+    return Types(Interfaces(), lambda: NANOSECONDS, strict=strict)
+
+
+# Messages.
+
+
+def test_a_known_type_checks_fills_and_encodes() -> None:
+    type_ = TYPES.message(INT32)
+    assert (type_.name, type_.checked, type_.sequenced) == (INT32, True, False)
+    assert type_.validate({}) == {"data": 0}
+    assert type_.missing({}) == ["data"]
+    assert cbor2.loads(type_.cbor({"data": 5})) == {"data": 5}
+    assert type_.binary({"data": 5}) == pack("<i", 5)
+    with pytest.raises(InvalidMessage):
+        type_.validate({"data": "5"})
+
+
+def test_a_type_is_made_once() -> None:
+    assert TYPES.message(INT32) is TYPES.message(INT32)
+    assert TYPES.service(ADD) is TYPES.service(ADD)
+    assert TYPES.action(FIBONACCI) is TYPES.action(FIBONACCI)
+
+
+def test_a_type_that_begins_with_a_header_is_counted() -> None:
+    assert TYPES.message("rospy_tutorials/HeaderString").sequenced
+    assert not TYPES.message("std_msgs/Header").sequenced
+
+
+def test_now_is_what_the_clock_of_the_hub_says() -> None:
+    secs, nsecs = divmod(NANOSECONDS, 10**9)
+    stamp = {"secs": secs, "nsecs": nsecs}
+    assert TYPES.message("std_msgs/Time").validate({"data": "now"}) == {"data": stamp}
+    assert TYPES.message("std_msgs/Header").validate({})["stamp"] == stamp
+
+
+def test_an_unknown_type_relays_messages_as_they_come() -> None:
+    type_ = TYPES.message("my_msgs/Thing")
+    assert (type_.name, type_.checked, type_.sequenced) == ("my_msgs/Thing", False, False)
+    message = {"any": [{"thing": None}], "header": {"seq": 5}}
+    assert type_.validate(message) == message
+    assert type_.missing(message) == []
+    assert cbor2.loads(type_.cbor(message)) == message
+
+
+def test_an_unknown_type_has_no_binary_form() -> None:
+    unknown = TYPES.message("my_msgs/Thing")
+    for ask in (lambda: unknown.binary({}), unknown.check_binary):
+        with pytest.raises(OperationError, match="cbor-raw needs the definition of my_msgs/Thing"):
+            ask()
+    TYPES.message(INT32).check_binary()
+
+
+@pytest.mark.parametrize("msg", [5, "x", [], None])
+def test_an_unchecked_message_must_be_an_object_all_the_same(msg: object) -> None:
+    with pytest.raises(InvalidMessage, match="Expected a JSON object for type my_msgs/Thing but"):
+        TYPES.message("my_msgs/Thing").validate(msg)
+
+
+def test_a_message_may_come_with_its_definition() -> None:
+    types = new_types(strict=True)
+    assert types.message("my_msgs/Thing", "int8 one\n").validate({}) == {"one": 0}
+    assert types.message("my_msgs/Thing").checked
+
+
+def test_what_was_unknown_is_known_once_somebody_brings_it() -> None:
+    types = new_types()
+    assert not types.message("my_msgs/Thing").checked
+    assert types.message("my_msgs/Thing", "int8 one\n").checked
+    assert types.message("my_msgs/Thing").checked
+    assert not types.message("my_msgs/Other").checked
+
+
+# Services.
+
+
+def test_a_service_checks_requests_and_responses() -> None:
+    type_ = TYPES.service(ADD)
+    assert (type_.name, type_.arguments) == (ADD, ("a", "b"))
+    assert type_.request({"b": 2}) == {"a": 0, "b": 2}
+    assert type_.response({}) == {"sum": 0}
+    with pytest.raises(InvalidMessage, match="AddTwoIntsResponse does not have a field a"):
+        type_.response({"a": 1})
+
+
+@pytest.mark.parametrize(
+    ("args", "request_"),
+    [
+        ({"a": 1}, {"a": 1, "b": 0}),
+        ([1, 2], {"a": 1, "b": 2}),
+        ([1, 2, 3], {"a": 1, "b": 2}),
+        ([], {"a": 0, "b": 0}),
+        (None, {"a": 0, "b": 0}),
+        ("1", {"a": 0, "b": 0}),
+        (1, {"a": 0, "b": 0}),
+    ],
+)
+def test_a_request_may_be_asked_for_in_many_ways(args: object, request_: dict[str, int]) -> None:
+    assert TYPES.service(ADD).ask(args) == request_
+
+
+def test_a_service_without_fields_takes_no_arguments() -> None:
+    type_ = TYPES.service("std_srvs/Empty")
+    assert type_.arguments == ()
+    assert type_.ask([1, 2]) == type_.ask(None) == {}
+    with pytest.raises(InvalidMessage):
+        type_.ask({"a": 1})
+
+
+def test_an_unknown_service_relays_all_but_arguments_in_order() -> None:
+    type_ = TYPES.service("my_srvs/Do")
+    assert (type_.name, type_.arguments) == ("my_srvs/Do", None)
+    assert type_.ask({"any": 1}) == type_.response({"any": 1}) == {"any": 1}
+    assert type_.ask("any") == {}
+    with pytest.raises(InvalidMessage, match="my_srvs/Do, whose fields are not known here"):
+        type_.ask([])
+
+
+def test_a_service_may_come_with_its_definition() -> None:
+    types = new_types()
+    assert types.service("my_srvs/Do").arguments is None
+    assert types.service("my_srvs/Do", "int8 one\n---\n").arguments == ("one",)
+    assert types.service("my_srvs/Do").arguments == ("one",)
+
+
+# Actions.
+
+
+def test_an_action_checks_goals_feedback_and_results() -> None:
+    type_ = TYPES.action(FIBONACCI)
+    assert type_.goal({}) == {"order": 0}
+    assert type_.feedback({}) == type_.result({}) == {"sequence": []}
+    for check in (type_.goal, type_.feedback, type_.result):
+        with pytest.raises(InvalidMessage):
+            check({"wrong": 1})
+
+
+def test_an_unknown_action_relays_all() -> None:
+    type_ = TYPES.action("my_actions/Do")
+    for check in (type_.goal, type_.feedback, type_.result):
+        assert check({"any": 1}) == {"any": 1}
+        with pytest.raises(InvalidMessage, match="Expected a JSON object for type my_actions/Do"):
+            check([1])
+
+
+def test_an_action_may_come_with_its_definition() -> None:
+    types = new_types()
+    definition = "int8 goal\n---\nint8 result\n---\nint8 feedback\n"
+    assert types.action("my_actions/Do").goal({"any": 1}) == {"any": 1}
+    type_ = types.action("my_actions/Do", definition)
+    assert (type_.goal({}), type_.feedback({}), type_.result({})) == (
+        {"goal": 0},
+        {"feedback": 0},
+        {"result": 0},
+    )
+
+
+# What all three have in common.
+
+KINDS = ["message", "service", "action"]
+WRONG = {"message": "int33 x\n", "service": "int33 x\n---\n", "action": "int33 x\n---\n---\n"}
+OTHER = {"message": "int8 x\n", "service": "int8 x\n---\n", "action": "int8 x\n---\n---\n"}
+KNOWN = {"message": INT32, "service": ADD, "action": FIBONACCI}
+
+
+def made(types: Types, kind: str, *args: Any) -> Any:
+    return getattr(types, kind)(*args)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_strict_types_refuse_what_is_unknown(kind: str) -> None:
+    with pytest.raises(UnknownPackage, match="my_package"):
+        made(new_types(strict=True), kind, "my_package/Thing")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_typing_error_is_refused_strict_or_not(kind: str) -> None:
+    name = KNOWN[kind]
+    with pytest.raises(UnknownType, match=rf"did you mean {name}\?"):
+        made(TYPES, kind, name[:-1])
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_definition_that_is_wrong_is_refused_and_not_kept(kind: str) -> None:
+    types = new_types(strict=True)
+    with pytest.raises(DefinitionError, match="int33"):
+        made(types, kind, "my_package/Thing", WRONG[kind])
+    with pytest.raises(UnknownPackage):
+        made(types, kind, "my_package/Thing")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_definition_must_agree_with_what_is_known(kind: str) -> None:
+    types = new_types()
+    with pytest.raises(InterfaceError, match="is known here with other fields"):
+        made(types, kind, KNOWN[kind], OTHER[kind])
+    made(types, kind, "my_package/Thing", OTHER[kind])
+    with pytest.raises(InterfaceError, match="is known here with other fields"):
+        made(types, kind, "my_package/Thing", OTHER[kind].replace("int8", "int16"))
+
+
+def test_unknown_packages_are_logged_but_do_not_fill_the_log(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    caplog.set_level(logging.WARNING)
+    types = new_types()
+    for number in range(1000):
+        made(types, KINDS[number % 3], f"made_up_{number}/Thing")
+    assert len(caplog.records) == 4
+    assert caplog.records[0].message == (
+        "Unable to load the manifest for package made_up_0. Caused by: no folder of definitions "
+        "holds it. Messages of type made_up_0/Thing are relayed unchecked."
+    )
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_names_that_are_made_up_are_not_kept(kind: str) -> None:
+    types = new_types()
+    for number in range(100):
+        made(types, kind, f"made_up_{number}/Thing")
+        with pytest.raises(UnknownType):
+            made(types, kind, f"std_msgs/Thing{number}")
+    assert not (types._messages or types._services or types._actions)
