@@ -13,7 +13,7 @@ from pydantic import Field, TypeAdapter, ValidationError
 from pydantic_core import to_json
 
 from fibws.errors import OperationError
-from fibws.protocol.operations import Reply, Request
+from fibws.protocol.operations import LONGEST_ID, Reply, Request
 
 T = TypeVar("T")
 
@@ -75,8 +75,9 @@ def _fault(error: ValidationError, known: list[str], fields: dict[str, Any]) -> 
     name = str(first["loc"][1])
     if first["type"] == "missing":
         return f"Expected a {name} field but none was found."
+    long = first["type"] == "string_too_long"
     wanted = (
-        "str, int"
+        f"str{f' of at most {LONGEST_ID} characters' * long}, int"
         if name == "id"
         else _WANTED.get(first["type"]) or first.get("ctx", {}).get("expected", first["msg"])
     )

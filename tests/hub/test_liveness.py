@@ -92,3 +92,13 @@ def test_who_is_to_go_has_a_while_for_it(paused: bool) -> None:
     liveness.closing(2)
     assert liveness.verdict(7, unsent=100) is None
     assert liveness.verdict(7.1, unsent=100) == "abort"
+
+
+def test_a_hub_that_was_busy_blames_nobody() -> None:
+    """It has not read the pong that may be there."""
+    liveness = Liveness(Settings(ping_interval=1, ping_timeout=1), 0)
+    liveness.opened()
+    assert liveness.verdict(1, 0) == "ping"
+    liveness.excuse(5)
+    assert liveness.verdict(6.5, 0) is None
+    assert liveness.verdict(7.5, 0) is SILENT

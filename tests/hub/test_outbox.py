@@ -8,7 +8,7 @@ import pytest
 from hypothesis import strategies as st
 from hypothesis.stateful import Bundle, RuleBasedStateMachine, initialize, invariant, rule
 
-from fibws.hub.outbox import Flusher, Outbox, Queue
+from fibws.hub.outbox import MOST_UNWRITTEN, Flusher, Outbox, Queue
 
 from .fakes import FakeClock
 
@@ -388,3 +388,23 @@ class OutboxMachine(RuleBasedStateMachine):
 
 
 TestOutboxMachine = OutboxMachine.TestCase
+
+
+def test_what_takes_much_memory_leaves_before_the_turn_ends() -> None:
+    it, queue = wire(max_bytes=10 * MOST_UNWRITTEN), Queue(9)
+    it.outbox.put(b"x" * MOST_UNWRITTEN, queue)
+    assert it.writes == []
+    it.outbox.reply(b"y")
+    assert it.writes == [b"x" * MOST_UNWRITTEN + b"y"]
+    it.outbox.put(b"z", queue)
+    assert it.turn() == [b"x" * MOST_UNWRITTEN + b"y", b"z"]
+
+
+def test_who_cannot_be_written_to_silences_nobody(caplog: pytest.LogCaptureFixture) -> None:
+    first, second = wires(2)
+    first.error = MemoryError()
+    for each in (first, second):
+        each.outbox.put(b"1", Queue(1))
+    assert second.turn() == [b"1"]
+    assert first.breaks == 1
+    assert "cut off" in caplog.text

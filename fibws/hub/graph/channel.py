@@ -63,8 +63,9 @@ class Channel:
                     outbox.flusher.add(outbox)
                 outbox.frames.append(frame)
             outbox.flusher.count(len(frame) * len(self._direct))
-        wanting = [each for each in self._throttled.values() if each.wants_more]
-        if wanting:
-            frame = self.frame(publication)
-            for subscription in wanting:
-                subscription.offer(frame)
+        if self._throttled:
+            wanting = [each for each in self._throttled.values() if each.wants_more]
+            if wanting:
+                frame = self.frame(publication)
+                for subscription in wanting:
+                    subscription.offer(frame)

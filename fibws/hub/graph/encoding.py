@@ -15,7 +15,7 @@ from pydantic_core import from_json, to_json
 
 from fibws.hub.frames import binary_frame, text_frames, text_header
 from fibws.hub.graph.types import MessageType
-from fibws.protocol.operations import Png, Subscribe, encode, json_of
+from fibws.protocol.operations import Png, Subscribe, encode
 from fibws.protocol.png import encode_png
 
 COMPRESSIONS = ("cbor-raw", "cbor", "png", "none")
@@ -30,16 +30,14 @@ class Publication:
         received: when, in nanoseconds since 1970.
     """
 
-    __slots__ = ("_cbor", "_json", "_message", "_pngs", "_raw", "_received", "_type")
+    __slots__ = ("_encoded", "_json", "_message", "_received", "_type")
 
     def __init__(self, message: dict[str, Any], type_: MessageType, received: int) -> None:
         self._message: dict[str, Any] | None = message
-        self._pngs: dict[str, bytes] | None = None
         self._type = type_
         self._received = received
         self._json: bytes | None = None
-        self._cbor: bytes | None = None
-        self._raw: bytes | None = None
+        self._encoded: dict[object, bytes] | None = None
 
     @property
     def message(self) -> dict[str, Any]:
@@ -52,7 +50,7 @@ class Publication:
     def json(self) -> bytes:
         """It as JSON text."""
         if self._json is None:
-            self._json = json_of(self._message)
+            self._json = to_json(self._message, inf_nan_mode="null")
         return self._json
 
     def settle(self) -> None:
@@ -61,22 +59,11 @@ class Publication:
         What is infinite is NaN from then on, as it is in JSON.
         """
         self.json()
-        self._message = self._cbor = self._raw = self._pngs = None
-
-    def png(self, spelling: str) -> bytes:
-        """The text of a png operation with it on the topic that is spelled so."""
-        if self._pngs is None:
-            self._pngs = {}
-        if spelling not in self._pngs:
-            text = b"%b%b}" % (_before(spelling), self.json())
-            self._pngs[spelling] = encode(Png(data=encode_png(text)))
-        return self._pngs[spelling]
+        self._message = self._encoded = None
 
     def cbor(self) -> bytes:
         """It as CBOR, with typed arrays."""
-        if self._cbor is None:
-            self._cbor = self._type.cbor(self.message)
-        return self._cbor
+        return self._once("cbor", lambda: self._type.cbor(self.message))
 
     def raw(self) -> bytes:
         """A CBOR map of when it came and of its bytes in ROS 1's serialization.
@@ -84,11 +71,27 @@ class Publication:
         Raises:
             OperationError: nobody knows its fields.
         """
-        if self._raw is None:
-            secs, nsecs = divmod(self._received, 1_000_000_000)
-            data = self._type.binary(self.message)
-            self._raw = cbor2.dumps({"secs": secs, "nsecs": nsecs, "bytes": data})
-        return self._raw
+        return self._once("raw", self._serialize)
+
+    def png(self, before: bytes) -> bytes:
+        """The text of a png operation with it in a publish operation, which begins so."""
+
+        def make() -> bytes:
+            return encode(Png(data=encode_png(b"%b%b}" % (before, self.json()))))
+
+        return self._once(before, make)
+
+    def _serialize(self) -> bytes:
+        secs, nsecs = divmod(self._received, 1_000_000_000)
+        data = self._type.binary(self.message)
+        return cbor2.dumps({"secs": secs, "nsecs": nsecs, "bytes": data})
+
+    def _once(self, name: object, make: Callable[[], bytes]) -> bytes:
+        if self._encoded is None:
+            self._encoded = {}
+        if name not in self._encoded:
+            self._encoded[name] = make()
+        return self._encoded[name]
 
 
 Frame: TypeAlias = Callable[[Publication], bytes]
@@ -147,7 +150,7 @@ def _text_framer(spelling: str, encoding: Encoding) -> Frame:
 
     def frame(publication: Publication) -> bytes:
         if encoding.compression == "png":
-            text = publication.png(spelling)
+            text = publication.png(before)
         else:
             text = b"%b%b}" % (before, publication.json())
         return text_frames(text, encoding.fragment_size, new_id)

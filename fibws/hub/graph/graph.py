@@ -258,7 +258,6 @@ class Graph:
         older = self.actions.get(name)
         if older is not None:
             self.remove_action(older)
-            older.server.displaced(older)
         action = self.actions[name] = Action(name, action_type, server)
         self.offer(
             cancel_service(action.name),
@@ -266,6 +265,8 @@ class Graph:
             server.node,
             lambda request, caller: cancel_goals(action, request),
         )
+        if older is not None:
+            older.server.displaced(older)
         return action
 
     def new_goal(self, action: Action, request: dict[str, Any], client: ActionClient) -> Goal:

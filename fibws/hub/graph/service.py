@@ -6,6 +6,7 @@ answer in time, or answers what does not fit the type.
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,6 +15,8 @@ from typing import Any, Protocol, TypeAlias
 from fibws.errors import FibwsError
 from fibws.hub.graph.types import ServiceType
 from fibws.protocol.operations import json_of
+
+logger = logging.getLogger("fibws.hub")
 
 Answer: TypeAlias = dict[str, Any] | bytes
 """A response, or its JSON text where that is at hand already."""
@@ -148,8 +151,8 @@ class OwnProvider:
         except FibwsError as error:
             call.fail(str(error))
         except Exception:
-            call.fail(f"{call.service.name} failed; the hub's log says why")
-            raise
+            logger.exception("%s failed.", call.service.name)
+            call.fail(f"{call.service.name} failed in the hub, whose log says why")
 
     def forget(self, call: Call) -> None:
         """Nothing is kept."""

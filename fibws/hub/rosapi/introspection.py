@@ -176,12 +176,12 @@ class Introspection:
         )
 
     def _topics_and_raw_types(self) -> bytes:
-        types = [type_ for _, type_ in self._types_of_topics()]
-        known = {type_: self._full_text(type_) for type_ in set(types)}
         texts, room = [], MOST_TEXT
-        for type_ in types:
-            room -= len(known[type_])
-            texts.append(known[type_] if room >= 0 else _NO_TEXT)
+        for _, type_ in self._types_of_topics():
+            # Once there is no room left, no more texts are made.
+            text = self._full_text(type_) if room >= 0 else _NO_TEXT
+            room -= len(text)
+            texts.append(text if room >= 0 else _NO_TEXT)
         if room < 0:
             self._times_too_long += 1
             if is_power_of_ten(self._times_too_long):

@@ -26,8 +26,8 @@ class Actions:
         self._client = client
         self._served: dict[str, tuple[Action, str]] = {}
         """By the action's name, with the spelling of it that the client knows."""
-        self._pursued: dict[Id, Goal] = {}
-        """By the ids that the client was given."""
+        self._pursued: dict[Id, tuple[Goal, str]] = {}
+        """By the ids that the client was given, with its spelling of the action's name."""
 
     @property
     def node(self) -> str:
@@ -56,7 +56,7 @@ class Actions:
         action, _ = self._served.pop(self._client.resolve(request.action), (None, ""))
         if action is not None:
             self._client.graph.remove_action(action)
-            for goal in list(self._pursued.values()):
+            for goal, _ in list(self._pursued.values()):
                 if goal.action.name == action.name:
                     goal.fail(f"Action {action.name} was unadvertised")
 
@@ -73,28 +73,31 @@ class Actions:
             feedback=True,
         )
         if self._client.ask(encode(request)):
-            self._pursued[goal.id] = goal
+            self._pursued[goal.id] = (goal, spelling)
         else:
             goal.fail(f"Action {action.name} is unavailable: {self.node} reads too slowly")
 
     def cancel(self, goal: Goal) -> None:
         """Tell the client that a goal is wanted no more."""
-        self._client.reply(encode(CancelActionGoal(id=goal.id, action=self._spelling(goal))))
+        _, spelling = self._pursued[goal.id]
+        self._client.reply(encode(CancelActionGoal(id=goal.id, action=spelling)))
 
     def forget(self, goal: Goal) -> None:
         """A goal has ended."""
         self._pursued.pop(goal.id, None)
 
     def displaced(self, action: Action) -> None:
-        """Another client has taken an action over; its goals that this one has go on."""
-        served = self._served.get(action.name)
-        if served is not None and served[0] is action:
-            del self._served[action.name]
+        """Another server has taken an action over; the goals that this one has go on.
+
+        It may be this one, by advertising again.
+        """
+        if self._client.graph.actions[action.name].server is not self:
+            self._served.pop(action.name, None)
             self._client.statuses.warning(None, f"{action.name} has another server now")
 
     def feedback(self, feedback: ActionFeedback) -> None:
         """Take the client's feedback; raises `InvalidMessage`."""
-        goal = self._pursued.get(feedback.id)
+        goal, _ = self._pursued.get(feedback.id, (None, ""))
         if goal is None:
             self._unknown(feedback)
         else:
@@ -106,7 +109,7 @@ class Actions:
         Raises:
             InvalidMessage: it does not fit the type, as the goal's client was told, too.
         """
-        goal = self._pursued.get(result.id)
+        goal, _ = self._pursued.get(result.id, (None, ""))
         if goal is None:
             self._unknown(result)
             return
@@ -127,21 +130,17 @@ class Actions:
     def spoil(self, id_: object, text: str) -> None:
         """The client's result of a goal was no operation at all: ``text`` says why."""
         if isinstance(id_, str) and id_ in self._pursued:
-            self._pursued[id_].fail(text)
+            self._pursued[id_][0].fail(text)
 
     def _unknown(self, operation: ActionFeedback | ActionResult) -> None:
         """The goal may have ended in the meantime."""
         text = f"{operation.op}: no goal of {operation.action} has this id"
         self._client.statuses.info(operation.id, text)
 
-    def _spelling(self, goal: Goal) -> str:
-        _, spelling = self._served.get(goal.action.name, (None, goal.action.name))
-        return spelling
-
     def leave(self) -> None:
         """Take all back: the goals of others are aborted."""
         for action, _ in self._served.values():
             self._client.graph.remove_action(action)
         self._served.clear()
-        for goal in list(self._pursued.values()):
+        for goal, _ in list(self._pursued.values()):
             goal.fail(f"Action {goal.action.name} is unavailable: {self.node} has left")

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from math import inf
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from fibws.errors import FibwsError, OperationError
 from fibws.hub.clock import Timer
 from fibws.hub.graph.service import Call
 from fibws.hub.session.client import Client, check_room
-from fibws.protocol.operations import CallService, Id, encode_fields, json_of
+from fibws.protocol.operations import CallService, Id, encode_fields, json_of, legal_id
 
 LONGEST_TIMEOUT = 86400.0
 """Seconds that a call may ask for: a day."""
@@ -47,6 +47,12 @@ class Calls:
         except FibwsError as error:
             self._fail(waiting, str(error))
 
+    def refuse(self, fields: dict[str, Any], text: str) -> None:
+        """What should have been a call is none: its caller may wait for a response all the same."""
+        service, id_ = fields.get("service"), legal_id(fields.get("id"))
+        if isinstance(service, str) and id_ is not None:
+            self._fail(Waiting(id_, service, None, inf), text)
+
     def leave(self) -> None:
         """The client needs no answer any more."""
         for call in list(self._calls):
@@ -66,7 +72,11 @@ class Calls:
         call.due = self._client.clock.time() + waiting.patience
         self._calls[call] = waiting
         self._watch(call.due)
-        call.start()
+        try:
+            call.start()
+        except Exception:
+            self._calls.pop(call, None)
+            raise
 
     def _succeeded(self, call: Call, values: bytes) -> None:
         self._respond(self._calls.pop(call), values, result=True)

@@ -37,7 +37,7 @@ class EarlyMessages:
     def put(self, topic: str, message: Publish) -> bool:
         """Let a message wait for the type of its topic; tell whether it may."""
         now = self._clock.time()
-        size = len(encode(message)) + MESSAGE_COST
+        size = _size(message)
         if now >= self._end or self._size + size > MOST_BYTES:
             return False
         self._messages.append((topic, message))
@@ -51,6 +51,7 @@ class EarlyMessages:
         taken = [message for name, message in self._messages if name == topic]
         if taken:
             self._messages = [each for each in self._messages if each[0] != topic]
+            self._size -= sum(map(_size, taken))
         return taken
 
     def close(self) -> None:
@@ -63,3 +64,7 @@ class EarlyMessages:
         late, self._messages = self._messages, []
         for _, message in late:
             self._late(message)
+
+
+def _size(message: Publish) -> int:
+    return len(encode(message)) + MESSAGE_COST

@@ -14,6 +14,7 @@ from fibws.protocol.operations import (
     SendActionGoal,
     encode_fields,
     json_of,
+    legal_id,
 )
 
 
@@ -47,7 +48,19 @@ class Goals:
         self._sent[goal] = (request, Queue(self._client.settings.queue_length))
         if request.id is not None:
             self._by_id[request.id] = goal
-        goal.start()
+        try:
+            goal.start()
+        except Exception:
+            goal.abandon()
+            self._forget(goal)
+            raise
+
+    def refuse(self, fields: dict[str, Any], text: str) -> None:
+        """What should have been a goal is none: its client may wait for a result all the same."""
+        action, id_ = fields.get("action"), legal_id(fields.get("id"))
+        if isinstance(action, str) and id_ is not None and id_ not in self._by_id:
+            request = SendActionGoal(id=id_, action=action, action_type="")
+            self._result(request, GoalStatus.ABORTED, json_of(text), ok=False)
 
     def cancel(self, request: CancelActionGoal) -> None:
         """Want a goal no more; its result still comes."""
@@ -68,10 +81,7 @@ class Goals:
 
     def end(self, goal: Goal, status: GoalStatus, result: bytes, *, ok: bool) -> None:
         """Send the client a goal's result."""
-        request, queue = self._sent.pop(goal)
-        self._client.outbox.forget(queue)
-        self._by_id.pop(request.id, None)
-        self._result(request, status, result, ok=ok)
+        self._result(self._forget(goal), status, result, ok=ok)
 
     def leave(self) -> None:
         """Cancel all; nobody waits for a result."""
@@ -80,6 +90,12 @@ class Goals:
             self._client.outbox.forget(queue)
         self._sent.clear()
         self._by_id.clear()
+
+    def _forget(self, goal: Goal) -> SendActionGoal:
+        request, queue = self._sent.pop(goal)
+        self._client.outbox.forget(queue)
+        self._by_id.pop(request.id, None)
+        return request
 
     def _goal(self, request: SendActionGoal) -> Goal:
         graph = self._client.graph

@@ -114,13 +114,12 @@ class Services:
         self._due.pop(call.id, None)
 
     def displaced(self, service: Service) -> None:
-        """Another client has taken a service over; calls that this one has may still be answered.
+        """Another provider has taken a service over; calls that are due may still be answered.
 
-        A client may displace itself, by advertising again.
+        It may be this one, by advertising again.
         """
-        provided = self._provided.get(service.name)
-        if provided is not None and provided[0] is service:
-            del self._provided[service.name]
+        if self._client.graph.services[service.name].provider is not self:
+            self._provided.pop(service.name, None)
             self._client.statuses.warning(None, f"{service.name} has another provider now")
 
     def _is_answer(self, response: ServiceResponse) -> bool:

@@ -195,14 +195,19 @@ class Session:
             self._refuse(fields, "this failed in the hub, whose log says why", fault)
 
     def _refuse(self, fields: dict[str, Any], text: str, fault: Exception | None = None) -> None:
-        """Say what is wrong with an operation; who waits for it to answer is told as well."""
+        """Say what is wrong with an operation; who waits because of it is told as well."""
         operation, id_ = fields.get("op"), fields.get("id")
         prefix = f"{operation}: " if operation in REQUESTS else ""
         self._client.statuses.error(id_, f"{prefix}{text}", fault)
-        if operation == "service_response":
-            self.services.spoil(id_, text)
-        elif operation == "action_result":
-            self.actions.spoil(id_, text)
+        match operation:
+            case "call_service":
+                self.calls.refuse(fields, text)
+            case "service_response":
+                self.services.spoil(id_, text)
+            case "send_action_goal":
+                self.goals.refuse(fields, text)
+            case "action_result":
+                self.actions.spoil(id_, text)
 
     def _handle(self, request: Request) -> None:
         match request:

@@ -6,6 +6,7 @@ from typing import Any
 
 from fibws.errors import FibwsError, OperationError
 from fibws.hub.budget import Budget
+from fibws.hub.graph.encoding import COMPRESSIONS
 from fibws.hub.graph.subscription import Subscription
 from fibws.hub.graph.topic import Publisher, Topic
 from fibws.hub.session.client import Client, check_room
@@ -121,6 +122,10 @@ class Topics:
         client.graph.subscribe(subscription, request)
         self.subscriptions[request.topic] = subscription
         topic = subscription.topic
+        if request.compression not in COMPRESSIONS:
+            client.statuses.warning(
+                request.id, f"{topic.name}: compression is one of {', '.join(COMPRESSIONS)}"
+            )
         if topic.type is None:
             client.statuses.info(request.id, f"{topic.name} waits for a publisher to have a type")
         topic.replay(subscription)

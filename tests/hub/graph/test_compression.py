@@ -10,9 +10,10 @@ from typing import Any
 import cbor2
 import pytest
 from protocol.pictures import read_text
+from pydantic_core import to_json
 
 from fibws.protocol.fragments import Reassembly
-from fibws.protocol.operations import Fragment, json_of
+from fibws.protocol.operations import Fragment
 from fibws.protocol.png import encode_png
 
 from ..fakes import BINARY, INT32, NANOSECONDS, TEXT, Client, FakeHub, number
@@ -142,7 +143,7 @@ def test_however_many_listen_a_message_is_encoded_once_in_each_way(
 
         return count
 
-    for name, path, function in (("json", "json_of", json_of), ("png", "encode_png", encode_png)):
+    for name, path, function in (("json", "to_json", to_json), ("png", "encode_png", encode_png)):
         monkeypatch.setattr(f"fibws.hub.graph.encoding.{path}", counting(name, function))
     publisher = hub.graph.topics["/fib"].publishers["/talker"]
     type_ = publisher.type

@@ -314,3 +314,15 @@ def test_a_call_of_an_unknown_type_cannot_have_its_arguments_in_order() -> None:
     )
     assert provider.hears() == []
     assert caller.forgotten
+
+
+@pytest.mark.parametrize("fields", [{"timeout": "soon"}, {"fragment_size": []}])
+def test_a_call_that_is_none_has_an_answer_all_the_same(fields: dict[str, Any]) -> None:
+    """Its caller waits by the id, whatever was wrong."""
+    client = FakeHub().client()
+    client.says("call_service", service="/add", id="x", **fields)
+    status, response = client.hears()
+    assert status["op"] == "status"
+    assert (response["op"], response["id"], response["result"]) == ("service_response", "x", False)
+    assert next(iter(fields)) in response["values"]
+    assert client.forgotten

@@ -297,3 +297,14 @@ def test_a_goal_may_be_cancelled_more_than_once(times: int) -> None:
     assert pursuer.hears_one("cancel_action_goal")["id"] == sent
     finishes(pursuer, sent, status=5)
     assert hears_end(client) == (5, True, {"sequence": []})
+
+
+def test_a_goal_that_is_none_has_a_result_all_the_same() -> None:
+    """Its client waits by the id, whatever was wrong."""
+    client = FakeHub().client()
+    client.says("send_action_goal", action="/fib", action_type=5, id="x")
+    status, result = client.hears()
+    assert status["op"] == "status"
+    assert (result["op"], result["id"], result["status"]) == ("action_result", "x", 6)
+    assert "action_type" in result["values"]
+    assert client.forgotten

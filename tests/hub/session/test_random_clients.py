@@ -146,7 +146,7 @@ class RandomClients(RuleBasedStateMachine):
         due = {call for each in sessions for call in each.services._due.values()}
         assert calls == due
         sent = {goal for each in sessions for goal in each.goals._sent}
-        pursued = {goal for each in sessions for goal in each.actions._pursued.values()}
+        pursued = {goal for each in sessions for goal, _ in each.actions._pursued.values()}
         assert sent == pursued
         by_id = {goal for each in sessions for goal in each.goals._by_id.values()}
         assert by_id <= sent
