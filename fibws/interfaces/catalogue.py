@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from difflib import get_close_matches
 from pathlib import Path
 
@@ -86,7 +86,7 @@ class Interfaces:
 
     def most_elements(self, name: str) -> int:
         """How many messages of a type one array may hold; it raises as `message` does."""
-        return MOST_VALUES // self._linker.values(self.message(name).type)
+        return MOST_VALUES // self._linker.size(self.message(name).type).values
 
     def service(self, name: str) -> ServiceDefinition:
         """The service of that name; it raises as `message` does."""
@@ -137,12 +137,8 @@ class Interfaces:
         """The package's types of one kind as ``package/Name``, sorted; it raises as `messages`."""
         if package not in self._all_packages() and package not in self.packages():
             raise UnknownPackage(package)
-        names = {name for name in self._learned.names(kind) if name.startswith(f"{package}/")}
-        names.update(f"{package}/{name}" for name in self._names(package, kind))
-        if kind == "msg":
-            for name in self._names(package, "action"):
-                names.update(f"{package}/{name}{suffix}" for suffix in ACTION_SUFFIXES)
-        return sorted(names)
+        learned = {name for name in self._learned.names(kind) if name.startswith(f"{package}/")}
+        return sorted(learned.union(self._in_files(package, kind)))
 
     def md5(self, name: str) -> str:
         """The md5 of a message, as ROS 1 computes it; it raises as `message` does."""
@@ -225,9 +221,18 @@ class Interfaces:
 
     def _nearest(self, name: str, kind: Kind) -> str | None:
         package, _, short = name.partition("/")
-        by_lower = {other.partition("/")[2].lower(): other for other in self.types(package, kind)}
+        # Not among the types that clients brought: there may be hundreds, to be compared each time.
+        files = self._in_files(package, kind)
+        by_lower = {other.partition("/")[2].lower(): other for other in files}
         nearest = get_close_matches(short.lower(), by_lower, 1)
         return by_lower[nearest[0]] if nearest else None
+
+    def _in_files(self, package: str, kind: Kind) -> Iterator[str]:
+        """The types of one kind as ``package/Name`` that the package's files define."""
+        yield from (f"{package}/{name}" for name in self._names(package, kind))
+        if kind == "msg":
+            for name in self._names(package, "action"):
+                yield from (f"{package}/{name}{suffix}" for suffix in ACTION_SUFFIXES)
 
     def _names(self, package: str, kind: Kind) -> dict[str, Path]:
         """The files of one kind in a package by the name of what they define."""

@@ -7,6 +7,7 @@ with its name before it.
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterable
 
 from fibws.errors import DefinitionError
@@ -22,7 +23,7 @@ _TITLE = re.compile(r"MSG:\s*([A-Za-z]\w*)(?:/msg)?/([A-Za-z]\w*)", re.ASCII)
 
 def write_message(definition: MessageDefinition, lookup: Lookup) -> str:
     """The full text of a message: the nested types are in it depth first, each once."""
-    return _write(definition.text, [definition], lookup)
+    return _write(_unambiguous(definition, lookup), [definition], lookup)
 
 
 def write_service(definition: ServiceDefinition, lookup: Lookup) -> str:
@@ -67,6 +68,23 @@ def _write(own: str, messages: Iterable[MessageDefinition], lookup: Lookup) -> s
     return f"\n{SEPARATOR}\n".join(parts)
 
 
+def _unambiguous(definition: MessageDefinition, lookup: Lookup) -> str:
+    """The message's own text, where types of one name in two packages have their package's name.
+
+    The text does not tell which package it belongs to, and Foxglove looks in all.
+    """
+    nested: dict[str, MessageDefinition] = {}
+    _collect(definition, lookup, nested)
+    times = Counter(found.name for found in nested.values())
+    text = definition.text
+    for field in definition.fields:
+        short = field.type.partition("/")[2]
+        if times[short] > 1:
+            line = rf"^([ \t\r\v\f]*){short}(?=(\[\d*\])?[ \t\r\v\f]+{field.name}\b)"
+            text = re.sub(line, rf"\g<1>{field.type}", text, count=1, flags=re.ASCII | re.MULTILINE)
+    return text
+
+
 def _collect(
     definition: MessageDefinition, lookup: Lookup, nested: dict[str, MessageDefinition]
 ) -> None:
@@ -84,11 +102,11 @@ def _parts(messages: list[MessageDefinition]) -> str:
 def _read(text: str, name: str) -> tuple[str, dict[str, MessageDefinition]]:
     """The text of the type itself, and the definitions that follow it."""
     lines = text.split("\n")
-    (_, end), *others = parser.between(lines, lambda line: line.strip() == SEPARATOR)
+    (_, end), *others = parser.between(lines, lambda line: line.strip(parser.BLANKS) == SEPARATOR)
     nested: dict[str, MessageDefinition] = {}
     for begin, stop in others:
         title = lines[begin] if begin < stop else ""
-        found = _TITLE.fullmatch(title.strip())
+        found = _TITLE.fullmatch(title.strip(parser.BLANKS))
         if found is None:
             fault = "MSG: package/Type is needed"
             raise DefinitionError(_source(name), begin + 1, title[:200], fault)

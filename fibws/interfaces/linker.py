@@ -7,17 +7,33 @@ of fibws relies on that, since a client may bring its own definitions.
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 from fibws.errors import DefinitionError, UnknownPackage, UnknownType
+from fibws.interfaces import builtin
 from fibws.interfaces.definition import Field, MessageDefinition
 
 DEEPEST = 50
 """How many messages may be nested in each other."""
 MOST_FIELDS = 10_000
-"""How many fields a message may have, those of nested messages included."""
+"""How many fields a message may have, those of nested messages included: each needs a validator."""
 MOST_VALUES = 2**22
 """How many values a message may have when its fixed arrays are full and the others empty, and how
 many a list of messages may have in all: a few bytes of JSON for each could fill the memory."""
+
+
+class Size(NamedTuple):
+    """How large a message is.
+
+    ``fields`` are its own and those of nested messages. ``values`` are how many it has when its
+    fixed arrays are full and the others empty.
+    """
+
+    fields: int
+    values: int
+
+
+_SCALAR, _TIME = Size(0, 1), Size(2, 1)
 
 
 class Linker:
@@ -30,7 +46,7 @@ class Linker:
     def __init__(self, read: Callable[[str], MessageDefinition]) -> None:
         self._read = read
         self.known: dict[str, MessageDefinition] = {}
-        self._sizes: dict[str, tuple[int, int]] = {}
+        self._sizes: dict[str, Size] = {}
 
     def message(self, name: str) -> MessageDefinition:
         """The definition of the type, linked.
@@ -41,35 +57,36 @@ class Linker:
         """
         return self.known.get(name) or self._add(self._read(name), ())
 
-    def values(self, name: str) -> int:
-        """How many values a message of a linked type has when its arrays of any size are empty."""
-        return self._sizes[name][1]
+    def size(self, name: str) -> Size:
+        """How large a message of a linked type is."""
+        return self._sizes[name]
 
-    def check(self, definition: MessageDefinition) -> None:
+    def check(self, definition: MessageDefinition) -> Size:
         """Link the types nested in a definition that is no message of its own, as a request."""
-        self._measure(definition, ())
+        return self._measure(definition, ())
 
     def _add(self, definition: MessageDefinition, above: tuple[str, ...]) -> MessageDefinition:
         self._sizes[definition.type] = self._measure(definition, above)
         self.known[definition.type] = definition
         return definition
 
-    def _measure(self, definition: MessageDefinition, above: tuple[str, ...]) -> tuple[int, int]:
-        """How many fields and values the definition has; ``above`` are those it is nested in."""
+    def _measure(self, definition: MessageDefinition, above: tuple[str, ...]) -> Size:
+        """How large the definition is; ``above`` are those it is nested in."""
         path = (*above, definition.type)
         fields = values = 0
         for field in definition.fields:
-            inner = self._nested(definition, field, path) if field.is_nested else (1, 1)
+            if field.is_nested:
+                inner = self._nested(definition, field, path)
+            else:
+                inner = _TIME if field.type in builtin.TIMES else _SCALAR
             repeat = 1 if field.array is None else field.array.fixed or 0
-            fields += max(1, inner[0])
-            values += max(1, repeat * inner[1])
+            fields += 1 + inner.fields
+            values += max(1, repeat * inner.values)
             if fields > MOST_FIELDS or values > MOST_VALUES:
                 raise _error(definition, field, "the message becomes too large")
-        return fields, values
+        return Size(fields, values)
 
-    def _nested(
-        self, definition: MessageDefinition, field: Field, path: tuple[str, ...]
-    ) -> tuple[int, int]:
+    def _nested(self, definition: MessageDefinition, field: Field, path: tuple[str, ...]) -> Size:
         if field.type in path:
             raise _error(definition, field, f"{field.type} would hold itself")
         if len(path) >= DEEPEST:

@@ -23,16 +23,22 @@ from fibws.interfaces.definition import (
     ServiceDefinition,
 )
 
+BLANKS = " \t\r\v\f"
+"""What may stand around anything in a line. Programs differ on the blanks beyond ASCII."""
+
 # What stands before a comment; a # inside quotes (the default of a ROS 2 string) begins none.
 _CODE = re.compile(r"""(?:[^#"']|"[^"]*"|'[^']*')*""")
-_CONSTANT = re.compile(r"(?P<type>[\w/]+)(?:<=\d+)?\s+(?P<name>\w+)\s*=(?P<value>.*)", re.ASCII)
+_CONSTANT = re.compile(
+    r"(?P<type>[\w/]+)(?P<limit><=\d+)?\s+(?P<name>\w+)\s*=(?P<value>.*)", re.ASCII
+)
 _FIELD = re.compile(
     r"(?P<type>[A-Za-z][\w/]*)(?:<=(?P<limit>\d{1,9}))?"
-    r"(?P<array>\[(?P<bounded><=)?(?P<size>\d{0,9})\])?"
+    r"(?P<array>\[(?P<bounded><=)?(?P<size>0|[1-9]\d{0,8})?\])?"
     r"\s+(?P<name>\w+)(?:\s+(?P<default>\S.*))?",
     re.ASCII,
 )
 _TYPE = re.compile(r"[A-Za-z]\w*(/[A-Za-z]\w*)?", re.ASCII)
+_NUMBER = re.compile(r"[-+.\w]+", re.ASCII)
 _NAME = re.compile(r"[A-Za-z]\w*", re.ASCII)
 _BOOLEANS = {"true": True, "True": True, "1": True, "false": False, "False": False, "0": False}
 
@@ -70,7 +76,7 @@ def parse_message(
             constants[member.name] = member
         else:
             fields[member.name] = member
-            lines[index] = _in_ros1(raw, member)
+        lines[index] = _in_ros1(raw, member)
     return MessageDefinition(
         package, name, tuple(fields.values()), tuple(constants.values()), "\n".join(lines), source
     )
@@ -132,27 +138,37 @@ def _parts(text: str, count: int, source: str) -> Iterator[tuple[int, str]]:
 
 def _member(raw: str, package: str, number: int) -> Field | Constant | None:
     """The field or the constant that a line declares, if any."""
-    line = _CODE.match(raw)[0].strip()  # type: ignore[index]  # it matches the empty string
-    rest = raw.strip()
+    line = _CODE.match(raw)[0].strip(BLANKS)  # type: ignore[index]  # it matches the empty string
+    rest = raw.strip(BLANKS)
     if not line and (not rest or rest.startswith("#")):
         return None
     if found := _CONSTANT.fullmatch(rest):
         return _constant(found, line)
     found = _FIELD.fullmatch(line)
-    if found is None or len(line) < len(rest.partition("#")[0].rstrip()):
+    if found is None or len(line) < len(rest.partition("#")[0].rstrip(BLANKS)):
         raise _Fault("this is neither a field, as in int32 x, nor a constant, as in int32 X=1")
     return _field(found, package, number)
 
 
 def _constant(found: re.Match[str], line: str) -> Constant:
-    kind, name, text = found["type"], found["name"], found["value"].strip()
+    kind, name, text = found["type"], found["name"], found["value"].strip(BLANKS)
     _check_name(name)
     if kind not in builtin.CONSTANTS:
         raise _Fault(f"a constant cannot be of type {kind}")
     # A string's value is all that follows the =, a # included (http://wiki.ros.org/msg).
     if kind not in builtin.STRINGS:
-        text = line.partition("=")[2].strip()
-    return Constant(name, kind, _scalar(kind, text), text)
+        text = line.partition("=")[2].strip(BLANKS)
+    if found["limit"] and kind not in builtin.STRINGS:
+        raise _Fault(f"only strings have a length, {kind} has none")
+    value = _scalar(kind, text)
+    # Foxglove reads no nan and no inf, and then none of a hub's topics.
+    if kind in builtin.FLOATS and not re.search(r"\d", text):
+        raise _Fault(f"a constant is a finite number, as in {kind} {name}=1.5; {text} is not")
+    if kind in builtin.STRINGS:
+        return Constant(name, "string", value, text)
+    # ROS 1 knows neither 0x10 nor true.
+    is_ros1s = text in ("True", "False") or not re.search("[a-df-z_]", text)
+    return Constant(name, kind, value, text if is_ros1s else str(value))
 
 
 def _field(found: re.Match[str], package: str, number: int) -> Field:
@@ -169,7 +185,7 @@ def _field(found: re.Match[str], package: str, number: int) -> Field:
     member = Field(name, kind, array, limit, line=number)
     if found["default"] is None:
         return member
-    return Field(name, kind, array, limit, _default(member, found["default"].strip()), number)
+    return Field(name, kind, array, limit, _default(member, found["default"].strip(BLANKS)), number)
 
 
 def _type(spelled: str, package: str) -> str:
@@ -229,6 +245,8 @@ def _scalar(kind: str, text: str) -> Scalar:
             raise _Fault(f"{text[:40]!r} is not a bool")
         return _BOOLEANS[text]
     try:
+        if not _NUMBER.fullmatch(text):
+            raise ValueError  # it has digits or blanks that only Python reads
         if kind in builtin.FLOATS:
             return float(text)
         # Base 0 reads ROS 2's 0x10, but not ROS 1's 007.
@@ -241,8 +259,15 @@ def _scalar(kind: str, text: str) -> Scalar:
     return value
 
 
-def _in_ros1(raw: str, field: Field) -> str:
+def _in_ros1(raw: str, member: Field | Constant) -> str:
     """The line, or if ROS 1 cannot read it what ROS 1 would write in its place."""
+    if isinstance(member, Constant):
+        spelled = raw.partition("=")[2]
+        if member.type not in builtin.STRINGS:
+            spelled = spelled.partition("#")[0]
+        plain = re.match(rf"\s*{member.type}\s", raw) and spelled.strip(BLANKS) == member.text
+        return raw if plain else f"{member.type} {member.name}={member.text}"
+    field = member
     plain = (
         field.default is None
         and field.full_type == field.ros1_type

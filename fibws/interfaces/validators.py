@@ -8,7 +8,7 @@ base64, and NaN is either itself or None, since JSON has null for both.
 from __future__ import annotations
 
 from base64 import b64encode
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
 
@@ -16,7 +16,7 @@ from pydantic_core import SchemaValidator, ValidationError, core_schema
 
 from fibws.interfaces import builtin, faults, leaves
 from fibws.interfaces.catalogue import Interfaces
-from fibws.interfaces.definition import Field, MessageDefinition
+from fibws.interfaces.definition import Array, Field, MessageDefinition
 
 
 class Validators:
@@ -35,6 +35,7 @@ class Validators:
             "time": leaves.time("time", base=leaves.zero, now=self._now_parts),
             "duration": leaves.time("duration", base=leaves.zero, now=None),
         }
+        self._fields: dict[tuple[str, Array | None], core_schema.CoreSchema] = {}
         self._stamp = core_schema.with_default_schema(
             leaves.time("time", base=self._now_parts, now=self._now_parts),
             default_factory=self._now_parts,
@@ -72,7 +73,18 @@ class Validators:
         )
 
     def _field(self, field: Field) -> core_schema.CoreSchema:
-        """The schema of a field and of what stands in for it where it is left out."""
+        """The schema of a field and of what stands in for it where it is left out.
+
+        Fields that are alike share one: the validators keep them all.
+        """
+        key = (field.element_type, field.array)
+        if field.default is not None:
+            return self._new_field(field)
+        if key not in self._fields:
+            self._fields[key] = self._new_field(field)
+        return self._fields[key]
+
+    def _new_field(self, field: Field) -> core_schema.CoreSchema:
         schema = self._element(field)
         if field.array is not None:
             most = self._interfaces.most_elements(field.type) if field.is_nested else None
@@ -138,14 +150,11 @@ def _with_default(field: Field, schema: core_schema.CoreSchema) -> core_schema.C
     """The schema of a field that may be left out."""
     with_default = core_schema.with_default_schema
     if field.is_bytes:
-        return with_default(
-            schema, default=b64encode(bytes(map(int, field.default_elements))).decode()
-        )
+        return with_default(schema, default_factory=partial(_default_bytes, field))
     if field.array is not None:
-        elements: Iterable[object] = field.default_elements
-        if field.type not in builtin.CONSTANTS:
-            elements = [{}] * field.fixed_size
-        return with_default(schema, default_factory=partial(list, elements), validate_default=True)
+        return with_default(
+            schema, default_factory=partial(_default_list, field), validate_default=True
+        )
     if field.type in builtin.TIMES:
         return with_default(schema, default_factory=leaves.zero)
     if field.is_nested:
@@ -154,3 +163,18 @@ def _with_default(field: Field, schema: core_schema.CoreSchema) -> core_schema.C
     return with_default(
         schema, default=field.default_value, validate_default=field.default is not None
     )
+
+
+# What arrays hold is made when it is needed: a few letters declare millions of elements.
+
+
+def _default_bytes(field: Field) -> str:
+    if field.default is None:
+        return b64encode(bytes(field.fixed_size)).decode()
+    return b64encode(bytes(map(int, field.default_elements))).decode()
+
+
+def _default_list(field: Field) -> list[object]:
+    if field.type not in builtin.CONSTANTS:
+        return [{}] * field.fixed_size
+    return list(field.default_elements)

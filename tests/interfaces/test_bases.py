@@ -41,6 +41,13 @@ def send(action: type[Action[G, R, F]], goal: G) -> tuple[R, F]:
 
 assert_type(AddTwoInts.Request(a=1, b=2), AddTwoIntsRequest)
 assert_type(AddTwoInts.Request(1, 2).a, int)
+
+
+def total(request: AddTwoInts.Request) -> AddTwoInts.Response:
+    return AddTwoInts.Response(request.a + request.b)
+
+
+assert_type(total(AddTwoIntsRequest(1, 2)), AddTwoIntsResponse)
 AddTwoInts.Request(c=1)  # type: ignore[call-arg]
 assert_type(call(AddTwoInts, AddTwoIntsRequest(1, 2)), AddTwoIntsResponse)
 assert_type(empty(AddTwoInts), AddTwoIntsRequest)

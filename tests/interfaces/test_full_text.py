@@ -41,6 +41,17 @@ def test_the_full_text_of_a_flat_type_is_its_text() -> None:
     assert STANDARD.action_text("actionlib/TwoInts") == "int64 a\nint64 b\n---\nint64 sum\n---\n"
 
 
+def test_two_types_of_one_name_are_told_apart() -> None:
+    interfaces = Interfaces()
+    interfaces.learn("my_msgs/Pose", "int8 x")
+    own = " Pose[2] a # Pose b\nPose b\ngeometry_msgs/Pose c\nString d"
+    interfaces.learn("my_msgs/Poses", f"{own}\n{SEPARATOR}\nMSG: my_msgs/String\nint8 x")
+    text = interfaces.full_text("my_msgs/Poses")
+    assert text.split(f"\n{SEPARATOR}\n")[0] == (
+        " my_msgs/Pose[2] a # Pose b\nmy_msgs/Pose b\ngeometry_msgs/Pose c\nString d"
+    )
+
+
 def test_the_full_text_of_a_service_has_the_types_of_both_sides(tmp_path: Path) -> None:
     folder = tmp_path / "my_msgs"
     (folder / "msg").mkdir(parents=True)

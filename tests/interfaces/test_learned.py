@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from fibws.errors import DefinitionError, InterfaceError, UnknownPackage, UnknownType
-from fibws.interfaces import Interfaces, learned
+from fibws.interfaces import Interfaces, full_text, learned
 from fibws.interfaces.definition import Field
 
 SEPARATOR = "=" * 80
@@ -222,3 +222,58 @@ def test_learned_services_and_actions_outlive_a_new_folder(tmp_path: Path) -> No
     interfaces.add_folder(tmp_path)
     assert interfaces.service("new_msgs/Ask").request.fields == (Field("x", "int32"),)
     assert interfaces.action("new_msgs/Go").goal.fields == (Field("x", "int32"),)
+
+
+@pytest.mark.parametrize("line", ["float64[65537] x", "Big[2] x", "Big x\nbool y"])
+def test_a_client_cannot_bring_long_fixed_arrays(line: str) -> None:
+    interfaces = Interfaces()
+    big = f"{SEPARATOR}\nMSG: new_msgs/Big\nuint8[65536] data"
+    with pytest.raises(InterfaceError, match=r"new_msgs/\w+ has \d+ values .* may have 65536"):
+        interfaces.learn("new_msgs/Long", f"{line}\n{big}")
+    with pytest.raises(InterfaceError, match="may have 65536"):
+        interfaces.learn_service("new_msgs/Ask", f"---\n{line}\n{big}")
+    with pytest.raises(InterfaceError, match="may have 65536"):
+        interfaces.learn_action("new_msgs/Go", f"---\n---\n{line}\n{big}")
+    assert "new_msgs" not in interfaces.packages()
+    interfaces.learn("new_msgs/Fits", f"Big[] x\n{big}")
+
+
+def test_the_users_own_types_may_have_longer_ones(tmp_path: Path) -> None:
+    (tmp_path / "my_msgs" / "msg").mkdir(parents=True)
+    (tmp_path / "my_msgs" / "msg" / "Long.msg").write_text("uint8[4000000] x")
+    interfaces = Interfaces([tmp_path])
+    assert interfaces.learn("my_msgs/Long", "uint8[4000000] x") == interfaces.message(
+        "my_msgs/Long"
+    )
+
+
+def test_all_that_clients_bring_has_only_so_many_fields(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(learned, "MOST_FIELDS", 10)
+    interfaces = Interfaces()
+    interfaces.learn("new_msgs/Three", "int8 x\nint8 Y=1\nint8 z")
+    interfaces.learn("new_msgs/Four", "Three three\nint8 x")
+    with pytest.raises(InterfaceError, match="may have 10 fields and constants together"):
+        interfaces.learn("new_msgs/More", "Four four")
+    with pytest.raises(InterfaceError, match="new_msgs/Ask is too many"):
+        interfaces.learn_service("new_msgs/Ask", "Four four\n---")
+    with pytest.raises(InterfaceError, match="new_msgs/Go is too many"):
+        interfaces.learn_action("new_msgs/Go", "int8 x\n---\n---")
+    interfaces.learn("new_msgs/Time", "time t")
+    with pytest.raises(InterfaceError, match="new_msgs/One is too many"):
+        interfaces.learn("new_msgs/One", "int8 x")
+
+
+def test_what_is_brought_again_is_not_read_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    interfaces = Interfaces()
+    brought = {
+        interfaces.learn: ("read_message", "int8 x"),
+        interfaces.learn_service: ("read_service", "int8 x\n---"),
+        interfaces.learn_action: ("read_action", "int8 x\n---\n---"),
+    }
+    for learn, (read, text) in brought.items():
+        first = learn("new_msgs/Mine", text)
+        with monkeypatch.context() as patch:
+            patch.delattr(full_text, read)
+            assert learn("new_msgs/Mine", text) == first
+        with pytest.raises(DefinitionError, match="is known here with other"):
+            learn("new_msgs/Mine", text.replace("int8", "int16"))

@@ -62,6 +62,10 @@ def test_a_line_declares_a_field(line: str, field: Field) -> None:
         ("string X=  a # b  ", Constant("X", "string", "a # b", "a # b")),
         ("string X=it's", Constant("X", "string", "it's", "it's")),
         ("string X=", Constant("X", "string", "", "")),
+        ("wstring<=3 X=a", Constant("X", "string", "a", "a")),
+        ("int64 X=-0x1F", Constant("X", "int64", -31, "-31")),
+        ("int64 X=1_000 # many", Constant("X", "int64", 1000, "1000")),
+        ("bool X=true", Constant("X", "bool", True, "True")),
     ],
 )
 def test_a_line_declares_a_constant(line: str, constant: Constant) -> None:
@@ -90,6 +94,14 @@ def test_empty_lines_and_comments_declare_nothing() -> None:
         ("int32[9999999999] x", "neither a field"),
         ("int32 X=five", "'five' is not a int32"),
         ("uint8 X=256", "256 is not in 0..255"),
+        ("int8 X=\u0663", "'\u0663' is not a int8"),
+        ("int8 X=3\x1c", "is not a int8"),
+        ("int8 x\x1c", "neither a field"),
+        ("\u0085", "neither a field"),
+        ("int8[003] x", "neither a field"),
+        ("float32 X=nan", "a constant is a finite number, as in float32 X=1.5; nan is not"),
+        ("float64 X=-Infinity", "a finite number, as in float64 X=1.5; -Infinity is not"),
+        ("int8<=3 X=1", "only strings have a length"),
         ("float32 X=one", "'one' is not a float32"),
         ("bool X=2", "'2' is not a bool"),
         ("time X=5", "a constant cannot be of type time"),
@@ -124,6 +136,8 @@ def test_the_text_is_kept_as_ros_1_can_read_it() -> None:
     ros_2 = "# hello\nstd_msgs/msg/Int32[<=3] a # one\nwstring<=4 b\nint32 c 5\nint32 D=5"
     assert parse(ros_2).text == "# hello\nstd_msgs/Int32[] a\nstring b\nint32 c\nint32 D=5"
     assert parse("builtin_interfaces/Time t").text == "time t"
+    assert parse("wstring<=9 W= a # b\nuint8 X=0x10 # c").text == "string W=a # b\nuint8 X=16"
+    assert parse("bool B = false\nint64 X=0_0").text == "bool B=False\nint64 X=0"
 
 
 def test_a_service_has_a_request_and_a_response() -> None:

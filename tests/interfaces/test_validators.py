@@ -1,6 +1,7 @@
 """How JSON becomes a message: each row of the table that the real server was seen to keep."""
 
 import json
+import tracemalloc
 from base64 import b64encode
 from math import inf, isnan, nan
 from typing import Any
@@ -298,13 +299,26 @@ def test_a_field_that_is_left_out_has_its_default(line: str, data: object) -> No
 def test_a_list_of_large_messages_is_bounded(brackets: str) -> None:
     """Else each ``{}`` of three bytes would become a megabyte of defaults."""
     interfaces = Interfaces()
-    text = f"Large{brackets} all\n{'=' * 80}\nMSG: my_msgs/Large\nfloat64[100000] numbers\n"
+    text = f"Large{brackets} all\n{'=' * 80}\nMSG: my_msgs/Large\nfloat64[50000] numbers\n"
     interfaces.learn("my_msgs/Many", text)
     most = interfaces.most_elements("my_msgs/Large")
     validator = Validators(interfaces, lambda: 0).of("my_msgs/Many")
     assert len(validator.validate({"all": [{}] * most})["all"]) == most < 1000
     with pytest.raises(InvalidMessage, match=rf"it has {most + 1} elements, not at most {most}"):
         validator.validate({"all": [{}] * (most + 1)})
+
+
+@pytest.mark.parametrize("line", ["float64[4000000] x", "uint8[4000000] x", "time[4000000] x"])
+def test_the_checks_of_a_long_array_take_up_no_more_than_those_of_a_short_one(line: str) -> None:
+    tracemalloc.start()
+    try:
+        definition = parse_message(line, "my_msgs", "Long")
+        validator = Validators(Interfaces(), lambda: 0).of_definition(definition)
+        assert tracemalloc.get_traced_memory()[1] < 1_000_000
+    finally:
+        tracemalloc.stop()
+    with pytest.raises(InvalidMessage):
+        validator.validate({"x": 1})
 
 
 def test_defaults_are_not_shared() -> None:
