@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TypeAlias
+
 import fibws.interfaces as ros
 from fibws.msg import actionlib
 
@@ -16,9 +18,9 @@ class Test(ros.Action[actionlib.TestGoal, actionlib.TestResult, actionlib.TestFe
     """actionlib/Test"""
 
     _type = "actionlib/Test"
-    Goal = actionlib.TestGoal
-    Result = actionlib.TestResult
-    Feedback = actionlib.TestFeedback
+    Goal: TypeAlias = actionlib.TestGoal
+    Result: TypeAlias = actionlib.TestResult
+    Feedback: TypeAlias = actionlib.TestFeedback
 
 
 class TestRequest(
@@ -31,9 +33,9 @@ class TestRequest(
     """actionlib/TestRequest"""
 
     _type = "actionlib/TestRequest"
-    Goal = actionlib.TestRequestGoal
-    Result = actionlib.TestRequestResult
-    Feedback = actionlib.TestRequestFeedback
+    Goal: TypeAlias = actionlib.TestRequestGoal
+    Result: TypeAlias = actionlib.TestRequestResult
+    Feedback: TypeAlias = actionlib.TestRequestFeedback
 
 
 class TwoInts(
@@ -42,6 +44,6 @@ class TwoInts(
     """actionlib/TwoInts"""
 
     _type = "actionlib/TwoInts"
-    Goal = actionlib.TwoIntsGoal
-    Result = actionlib.TwoIntsResult
-    Feedback = actionlib.TwoIntsFeedback
+    Goal: TypeAlias = actionlib.TwoIntsGoal
+    Result: TypeAlias = actionlib.TwoIntsResult
+    Feedback: TypeAlias = actionlib.TwoIntsFeedback

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TypeAlias
+
 import fibws.interfaces as ros
 from fibws.msg import actionlib_tutorials
 
@@ -21,9 +23,9 @@ class Averaging(
     """actionlib_tutorials/Averaging"""
 
     _type = "actionlib_tutorials/Averaging"
-    Goal = actionlib_tutorials.AveragingGoal
-    Result = actionlib_tutorials.AveragingResult
-    Feedback = actionlib_tutorials.AveragingFeedback
+    Goal: TypeAlias = actionlib_tutorials.AveragingGoal
+    Result: TypeAlias = actionlib_tutorials.AveragingResult
+    Feedback: TypeAlias = actionlib_tutorials.AveragingFeedback
 
 
 class Fibonacci(
@@ -36,6 +38,6 @@ class Fibonacci(
     """actionlib_tutorials/Fibonacci"""
 
     _type = "actionlib_tutorials/Fibonacci"
-    Goal = actionlib_tutorials.FibonacciGoal
-    Result = actionlib_tutorials.FibonacciResult
-    Feedback = actionlib_tutorials.FibonacciFeedback
+    Goal: TypeAlias = actionlib_tutorials.FibonacciGoal
+    Result: TypeAlias = actionlib_tutorials.FibonacciResult
+    Feedback: TypeAlias = actionlib_tutorials.FibonacciFeedback

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TypeAlias
+
 import fibws.interfaces as ros
 from fibws.msg import example_interfaces
 
@@ -20,6 +22,6 @@ class Fibonacci(
     """example_interfaces/Fibonacci"""
 
     _type = "example_interfaces/Fibonacci"
-    Goal = example_interfaces.FibonacciGoal
-    Result = example_interfaces.FibonacciResult
-    Feedback = example_interfaces.FibonacciFeedback
+    Goal: TypeAlias = example_interfaces.FibonacciGoal
+    Result: TypeAlias = example_interfaces.FibonacciResult
+    Feedback: TypeAlias = example_interfaces.FibonacciFeedback

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TypeAlias
+
 import fibws.interfaces as ros
 from fibws.msg import nav_msgs
 
@@ -14,6 +16,6 @@ class GetMap(ros.Action[nav_msgs.GetMapGoal, nav_msgs.GetMapResult, nav_msgs.Get
     """nav_msgs/GetMap"""
 
     _type = "nav_msgs/GetMap"
-    Goal = nav_msgs.GetMapGoal
-    Result = nav_msgs.GetMapResult
-    Feedback = nav_msgs.GetMapFeedback
+    Goal: TypeAlias = nav_msgs.GetMapGoal
+    Result: TypeAlias = nav_msgs.GetMapResult
+    Feedback: TypeAlias = nav_msgs.GetMapFeedback

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TypeAlias
+
 import fibws.interfaces as ros
 from fibws.msg import tf2_msgs
 
@@ -20,6 +22,6 @@ class LookupTransform(
     """tf2_msgs/LookupTransform"""
 
     _type = "tf2_msgs/LookupTransform"
-    Goal = tf2_msgs.LookupTransformGoal
-    Result = tf2_msgs.LookupTransformResult
-    Feedback = tf2_msgs.LookupTransformFeedback
+    Goal: TypeAlias = tf2_msgs.LookupTransformGoal
+    Result: TypeAlias = tf2_msgs.LookupTransformResult
+    Feedback: TypeAlias = tf2_msgs.LookupTransformFeedback

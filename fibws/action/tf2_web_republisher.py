@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TypeAlias
+
 import fibws.interfaces as ros
 from fibws.msg import tf2_web_republisher
 
@@ -20,6 +22,6 @@ class TFSubscription(
     """tf2_web_republisher/TFSubscription"""
 
     _type = "tf2_web_republisher/TFSubscription"
-    Goal = tf2_web_republisher.TFSubscriptionGoal
-    Result = tf2_web_republisher.TFSubscriptionResult
-    Feedback = tf2_web_republisher.TFSubscriptionFeedback
+    Goal: TypeAlias = tf2_web_republisher.TFSubscriptionGoal
+    Result: TypeAlias = tf2_web_republisher.TFSubscriptionResult
+    Feedback: TypeAlias = tf2_web_republisher.TFSubscriptionFeedback

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TypeAlias
+
 import fibws.interfaces as ros
 from fibws.msg import tf2_web_republisher_interfaces
 
@@ -20,6 +22,6 @@ class TFSubscription(
     """tf2_web_republisher_interfaces/TFSubscription"""
 
     _type = "tf2_web_republisher_interfaces/TFSubscription"
-    Goal = tf2_web_republisher_interfaces.TFSubscriptionGoal
-    Result = tf2_web_republisher_interfaces.TFSubscriptionResult
-    Feedback = tf2_web_republisher_interfaces.TFSubscriptionFeedback
+    Goal: TypeAlias = tf2_web_republisher_interfaces.TFSubscriptionGoal
+    Result: TypeAlias = tf2_web_republisher_interfaces.TFSubscriptionResult
+    Feedback: TypeAlias = tf2_web_republisher_interfaces.TFSubscriptionFeedback

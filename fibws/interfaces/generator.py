@@ -82,10 +82,14 @@ def _head(package: str, kind: Kind, imported: set[str], body: list[str]) -> Iter
     plural = _PLURALS[kind]
     yield f'"""The {plural} of {package}, written by fibws.interfaces.generator: do not edit."""'
     yield from ("", "from __future__ import annotations", "")
+    typed = [
+        each for each in ("ClassVar", "TypeAlias") if any(f": {each}" in line for line in body)
+    ]
     if any(line.startswith("@dataclass") for line in body):
         has_fields = any("= field(" in line for line in body)
         yield f"from dataclasses import dataclass{', field' if has_fields else ''}"
-        yield from ("from typing import ClassVar", "")
+    if typed:
+        yield from (f"from typing import {', '.join(typed)}", "")
     yield "import fibws.interfaces as ros"
     if imported:
         yield f"from fibws.msg import {', '.join(sorted(imported))}"

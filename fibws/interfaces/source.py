@@ -85,7 +85,8 @@ def _class_of_messages(
     yield f'    """{definition.type}"""'
     yield ""
     yield f'    _type = "{definition.type}"'
-    yield from (f"    {part} = {message}" for part, message in messages.items())
+    # A plain assignment would do, but type checkers take no variable for a type.
+    yield from (f"    {part}: TypeAlias = {message}" for part, message in messages.items())
 
 
 def _constant(constant: Constant) -> str:

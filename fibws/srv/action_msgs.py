@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import ClassVar, TypeAlias
 
 import fibws.interfaces as ros
 from fibws.msg import action_msgs
@@ -42,5 +42,5 @@ class CancelGoal(ros.Service[CancelGoalRequest, CancelGoalResponse]):
     """action_msgs/CancelGoal"""
 
     _type = "action_msgs/CancelGoal"
-    Request = CancelGoalRequest
-    Response = CancelGoalResponse
+    Request: TypeAlias = CancelGoalRequest
+    Response: TypeAlias = CancelGoalResponse

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import ClassVar, TypeAlias
 
 import fibws.interfaces as ros
 from fibws.msg import diagnostic_msgs
@@ -41,8 +41,8 @@ class AddDiagnostics(ros.Service[AddDiagnosticsRequest, AddDiagnosticsResponse])
     """diagnostic_msgs/AddDiagnostics"""
 
     _type = "diagnostic_msgs/AddDiagnostics"
-    Request = AddDiagnosticsRequest
-    Response = AddDiagnosticsResponse
+    Request: TypeAlias = AddDiagnosticsRequest
+    Response: TypeAlias = AddDiagnosticsResponse
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -67,5 +67,5 @@ class SelfTest(ros.Service[SelfTestRequest, SelfTestResponse]):
     """diagnostic_msgs/SelfTest"""
 
     _type = "diagnostic_msgs/SelfTest"
-    Request = SelfTestRequest
-    Response = SelfTestResponse
+    Request: TypeAlias = SelfTestRequest
+    Response: TypeAlias = SelfTestResponse

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, TypeAlias
 
 import fibws.interfaces as ros
 
@@ -37,5 +37,5 @@ class AddTwoInts(ros.Service[AddTwoIntsRequest, AddTwoIntsResponse]):
     """example_interfaces/AddTwoInts"""
 
     _type = "example_interfaces/AddTwoInts"
-    Request = AddTwoIntsRequest
-    Response = AddTwoIntsResponse
+    Request: TypeAlias = AddTwoIntsRequest
+    Response: TypeAlias = AddTwoIntsResponse

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import ClassVar, TypeAlias
 
 import fibws.interfaces as ros
 from fibws.msg import geometry_msgs, nav_msgs
@@ -44,8 +44,8 @@ class GetMap(ros.Service[GetMapRequest, GetMapResponse]):
     """nav_msgs/GetMap"""
 
     _type = "nav_msgs/GetMap"
-    Request = GetMapRequest
-    Response = GetMapResponse
+    Request: TypeAlias = GetMapRequest
+    Response: TypeAlias = GetMapResponse
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -72,8 +72,8 @@ class GetPlan(ros.Service[GetPlanRequest, GetPlanResponse]):
     """nav_msgs/GetPlan"""
 
     _type = "nav_msgs/GetPlan"
-    Request = GetPlanRequest
-    Response = GetPlanResponse
+    Request: TypeAlias = GetPlanRequest
+    Response: TypeAlias = GetPlanResponse
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -104,8 +104,8 @@ class LoadMap(ros.Service[LoadMapRequest, LoadMapResponse]):
     """nav_msgs/LoadMap"""
 
     _type = "nav_msgs/LoadMap"
-    Request = LoadMapRequest
-    Response = LoadMapResponse
+    Request: TypeAlias = LoadMapRequest
+    Response: TypeAlias = LoadMapResponse
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -133,5 +133,5 @@ class SetMap(ros.Service[SetMapRequest, SetMapResponse]):
     """nav_msgs/SetMap"""
 
     _type = "nav_msgs/SetMap"
-    Request = SetMapRequest
-    Response = SetMapResponse
+    Request: TypeAlias = SetMapRequest
+    Response: TypeAlias = SetMapResponse

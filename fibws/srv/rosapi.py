@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import ClassVar, TypeAlias
 
 import fibws.interfaces as ros
 from fibws.msg import rosapi
@@ -107,8 +107,8 @@ class DeleteParam(ros.Service[DeleteParamRequest, DeleteParamResponse]):
     """rosapi/DeleteParam"""
 
     _type = "rosapi/DeleteParam"
-    Request = DeleteParamRequest
-    Response = DeleteParamResponse
+    Request: TypeAlias = DeleteParamRequest
+    Response: TypeAlias = DeleteParamResponse
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -131,8 +131,8 @@ class GetActionServers(ros.Service[GetActionServersRequest, GetActionServersResp
     """rosapi/GetActionServers"""
 
     _type = "rosapi/GetActionServers"
-    Request = GetActionServersRequest
-    Response = GetActionServersResponse
+    Request: TypeAlias = GetActionServersRequest
+    Response: TypeAlias = GetActionServersResponse
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -158,8 +158,8 @@ class GetParam(ros.Service[GetParamRequest, GetParamResponse]):
     """rosapi/GetParam"""
 
     _type = "rosapi/GetParam"
-    Request = GetParamRequest
-    Response = GetParamResponse
+    Request: TypeAlias = GetParamRequest
+    Response: TypeAlias = GetParamResponse
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -182,8 +182,8 @@ class GetParamNames(ros.Service[GetParamNamesRequest, GetParamNamesResponse]):
     """rosapi/GetParamNames"""
 
     _type = "rosapi/GetParamNames"
-    Request = GetParamNamesRequest
-    Response = GetParamNamesResponse
+    Request: TypeAlias = GetParamNamesRequest
+    Response: TypeAlias = GetParamNamesResponse
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -206,8 +206,8 @@ class GetTime(ros.Service[GetTimeRequest, GetTimeResponse]):
     """rosapi/GetTime"""
 
     _type = "rosapi/GetTime"
-    Request = GetTimeRequest
-    Response = GetTimeResponse
+    Request: TypeAlias = GetTimeRequest
+    Response: TypeAlias = GetTimeResponse
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -232,8 +232,8 @@ class HasParam(ros.Service[HasParamRequest, HasParamResponse]):
     """rosapi/HasParam"""
 
     _type = "rosapi/HasParam"
-    Request = HasParamRequest
-    Response = HasParamResponse
+    Request: TypeAlias = HasParamRequest
+    Response: TypeAlias = HasParamResponse
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -258,8 +258,8 @@ class MessageDetails(ros.Service[MessageDetailsRequest, MessageDetailsResponse])
     """rosapi/MessageDetails"""
 
     _type = "rosapi/MessageDetails"
-    Request = MessageDetailsRequest
-    Response = MessageDetailsResponse
+    Request: TypeAlias = MessageDetailsRequest
+    Response: TypeAlias = MessageDetailsResponse
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -286,8 +286,8 @@ class NodeDetails(ros.Service[NodeDetailsRequest, NodeDetailsResponse]):
     """rosapi/NodeDetails"""
 
     _type = "rosapi/NodeDetails"
-    Request = NodeDetailsRequest
-    Response = NodeDetailsResponse
+    Request: TypeAlias = NodeDetailsRequest
+    Response: TypeAlias = NodeDetailsResponse
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -310,8 +310,8 @@ class Nodes(ros.Service[NodesRequest, NodesResponse]):
     """rosapi/Nodes"""
 
     _type = "rosapi/Nodes"
-    Request = NodesRequest
-    Response = NodesResponse
+    Request: TypeAlias = NodesRequest
+    Response: TypeAlias = NodesResponse
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -336,8 +336,8 @@ class Publishers(ros.Service[PublishersRequest, PublishersResponse]):
     """rosapi/Publishers"""
 
     _type = "rosapi/Publishers"
-    Request = PublishersRequest
-    Response = PublishersResponse
+    Request: TypeAlias = PublishersRequest
+    Response: TypeAlias = PublishersResponse
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -362,8 +362,8 @@ class SearchParam(ros.Service[SearchParamRequest, SearchParamResponse]):
     """rosapi/SearchParam"""
 
     _type = "rosapi/SearchParam"
-    Request = SearchParamRequest
-    Response = SearchParamResponse
+    Request: TypeAlias = SearchParamRequest
+    Response: TypeAlias = SearchParamResponse
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -388,8 +388,8 @@ class ServiceHost(ros.Service[ServiceHostRequest, ServiceHostResponse]):
     """rosapi/ServiceHost"""
 
     _type = "rosapi/ServiceHost"
-    Request = ServiceHostRequest
-    Response = ServiceHostResponse
+    Request: TypeAlias = ServiceHostRequest
+    Response: TypeAlias = ServiceHostResponse
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -414,8 +414,8 @@ class ServiceNode(ros.Service[ServiceNodeRequest, ServiceNodeResponse]):
     """rosapi/ServiceNode"""
 
     _type = "rosapi/ServiceNode"
-    Request = ServiceNodeRequest
-    Response = ServiceNodeResponse
+    Request: TypeAlias = ServiceNodeRequest
+    Response: TypeAlias = ServiceNodeResponse
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -440,8 +440,8 @@ class ServiceProviders(ros.Service[ServiceProvidersRequest, ServiceProvidersResp
     """rosapi/ServiceProviders"""
 
     _type = "rosapi/ServiceProviders"
-    Request = ServiceProvidersRequest
-    Response = ServiceProvidersResponse
+    Request: TypeAlias = ServiceProvidersRequest
+    Response: TypeAlias = ServiceProvidersResponse
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -468,8 +468,8 @@ class ServiceRequestDetails(
     """rosapi/ServiceRequestDetails"""
 
     _type = "rosapi/ServiceRequestDetails"
-    Request = ServiceRequestDetailsRequest
-    Response = ServiceRequestDetailsResponse
+    Request: TypeAlias = ServiceRequestDetailsRequest
+    Response: TypeAlias = ServiceRequestDetailsResponse
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -496,8 +496,8 @@ class ServiceResponseDetails(
     """rosapi/ServiceResponseDetails"""
 
     _type = "rosapi/ServiceResponseDetails"
-    Request = ServiceResponseDetailsRequest
-    Response = ServiceResponseDetailsResponse
+    Request: TypeAlias = ServiceResponseDetailsRequest
+    Response: TypeAlias = ServiceResponseDetailsResponse
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -522,8 +522,8 @@ class ServiceType(ros.Service[ServiceTypeRequest, ServiceTypeResponse]):
     """rosapi/ServiceType"""
 
     _type = "rosapi/ServiceType"
-    Request = ServiceTypeRequest
-    Response = ServiceTypeResponse
+    Request: TypeAlias = ServiceTypeRequest
+    Response: TypeAlias = ServiceTypeResponse
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -546,8 +546,8 @@ class Services(ros.Service[ServicesRequest, ServicesResponse]):
     """rosapi/Services"""
 
     _type = "rosapi/Services"
-    Request = ServicesRequest
-    Response = ServicesResponse
+    Request: TypeAlias = ServicesRequest
+    Response: TypeAlias = ServicesResponse
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -572,8 +572,8 @@ class ServicesForType(ros.Service[ServicesForTypeRequest, ServicesForTypeRespons
     """rosapi/ServicesForType"""
 
     _type = "rosapi/ServicesForType"
-    Request = ServicesForTypeRequest
-    Response = ServicesForTypeResponse
+    Request: TypeAlias = ServicesForTypeRequest
+    Response: TypeAlias = ServicesForTypeResponse
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -597,8 +597,8 @@ class SetParam(ros.Service[SetParamRequest, SetParamResponse]):
     """rosapi/SetParam"""
 
     _type = "rosapi/SetParam"
-    Request = SetParamRequest
-    Response = SetParamResponse
+    Request: TypeAlias = SetParamRequest
+    Response: TypeAlias = SetParamResponse
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -623,8 +623,8 @@ class Subscribers(ros.Service[SubscribersRequest, SubscribersResponse]):
     """rosapi/Subscribers"""
 
     _type = "rosapi/Subscribers"
-    Request = SubscribersRequest
-    Response = SubscribersResponse
+    Request: TypeAlias = SubscribersRequest
+    Response: TypeAlias = SubscribersResponse
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -649,8 +649,8 @@ class TopicType(ros.Service[TopicTypeRequest, TopicTypeResponse]):
     """rosapi/TopicType"""
 
     _type = "rosapi/TopicType"
-    Request = TopicTypeRequest
-    Response = TopicTypeResponse
+    Request: TypeAlias = TopicTypeRequest
+    Response: TypeAlias = TopicTypeResponse
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -674,8 +674,8 @@ class Topics(ros.Service[TopicsRequest, TopicsResponse]):
     """rosapi/Topics"""
 
     _type = "rosapi/Topics"
-    Request = TopicsRequest
-    Response = TopicsResponse
+    Request: TypeAlias = TopicsRequest
+    Response: TypeAlias = TopicsResponse
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -700,8 +700,8 @@ class TopicsAndRawTypes(ros.Service[TopicsAndRawTypesRequest, TopicsAndRawTypesR
     """rosapi/TopicsAndRawTypes"""
 
     _type = "rosapi/TopicsAndRawTypes"
-    Request = TopicsAndRawTypesRequest
-    Response = TopicsAndRawTypesResponse
+    Request: TypeAlias = TopicsAndRawTypesRequest
+    Response: TypeAlias = TopicsAndRawTypesResponse
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -726,5 +726,5 @@ class TopicsForType(ros.Service[TopicsForTypeRequest, TopicsForTypeResponse]):
     """rosapi/TopicsForType"""
 
     _type = "rosapi/TopicsForType"
-    Request = TopicsForTypeRequest
-    Response = TopicsForTypeResponse
+    Request: TypeAlias = TopicsForTypeRequest
+    Response: TypeAlias = TopicsForTypeResponse

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import ClassVar, TypeAlias
 
 import fibws.interfaces as ros
 from fibws.msg import roscpp
@@ -39,8 +39,8 @@ class Empty(ros.Service[EmptyRequest, EmptyResponse]):
     """roscpp/Empty"""
 
     _type = "roscpp/Empty"
-    Request = EmptyRequest
-    Response = EmptyResponse
+    Request: TypeAlias = EmptyRequest
+    Response: TypeAlias = EmptyResponse
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -63,8 +63,8 @@ class GetLoggers(ros.Service[GetLoggersRequest, GetLoggersResponse]):
     """roscpp/GetLoggers"""
 
     _type = "roscpp/GetLoggers"
-    Request = GetLoggersRequest
-    Response = GetLoggersResponse
+    Request: TypeAlias = GetLoggersRequest
+    Response: TypeAlias = GetLoggersResponse
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -88,5 +88,5 @@ class SetLoggerLevel(ros.Service[SetLoggerLevelRequest, SetLoggerLevelResponse])
     """roscpp/SetLoggerLevel"""
 
     _type = "roscpp/SetLoggerLevel"
-    Request = SetLoggerLevelRequest
-    Response = SetLoggerLevelResponse
+    Request: TypeAlias = SetLoggerLevelRequest
+    Response: TypeAlias = SetLoggerLevelResponse

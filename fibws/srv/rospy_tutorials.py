@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, TypeAlias
 
 import fibws.interfaces as ros
 
@@ -40,8 +40,8 @@ class AddTwoInts(ros.Service[AddTwoIntsRequest, AddTwoIntsResponse]):
     """rospy_tutorials/AddTwoInts"""
 
     _type = "rospy_tutorials/AddTwoInts"
-    Request = AddTwoIntsRequest
-    Response = AddTwoIntsResponse
+    Request: TypeAlias = AddTwoIntsRequest
+    Response: TypeAlias = AddTwoIntsResponse
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -67,5 +67,5 @@ class BadTwoInts(ros.Service[BadTwoIntsRequest, BadTwoIntsResponse]):
     """rospy_tutorials/BadTwoInts"""
 
     _type = "rospy_tutorials/BadTwoInts"
-    Request = BadTwoIntsRequest
-    Response = BadTwoIntsResponse
+    Request: TypeAlias = BadTwoIntsRequest
+    Response: TypeAlias = BadTwoIntsResponse

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import ClassVar, TypeAlias
 
 import fibws.interfaces as ros
 from fibws.msg import sensor_msgs
@@ -38,5 +38,5 @@ class SetCameraInfo(ros.Service[SetCameraInfoRequest, SetCameraInfoResponse]):
     """sensor_msgs/SetCameraInfo"""
 
     _type = "sensor_msgs/SetCameraInfo"
-    Request = SetCameraInfoRequest
-    Response = SetCameraInfoResponse
+    Request: TypeAlias = SetCameraInfoRequest
+    Response: TypeAlias = SetCameraInfoResponse

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, TypeAlias
 
 import fibws.interfaces as ros
 
@@ -38,8 +38,8 @@ class Empty(ros.Service[EmptyRequest, EmptyResponse]):
     """std_srvs/Empty"""
 
     _type = "std_srvs/Empty"
-    Request = EmptyRequest
-    Response = EmptyResponse
+    Request: TypeAlias = EmptyRequest
+    Response: TypeAlias = EmptyResponse
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -65,8 +65,8 @@ class SetBool(ros.Service[SetBoolRequest, SetBoolResponse]):
     """std_srvs/SetBool"""
 
     _type = "std_srvs/SetBool"
-    Request = SetBoolRequest
-    Response = SetBoolResponse
+    Request: TypeAlias = SetBoolRequest
+    Response: TypeAlias = SetBoolResponse
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -90,5 +90,5 @@ class Trigger(ros.Service[TriggerRequest, TriggerResponse]):
     """std_srvs/Trigger"""
 
     _type = "std_srvs/Trigger"
-    Request = TriggerRequest
-    Response = TriggerResponse
+    Request: TypeAlias = TriggerRequest
+    Response: TypeAlias = TriggerResponse

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, TypeAlias
 
 import fibws.interfaces as ros
 
@@ -34,5 +34,5 @@ class FrameGraph(ros.Service[FrameGraphRequest, FrameGraphResponse]):
     """tf2_msgs/FrameGraph"""
 
     _type = "tf2_msgs/FrameGraph"
-    Request = FrameGraphRequest
-    Response = FrameGraphResponse
+    Request: TypeAlias = FrameGraphRequest
+    Response: TypeAlias = FrameGraphResponse

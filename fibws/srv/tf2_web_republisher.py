@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import ClassVar
+from typing import ClassVar, TypeAlias
 
 import fibws.interfaces as ros
 
@@ -41,5 +41,5 @@ class RepublishTFs(ros.Service[RepublishTFsRequest, RepublishTFsResponse]):
     """tf2_web_republisher/RepublishTFs"""
 
     _type = "tf2_web_republisher/RepublishTFs"
-    Request = RepublishTFsRequest
-    Response = RepublishTFsResponse
+    Request: TypeAlias = RepublishTFsRequest
+    Response: TypeAlias = RepublishTFsResponse
