@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from fibws.errors import (
         ActionError,
+        AlreadyOffered,
         FibwsError,
         HubUnreachable,
         InterfaceError,
@@ -18,24 +19,27 @@ if TYPE_CHECKING:
         NodeError,
         NodeReplaced,
         OperationRejected,
+        ParameterNotSet,
         ServiceError,
         ServiceLost,
         ServiceTimeout,
-        UnknownParameter,
+        UnknownService,
         WaitTimeout,
     )
     from fibws.interfaces import Action, Duration, Message, Service, Time
     from fibws.names import Remapping, parse_remappings
-    from fibws.node.actions.client import ActionClient, ClientGoal
-    from fibws.node.actions.goal import ServerGoal
-    from fibws.node.actions.server import ActionServer
+    from fibws.node.actions.client import ActionClient
+    from fibws.node.actions.client_goal import ClientGoal
+    from fibws.node.actions.over import Over
+    from fibws.node.actions.server import ActionServer, Execute
+    from fibws.node.actions.server_goal import ServerGoal
     from fibws.node.actions.status import GoalStatus
     from fibws.node.graph import Graph, NodeDetails
     from fibws.node.node import Node
     from fibws.node.params import Params
     from fibws.node.publisher import Publisher
     from fibws.node.rate import Rate
-    from fibws.node.service import ServiceServer
+    from fibws.node.service import Handler, ServiceServer
     from fibws.node.subscription import Subscription
 
 __version__ = "0.1.0"
@@ -43,6 +47,7 @@ __version__ = "0.1.0"
 _HOMES = {
     "fibws.errors": (
         "ActionError",
+        "AlreadyOffered",
         "FibwsError",
         "HubUnreachable",
         "InterfaceError",
@@ -53,24 +58,27 @@ _HOMES = {
         "NodeError",
         "NodeReplaced",
         "OperationRejected",
+        "ParameterNotSet",
         "ServiceError",
         "ServiceLost",
         "ServiceTimeout",
-        "UnknownParameter",
+        "UnknownService",
         "WaitTimeout",
     ),
     "fibws.interfaces": ("Action", "Duration", "Message", "Service", "Time"),
     "fibws.names": ("Remapping", "parse_remappings"),
-    "fibws.node.actions.client": ("ActionClient", "ClientGoal"),
-    "fibws.node.actions.goal": ("ServerGoal",),
-    "fibws.node.actions.server": ("ActionServer",),
+    "fibws.node.actions.client": ("ActionClient",),
+    "fibws.node.actions.client_goal": ("ClientGoal",),
+    "fibws.node.actions.over": ("Over",),
+    "fibws.node.actions.server": ("ActionServer", "Execute"),
+    "fibws.node.actions.server_goal": ("ServerGoal",),
     "fibws.node.actions.status": ("GoalStatus",),
     "fibws.node.graph": ("Graph", "NodeDetails"),
     "fibws.node.node": ("Node",),
     "fibws.node.params": ("Params",),
     "fibws.node.publisher": ("Publisher",),
     "fibws.node.rate": ("Rate",),
-    "fibws.node.service": ("ServiceServer",),
+    "fibws.node.service": ("Handler", "ServiceServer"),
     "fibws.node.subscription": ("Subscription",),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
@@ -80,11 +88,14 @@ __all__ = [
     "ActionClient",
     "ActionError",
     "ActionServer",
+    "AlreadyOffered",
     "ClientGoal",
     "Duration",
+    "Execute",
     "FibwsError",
     "GoalStatus",
     "Graph",
+    "Handler",
     "HubUnreachable",
     "InterfaceError",
     "InvalidAddress",
@@ -97,6 +108,8 @@ __all__ = [
     "NodeError",
     "NodeReplaced",
     "OperationRejected",
+    "Over",
+    "ParameterNotSet",
     "Params",
     "Publisher",
     "Rate",
@@ -109,7 +122,7 @@ __all__ = [
     "ServiceTimeout",
     "Subscription",
     "Time",
-    "UnknownParameter",
+    "UnknownService",
     "WaitTimeout",
     "__version__",
     "parse_remappings",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal
 
 import click
 
@@ -15,7 +14,7 @@ ACTIONS = {"topics": "actionlib_tutorials/Fibonacci", "operations": "example_int
 """The action's type in each of the two ROS."""
 
 
-async def ask(node: fibws.Node, order: int, over: Literal["topics", "operations"]) -> None:
+async def ask(node: fibws.Node, order: int, over: fibws.Over) -> None:
     """Print the numbers as the server comes to them, and the result."""
     client = node.action_client("fibonacci", ACTIONS[over], over=over)
     click.echo("Waiting for action server to start.")
@@ -46,7 +45,7 @@ def listed(numbers: Sequence[int]) -> str:
     show_default=True,
     help="How to ask.  topics: as ROS 1's actionlib.  operations: as rosbridge does for ROS 2.",
 )
-def command(node: fibws.Node, order: int, over: Literal["topics", "operations"]) -> None:
+def command(node: fibws.Node, order: int, over: fibws.Over) -> None:
     """Send the action fibonacci a goal of ORDER; Ctrl-C cancels it.
 
     FROM:=TO renames the action (fibonacci:=numbers), the node (__name:=asker) or its namespace

@@ -25,15 +25,16 @@ LAST = 46
 """F(46) = 1836311903 is the last number that fits an int32."""
 
 
-def check(order: int, last: int) -> None:
-    """Refuse an order without a sequence, which would end with F(``last``).
+def fault(order: int, last: int) -> str | None:
+    """Why there is no sequence of this order, which would end with F(``last``), if there is none.
 
-    The error that this raises is what the goal's client is told.
+    It is what the goal's client is told.
     """
     if order < 0:
-        raise ValueError(f"order {order} is negative")
+        return f"order {order} is negative"
     if last > LAST:
-        raise ValueError(f"order {order} is too large: F({last}) does not fit an int32")
+        return f"order {order} is too large: F({last}) does not fit an int32"
+    return None
 
 
 async def serve_ros1(node: fibws.Node, rate: float) -> None:
@@ -41,7 +42,9 @@ async def serve_ros1(node: fibws.Node, rate: float) -> None:
 
     async def execute(goal: Ros1Goal) -> ros1.FibonacciResult:
         order = goal.request.order
-        check(order, last=order + 1)
+        if (reason := fault(order, last=order + 1)) is not None:
+            node.log.warning("fibonacci: Aborted, %s", reason)
+            return goal.aborted(text=reason)
         sequence = [0, 1]
         node.log.info(
             "fibonacci: Executing, creating fibonacci sequence of order %d with seeds %d, %d",
@@ -52,8 +55,8 @@ async def serve_ros1(node: fibws.Node, rate: float) -> None:
                 node.log.info("fibonacci: Preempted")
                 return goal.canceled()
             sequence.append(sequence[-1] + sequence[-2])
-            await goal.feedback(ros1.FibonacciFeedback(sequence))
-            await goal.cancellation(within=1 / rate)
+            await goal.publish_feedback(ros1.FibonacciFeedback(sequence))
+            await goal.cancellation(timeout=1 / rate)
         node.log.info("fibonacci: Succeeded")
         return ros1.FibonacciResult(sequence)
 
@@ -68,7 +71,9 @@ async def serve_ros2(node: fibws.Node, rate: float) -> None:
 
     async def execute(goal: Ros2Goal) -> ros2.FibonacciResult:
         order = goal.request.order
-        check(order, last=order)
+        if (reason := fault(order, last=order)) is not None:
+            node.log.warning("Goal aborted: %s", reason)
+            return goal.aborted(text=reason)
         node.log.info("Executing goal...")
         sequence = [0, 1]
         for _ in range(1, order):
@@ -77,8 +82,8 @@ async def serve_ros2(node: fibws.Node, rate: float) -> None:
                 return goal.canceled()
             sequence.append(sequence[-1] + sequence[-2])
             node.log.info("Feedback: %s", sequence)
-            await goal.feedback(ros2.FibonacciFeedback(sequence))
-            await goal.cancellation(within=1 / rate)
+            await goal.publish_feedback(ros2.FibonacciFeedback(sequence))
+            await goal.cancellation(timeout=1 / rate)
         return ros2.FibonacciResult(sequence)
 
     server = await node.action_server(
@@ -88,7 +93,7 @@ async def serve_ros2(node: fibws.Node, rate: float) -> None:
 
 
 @click.command(context_settings=options.SETTINGS)
-@options.node("fibonacci_action_server")
+@options.node("fibonacci_action_server", anonymous=False)
 @options.rate
 def command(node: fibws.Node, rate: float) -> None:
     """Give the Fibonacci numbers up to the order that a goal of the action fibonacci asks for.

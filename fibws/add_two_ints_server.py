@@ -25,7 +25,7 @@ async def serve(node: fibws.Node) -> None:
 
 
 @click.command(context_settings=options.SETTINGS)
-@options.node("add_two_ints_server")
+@options.node("add_two_ints_server", anonymous=False)
 def command(node: fibws.Node) -> None:
     """Add two integers for whoever calls the service add_two_ints.
 

@@ -21,22 +21,24 @@ FibwsError
 │   ├── ParameterNotSet        there is no such parameter
 │   └── ParametersFull         there is no room for so much
 ├── HubError               the hub cannot start or go on
-└── NodeError              a node cannot go on
+└── NodeError              what a node was asked for was in vain, or it cannot go on
     ├── InvalidAddress         what should say where the hub is does not
     ├── HubUnreachable         the hub is there and will not have this node, or never can be
     ├── OperationRejected      the hub refused what the node asked for
+    ├── AlreadyOffered         the node offers a service or an action of this name already
     ├── ServiceError           a service was called in vain
+    │   ├── UnknownService         nobody offers it
     │   ├── ServiceTimeout         there was no answer in time
     │   └── ServiceLost            the connection broke before there was an answer
     ├── ActionError            a goal did not succeed
     ├── WaitTimeout            what was waited for did not come in time
-    ├── UnknownParameter       there is no parameter of that name
     ├── NodeReplaced           another node took this node's name
     └── NodeClosed             the node was used after its end
 """
 
 from __future__ import annotations
 
+import re
 from enum import IntEnum
 from typing import Any
 
@@ -171,12 +173,14 @@ class ParameterError(FibwsError):
     """What cannot be done with a parameter; the text says which and why."""
 
 
-class ParameterNotSet(ParameterError, LookupError):
-    """There is no such parameter."""
+class ParameterNotSet(ParameterError, KeyError):
+    """There is no such parameter; rospy raises a KeyError, too."""
 
     def __init__(self, name: str) -> None:
         self.name = name
         super().__init__(f"Parameter [{name}] is not set")
+
+    __str__ = Exception.__str__  # KeyError's own writes the text as a key.
 
 
 class ParametersFull(ParameterError):
@@ -197,7 +201,7 @@ class HubError(FibwsError):
 
 
 class NodeError(FibwsError):
-    """A node cannot go on."""
+    """What a node was asked for was in vain, or the node cannot go on."""
 
 
 class InvalidAddress(NodeError, ValueError):
@@ -222,13 +226,26 @@ class OperationRejected(NodeError):
     """The hub refused what the node asked for; the text is the hub's own."""
 
 
+class AlreadyOffered(NodeError, ValueError):
+    """The node offers a service, or serves an action, of this name already."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        super().__init__(f"{name}: this node offers it already")
+
+
 class ServiceError(NodeError):
     """A service was called in vain: its provider, or the hub, says in ``text`` why."""
 
     def __init__(self, service: str, text: str) -> None:
         self.service = service
         self.text = text
-        super().__init__(text if service in text else f"{service}: {text}")
+        is_named = re.search(rf"(?<![\w/]){re.escape(service)}(?![\w/])", text)
+        super().__init__(text if is_named else f"{service}: {text}")
+
+
+class UnknownService(ServiceError, LookupError):
+    """Nobody offers the service: there is nobody yet, or the name is mistaken."""
 
 
 class ServiceTimeout(ServiceError, TimeoutError):
@@ -262,16 +279,6 @@ class ActionError(NodeError):
 
 class WaitTimeout(NodeError, TimeoutError):
     """What was waited for did not come in time."""
-
-
-class UnknownParameter(NodeError, KeyError):
-    """There is no parameter of that name."""
-
-    def __init__(self, name: str) -> None:
-        self.name = name
-        super().__init__(f"There is no parameter {name}")
-
-    __str__ = Exception.__str__  # KeyError's own writes the text as a key.
 
 
 class NodeReplaced(NodeError):

@@ -6,6 +6,7 @@ import asyncio
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias
+from weakref import WeakValueDictionary
 
 from fibws.errors import (
     InvalidMessage,
@@ -14,6 +15,7 @@ from fibws.errors import (
     ServiceError,
     ServiceLost,
     ServiceTimeout,
+    UnknownService,
 )
 from fibws.interfaces import Service
 from fibws.interfaces.bases import Req, Res
@@ -23,6 +25,9 @@ from fibws.node.session import Session
 from fibws.node.types import Types
 from fibws.protocol.operations import CallService, Reply, ServiceResponse
 from fibws.protocol.parsing import quoted
+
+MOST_CALLS = 500
+"""How many calls of one service wait for answers at once; the hub bounds those of all (1000)."""
 
 SHORTEST_TIMEOUT = 0.001
 """Seconds that the hub is given at least: it takes 0 for no limit of ours."""
@@ -47,6 +52,8 @@ class Calls(Part):
         self._session = session
         self._types = types
         self._waiting: dict[str, _Call] = {}
+        # One for each service: calls that a handler makes must not wait for those of the handler.
+        self._turns: WeakValueDictionary[str, asyncio.Semaphore] = WeakValueDictionary()
         session.join(self)
 
     def __len__(self) -> int:
@@ -74,23 +81,26 @@ class Calls(Part):
         end = loop.time() + within if within is not None else None
         id_ = self._session.id("call_service", service)
         try:
-            async with asyncio.timeout_at(end):
+            async with asyncio.timeout_at(end), self._turn(service):
                 await self._session.hub()
                 call = self._waiting[id_] = _Call(service, loop.create_future())
                 left = max(end - loop.time(), SHORTEST_TIMEOUT) if end is not None else None
                 self._session.say(CallService(id=id_, service=service, args=args, timeout=left))
                 outcome = await call.outcome
         except TimeoutError:
-            fault = "no answer" if id_ in self._waiting else "no hub to ask"
+            asked = id_ in self._waiting or self._session.outbox.connected
+            fault = "no answer" if asked else "no hub to ask"
             raise ServiceTimeout(service, f"{fault} within {within:g} s") from None
         finally:
             self._waiting.pop(id_, None)
         if isinstance(outcome, Exception):
             tell(outcome)
         if not outcome.result:
-            text = outcome.values
-            raise ServiceError(service, text if isinstance(text, str) else quoted(text))
+            raise _failure(service, outcome.values)
         return outcome.values
+
+    def _turn(self, service: str) -> asyncio.Semaphore:
+        return self._turns.setdefault(service, asyncio.Semaphore(MOST_CALLS))
 
     def receive(self, reply: Reply) -> bool:
         """Take an answer; it may come late, when nobody waits for it any more."""
@@ -116,3 +126,13 @@ class Calls(Part):
         """Let all callers know."""
         for call in self._waiting.values():
             call.settle(fault or NodeClosed("the node has ended"))
+
+
+def _failure(service: str, values: Any) -> ServiceError:
+    """What a response means that is none; rosbridge has no codes for it, only our hub's texts."""
+    text = values if isinstance(values, str) else quoted(values)
+    if text == f"Service {service} does not exist":
+        return UnknownService(service, text)
+    if text.startswith(f"Service {service} did not answer within "):
+        return ServiceTimeout(service, text)
+    return ServiceError(service, text)

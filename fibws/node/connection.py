@@ -55,6 +55,7 @@ class Connection:
         Raises:
             HubUnreachable: it never will.
         """
+        self._session.begin()
         self._task = asyncio.create_task(self._run(), name=f"connection of {self._node}")
         try:
             await self._answered.wait()
@@ -105,8 +106,6 @@ class Connection:
         loop = asyncio.get_running_loop()
         began = loop.time()
         closed = await self._converse(websocket)
-        if closed.rcvd is not None and closed.rcvd.code == REPLACED.code:
-            raise NodeReplaced(f"another node took the name {self._node}")
         if not self._session.over:
             reason = closed.rcvd.reason if closed.rcvd is not None else ""
             self._missing(reason or str(closed))
@@ -143,8 +142,14 @@ class Connection:
             self._found()
             while True:
                 self._session.receive(await websocket.recv(decode=False))
+                # recv() returns at once while frames are left of what the socket had: without this
+                # a burst would fill the readers' queues before any of them had a turn.
+                await asyncio.sleep(0)
         except ConnectionClosed as closed:
             reason = closed
+            if closed.rcvd is not None and closed.rcvd.code == REPLACED.code:
+                # Before the connection's loss is told, which would fail what waits for answers.
+                self._session.end(NodeReplaced(f"another node took the name {self._node}"))
         finally:
             self._session.lose()
             writer.cancel()

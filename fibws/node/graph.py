@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from fibws.node.rosapi import Rosapi
@@ -12,12 +13,12 @@ from fibws.srv import rosapi
 class NodeDetails:
     """What one node does: the names of its topics and services."""
 
-    publishing: tuple[str, ...]
-    subscribing: tuple[str, ...]
-    services: tuple[str, ...]
+    publishing: list[str]
+    subscribing: list[str]
+    services: list[str]
 
 
-class Graph(Rosapi):
+class Graph:
     """The graph as it is at the moment. Names are resolved as all others.
 
     What the hub does not know has no type, no node and empty lists. While there is no hub, all of
@@ -29,6 +30,10 @@ class Graph(Rosapi):
         NodeClosed: the node has ended.
     """
 
+    def __init__(self, rosapi: Rosapi, resolve: Callable[[str], str]) -> None:
+        self._ask = rosapi.ask
+        self._resolve = resolve
+
     async def nodes(self) -> list[str]:
         """The names of all nodes."""
         return (await self._ask("nodes", rosapi.Nodes)).nodes
@@ -36,11 +41,7 @@ class Graph(Rosapi):
     async def node(self, name: str) -> NodeDetails:
         """What one node does."""
         answer = await self._ask("node_details", rosapi.NodeDetails, node=self._resolve(name))
-        return NodeDetails(
-            publishing=tuple(answer.publishing),
-            subscribing=tuple(answer.subscribing),
-            services=tuple(answer.services),
-        )
+        return NodeDetails(answer.publishing, answer.subscribing, answer.services)
 
     async def topics(self) -> dict[str, str]:
         """The types of all topics by name: ``""`` where nobody said it yet."""

@@ -8,11 +8,13 @@ import sys
 from string import Template
 from typing import TextIO
 
+from fibws.node.levels import LEVELS
+
 FORMAT = "[${severity}] [${time}]: ${message}"
 """How rospy prints a line when ROSCONSOLE_FORMAT does not say otherwise."""
 
 _TEXT = logging.Formatter()
-_NAMES = {logging.WARNING: "WARN", logging.CRITICAL: "FATAL"}
+_NAMES = {each.python: each.name.upper() for each in LEVELS}
 _RESET = "\033[0m"
 
 

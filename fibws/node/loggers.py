@@ -6,7 +6,7 @@ import logging
 from collections.abc import Callable
 
 from fibws.msg.roscpp import Logger
-from fibws.node.rosout import level
+from fibws.node.levels import LEVELS, level
 from fibws.node.services import Services
 from fibws.srv.roscpp import (
     GetLoggers,
@@ -20,15 +20,6 @@ from fibws.srv.roscpp import (
 NAME = "rosout"
 """What rospy calls the logger of a node's own lines."""
 
-LEVELS = {
-    "debug": logging.DEBUG,
-    "info": logging.INFO,
-    "warn": logging.WARNING,
-    "error": logging.ERROR,
-    "fatal": logging.CRITICAL,
-}
-"""What http://wiki.ros.org/Verbosity%20Levels calls Python's levels."""
-
 
 class Loggers:
     """Offers ``~get_loggers`` and ``~set_logger_level``, as every ROS node does."""
@@ -41,14 +32,13 @@ class Loggers:
         services.serve(resolve("~set_logger_level"), SetLoggerLevel, self._set)
 
     def _get(self, request: GetLoggersRequest) -> GetLoggersResponse:
-        now = level(self._log.level)
-        name = next(name for name, number in LEVELS.items() if level(number) == now)
-        return GetLoggersResponse([Logger(NAME, name)])
+        return GetLoggersResponse([Logger(NAME, level(self._log.level).name)])
 
     def _set(self, request: SetLoggerLevelRequest) -> SetLoggerLevelResponse:
         if request.logger not in (NAME, self._log.name):
             raise ValueError(f"there is no logger {request.logger!r} here but {NAME!r}")
-        if request.level.lower() not in LEVELS:
-            raise ValueError(f"{request.level!r} is no level: say one of {', '.join(LEVELS)}")
-        self._log.setLevel(LEVELS[request.level.lower()])
+        levels = {each.name: each.python for each in LEVELS}
+        if request.level.lower() not in levels:
+            raise ValueError(f"{request.level!r} is no level: say one of {', '.join(levels)}")
+        self._log.setLevel(levels[request.level.lower()])
         return SetLoggerLevelResponse()

@@ -21,6 +21,7 @@ from fibws.node.log import FORMAT, node_log
 from fibws.node.loggers import Loggers
 from fibws.node.publisher import P, Publisher
 from fibws.node.rate import Rate
+from fibws.node.rosapi import Rosapi
 from fibws.node.rosout import Rosout
 from fibws.node.service import Handler, ServiceServer
 from fibws.node.services import Services
@@ -50,6 +51,12 @@ class Node:
     Entering, which is done once, waits until the hub answers. Leaving sends what still waits if
     that takes no more than 0.6 s, and logs a warning with the number of messages that were not. In
     between the node finds its hub again whenever that goes away, and registers with it as before.
+
+    All names that a node is given are resolved and remapped as ROS does it
+    (http://wiki.ros.org/Names). Beside the errors that each of its methods names there may be
+    `InvalidName` for a name that is not legal, `InterfaceError` for a type that nobody defined, and
+    `NodeClosed` once the node has ended, or what ended it. What waits for the hub, and is called
+    before the node is entered, raises RuntimeError.
 
     Args:
         name: a name with no namespace in it; a remapping of ``__name`` goes before it.
@@ -118,14 +125,14 @@ class Node:
         """The parameters that all nodes share."""
         from fibws.node.params import Params  # Its types take 10 ms to load, and few nodes use it.
 
-        return Params(self._calls, self.resolve)
+        return Params(Rosapi(self._calls), self.resolve)
 
     @cached_property
     def graph(self) -> Graph:
         """What is known of the other nodes, of topics and services."""
         from fibws.node.graph import Graph  # As for params.
 
-        return Graph(self._calls, self.resolve)
+        return Graph(Rosapi(self._calls), self.resolve)
 
     def now(self) -> Time:
         """The time of day."""
@@ -149,17 +156,14 @@ class Node:
         If the hub refuses, the next publish raises OperationRejected.
 
         Args:
-            topic: its name, which is resolved and remapped.
+            topic: its name.
             type: a message class, or a type's name such as ``"std_msgs/Int32"``.
             queue_size: how many messages are kept while there is no hub.
             latch: whether the hub keeps the last message for those who subscribe later. It is
                 published anew after each reconnection, so listeners may hear it again.
 
         Raises:
-            InvalidName: the topic's name is not legal.
-            InterfaceError: there is no such type.
             ValueError: ``queue_size`` is less than 1.
-            NodeClosed: the node has ended.
         """
         check_queue_size(queue_size)
         topic = self.resolve(topic)
@@ -174,7 +178,7 @@ class Node:
             definition=self._types.definition(name),
         )
         advertisement = self._topics.advertise(operation)
-        return Publisher(self._topics, advertisement, message_class, self._types.validate(name))
+        return Publisher(self._topics, advertisement, self._types.wire(message_class))
 
     @overload
     def subscribe(self, topic: str, type: type[M], *, queue_size: int = ...) -> Subscription[M]: ...
@@ -190,15 +194,12 @@ class Node:
         If the hub refuses, the reading raises OperationRejected.
 
         Args:
-            topic: its name, which is resolved and remapped.
+            topic: its name.
             type: a message class, or a type's name such as ``"std_msgs/Int32"``.
             queue_size: how many messages wait for a slow reader; then the newest ones stay.
 
         Raises:
-            InvalidName: the topic's name is not legal.
-            InterfaceError: there is no such type.
             ValueError: ``queue_size`` is less than 1.
-            NodeClosed: the node has ended.
         """
         check_queue_size(queue_size)
         topic = self.resolve(topic)
@@ -213,7 +214,7 @@ class Node:
             operation,
             message_class._type,
             queue_size,
-            self._types.reader(message_class),
+            self._types.wire(message_class).read,
             self._topics.unsubscribe,
             self.log,
         )
@@ -222,42 +223,27 @@ class Node:
 
     @overload
     async def wait_for_message(
-        self,
-        topic: str,
-        type: type[M],
-        *,
-        timeout: float | None = ...,
+        self, topic: str, type: type[M], *, timeout: float | None = ...
     ) -> M: ...
 
     @overload
     async def wait_for_message(
-        self,
-        topic: str,
-        type: str,
-        *,
-        timeout: float | None = ...,
+        self, topic: str, type: str, *, timeout: float | None = ...
     ) -> Any: ...
 
     async def wait_for_message(
-        self,
-        topic: str,
-        type: type[Any] | str,
-        *,
-        timeout: float | None = None,
+        self, topic: str, type: type[Any] | str, *, timeout: float | None = None
     ) -> Any:
         """Wait for the next message on a topic, on a hub that may not be there yet either.
 
         Args:
-            topic: its name, which is resolved and remapped.
+            topic: its name.
             type: a message class, or a type's name such as ``"std_msgs/Int32"``.
             timeout: the most seconds to wait; None for ever.
 
         Raises:
             WaitTimeout: they have passed. It is a TimeoutError, too.
             OperationRejected: the hub refuses.
-            InvalidName: the topic's name is not legal.
-            InterfaceError: there is no such type.
-            NodeClosed: the node has ended.
         """
         check_timeout(timeout)
         return await wait_for_message(self.subscribe(topic, type, queue_size=1), timeout)
@@ -279,21 +265,20 @@ class Node:
 
         Each call is answered in a task of its own, which the end of the service or of the node
         cancels. If the handler raises, the caller is told ``error processing request: ...``, the
-        log has a line of it, and the service goes on. If the hub refuses the service, the log says
-        so and `ServiceServer.spin` raises OperationRejected.
+        log has the traceback, and the service goes on. A BrokenPipeError ends the node, whose
+        `spin` raises it, since nobody reads the program's output any more. If the hub refuses the
+        service, the log says so and `ServiceServer.spin` raises OperationRejected.
 
         Args:
-            name: its name, which is resolved and remapped.
+            name: its name.
             type: a service class, or a type's name such as ``"rospy_tutorials/AddTwoInts"``.
             handler: is given the request, and returns the response: whole, or its fields as a dict
                 or a tuple, or the value of its only field. It may be async; if it is not, the node
                 does nothing else until it returns.
 
         Raises:
-            InvalidName: the service's name is not legal.
-            InterfaceError: there is no such type.
-            ServiceError: this node offers the service already.
-            NodeClosed: the node has ended.
+            AlreadyOffered: this node offers the service already. It is a ValueError, too.
+            TypeError: the handler is no function.
         """
         return self._services.serve(self.resolve(name), self._types.service_class(type), handler)
 
@@ -328,7 +313,7 @@ class Node:
         """Call a service and return its response. Without a hub it waits until there is one.
 
         Args:
-            name: its name, which is resolved and remapped.
+            name: its name.
             type: a service class, or a type's name such as ``"rospy_tutorials/AddTwoInts"``.
             request: a message, or a dict of its fields; None for the type's defaults.
             timeout: seconds after which the caller waits no more; the hub is told them, too. With
@@ -337,33 +322,24 @@ class Node:
         Raises:
             InvalidMessage: a field of the request does not fit the type.
             TypeError: the request is a message of another class.
-            ServiceError: there is no such service, or it failed, with its own text.
+            UnknownService: nobody offers the service.
+            ServiceError: it failed; the text is its own, or the hub's.
             ServiceTimeout: there was no answer in time. It is a TimeoutError, too.
             ServiceLost: the connection broke before the answer; nobody knows what was done.
-            InvalidName: the service's name is not legal.
-            InterfaceError: there is no such type.
-            NodeClosed: the node has ended.
         """
         check_timeout(timeout)
         service = self._types.service_class(type)
         return await self._calls.call(self.resolve(name), service, request, within=timeout)
 
-    async def wait_for_service(
-        self,
-        name: str,
-        *,
-        timeout: float | None = None,
-    ) -> None:
+    async def wait_for_service(self, name: str, *, timeout: float | None = None) -> None:
         """Wait until somebody offers a service, on a hub that may not be there yet either.
 
         Args:
-            name: its name, which is resolved and remapped.
+            name: its name.
             timeout: the most seconds to wait; None for ever.
 
         Raises:
             WaitTimeout: they have passed. It is a TimeoutError, too.
-            InvalidName: the service's name is not legal.
-            NodeClosed: the node has ended.
         """
         check_timeout(timeout)
         await wait_for_service(self.resolve(name), self.graph, self._session, timeout)
@@ -402,12 +378,13 @@ class Node:
         """Begin to pursue the goals of an action.
 
         Each goal is pursued in a task of its own, which the end of the server or of the node
-        cancels. If ``execute`` raises, the goal is aborted with the error's text, the log has a
-        line of it, and the server goes on. If the hub refuses the server, the log says so and
-        `ActionServer.spin` raises OperationRejected.
+        cancels. If ``execute`` raises, the goal is aborted with the error's text, the log has the
+        traceback, and the server goes on; a BrokenPipeError ends the node, as with `service`. If
+        the hub refuses the server, the log says so and `ActionServer.spin` raises
+        OperationRejected.
 
         Args:
-            name: its name, which is resolved and remapped.
+            name: its name.
             type: an action class, or a type's name such as ``"actionlib_tutorials/Fibonacci"``.
             execute: an async function that is given a `ServerGoal` and returns the result.
             over: how goals come: by the ``"topics"`` of ROS 1's actionlib, or by the
@@ -417,11 +394,8 @@ class Node:
                 programs of either ROS: not over topics (SimpleActionServer), but over operations.
 
         Raises:
-            InvalidName: the action's name is not legal.
-            InterfaceError: there is no such type.
             ValueError: there is no such way as ``over``.
-            NodeError: this node serves the action already.
-            NodeClosed: the node has ended.
+            AlreadyOffered: this node serves the action already. It is a ValueError, too.
         """
         from fibws.node.actions.over import serve
 
@@ -444,15 +418,12 @@ class Node:
         """Get ready to send goals to an action.
 
         Args:
-            name: its name, which is resolved and remapped.
+            name: its name.
             type: an action class, or a type's name such as ``"actionlib_tutorials/Fibonacci"``.
             over: how goals go, as with `action_server`.
 
         Raises:
-            InvalidName: the action's name is not legal.
-            InterfaceError: there is no such type.
             ValueError: there is no such way as ``over``.
-            NodeClosed: the node has ended.
         """
         from fibws.node.actions.over import client
 
@@ -476,7 +447,11 @@ class Node:
         return Rate(hz, self._session.ended)
 
     async def spin(self) -> None:
-        """Wait until the node ends; raise the reason if it was not the program's own doing."""
+        """Wait until the node ends; raise the reason if it was not the program's own doing.
+
+        Once the program has ended the node itself, this returns, and so does every ``async for`` of
+        it, while whoever waits for one thing (`wait_for_message`, `call`) has NodeClosed raised.
+        """
         await self._session.ended()
 
     async def __aenter__(self) -> Self:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections import Counter, OrderedDict, deque
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from fibws.errors import NodeError
@@ -21,6 +22,8 @@ class Advertisement:
     """One publisher's registration, and what of its messages waits."""
 
     operation: Advertise
+    refused: Callable[[NodeError], None] | None = None
+    """Is told if the hub does not let this node have the topic."""
     waiting: deque[int] = field(default_factory=deque)
     latched: bytes | None = None
     dropped: int = 0

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from typing import Any
 
-from fibws.errors import UnknownParameter
+from fibws import names
+from fibws.errors import InvalidName, ParameterNotSet
 from fibws.node.rosapi import Rosapi
 from fibws.srv import rosapi
 
@@ -13,7 +15,7 @@ _MISSING = object()
 _ROOT = "/"
 
 
-class Params(Rosapi):
+class Params:
     """The parameters that all nodes share: a tree of values, which lasts as long as the hub.
 
     Names are resolved as all others: ``gain`` belongs to the node's namespace, ``~gain`` to the
@@ -26,11 +28,15 @@ class Params(Rosapi):
         NodeClosed: the node has ended.
     """
 
+    def __init__(self, rosapi: Rosapi, resolve: Callable[[str], str]) -> None:
+        self._ask = rosapi.ask
+        self._resolve = resolve
+
     async def get(self, name: str, default: Any = _MISSING) -> Any:
         """The value of a parameter, or all of a namespace as a dict; or else the default.
 
         Raises:
-            UnknownParameter: there is neither.
+            ParameterNotSet: there is neither. It is a KeyError, too.
         """
         name = self._global(name)
         answer = await self._ask("get_param", rosapi.GetParam, name=name, default="null")
@@ -38,15 +44,17 @@ class Params(Rosapi):
         if value is not None:
             return value
         if default is _MISSING:
-            raise UnknownParameter(name)
+            raise ParameterNotSet(name)
         return default
 
     async def set(self, name: str, value: Any) -> None:
         """Set a parameter; a dict takes the place of a whole namespace.
 
         Raises:
-            TypeError, ValueError: JSON cannot hold the value.
+            TypeError, ValueError: JSON cannot hold the value, or it is None.
         """
+        if value is None:
+            raise ValueError(f"parameter {name}: None is no value; delete() makes it unset")
         text = json.dumps(value, allow_nan=False)
         await self._ask("set_param", rosapi.SetParam, name=self._global(name), value=text)
 
@@ -62,8 +70,11 @@ class Params(Rosapi):
     async def search(self, name: str) -> str | None:
         """The global name of the nearest parameter of this name.
 
-        It is looked for in the node's own namespace (``/robot/talker``), then in each above.
+        It is looked for in the node's own namespace (``/robot/talker``), then in each above. A
+        global name stands for itself; a private one is an InvalidName.
         """
+        if names.check(name).startswith("~"):
+            raise InvalidName(name, "a private name cannot be searched for")
         answer = await self._ask("search_param", rosapi.SearchParam, name=name)
         return answer.global_name or None
 

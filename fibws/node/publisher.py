@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any, Generic, Self, TypeVar, overload
 
 from typing_extensions import ParamSpec
@@ -10,6 +9,7 @@ from typing_extensions import ParamSpec
 from fibws.interfaces import Message
 from fibws.node.outbox import Advertisement
 from fibws.node.topics import Topics
+from fibws.node.wire import Wire
 from fibws.protocol.operations import Publish, encode
 
 M = TypeVar("M", bound=Message)
@@ -27,13 +27,11 @@ class Publisher(Generic[M, P]):
         self,
         topics: Topics,
         advertisement: Advertisement,
-        message_class: type[M],
-        validate: Callable[[Any], dict[str, Any]],
+        wire: Wire[M],
     ) -> None:
         self._topics = topics
         self._advertisement = advertisement
-        self._class = message_class
-        self._validate = validate
+        self._wire = wire
 
     def __repr__(self) -> str:
         return f"<Publisher {self.topic} [{self.type}]>"
@@ -73,8 +71,8 @@ class Publisher(Generic[M, P]):
             OperationRejected: the hub refused the topic, so that nobody can hear this.
             NodeClosed: the publisher or its node was closed.
         """
-        message = self._message(fields, named)
-        text = encode(Publish(topic=self.topic, msg=self._validate(message.to_dict())))
+        message = self._wire.write(self._message(fields, named))
+        text = encode(Publish(topic=self.topic, msg=message))
         await self._topics.room()
         self._topics.publish(self._advertisement, text)
 
@@ -88,11 +86,9 @@ class Publisher(Generic[M, P]):
     async def __aexit__(self, *error: object) -> None:
         self.close()
 
-    def _message(self, fields: tuple[Any, ...], named: dict[str, Any]) -> Message:
+    def _message(self, fields: tuple[Any, ...], named: dict[str, Any]) -> Any:
         if fields and named:
             raise TypeError("publish() can be called with arguments or keywords, but not both.")
         if len(fields) == 1 and isinstance(fields[0], Message):
-            if not isinstance(fields[0], self._class):
-                raise TypeError(f"expected [{self.type}] but got [{fields[0]._type}]")
             return fields[0]
-        return self._class(*fields, **named)
+        return self._wire.message_class(*fields, **named)

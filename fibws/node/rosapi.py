@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 from fibws.interfaces import Service
@@ -15,12 +14,11 @@ class Rosapi:
 
     Args:
         calls: the node's.
-        resolve: gives the global name that a name stands for in the node.
     """
 
-    def __init__(self, calls: Calls, resolve: Callable[[str], str]) -> None:
+    def __init__(self, calls: Calls) -> None:
         self._calls = calls
-        self._resolve = resolve
 
-    async def _ask(self, service: str, type_: type[Service[Req, Res]], /, **request: Any) -> Res:
+    async def ask(self, service: str, type_: type[Service[Req, Res]], /, **request: Any) -> Res:
+        """Call ``/rosapi/<service>`` with a request of these fields; see `Node.call`."""
         return await self._calls.call(f"/rosapi/{service}", type_, request)

@@ -7,6 +7,8 @@ import logging
 from contextlib import suppress
 from typing import Any
 
+from fibws.node.levels import level
+from fibws.node.text import sendable
 from fibws.node.topics import Topics
 from fibws.protocol.operations import Advertise, Publish, encode
 
@@ -51,10 +53,10 @@ class Rosout(logging.Handler):
         secs, nsecs = divmod(round(record.created * 1e9), 1_000_000_000)
         return {
             "header": {"seq": 0, "stamp": {"secs": secs, "nsecs": nsecs}, "frame_id": ""},
-            "level": level(record.levelno),
+            "level": level(record.levelno).ros,
             "name": self._node,
-            "msg": _unicode(_TEXT.format(record)),
-            "file": _unicode(record.pathname),
+            "msg": sendable(_TEXT.format(record)),
+            "file": sendable(record.pathname),
             "function": record.funcName or "",
             "line": record.lineno,
             "topics": self._topics.names(),
@@ -64,19 +66,6 @@ class Rosout(logging.Handler):
         if not self._topics.over and not self._advertisement.closed:
             text = encode(Publish(topic=TOPIC, msg=message))
             self._topics.publish(self._advertisement, text)
-
-
-def level(number: int) -> int:
-    """The level of rosgraph_msgs/Log for one of `logging`."""
-    for python, ros in ((50, 16), (40, 8), (30, 4), (20, 2)):
-        if number >= python:
-            return ros
-    return 1
-
-
-def _unicode(text: str) -> str:
-    """``text`` without halves of surrogate pairs, which no JSON can hold."""
-    return text.encode("utf-8", "replace").decode()
 
 
 def _running_loop() -> asyncio.AbstractEventLoop | None:

@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 import asyncio
+from collections import deque
 from collections.abc import Awaitable, Callable, Mapping
 from inspect import isawaitable
 from typing import Any, Generic, Self, TypeAlias
 
+from fibws.errors import InvalidMessage
 from fibws.interfaces.bases import Req, Res
 from fibws.node.fault import tell
 from fibws.node.service_type import ServiceType
 from fibws.node.session import Session
 from fibws.node.tasks import Tasks
+from fibws.node.text import sendable
 from fibws.protocol.operations import AdvertiseService, CallService, ServiceResponse
 
 MOST_CALLS = 100
 """How many calls of one service are answered at once."""
+
+MOST_WAITING = 1000
+"""How many more of them wait for that; the hub lets one client have as many under way."""
 
 Answer: TypeAlias = (
     Res | Mapping[str, Any] | tuple[Any, ...] | list[Any] | bool | int | float | str | bytes
@@ -46,6 +52,7 @@ class ServiceServer(Generic[Req, Res]):
         self._handler = handler
         self._leave = leave
         self._tasks = Tasks(session.tasks)
+        self._waiting: deque[CallService] = deque()
         self._asked_by = object()
         self._ended = asyncio.Event()
         self._fault: Exception | None = None
@@ -79,7 +86,10 @@ class ServiceServer(Generic[Req, Res]):
             tell(self._fault)
 
     def close(self) -> None:
-        """Answer no more, and cancel what is not answered yet. Does nothing when called again."""
+        """Answer no more, and cancel what is not answered yet. Does nothing when called again.
+
+        The hub tells the callers so. Whoever calls this from the handler is not answered either.
+        """
         if not self._ended.is_set():
             self.end()
             self._leave(self)
@@ -87,14 +97,17 @@ class ServiceServer(Generic[Req, Res]):
     def take(self, call: CallService) -> None:
         """Answer a call, now or later."""
         if len(self._tasks) < MOST_CALLS:
-            name = f"{self.name} answers {call.id}"
-            self._tasks.start(self._answer(call, self._asked_by), name)
+            self._start(call)
+        elif len(self._waiting) < MOST_WAITING:
+            self._waiting.append(call)
         else:
-            self._say(call, f"service [{self.name}] is busy with {MOST_CALLS} calls", result=False)
+            calls = MOST_CALLS + MOST_WAITING
+            self._say(call, f"service [{self.name}] is busy with {calls} calls", result=False)
 
     def lose(self) -> None:
         """The connection is gone: nobody waits for answers to what came from it."""
         self._asked_by = object()
+        self._waiting.clear()
 
     def end(self, fault: Exception | None = None) -> None:
         """No call will come any more, because of ``fault`` if there is one."""
@@ -110,42 +123,51 @@ class ServiceServer(Generic[Req, Res]):
         self.close()
         await self._tasks.finished()
 
+    def _start(self, call: CallService) -> None:
+        self._tasks.start(self._answer(call, self._asked_by), f"{self.name} answers {call.id}")
+
     async def _answer(self, call: CallService, asked_by: object) -> None:
         values: Any = "error processing request: it was cancelled"
         result = False
         try:
             values, result = await self._outcome(call)
             await self._session.outbox.room()
+        except BrokenPipeError as fault:
+            # Nobody reads what the program prints any more (``| head``): its node's `spin` ends it.
+            self._session.end(fault)
         finally:
             # Whatever befell the handler, its caller waits, unless the service or the hub is gone.
             if asked_by is self._asked_by:
                 self._say(call, values, result=result)
+            if self._waiting:
+                self._start(self._waiting.popleft())
 
     async def _outcome(self, call: CallService) -> tuple[Any, bool]:
         """The response's values, or the text of what went wrong, which is rospy's."""
         try:
-            answer = self._handler(self._types.asked(call.args))
+            request = self._types.asked(call.args)
+        except InvalidMessage as error:
+            # The caller's fault, and nothing that a look at the handler would explain.
+            self._session.log.error("Service %s was asked wrongly: %s", self.name, error)
+            return f"error processing request: {error}", False
+        try:
+            answer = self._handler(request)
             if isawaitable(answer):
                 answer = await answer
+        except BrokenPipeError:
+            raise
         except Exception as error:
-            self._failed(f"{type(error).__name__}: {error}")
+            text = f"{type(error).__name__}: {error}"
+            self._session.log.error("Service %s failed: %s", self.name, text, exc_info=error)
             text = str(error) or type(error).__name__
-            return _unicode(f"error processing request: {text}"), False
+            return sendable(f"error processing request: {text}"), False
         try:
             return self._types.answer(answer), True
         except Exception as error:
-            self._failed(str(error))
-            return _unicode(f"service cannot process request: {error}"), False
-
-    def _failed(self, reason: str) -> None:
-        self._session.log.error("Service %s failed: %s", self.name, reason)
+            self._session.log.error("Service %s failed: %s", self.name, error)
+            return sendable(f"service cannot process request: {error}"), False
 
     def _say(self, call: CallService, values: Any, *, result: bool) -> None:
         self._session.say(
             ServiceResponse(id=call.id, service=call.service, values=values, result=result)
         )
-
-
-def _unicode(text: str) -> str:
-    """``text`` without halves of surrogate pairs, which file names may have, and JSON may not."""
-    return text.encode("utf-8", "replace").decode()

@@ -1,37 +1,29 @@
-"""What a service is asked and what it answers: from Python to the wire, and back."""
+"""The type of a service: how its requests and responses get to the wire, and back."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any, Generic
 
 from fibws.errors import InvalidMessage
-from fibws.interfaces import Duration, Message, Service, Time
+from fibws.interfaces import Message
 from fibws.interfaces.bases import Req, Res
+from fibws.node.wire import Wire
 
 
 class ServiceType(Generic[Req, Res]):
     """One service type.
 
     Args:
-        service: its class.
         name: its name, ``package/Type``.
-        check_request: fills a request's fields, or raises `InvalidMessage`.
-        check_response: does so for a response.
+        request: its requests on the wire.
+        response: its responses on the wire.
     """
 
-    def __init__(
-        self,
-        service: type[Service[Req, Res]],
-        name: str,
-        check_request: Callable[[Any], dict[str, Any]],
-        check_response: Callable[[Any], dict[str, Any]],
-    ) -> None:
+    def __init__(self, name: str, request: Wire[Req], response: Wire[Res]) -> None:
         self.name = name
-        self._request = service.Request
-        self._response = service.Response
-        self._check_request = check_request
-        self._check_response = check_response
+        self._request = request
+        self._response = response
 
     def ask(self, given: Req | Mapping[str, Any] | None) -> dict[str, Any]:
         """A caller's request for the wire; fields that are not given have their defaults.
@@ -40,15 +32,11 @@ class ServiceType(Generic[Req, Res]):
             InvalidMessage: a field does not fit the type.
             TypeError: it is a message of another class, or none.
         """
-        if given is None:
-            given = {}
-        if not isinstance(given, Mapping) and not isinstance(given, self._request):
-            raise TypeError(f"expected [{self._request._type}] but got [{_name(given)}]")
-        return self._check_request(_plain(given))
+        return self._request.write({} if given is None else given)
 
     def asked(self, args: Any) -> Req:
         """The request that came from the wire, or `InvalidMessage`."""
-        return self._request.from_dict(self._check_request({} if args is None else args))
+        return self._request.read({} if args is None else args)
 
     def answer(self, given: object) -> dict[str, Any]:
         """What a handler returned, for the wire.
@@ -61,41 +49,18 @@ class ServiceType(Generic[Req, Res]):
         """
         if given is None:
             raise InvalidMessage("service handler returned None")
-        if isinstance(given, Message):
-            if not isinstance(given, self._response):
-                fault = f"expected [{self._response._type}] but got [{given._type}]"
-                raise InvalidMessage(f"handler returned invalid value: {fault}")
-        elif not isinstance(given, Mapping):
+        if not isinstance(given, Mapping | Message):
             fields = given if isinstance(given, (tuple, list)) else (given,)
             try:
-                given = self._response(*fields)
+                given = self._response.message_class(*fields)
             except TypeError as error:
                 fault = f"handler returned wrong number of values: {error}"
                 raise InvalidMessage(fault) from None
         try:
-            return self._check_response(_plain(given))
-        except InvalidMessage as error:
+            return self._response.write(given)
+        except (InvalidMessage, TypeError) as error:
             raise InvalidMessage(f"handler returned invalid value: {error}") from None
 
     def answered(self, values: Any) -> Res:
         """The response that came from the wire, or `InvalidMessage`."""
-        return self._response.from_dict(self._check_response(values))
-
-
-def _plain(value: object) -> Any:
-    """A message, or fields that may hold messages, as JSON has it."""
-    match value:
-        case Message():
-            return value.to_dict()
-        case Time() | Duration():
-            return {"secs": value.secs, "nsecs": value.nsecs}
-        case Mapping():
-            return {name: _plain(field) for name, field in value.items()}
-        case list() | tuple():
-            return [_plain(element) for element in value]
-        case _:
-            return value
-
-
-def _name(value: object) -> str:
-    return value._type if isinstance(value, Message) else type(value).__name__
+        return self._response.read(values)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from fibws.errors import OperationRejected, ServiceError
+from fibws.errors import AlreadyOffered, OperationRejected
 from fibws.interfaces import Service
 from fibws.interfaces.bases import Req, Res
 from fibws.node.part import Part
@@ -36,9 +36,11 @@ class Services(Part):
     ) -> ServiceServer[Req, Res]:
         """Offer a service by its global name; see `Node.service`."""
         self._session.check()
+        if not callable(handler):
+            raise TypeError(f"a service's handler is a function, not {handler!r}")
         types = self._types.service(type_)
         if name in self._offered:
-            raise ServiceError(name, "this node offers it already")
+            raise AlreadyOffered(name)
         operation = AdvertiseService(
             id=self._session.id("advertise_service", name),
             service=name,

@@ -47,7 +47,8 @@ class Session:
         """What the parts have under way; the node's end cancels it."""
         self._parts: list[Part] = []
         self._fragments = Reassembly(max_size=MAX_SIZE)
-        self._registrations = 0
+        self._operations = 0
+        self._begun = False
         self._over = False
         self._waiters: set[asyncio.Future[None]] = set()
         self._fault: Exception | None = None
@@ -60,8 +61,8 @@ class Session:
 
     def id(self, verb: str, name: str) -> str:
         """A new id for an operation."""
-        self._registrations += 1
-        return f"{verb}:{name}:{self._registrations}"
+        self._operations += 1
+        return f"{verb}:{name}:{self._operations}"
 
     def say(self, operation: Operation) -> None:
         """Send an operation, if there is somebody to hear it: the next hub gets the greeting."""
@@ -73,7 +74,9 @@ class Session:
 
         Raises:
             NodeClosed, or what was the matter: the node has ended.
+            RuntimeError: nobody has entered the node yet, so that no hub will ever come.
         """
+        self._check_begun()
         while True:
             await self.outbox.hub()
             await self.outbox.room()
@@ -82,6 +85,10 @@ class Session:
                 return
 
     # What happens to the node
+
+    def begin(self) -> None:
+        """The node has been entered: from now on it looks for a hub."""
+        self._begun = True
 
     def greeting(self) -> list[bytes]:
         """What a new connection is told first, before the outbox's frames."""
@@ -123,10 +130,12 @@ class Session:
     async def ended(self, within: float | None = None) -> bool:
         """Wait for the node's end, for ``within`` seconds at most; tell whether it came.
 
-        It raises what was the matter if anything was. A timer does for the wait what a cancellation
-        would do as well, but that goes through the caller's frames, which debuggers then lose.
+        It raises what was the matter if anything was, and RuntimeError if nobody has entered the
+        node yet. A timer does for the wait what a cancellation would do as well, but that goes
+        through the caller's frames, which debuggers then lose.
         """
         if not self.over:
+            self._check_begun()
             loop = asyncio.get_running_loop()
             waiter = loop.create_future()
             timer = loop.call_later(within, _release, waiter) if within is not None else None
@@ -147,6 +156,10 @@ class Session:
             tell(self._fault)
         if self._over:
             raise NodeClosed("the node has ended")
+
+    def _check_begun(self) -> None:
+        if not self._begun and not self._over:
+            raise RuntimeError("enter the node first: async with node")
 
     def _take(self, reply: Reply) -> None:
         match reply:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
-from fibws.errors import NodeClosed, OperationRejected
+from fibws.errors import NodeClosed, NodeError, OperationRejected
 from fibws.node.fault import tell
 from fibws.node.outbox import Advertisement
 from fibws.node.part import Part
@@ -30,15 +30,20 @@ class Topics(Part):
         self._advertisements: dict[str, Advertisement] = {}
         self._subscriptions: dict[str, Subscription[Any]] = {}
         self._listeners: defaultdict[str, list[Subscription[Any]]] = defaultdict(list)
+        self._names: list[str] | None = None
+        """Sorted, for the log, each line of which has them; None if they may be others by now."""
         session.join(self)
 
     # What the node does
 
-    def advertise(self, operation: Advertise) -> Advertisement:
-        """Register a publisher."""
+    def advertise(
+        self, operation: Advertise, refused: Callable[[NodeError], None] | None = None
+    ) -> Advertisement:
+        """Register a publisher; ``refused`` is told if the hub will not have it."""
         self._session.check()
-        advertisement = Advertisement(operation)
+        advertisement = Advertisement(operation, refused)
         self._advertisements[str(operation.id)] = advertisement
+        self._names = None
         self._session.say(operation)
         return advertisement
 
@@ -60,6 +65,7 @@ class Topics(Part):
     def unadvertise(self, advertisement: Advertisement) -> None:
         """Take a publisher back."""
         advertisement.closed = True
+        self._names = None
         operation = advertisement.operation
         if self._advertisements.pop(str(operation.id), None) is not None:
             self._session.say(Unadvertise(id=operation.id, topic=operation.topic))
@@ -68,6 +74,7 @@ class Topics(Part):
         """Register a subscription."""
         self._session.check()
         self._subscriptions[str(subscription.operation.id)] = subscription
+        self._names = None
         self._listeners[subscription.topic].append(subscription)
         self._session.say(subscription.operation)
 
@@ -84,8 +91,11 @@ class Topics(Part):
 
     def names(self) -> list[str]:
         """The topics that the node publishes or subscribes to."""
-        published = {each.operation.topic for each in self._advertisements.values()}
-        return sorted(published | {each.topic for each in self._subscriptions.values()})
+        if self._names is None:
+            published = {each.operation.topic for each in self._advertisements.values()}
+            heard = {each.topic for each in self._subscriptions.values()}
+            self._names = sorted(published | heard)
+        return self._names
 
     # What happens to the node
 
@@ -110,8 +120,11 @@ class Topics(Part):
     def refuse(self, id_: str, fault: OperationRejected) -> bool:
         """End a publisher or a subscription that the hub will not have."""
         if (advertisement := self._advertisements.pop(id_, None)) is not None:
+            self._names = None
             advertisement.fault = fault
             advertisement.closed = True
+            if advertisement.refused is not None:
+                advertisement.refused(fault)
             return True
         if (subscription := self._forget(id_)) is not None:
             subscription.end(fault)
@@ -125,6 +138,7 @@ class Topics(Part):
 
     def _forget(self, id_: str) -> Subscription[Any] | None:
         subscription = self._subscriptions.pop(id_, None)
+        self._names = None
         if subscription is not None:
             listeners = self._listeners[subscription.topic]
             listeners.remove(subscription)

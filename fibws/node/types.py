@@ -10,6 +10,7 @@ from fibws.interfaces import Action, Message, Service, Validators
 from fibws.interfaces.bases import F, G, R, Req, Res
 from fibws.msg import default_interfaces, message_class
 from fibws.node.service_type import ServiceType
+from fibws.node.wire import Wire
 from fibws.srv import service_class
 
 M = TypeVar("M", bound=Message)
@@ -42,6 +43,10 @@ class Types:
         """What checks a message of the type and fills its fields."""
         return self._validators.of(type_).validate
 
+    def wire(self, message_class: type[M]) -> Wire[M]:
+        """The way of a class's messages to the wire and back."""
+        return Wire(message_class, self.validate(message_class._type))
+
     def reader(self, message_class: type[M]) -> Callable[[Any], M]:
         """What makes a message out of what came from the wire, or raises `InvalidMessage`."""
         validate = self.validate(message_class._type)
@@ -65,11 +70,10 @@ class Types:
         """
         if type_ not in self._services:
             definition = self._interfaces.service(type_._type)
+            request = self._validators.of_definition(definition.request).validate
+            response = self._validators.of_definition(definition.response).validate
             self._services[type_] = ServiceType(
-                type_,
-                definition.type,
-                self._validators.of_definition(definition.request).validate,
-                self._validators.of_definition(definition.response).validate,
+                definition.type, Wire(type_.Request, request), Wire(type_.Response, response)
             )
         return self._services[type_]
 

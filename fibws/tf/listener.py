@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+
 import fibws
 from fibws.errors import InvalidTransform
 from fibws.msg.tf2_msgs import TFMessage
@@ -12,7 +14,7 @@ QUEUE_SIZE = 100
 """Messages that wait for their turn, as in tf2."""
 
 
-class Listener:
+class TransformListener:
     """Listens to ``/tf`` and ``/tf_static`` for a buffer, from the moment that it is made.
 
     What the buffer refuses is logged, once for each frame, so that a publisher that sends nothing
@@ -28,17 +30,18 @@ class Listener:
         self._log = node.log
         self._refused: set[str] = set()
 
-    async def hear_moving(self) -> None:
-        """Fill the buffer from ``/tf`` until the node ends.
+    async def run(self) -> None:
+        """Fill the buffer until the node ends.
 
         Raises:
-            OperationRejected: the hub refused, most likely since the topic has another type.
+            OperationRejected: the hub refused, most likely since a topic has another type.
         """
-        await self._hear(self._moving, static=False)
-
-    async def hear_static(self) -> None:
-        """Fill it from ``/tf_static``; otherwise as `hear_moving`."""
-        await self._hear(self._static, static=True)
+        try:
+            async with asyncio.TaskGroup() as tasks:
+                tasks.create_task(self._hear(self._moving, static=False))
+                tasks.create_task(self._hear(self._static, static=True))
+        except ExceptionGroup as group:
+            raise group.exceptions[0] from None
 
     async def _hear(self, messages: fibws.Subscription[TFMessage], *, static: bool) -> None:
         async for message in messages:

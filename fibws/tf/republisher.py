@@ -13,7 +13,7 @@ from typing import Any, Protocol, TypeAlias
 
 import fibws
 from fibws.action import tf2_web_republisher, tf2_web_republisher_interfaces
-from fibws.errors import InvalidMessage
+from fibws.errors import InvalidMessage, InvalidTransform
 from fibws.interfaces.bases import F, R
 from fibws.msg import tf2_web_republisher as ros1
 from fibws.msg import tf2_web_republisher_interfaces as ros2
@@ -23,7 +23,7 @@ from fibws.srv.tf2_web_republisher import RepublishTFs, RepublishTFsRequest, Rep
 from fibws.tf.audience import Audience
 from fibws.tf.buffer import Buffer
 from fibws.tf.history import Sample
-from fibws.tf.listener import Listener
+from fibws.tf.listener import TransformListener
 from fibws.tf.messages import write
 from fibws.tf.selection import Selection
 
@@ -36,6 +36,9 @@ MAX_TOPICS = 100
 
 MAX_RATE = 1000
 """Hz."""
+
+SHORTEST_PAUSE = 1e-6
+"""Seconds in which others have their turn, however late a goal's feedback is."""
 
 
 Ros1Goal: TypeAlias = fibws.ServerGoal[
@@ -67,8 +70,11 @@ class Republisher:
     def __init__(self, node: fibws.Node) -> None:
         self._node = node
         self._buffer = Buffer()
-        self._listener = Listener(node, self._buffer)
-        self._feedback = Audience(node, f"{node.name}/feedback")
+        self._listener = TransformListener(node, self._buffer)
+        self._feedback = Audience(node, f"{node.resolve(node.name)}/feedback")
+        self._over_topics = 0
+        self._watch: asyncio.Task[None] | None = None
+        """Looks who hears the feedback, while there are goals over topics."""
         self._goals: list[fibws.ServerGoal[Any, Any, Any]] = []
         self._open_topics = 0
         self._numbers = count()
@@ -83,9 +89,7 @@ class Republisher:
         node = self._node
         try:
             async with self._tasks:
-                self._tasks.create_task(self._listener.hear_moving())
-                self._tasks.create_task(self._listener.hear_static())
-                self._tasks.create_task(self._feedback.watch())
+                self._tasks.create_task(self._listener.run())
                 await node.action_server(
                     node.name,
                     tf2_web_republisher.TFSubscription,
@@ -106,9 +110,18 @@ class Republisher:
             raise group.exceptions[0] from None
 
     async def _pursue_ros1(self, goal: Ros1Goal) -> ros1.TFSubscriptionResult:
-        return await self._pursue(
-            goal, ros1.TFSubscriptionFeedback, goal.canceled, audience=self._feedback
-        )
+        self._over_topics += 1
+        if self._watch is None:
+            self._watch = self._tasks.create_task(self._feedback.watch())
+        try:
+            return await self._pursue(
+                goal, ros1.TFSubscriptionFeedback, goal.canceled, audience=self._feedback
+            )
+        finally:
+            self._over_topics -= 1
+            if not self._over_topics:
+                self._watch.cancel()
+                self._watch = None
 
     async def _pursue_ros2(self, goal: Ros2Goal) -> ros2.TFSubscriptionResult:
         # A goal that is canceled succeeds, as the original has it: roslib, which cancels a goal
@@ -123,7 +136,11 @@ class Republisher:
         audience: Audience | None = None,
     ) -> R:
         """Give feedback until the goal is canceled, but only to this audience if there is one."""
-        selection, rate = self._selection(goal.request), _rate(goal.request)
+        try:
+            selection, rate = self._selection(goal.request), _rate(goal.request)
+        except (InvalidMessage, InvalidTransform) as error:
+            self._node.log.warning("Goal %s makes no sense: %s", goal.id, error)
+            return goal.aborted(text=str(error))
         if len(self._goals) == MAX_GOALS:
             self._goals.pop(0).want_no_more()
         self._goals.append(goal)
@@ -149,12 +166,12 @@ class Republisher:
             await audience.look()
         clock = asyncio.get_running_loop().time
         due = clock()
-        while not await goal.cancellation(within=max(0, due - clock())):
+        while not await goal.cancellation(timeout=max(SHORTEST_PAUSE, due - clock())):
             due = max(due + period, clock())
             if audience is not None and audience.is_empty:
                 selection.renew()
             elif transforms := self._changes(selection):
-                await goal.feedback(feedback(transforms))
+                await goal.publish_feedback(feedback(transforms))
 
     async def _open(self, request: RepublishTFsRequest) -> RepublishTFsResponse:
         """Answer a call: open a topic."""

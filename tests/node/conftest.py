@@ -144,6 +144,7 @@ async def hub() -> AsyncIterator[ScriptedHub]:
 def session() -> Session:
     """A node's session with a hub that is there, and that has no socket."""
     session = Session(logging.Logger("test"))
+    session.begin()
     session.outbox.open()
     return session
 

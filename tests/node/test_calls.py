@@ -14,8 +14,9 @@ from fibws.errors import (
     ServiceError,
     ServiceLost,
     ServiceTimeout,
+    UnknownService,
 )
-from fibws.node.calls import Calls
+from fibws.node.calls import MOST_CALLS, Calls
 from fibws.node.session import Session
 from fibws.node.types import Types
 from fibws.srv.rospy_tutorials import AddTwoInts, AddTwoIntsResponse, BadTwoInts
@@ -93,6 +94,56 @@ async def test_a_failure_raises_its_own_text(
         await answer
     assert (caught.value.service, caught.value.text) == ("/add", text)
     assert str(caught.value) == f"/add: {text}"
+
+
+@pytest.mark.parametrize(
+    ("text", "kind"),
+    [
+        ("Service /add does not exist", UnknownService),
+        ("Service /add did not answer within 0.5 s", ServiceTimeout),
+        ("Service /address does not exist", ServiceError),
+    ],
+)
+async def test_it_says_whose_fault_a_failure_is(
+    session: Session, calls: Calls, text: str, kind: type[ServiceError]
+) -> None:
+    answer = add(calls, 1, 2)
+    responds(session, await says(session), text, result=False)
+    with pytest.raises(ServiceError) as caught:
+        await answer
+    assert type(caught.value) is kind
+    assert str(caught.value).endswith(text)
+
+
+async def test_more_calls_than_the_hub_allows_wait_for_their_turn(
+    session: Session, calls: Calls
+) -> None:
+    answers = [add(calls, number, 0) for number in range(MOST_CALLS + 2)]
+    sent = [await says(session) for _ in range(MOST_CALLS)]
+    other = asyncio.create_task(calls.call("/go", Trigger))
+    responds(session, await says(session), {"success": True})
+    assert (await other).success  # It need not wait: who answers /add may be in need of it.
+    for call in sent:
+        responds(session, call, {"sum": 0})
+    for _ in range(2):
+        responds(session, await says(session), {"sum": 1})
+    assert [(await answer).sum for answer in answers] == MOST_CALLS * [0] + [1, 1]
+    assert len(calls) == 0
+
+
+async def test_who_waits_for_a_turn_hears_of_the_time_and_of_the_end(
+    session: Session, calls: Calls
+) -> None:
+    answers = [add(calls, number, 0) for number in range(MOST_CALLS)]
+    await says(session)
+    with pytest.raises(ServiceTimeout, match="/add: no answer within"):
+        await add(calls, 1, 2, within=0.01)
+    last = add(calls, 1, 2)
+    await asyncio.sleep(0)
+    session.end()
+    for answer in [*answers, last]:
+        with pytest.raises(NodeClosed):
+            await answer
 
 
 @pytest.mark.parametrize("values", [None, {"sum": "3"}, {"total": 3}, "3"])

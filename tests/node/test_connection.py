@@ -13,11 +13,14 @@ from itertools import islice
 
 import pytest
 from websockets.exceptions import InvalidMessage
+from websockets.frames import Frame, Opcode
 
 import fibws
 from fibws.msg.std_msgs import Int32, String
 from fibws.node import connection
 from fibws.node.connection import _delays, _reason
+from fibws.protocol.closing import REPLACED
+from fibws.srv.rospy_tutorials import AddTwoInts
 
 from .conftest import Lines, Peer, ScriptedHub
 
@@ -354,3 +357,32 @@ async def test_a_log_that_nobody_reads_is_noticed_when_the_hub_is_found(
     hub.refusal = None
     with pytest.raises(BrokenPipeError):
         await task
+
+
+async def test_a_prompt_reader_gets_all_of_a_burst(hub: ScriptedHub) -> None:
+    async with fibws.Node("listener", hub=hub.url) as node:
+        peer = await hub.peer()
+        numbers = node.subscribe("numbers", Int32, queue_size=10)
+        burst = "".join(
+            json.dumps({"op": "publish", "topic": "/numbers", "msg": {"data": number}}) + "\n"
+            for number in range(1000)
+        ).splitlines()
+        frames = [Frame(Opcode.TEXT, text.encode()).serialize(mask=False) for text in burst]
+        await peer.hears("subscribe")
+        peer.websocket.transport.write(b"".join(frames))
+        async with asyncio.timeout(5):
+            heard = [(await anext(numbers)).data for _ in range(1000)]
+        assert heard == list(range(1000))
+        assert numbers.dropped == 0
+
+
+async def test_what_a_replaced_node_waits_for_ends_with_the_reason(hub: ScriptedHub) -> None:
+    async with fibws.Node("asker", hub=hub.url) as node:
+        peer = await hub.peer()
+        answer = asyncio.create_task(node.call("add", AddTwoInts))
+        await peer.hears("call_service")
+        await peer.websocket.close(REPLACED.code, REPLACED.reason)
+        with pytest.raises(fibws.NodeReplaced):
+            await answer
+        with pytest.raises(fibws.NodeReplaced):
+            await node.spin()

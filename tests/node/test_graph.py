@@ -34,16 +34,16 @@ async def test_it_knows_the_nodes(node: fibws.Node) -> None:
     details = await graph.node("talker")
     assert details == await graph.node("/robot/talker")
     assert details == fibws.NodeDetails(
-        publishing=("/robot/numbers", "/rosout"),
-        subscribing=(),
-        services=(
+        publishing=["/robot/numbers", "/rosout"],
+        subscribing=[],
+        services=[
             "/robot/add",
             "/robot/talker/get_loggers",
             "/robot/talker/set_logger_level",
-        ),
+        ],
     )
-    assert (await graph.node("ear")).subscribing == ("/robot/numbers",)
-    assert await graph.node("nobody") == fibws.NodeDetails((), (), ())
+    assert (await graph.node("ear")).subscribing == ["/robot/numbers"]
+    assert await graph.node("nobody") == fibws.NodeDetails([], [], [])
 
 
 async def test_it_knows_the_topics(node: fibws.Node) -> None:

@@ -6,7 +6,8 @@ import logging
 
 import pytest
 
-from fibws.node.loggers import LEVELS, Loggers
+from fibws.node.levels import LEVELS
+from fibws.node.loggers import Loggers
 from fibws.node.services import Services
 from fibws.node.session import Session
 from fibws.node.types import Types
@@ -44,7 +45,7 @@ async def test_both_services_are_offered(session: Session, log: logging.Logger) 
     ]
 
 
-@pytest.mark.parametrize(("name", "number"), LEVELS.items())
+@pytest.mark.parametrize(("name", "number"), [(each.name, each.python) for each in LEVELS])
 @pytest.mark.parametrize("logger", ["rosout", "/talker"])
 async def test_the_level_can_be_changed(
     session: Session, log: logging.Logger, logger: str, name: str, number: int

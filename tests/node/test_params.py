@@ -56,7 +56,7 @@ async def test_a_dict_is_a_namespace(node: fibws.Node) -> None:
 async def test_what_is_not_there_has_a_default_or_raises(node: fibws.Node) -> None:
     assert await node.params.get("gain", 7) == 7
     assert await node.params.get("gain", None) is None
-    with pytest.raises(fibws.UnknownParameter, match=r"^There is no parameter /robot/gain$"):
+    with pytest.raises(fibws.ParameterNotSet, match=r"^Parameter \[/robot/gain\] is not set$"):
         await node.params.get("gain")
     with pytest.raises(KeyError):
         await node.params.get("gain")
@@ -76,6 +76,17 @@ async def test_the_nearest_is_found(node: fibws.Node) -> None:
         assert await node.params.search("gain") == name
 
 
+@pytest.mark.parametrize("name", ["~gain", "", "1st"])
+async def test_only_a_name_can_be_searched_for(node: fibws.Node, name: str) -> None:
+    with pytest.raises(fibws.InvalidName):
+        await node.params.search(name)
+
+
+async def test_none_is_no_value(node: fibws.Node) -> None:
+    with pytest.raises(ValueError, match="parameter gain: None is no value"):
+        await node.params.set("gain", None)
+
+
 @pytest.mark.parametrize("value", [b"bytes", {1, 2}, object()])
 async def test_what_json_has_not_raises_here(node: fibws.Node, value: object) -> None:
     with pytest.raises(TypeError, match="not JSON serializable"):
@@ -89,6 +100,6 @@ async def test_what_is_no_number_raises_here(node: fibws.Node) -> None:
 
 async def test_what_the_hub_refuses_raises_its_text(node: fibws.Node) -> None:
     with pytest.raises(fibws.ServiceError, match="null is no value"):
-        await node.params.set("gain", None)
+        await node.params.set("gain", {"p": None})
     with pytest.raises(fibws.InvalidName):
         await node.params.get("no name")

@@ -26,9 +26,9 @@ def session() -> Session:
 @pytest.fixture
 def points(session: Session) -> Publisher[Point]:
     operation = Advertise(id=1, topic="/points", type=Point._type, queue_size=2)
-    validate = Types(time.time_ns).validate(Point._type)
+    wire = Types(time.time_ns).wire(Point)
     topics = Topics(session)
-    return Publisher(topics, topics.advertise(operation), Point, validate)
+    return Publisher(topics, topics.advertise(operation), wire)
 
 
 def published(session: Session) -> list[dict[str, Any]]:

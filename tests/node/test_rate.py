@@ -45,6 +45,7 @@ def test_a_rate_is_above_nothing(hz: float) -> None:
 
 async def test_it_ticks_until_the_node_ends() -> None:
     session = Session(logging.Logger("test"))
+    session.begin()
     ticks = 0
     async for _ in Rate(1000, session.ended):
         ticks += 1
@@ -55,6 +56,7 @@ async def test_it_ticks_until_the_node_ends() -> None:
 
 async def test_a_wait_ends_with_the_node() -> None:
     session = Session(logging.Logger("test"))
+    session.begin()
     rate = Rate(0.01, session.ended)
     await anext(rate)
     waiting = asyncio.create_task(anext(rate, "the end"))
@@ -65,6 +67,7 @@ async def test_a_wait_ends_with_the_node() -> None:
 
 async def test_a_loop_that_is_always_late_gives_way_to_others() -> None:
     session = Session(logging.Logger("test"))
+    session.begin()
 
     async def other() -> None:
         session.end()

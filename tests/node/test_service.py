@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections.abc import Awaitable, Callable
+from io import StringIO
 from typing import Any
 
 import pytest
 
-from fibws.node.service import MOST_CALLS, ServiceServer
+from fibws.node.service import MOST_CALLS, MOST_WAITING, ServiceServer
 from fibws.node.services import Services
 from fibws.node.session import Session
 from fibws.node.types import Types
@@ -149,17 +151,80 @@ async def test_calls_are_answered_beside_each_other(session: Session, serve: Ser
 async def test_they_are_bounded_in_number(session: Session, serve: Serve) -> None:
     gate = Gate()
     serve(gate)
-    for number in range(MOST_CALLS):
+    most = MOST_CALLS + MOST_WAITING
+    for number in range(most):
         asks(session, number + 1)
     asks(session, id_="too many")
     (refused,) = said(session)
     assert (refused["id"], refused["result"]) == ("too many", False)
-    assert refused["values"] == f"service [/add] is busy with {MOST_CALLS} calls"
+    assert refused["values"] == f"service [/add] is busy with {most} calls"
+    await asyncio.sleep(0)
+    assert gate.entered == list(range(1, MOST_CALLS + 1))
     gate.open.set()
     await gate.settled(session)
-    assert len(said(session)) == MOST_CALLS
+    assert gate.entered == list(range(1, most + 1))
+    assert len(said(session)) == most
     asks(session, 0)
     assert (await says(session))["result"] is True
+
+
+async def test_nobody_waits_for_calls_of_a_lost_hub(session: Session, serve: Serve) -> None:
+    gate = Gate()
+    serve(gate)
+    for _ in range(MOST_CALLS + 1):
+        asks(session, 1)
+    await asyncio.sleep(0)
+    session.lose()
+    gate.open.set()
+    await gate.settled(session)
+    assert len(gate.entered) == MOST_CALLS
+
+
+async def test_the_log_explains_what_a_handler_raises_and_not_what_its_callers_do(
+    session: Session, serve: Serve
+) -> None:
+    def divide(request: AddTwoIntsRequest) -> int:
+        return request.a // request.b
+
+    log = StringIO()
+    session.log.addHandler(logging.StreamHandler(log))
+    serve(divide)
+    asks(session, 1, 0)
+    await says(session)
+    hears(session, "call_service", id="call", service="/add", args={"c": 1})
+    await says(session)
+    failed, *traceback, asked = log.getvalue().splitlines()
+    assert failed.startswith("Service /add failed: ZeroDivisionError: ")
+    assert any(line.endswith("in divide") for line in traceback)
+    assert asked.startswith("Service /add was asked wrongly: ")
+
+
+async def raise_now(request: AddTwoIntsRequest) -> None:
+    raise BrokenPipeError
+
+
+async def fail_and_be_logged(request: AddTwoIntsRequest) -> None:
+    raise ValueError
+
+
+@pytest.mark.parametrize("handler", [raise_now, fail_and_be_logged])
+async def test_a_program_whose_output_nobody_reads_ends(
+    session: Session, serve: Serve, handler: Any
+) -> None:
+    class Unread(logging.Handler):
+        def emit(self, record: logging.LogRecord) -> None:
+            raise BrokenPipeError
+
+    session.log.addHandler(Unread())
+    server = serve(handler)
+    asks(session)
+    async with asyncio.timeout(5):
+        with pytest.raises(BrokenPipeError):
+            await session.ended()
+    with pytest.raises(BrokenPipeError):
+        await server.spin()
+    await session.tasks.finished()
+    assert said(session) == []
 
 
 async def test_answers_wait_for_room(session: Session, serve: Serve) -> None:

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from fibws.errors import NodeClosed, OperationRejected, ServiceError
+from fibws.errors import AlreadyOffered, NodeClosed, OperationRejected
 from fibws.node.services import Services
 from fibws.node.session import Session
 from fibws.node.types import Types
@@ -57,10 +57,15 @@ async def test_a_new_connection_is_told_of_those_that_are_left(
 
 async def test_a_node_offers_a_service_once_at_a_time(session: Session, services: Services) -> None:
     server = services.serve("/go", Trigger, done)
-    with pytest.raises(ServiceError, match="/go: this node offers it already"):
+    with pytest.raises(AlreadyOffered, match="/go: this node offers it already"):
         services.serve("/go", Trigger, done)
     server.close()
     services.serve("/go", Trigger, done)
+
+
+async def test_a_handler_is_a_function(services: Services) -> None:
+    with pytest.raises(TypeError, match="a service's handler is a function, not None"):
+        services.serve("/go", Trigger, None)  # type: ignore[arg-type]
 
 
 async def test_calls_reach_their_services(session: Session, services: Services) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Iterator
 from typing import Any
 
@@ -144,6 +145,17 @@ def test_all_parts_hear_of_a_loss_and_of_the_first_end(
     assert session.over
     with pytest.raises(NodeReplaced):
         session.check()
+
+
+async def test_a_node_that_was_not_entered_says_so_to_who_waits() -> None:
+    session = Session(logging.Logger("test"))
+    for wait in (session.hub, session.ended):
+        with pytest.raises(RuntimeError, match="enter the node first: async with node"):
+            await wait()
+    session.end()
+    assert await session.ended()
+    with pytest.raises(NodeClosed):
+        await session.hub()
 
 
 def test_the_end_may_be_nobodys_fault(session: Session) -> None:

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from fibws.errors import NodeClosed, OperationRejected
+from fibws.errors import NodeClosed, NodeError, OperationRejected
 from fibws.node.outbox import Advertisement
 from fibws.node.session import Session
 from fibws.node.subscription import Subscription
@@ -118,6 +118,29 @@ def test_a_refusal_reaches_its_publisher_alone(session: Session, topics: Topics)
         topics.publish(refused, b"{}")
     topics.publish(other, b"{}")
     assert topics.names() == ["/b"]
+
+
+def test_the_names_are_those_of_now(session: Session, topics: Topics) -> None:
+    refused = advertise(topics, "/b")
+    closed = advertise(topics, "/c")
+    heard = subscribe(topics, "/a")
+    assert topics.names() == topics.names() == ["/a", "/b", "/c"]
+    hears(session, "status", level="error", id=refused.operation.id, msg="no")
+    assert topics.names() == ["/a", "/c"]
+    topics.unadvertise(closed)
+    assert topics.names() == ["/a"]
+    heard.close()
+    assert topics.names() == []
+    advertise(topics, "/d")
+    assert topics.names() == ["/d"]
+
+
+def test_whoever_asks_is_told_of_a_refusal(session: Session, topics: Topics) -> None:
+    told: list[NodeError] = []
+    operation = Advertise(id="mine", topic="/a", type="std_msgs/Int32", queue_size=1)
+    topics.advertise(operation, told.append)
+    hears(session, "status", level="error", id="mine", msg="no")
+    assert [str(fault) for fault in told] == ["no"]
 
 
 async def test_a_refusal_reaches_its_reader_alone(session: Session, topics: Topics) -> None:

@@ -58,6 +58,10 @@ async def add_later(request: AddTwoIntsRequest) -> AddTwoIntsResponse:
     return add(request)
 
 
+async def add_as_the_service_says(request: AddTwoInts.Request) -> AddTwoInts.Response:
+    return add(request)
+
+
 def nothing(request: AddTwoIntsRequest) -> None:
     pass
 
@@ -66,6 +70,8 @@ async def program(node: fibws.Node) -> None:
     server = await node.service("add", AddTwoInts, add)
     assert_type(server, fibws.ServiceServer[AddTwoIntsRequest, AddTwoIntsResponse])
     await node.service("add", AddTwoInts, add_later)
+    await node.service("add", AddTwoInts, add_as_the_service_says)
+    await node.service("add", AddTwoInts, None)  # type: ignore[call-overload]
     await node.service("add", AddTwoInts, lambda request: request.a + request.b)
     await node.service("add", AddTwoInts, lambda request: {"sum": request.a + request.b})
     await node.service("add", AddTwoInts, nothing)  # type: ignore[arg-type]
@@ -80,8 +86,62 @@ async def program(node: fibws.Node) -> None:
 """
 
 
-@pytest.mark.parametrize("program", [TOPICS, SERVICES], ids=["topics", "services"])
-def test_publishers_and_services_are_of_their_types(tmp_path: Path, program: str) -> None:
+ACTIONS = """
+from typing import Any
+
+from typing_extensions import assert_type
+
+import fibws
+from fibws.action.actionlib_tutorials import Fibonacci
+from fibws.msg.actionlib_tutorials import FibonacciFeedback, FibonacciGoal, FibonacciResult
+from fibws.msg.std_msgs import Int32
+
+Goal = fibws.ServerGoal[FibonacciGoal, FibonacciResult, FibonacciFeedback]
+
+
+async def execute(goal: Goal) -> FibonacciResult:
+    assert_type(goal.request, FibonacciGoal)
+    await goal.publish_feedback(FibonacciFeedback([1]))
+    await goal.publish_feedback({"sequence": [1]})
+    await goal.publish_feedback(FibonacciResult([1]))  # type: ignore[arg-type]
+    await goal.cancellation(1)  # type: ignore[call-arg]
+    return goal.canceled()
+
+
+def execute_at_once(goal: Goal) -> dict[str, Any]:
+    return {"sequence": [goal.request.order]}
+
+
+def nothing(goal: Goal) -> None:
+    pass
+
+
+async def program(node: fibws.Node, over: fibws.Over) -> None:
+    server = await node.action_server("fibonacci", Fibonacci, execute, over=over)
+    assert_type(
+        server, fibws.ActionServer[FibonacciGoal, FibonacciResult, FibonacciFeedback]
+    )
+    await node.action_server("fibonacci", Fibonacci, execute_at_once)
+    await node.action_server("fibonacci", Fibonacci, nothing)  # type: ignore[arg-type]
+    await node.action_server("fibonacci", "actionlib_tutorials/Fibonacci", execute)
+    kept: fibws.Execute[FibonacciGoal, FibonacciResult, FibonacciFeedback] = execute
+    client = node.action_client("fibonacci", Fibonacci, over="topics")
+    goal = await client.send(FibonacciGoal(5))
+    assert_type(await goal.result(timeout=5), FibonacciResult)
+    async for feedback in goal.feedback():
+        assert_type(feedback, FibonacciFeedback)
+    await client.send({"order": 5})
+    await client.send(Int32(5))  # type: ignore[arg-type]
+    node.action_client("fibonacci", Fibonacci, over="air")  # type: ignore[call-overload]
+    named = await node.action_client("fibonacci", "actionlib_tutorials/Fibonacci").send({})
+    assert_type(await named.result(), Any)
+"""
+
+
+@pytest.mark.parametrize(
+    "program", [TOPICS, SERVICES, ACTIONS], ids=["topics", "services", "actions"]
+)
+def test_publishers_services_and_actions_are_of_their_types(tmp_path: Path, program: str) -> None:
     script = tmp_path / "program.py"
     script.write_text(program, "utf-8")
     done = subprocess.run(

@@ -8,6 +8,7 @@ from collections.abc import AsyncIterator
 from pathlib import Path
 
 import pytest
+from conftest import StartHub
 
 import fibws
 from fibws.hub import Hub, Settings
@@ -180,6 +181,25 @@ async def test_many_calls_are_answered_beside_each_other(real_hub: Hub) -> None:
         assert sums == list(range(1, 51))
 
 
+async def test_a_thousand_calls_at_once_are_answered(real_hub: Hub) -> None:
+    url = real_hub.url
+    async with fibws.Node("server", hub=url) as server, fibws.Node("client", hub=url) as client:
+        await server.service("add", AddTwoInts, add)
+        await client.wait_for_service("add", timeout=5)
+        async with asyncio.timeout(20):
+            calls = (client.call("add", AddTwoInts, {"a": n, "b": 1}) for n in range(2000))
+            sums = [response.sum for response in await asyncio.gather(*calls)]
+        assert sums == list(range(1, 2001))
+
+
+async def test_a_hub_that_gives_a_provider_up_raises_a_timeout(start_hub: StartHub) -> None:
+    hub = await start_hub(service_timeout=0.01)
+    async with fibws.Node("node", hub=hub.url) as node:
+        await node.service("slow", Trigger, lambda request: asyncio.Event().wait())
+        with pytest.raises(fibws.ServiceTimeout, match=r"did not answer within 0\.01 s"):
+            await node.call("slow", Trigger)
+
+
 async def test_failures_come_with_their_texts(real_hub: Hub) -> None:
     async with fibws.Node("node", hub=real_hub.url) as node:
 
@@ -190,7 +210,7 @@ async def test_failures_come_with_their_texts(real_hub: Hub) -> None:
         with pytest.raises(fibws.ServiceError, match=r"error processing request: boom") as caught:
             await node.call("fail", Trigger)
         assert caught.value.service == "/fail"
-        with pytest.raises(fibws.ServiceError, match=r"^Service /nothing does not exist$"):
+        with pytest.raises(fibws.UnknownService, match=r"^Service /nothing does not exist$"):
             await node.call("nothing", Trigger)
 
 

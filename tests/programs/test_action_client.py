@@ -65,7 +65,7 @@ async def test_ctrl_c_cancels_the_goal(hub: Hub, start: Start, over: Over, type_
     canceled = asyncio.Event()
 
     async def execute(goal: fibws.ServerGoal[Any, Any, Any]) -> Any:
-        await goal.feedback(feedback())
+        await goal.publish_feedback(feedback())
         await goal.cancellation()
         canceled.set()
         return goal.canceled()

@@ -142,6 +142,26 @@ async def test_names_can_be_chosen_and_ctrl_c_ends_it(hub: Hub, start: Start) ->
     assert (code, err) == (0, "")
 
 
+async def test_it_has_a_name_that_is_known(hub: Hub, start: Start) -> None:
+    await start(SERVER, "--hub", hub.url)
+    async with fibws.Node("test", hub=hub.url) as node:
+        await ros1(node)
+        assert "/fibonacci_action_server" in await node.graph.nodes()
+
+
+async def test_it_ends_when_nobody_reads_what_it_prints(hub: Hub, start: Start) -> None:
+    server = await start(SERVER, "--hub", hub.url, "--rate", "100")
+    async with fibws.Node("test", hub=hub.url) as node:
+        client = await ros1(node)
+        await (await client.send({"order": 0})).result(timeout=20)
+        server.stop_reading()
+        goal = await client.send({"order": 0})
+        with pytest.raises(fibws.ActionError, match="ABORTED"):
+            await goal.result(timeout=20)
+    code, _, err = await server.end()
+    assert (code, err) == (0, "")
+
+
 async def test_it_ends_if_the_hub_refuses_it(hub: Hub, start: Start) -> None:
     async with fibws.Node("test", hub=hub.url) as node:
         node.subscribe("fibonacci/goal", String)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import signal
 
+import pytest
+
 import fibws
 from fibws.hub import Hub
 from fibws.srv.rospy_tutorials import AddTwoInts
@@ -39,3 +41,22 @@ async def test_a_sum_that_is_too_large_fails_and_the_server_lives_on(
             raise AssertionError("the sum does not fit")
         assert (await node.call("add", AddTwoInts, {"a": -1, "b": 1})).sum == 0
     assert "Service /add failed" in await program.error_line()
+
+
+async def test_it_ends_when_nobody_reads_what_it_prints(hub: Hub, start: Start) -> None:
+    program = await start(SERVER, "--hub", hub.url)
+    await program.line()
+    program.stop_reading()
+    async with fibws.Node("test", hub=hub.url) as node:
+        await node.wait_for_service("add_two_ints", timeout=10)
+        with pytest.raises(fibws.ServiceError):
+            await node.call("add_two_ints", AddTwoInts)
+    assert await program.end() == (0, "", "")
+
+
+async def test_others_may_call_it_by_its_name(hub: Hub, start: Start) -> None:
+    program = await start(SERVER, "--hub", hub.url)
+    await program.line()
+    async with fibws.Node("test", hub=hub.url) as node:
+        await node.wait_for_service("add_two_ints", timeout=10)
+        assert await node.graph.service_node("add_two_ints") == "/add_two_ints_server"

@@ -14,9 +14,8 @@ from fibws.msg.geometry_msgs import TransformStamped
 from fibws.msg.rosgraph_msgs import Log
 from fibws.msg.std_msgs import Header, String
 from fibws.msg.tf2_msgs import TFMessage
-from fibws.tf.buffer import Buffer
+from fibws.tf import Buffer, TransformListener
 from fibws.tf.history import Sample
-from fibws.tf.listener import Listener
 
 from .conftest import PATIENCE, Publish
 
@@ -41,14 +40,9 @@ class Known:
 async def known(hub: Hub) -> AsyncIterator[Known]:
     known = Known()
     async with fibws.Node("robot", hub=hub.url) as node:
-        listener = Listener(node, known.buffer)
-        tasks = [
-            asyncio.create_task(listener.hear_moving()),
-            asyncio.create_task(listener.hear_static()),
-        ]
+        running = asyncio.create_task(TransformListener(node, known.buffer).run())
         yield known
-        for task in tasks:
-            task.cancel()
+        running.cancel()
 
 
 async def test_moving_and_static_frames_are_heard(known: Known, publish: Publish) -> None:
@@ -76,8 +70,17 @@ async def test_what_is_of_no_use_is_said_once_for_each_frame(
     assert "'arm'" in (await line("Ignored")).msg
 
 
-async def test_a_topic_of_another_type_is_an_error(node: fibws.Node) -> None:
-    await node.advertise("/tf_static", String)
-    with pytest.raises(fibws.OperationRejected, match="/tf_static"):
+@pytest.mark.parametrize("topic", ["/tf", "/tf_static"])
+async def test_a_topic_of_another_type_is_an_error(node: fibws.Node, topic: str) -> None:
+    await node.advertise(topic, String)
+    with pytest.raises(fibws.OperationRejected, match=topic):
         async with asyncio.timeout(PATIENCE):
-            await Listener(node, Buffer()).hear_static()
+            await TransformListener(node, Buffer()).run()
+
+
+async def test_it_ends_with_its_node(hub: Hub) -> None:
+    async with fibws.Node("robot", hub=hub.url) as node:
+        running = asyncio.create_task(TransformListener(node, Buffer()).run())
+        await node.graph.nodes()
+    async with asyncio.timeout(PATIENCE):
+        await running

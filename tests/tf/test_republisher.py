@@ -27,6 +27,7 @@ from fibws.msg.tf2_web_republisher import (
 )
 from fibws.srv.tf2_web_republisher import RepublishTFs
 from fibws.tf import republisher as module
+from fibws.tf.audience import Audience
 from fibws.tf.republisher import Republisher
 
 from .conftest import PATIENCE, Place, Publish, places
@@ -83,7 +84,7 @@ def way(request: pytest.FixtureRequest) -> Way:
 @pytest.fixture
 async def client(node: fibws.Node, way: Way) -> AsyncIterator[Client]:
     async with way.client(node) as client:
-        await client.wait_for_server(PATIENCE)
+        await client.wait_for_server(timeout=PATIENCE)
         yield client
 
 
@@ -96,14 +97,14 @@ async def heard(messages: AsyncIterator[Any]) -> list[Place]:
 async def end(goal: ClientGoal) -> fibws.GoalStatus:
     """What became of a goal."""
     with suppress(fibws.ActionError):
-        await goal.result(PATIENCE)
+        await goal.result(timeout=PATIENCE)
     return goal.status
 
 
 async def fault(goal: ClientGoal) -> str:
     """Why a goal was not reached."""
     with pytest.raises(fibws.ActionError) as caught:
-        await goal.result(PATIENCE)
+        await goal.result(timeout=PATIENCE)
     return str(caught.value)
 
 
@@ -294,7 +295,7 @@ async def test_goals_over_topics_and_over_operations_count_together(
     monkeypatch.setattr(module, "MAX_GOALS", 1)
     await publish(("base", "map", 1))
     async with ROS1.client(node) as over_topics, ROS2.client(node) as over_operations:
-        await over_topics.wait_for_server(PATIENCE)
+        await over_topics.wait_for_server(timeout=PATIENCE)
         older = await over_topics.send(wish("base"))
         await heard(older.feedback())
         newer = await over_operations.send(wish("base"))
@@ -321,6 +322,47 @@ async def test_goals_over_topics_rest_while_nobody_hears_their_feedback(
     assert places(feedback.feedback.transforms) == [("base", "map", 1), ("arm", "map", 2)]
 
 
+async def test_who_hears_feedback_is_of_interest_while_there_are_goals_over_topics(
+    node: fibws.Node, publish: Publish, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    watching: list[Audience] = []
+
+    async def watch(audience: Audience) -> None:
+        watching.append(audience)
+        try:
+            await asyncio.Event().wait()
+        finally:
+            watching.remove(audience)
+
+    monkeypatch.setattr(Audience, "watch", watch)
+    await publish(("base", "map", 1))
+    async with ROS1.client(node) as client:
+        await client.wait_for_server(timeout=PATIENCE)
+        numbers = [len(watching)]
+        goals = [await client.send(wish("base")) for _ in range(2)]
+        for goal in goals:
+            await heard(goal.feedback())
+        numbers.append(len(watching))
+        for goal in goals:
+            await goal.cancel()
+            assert await end(goal) is ROS1.canceled
+            numbers.append(len(watching))
+    assert numbers == [0, 1, 1, 0]
+
+
+async def test_the_action_may_be_renamed(hub: Hub, node: fibws.Node, publish: Publish) -> None:
+    await publish(("base", "map", 1))
+    renamed = fibws.parse_remappings(["/transforms:=/frames", "republish_tfs:=/others"])
+    async with fibws.Node("transforms", hub=hub.url, remapping=renamed) as other:
+        serving = asyncio.create_task(Republisher(other).run())
+        async with node.action_client("/frames", tf2_web_republisher.TFSubscription) as client:
+            await client.wait_for_server(timeout=PATIENCE)
+            await publish(("base", "map", 1))
+            goal = await client.send(wish("base"))
+            assert await heard(goal.feedback()) == [("base", "map", 1)]
+        serving.cancel()
+
+
 # Both
 
 
@@ -328,7 +370,7 @@ async def test_it_ends_with_its_node_and_says_why(hub: Hub, node: fibws.Node) ->
     async with fibws.Node("transforms", hub=hub.url) as other:
         serving = asyncio.create_task(Republisher(other).run())
         client = node.action_client("/transforms", tf2_web_republisher.TFSubscription)
-        await client.wait_for_server(PATIENCE)
+        await client.wait_for_server(timeout=PATIENCE)
         async with fibws.Node("transforms", hub=hub.url):
             with pytest.raises(fibws.NodeReplaced, match="took the name /transforms"):
                 await asyncio.wait_for(serving, PATIENCE)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable, Iterator
+from itertools import count
 
 from fibws.errors import OperationRejected
 from fibws.node.part import Part
@@ -43,8 +44,13 @@ class Actions(Part):
         self.types = types
         self.wait_for_service = wait_for_service
         self.now = now
+        self._goals = count(1)
         self._parts: dict[Part, None] = {}
         session.join(self)
+
+    def goal_id(self) -> str:
+        """A name for a goal over topics, as actionlib's: no other goal on the graph has it."""
+        return f"{self.node}-{next(self._goals)}-{self.now() / 1e9:.3f}"
 
     def join(self, part: Part) -> None:
         """Let a server or a client take part."""

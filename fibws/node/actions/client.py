@@ -4,128 +4,20 @@ from __future__ import annotations
 
 import asyncio
 from abc import abstractmethod
-from collections import deque
-from collections.abc import AsyncIterator, Callable, Mapping
+from collections.abc import Mapping
 from typing import Any, Generic, Self
 
 from fibws.errors import ActionError, NodeClosed, NodeError, WaitTimeout
 from fibws.interfaces.bases import F, G, R
+from fibws.node.actions.action_type import ActionType
 from fibws.node.actions.actions import Actions
+from fibws.node.actions.client_goal import ClientGoal
 from fibws.node.actions.status import GoalStatus
-from fibws.node.actions.type import ActionType
 from fibws.node.fault import tell
 from fibws.node.limits import check_queue_size, check_timeout
 from fibws.node.part import Part
 
 HUB_LOST = "the connection to the hub was lost"
-
-
-class ClientGoal(Generic[R, F]):
-    """A goal that was sent: what is heard of it, and what becomes of it.
-
-    Args:
-        id_: what the graph calls it.
-        queue_size: how much feedback waits for a slow reader; then the newest stays.
-        cancel: tells the server that it is wanted no more.
-    """
-
-    def __init__(self, id_: str, queue_size: int, cancel: Callable[[str], None]) -> None:
-        self._id = id_
-        self._cancel = cancel
-        self._status = GoalStatus.PENDING
-        self._feedback: deque[F] = deque(maxlen=queue_size)
-        self._dropped = 0
-        self._news = asyncio.Event()
-        self._over = asyncio.Event()
-        self._result: R | None = None
-        self._fault: Exception | None = None
-
-    def __repr__(self) -> str:
-        return f"<ClientGoal {self.id} {self.status.name}>"
-
-    @property
-    def id(self) -> str:
-        """What the graph calls it."""
-        return self._id
-
-    @property
-    def status(self) -> GoalStatus:
-        """Its state, as far as it is known here. Operations tell of few states but the last."""
-        return self._status
-
-    @property
-    def dropped(self) -> int:
-        """How much feedback made way for newer before it was read."""
-        return self._dropped
-
-    async def feedback(self) -> AsyncIterator[F]:
-        """How far the server has come, until the goal ends: ``async for ... in goal.feedback()``.
-
-        It ends whatever becomes of the goal, which `result` then tells at once.
-        """
-        while True:
-            while self._feedback:
-                yield self._feedback.popleft()
-            if self._over.is_set():
-                return
-            self._news.clear()
-            await self._news.wait()
-
-    async def result(self, timeout: float | None = None) -> R:
-        """Wait until the goal ends, and return its result.
-
-        Args:
-            timeout: the seconds that this may take. The goal goes on after that, as it does if this
-                is canceled: `cancel` is what ends it.
-
-        Raises:
-            ActionError: it did not succeed.
-            WaitTimeout: it did not end in time. It is a TimeoutError, too.
-            NodeClosed, or what was the matter: the node has ended.
-        """
-        check_timeout(timeout)
-        try:
-            async with asyncio.timeout(timeout):
-                await self._over.wait()
-        except TimeoutError:
-            text = f"timeout exceeded while waiting for the result of goal {self.id}"
-            raise WaitTimeout(text) from None
-        if self._fault is not None:
-            tell(self._fault)
-        assert self._result is not None
-        return self._result
-
-    async def cancel(self) -> None:
-        """Ask the server to stop; `result` tells when it has. Does nothing after the end."""
-        if not self._over.is_set():
-            self._cancel(self.id)
-
-    # What its client does
-
-    def told(self, status: GoalStatus) -> None:
-        """Note what the server says."""
-        self._status = status
-
-    def offer(self, feedback: F) -> None:
-        """Take feedback off the wire."""
-        self._dropped += len(self._feedback) == self._feedback.maxlen
-        self._feedback.append(feedback)
-        self._news.set()
-
-    def succeed(self, result: R) -> None:
-        """The goal was reached."""
-        self._result = result
-        self._end(GoalStatus.SUCCEEDED)
-
-    def fail(self, status: GoalStatus, fault: Exception) -> None:
-        """The goal was not reached."""
-        self._fault = fault
-        self._end(status)
-
-    def _end(self, status: GoalStatus) -> None:
-        self._status = status
-        self._over.set()
-        self._news.set()
 
 
 class ActionClient(Part, Generic[G, R, F]):
@@ -145,6 +37,8 @@ class ActionClient(Part, Generic[G, R, F]):
         self._name = name
         self._type = type_
         self._goals: dict[str, ClientGoal[R, F]] = {}
+        self._waits: set[asyncio.Timeout] = set()
+        """Those who wait for a server, until the end of this client."""
         self._fault: Exception | None = None
         actions.join(self)
 
@@ -161,7 +55,9 @@ class ActionClient(Part, Generic[G, R, F]):
         """The action's type, such as ``actionlib_tutorials/Fibonacci``."""
         return self._type.name
 
-    async def send(self, goal: G | Mapping[str, Any], *, queue_size: int = 10) -> ClientGoal[R, F]:
+    async def send(
+        self, goal: G | Mapping[str, Any], *, queue_size: int = 1000
+    ) -> ClientGoal[R, F]:
         """Send a goal; waits until there is a hub.
 
         Without a server, of which `wait_for_server` tells, the goal fails: over operations at once,
@@ -179,7 +75,7 @@ class ActionClient(Part, Generic[G, R, F]):
             NodeClosed: the client or its node was closed.
         """
         check_queue_size(queue_size)
-        values = self._type.write_goal(goal)
+        values = self._type.goal.write(goal)
         await self._session.hub()
         self._check()
         id_ = self._new_id()
@@ -187,8 +83,7 @@ class ActionClient(Part, Generic[G, R, F]):
         self._tell_goal(id_, values)
         return sent
 
-    @abstractmethod
-    async def wait_for_server(self, timeout: float | None = None) -> None:
+    async def wait_for_server(self, *, timeout: float | None = None) -> None:
         """Wait until the action has a server, on a hub that may not be there yet either.
 
         Args:
@@ -199,6 +94,20 @@ class ActionClient(Part, Generic[G, R, F]):
             OperationRejected: the hub did not let this client have the action's topics.
             NodeClosed: the client or its node was closed.
         """
+        check_timeout(timeout)
+        self._check()
+        wait = asyncio.timeout(timeout)
+        self._waits.add(wait)
+        try:
+            async with wait:
+                await self._session.hub()
+                await self._served()
+        except TimeoutError:
+            self._check()
+            text = f"timeout exceeded while waiting for action server {self.name}"
+            raise WaitTimeout(text) from None
+        finally:
+            self._waits.discard(wait)
 
     def close(self) -> None:
         """Hear no more of any goal, which go on. Does nothing when called again."""
@@ -226,7 +135,8 @@ class ActionClient(Part, Generic[G, R, F]):
 
     def _refuse(self, fault: NodeError) -> None:
         """The hub does not let this client have what it needs."""
-        self._close(fault)
+        if self._fault is None:
+            self._close(fault)
 
     def _close(self, fault: Exception) -> None:
         self._stop(fault)
@@ -235,9 +145,16 @@ class ActionClient(Part, Generic[G, R, F]):
 
     def _stop(self, fault: Exception) -> None:
         self._fault = fault
+        for wait in self._waits:
+            if not wait.expired():
+                wait.reschedule(0)  # Which ends it at once.
         for goal in list(self._goals.values()):
             self._forget(goal)
             goal.fail(GoalStatus.LOST, fault)
+
+    @abstractmethod
+    async def _served(self) -> None:
+        """Wait until the action has a server."""
 
     # What is heard of goals
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from fibws.errors import InvalidMessage, OperationRejected, WaitTimeout
+from fibws.errors import InvalidMessage, OperationRejected
 from fibws.interfaces.bases import F, G, R
-from fibws.node.actions.client import ActionClient, ClientGoal
+from fibws.node.actions.client import ActionClient
+from fibws.node.actions.client_goal import ClientGoal
 from fibws.node.actions.status import GoalStatus, of_ros2
-from fibws.node.limits import check_timeout
 from fibws.protocol.operations import (
     ActionFeedback,
     ActionResult,
@@ -21,17 +21,6 @@ from fibws.protocol.parsing import quoted
 
 class OperationActionClient(ActionClient[G, R, F]):
     """Sends goals for the hub to hand on."""
-
-    async def wait_for_server(self, timeout: float | None = None) -> None:
-        """Wait until the hub knows of a server; as `ActionClient.wait_for_server`."""
-        check_timeout(timeout)
-        self._check()
-        try:
-            # Which exists as long as the action does, in ROS 2 as well.
-            await self._actions.wait_for_service(f"{self.name}/_action/cancel_goal", timeout)
-        except WaitTimeout:
-            text = f"timeout exceeded while waiting for action server {self.name}"
-            raise WaitTimeout(text) from None
 
     def receive(self, reply: Reply) -> bool:
         """Take what is heard of a goal; it may come late, when nobody waits for it any more."""
@@ -54,9 +43,13 @@ class OperationActionClient(ActionClient[G, R, F]):
         self._fail(goal, GoalStatus.REJECTED, str(fault))
         return True
 
+    async def _served(self) -> None:
+        # A service that exists as long as the action does, in ROS 2 as well.
+        await self._actions.wait_for_service(f"{self.name}/_action/cancel_goal", None)
+
     def _heard(self, goal: ClientGoal[R, F], values: Any) -> None:
         try:
-            feedback = self._type.read_feedback(values)
+            feedback = self._type.feedback.read(values)
         except InvalidMessage as error:
             self._session.log.error("Dropped feedback of %s: %s", self.name, error)
             return
@@ -71,7 +64,7 @@ class OperationActionClient(ActionClient[G, R, F]):
             self._fail(goal, status, text)
             return
         try:
-            result = self._type.read_result(reply.values)
+            result = self._type.result.read(reply.values)
         except InvalidMessage as error:
             self._fail(goal, status, f"its result is none of {self.type}: {error}")
             return

@@ -7,11 +7,11 @@ from typing import Any
 
 from fibws.errors import InvalidMessage, OperationRejected
 from fibws.interfaces.bases import F, G, R
+from fibws.node.actions.action_type import ActionType
 from fibws.node.actions.actions import Actions
 from fibws.node.actions.record import Record
 from fibws.node.actions.server import ActionServer, Execute
 from fibws.node.actions.status import GoalStatus
-from fibws.node.actions.type import ActionType
 from fibws.protocol.operations import (
     ActionFeedback,
     ActionResult,
@@ -77,7 +77,7 @@ class OperationActionServer(ActionServer[G, R, F]):
 
     def _take_goal(self, id_: str, args: Any) -> None:
         try:
-            request = self._type.read_goal(args)
+            request = self._type.goal.read(args)
         except InvalidMessage as error:
             self._fail(id_, str(error))
         else:

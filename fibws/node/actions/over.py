@@ -6,6 +6,7 @@ from typing import Any, Literal, TypeAlias
 
 from fibws.interfaces import Action
 from fibws.interfaces.bases import F, G, R
+from fibws.node.actions.action_type import ActionType
 from fibws.node.actions.actions import Actions
 from fibws.node.actions.client import ActionClient
 from fibws.node.actions.operation_client import OperationActionClient
@@ -13,7 +14,6 @@ from fibws.node.actions.operation_server import OperationActionServer
 from fibws.node.actions.server import ActionServer, Execute
 from fibws.node.actions.topic_client import TopicActionClient
 from fibws.node.actions.topic_server import TopicActionServer
-from fibws.node.actions.type import ActionType
 
 Over: TypeAlias = Literal["topics", "operations"]
 """``topics`` as actionlib does, in ROS 1; ``operations`` as rosbridge does for ROS 2."""

@@ -4,22 +4,27 @@ from __future__ import annotations
 
 import asyncio
 from abc import abstractmethod
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Mapping
+from inspect import isawaitable
 from typing import Any, Generic, Self, TypeAlias
 
-from fibws.errors import NodeError
+from fibws.errors import AlreadyOffered, NodeError
 from fibws.interfaces.bases import F, G, R
+from fibws.node.actions.action_type import ActionType
 from fibws.node.actions.actions import Actions
-from fibws.node.actions.goal import ServerGoal
 from fibws.node.actions.record import Record
+from fibws.node.actions.server_goal import ServerGoal
 from fibws.node.actions.status import Turn
-from fibws.node.actions.type import ActionType
 from fibws.node.fault import tell
 from fibws.node.part import Part
 from fibws.node.tasks import Tasks
+from fibws.node.text import sendable
 
-Execute: TypeAlias = Callable[[ServerGoal[G, R, F]], Awaitable[R]]
-"""Pursues a goal, and returns the result."""
+Outcome: TypeAlias = R | Mapping[str, Any]
+"""A result: whole, or its fields by name."""
+
+Execute: TypeAlias = Callable[[ServerGoal[G, R, F]], Outcome[R] | Awaitable[Outcome[R]]]
+"""Pursues a goal, and returns the result: a plain function or an async one."""
 
 MOST_GOALS = 1000
 """How many goals are pursued at once."""
@@ -40,7 +45,8 @@ class ActionServer(Part, Generic[G, R, F]):
         actions: the node's.
         name: the action's global name.
         type_: the action's type.
-        execute: what pursues a goal. An exception in it aborts the goal, with its text.
+        execute: what pursues a goal. An exception in it aborts the goal, with its text; but a
+            BrokenPipeError, of a program whose reader has left, ends the node.
         concurrent: whether goals are pursued side by side. If not, it is as with actionlib's
             SimpleActionServer: a new goal has the one before it canceled, and begins thereafter.
     """
@@ -54,9 +60,11 @@ class ActionServer(Part, Generic[G, R, F]):
         *,
         concurrent: bool,
     ) -> None:
+        if not callable(execute):
+            raise TypeError(f"{name}: what pursues goals is a function, not {execute!r}")
         for other in actions.parts():
             if type(other) is type(self) and other.name == name:
-                raise NodeError(f"{name}: this node serves it already")
+                raise AlreadyOffered(name)
         self._actions = actions
         self._session = actions.session
         self._name = name
@@ -120,7 +128,7 @@ class ActionServer(Part, Generic[G, R, F]):
 
     def _receive(self, record: Record, request: G) -> None:
         """Begin with a goal, or have it wait, or refuse it."""
-        goal = ServerGoal(record, request, self._type.Result, self._feedback)
+        goal = ServerGoal(record, request, self._type.result.message_class, self._feedback)
         self._goals[record.id] = goal
         if len(self._tasks) >= MOST_GOALS:
             self._finish(goal, Turn.REJECT, text=f"{MOST_GOALS} goals are pursued already")
@@ -162,25 +170,48 @@ class ActionServer(Part, Generic[G, R, F]):
         self._tasks.start(self._pursue(goal), f"goal {goal.id} of {self.name}")
 
     async def _pursue(self, goal: ServerGoal[G, R, F]) -> None:
-        values = None
         try:
-            result = await self._execute(goal)
-            turn, text = goal.ending
-            values = self._type.write_result(result)
-        except Exception as error:
-            text = str(error) or type(error).__name__
-            # Errors about files may hold halves of surrogate pairs, which no JSON can hold.
-            turn, text = Turn.ABORT, text.encode(errors="replace").decode()
-            self._session.log.error("%s: goal %s was aborted: %s", self.name, goal.id, text)
-        except asyncio.CancelledError:
-            # Of a task that the function waited for; or of this one, whose goal has ended then.
-            turn, text = Turn.ABORT, "it was interrupted"
+            turn, values, text = await self._outcome(goal)
+        except BrokenPipeError as error:
+            # Nobody reads what the program prints, as behind `| head`: that ends it everywhere.
+            self._session.end(error)
+            return
         self._finish(goal, turn, values, text)
         if goal is self._current:
             self._current = None
             if self._next is not None:
                 goal, self._next = self._next, None
                 self._start(goal)
+
+    async def _outcome(self, goal: ServerGoal[G, R, F]) -> tuple[Turn, dict[str, Any] | None, str]:
+        """How a goal ends, its result if it has one, and why."""
+        try:
+            result = self._execute(goal)
+            if isawaitable(result):
+                result = await result
+        except BrokenPipeError:
+            raise
+        except Exception as error:
+            text = sendable(str(error) or type(error).__name__)
+            self._log_abort(goal, text, error)
+            return Turn.ABORT, None, text
+        except asyncio.CancelledError:
+            # Of a task that the function waited for; or of this one, whose goal has ended then.
+            return Turn.ABORT, None, "it was interrupted"
+        turn, text = goal.ending
+        try:
+            return turn, self._type.result.write(result), sendable(text)
+        except Exception as error:
+            text = sendable(str(error))
+            self._log_abort(goal, text)
+            return Turn.ABORT, None, text
+
+    def _log_abort(
+        self, goal: ServerGoal[G, R, F], text: str, error: Exception | None = None
+    ) -> None:
+        self._session.log.error(
+            "%s: goal %s was aborted: %s", self.name, goal.id, text, exc_info=error
+        )
 
     def _finish(
         self,
@@ -195,8 +226,8 @@ class ActionServer(Part, Generic[G, R, F]):
             goal.record.turn(turn, text)
             self._tell_result(goal.record, values)
 
-    async def _feedback(self, goal: ServerGoal[G, R, F], feedback: F) -> None:
-        values = self._type.write_feedback(feedback)
+    async def _feedback(self, goal: ServerGoal[G, R, F], feedback: F | Mapping[str, Any]) -> None:
+        values = self._type.feedback.write(feedback)
         if goal.status.is_final:
             raise RuntimeError(f"goal {goal.id} of {self.name} has ended")
         await self._session.outbox.room()

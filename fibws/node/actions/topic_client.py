@@ -8,20 +8,19 @@ from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
-from fibws.errors import WaitTimeout
 from fibws.interfaces.bases import F, G, R
 from fibws.msg import actionlib_msgs
+from fibws.node.actions.action_topics import CANCEL, FEEDBACK, GOAL, RESULT, STATUS, ActionTopics
+from fibws.node.actions.action_type import ActionType
 from fibws.node.actions.actions import Actions
-from fibws.node.actions.client import ActionClient, ClientGoal
+from fibws.node.actions.client import ActionClient
+from fibws.node.actions.client_goal import ClientGoal
 from fibws.node.actions.status import GoalStatus
-from fibws.node.actions.topics import CANCEL, FEEDBACK, GOAL, RESULT, STATUS, ActionTopics
-from fibws.node.actions.type import ActionType
-from fibws.node.limits import check_timeout
 
 LOST_AFTER = 5.0
 """Seconds without a word of a goal, or of its server, after which it counts as lost."""
 
-QUEUE_SIZE = 100
+QUEUE_SIZE = 1000
 """How many messages of a topic the hub keeps while the connection is slow."""
 
 
@@ -44,7 +43,6 @@ class TopicActionClient(ActionClient[G, R, F]):
 
     def __init__(self, actions: Actions, name: str, type_: ActionType[G, R, F]) -> None:
         super().__init__(actions, name, type_)
-        self._number = 0
         self._watches: dict[str, _Watch] = {}
         self._server_heard: float | None = None
         self._news = asyncio.Event()
@@ -55,30 +53,15 @@ class TopicActionClient(ActionClient[G, R, F]):
         self._goal_topic = topics.sender(GOAL, queue_size=QUEUE_SIZE)
         self._cancel_topic = topics.sender(CANCEL, queue_size=QUEUE_SIZE)
 
-    async def wait_for_server(self, timeout: float | None = None) -> None:
-        """Wait until a server has told its status; as `ActionClient.wait_for_server`."""
-        check_timeout(timeout)
-        try:
-            async with asyncio.timeout(timeout):
-                while not self._is_served():
-                    self._news.clear()
-                    await self._news.wait()
-        except TimeoutError:
-            text = f"timeout exceeded while waiting for action server {self.name}"
-            raise WaitTimeout(text) from None
-
     def lose(self) -> None:
         """The hub is gone, and with it all servers."""
         super().lose()
         self._server_heard = None
 
-    def _is_served(self) -> bool:
-        self._check()
-        return self._server_heard is not None and _now() - self._server_heard < LOST_AFTER
-
-    def _stop(self, fault: Exception) -> None:
-        super()._stop(fault)
-        self._news.set()
+    async def _served(self) -> None:
+        while self._server_heard is None or _now() - self._server_heard >= LOST_AFTER:
+            self._news.clear()
+            await self._news.wait()
 
     # What is heard of goals
 
@@ -136,8 +119,7 @@ class TopicActionClient(ActionClient[G, R, F]):
     # What the graph is told
 
     def _new_id(self) -> str:
-        self._number += 1
-        return f"{self._actions.node}-{self._number}-{self._actions.now() / 1e9:.3f}"
+        return self._actions.goal_id()
 
     def _tell_goal(self, id_: str, goal: dict[str, Any]) -> None:
         self._watches[id_] = _Watch(_now(), _later(LOST_AFTER, self._look, id_))

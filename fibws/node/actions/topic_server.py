@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import asyncio
 from contextlib import suppress
-from itertools import count
 from typing import Any
 
 from fibws.interfaces.bases import F, G, R
 from fibws.msg.actionlib_msgs import GoalID
+from fibws.node.actions.action_topics import CANCEL, FEEDBACK, GOAL, RESULT, STATUS, ActionTopics
+from fibws.node.actions.action_type import ActionType
 from fibws.node.actions.actions import Actions
 from fibws.node.actions.record import Record, Records
 from fibws.node.actions.server import MOST_GOALS, ActionServer, Execute
-from fibws.node.actions.topics import CANCEL, FEEDBACK, GOAL, RESULT, STATUS, ActionTopics
-from fibws.node.actions.type import ActionType
 from fibws.node.tasks import Tasks
 
 STATUS_PERIOD = 0.2
@@ -34,7 +33,6 @@ class TopicActionServer(ActionServer[G, R, F]):
     ) -> None:
         super().__init__(actions, name, type_, execute, concurrent=concurrent)
         self._records = Records()
-        self._unnamed = count(1)
         self._topics = topics = ActionTopics(actions, name, type_.name, self._refuse)
         self._status = topics.sender(STATUS, queue_size=1, latch=True)
         self._result = topics.sender(RESULT, queue_size=MOST_GOALS)
@@ -48,10 +46,8 @@ class TopicActionServer(ActionServer[G, R, F]):
     def _take_goal(self, message: Any) -> None:
         """Take an ``ActionGoal``: of the goal's name and time, what is missing is made up."""
         goal_id: GoalID = message.goal_id
-        now = self._actions.now()
-        id_ = goal_id.id or f"{self._actions.node}-{next(self._unnamed)}-{now / 1e9:.3f}"
-        stamp = goal_id.stamp.to_nanoseconds() or now
-        record = self._records.add(id_, stamp, _seconds())
+        stamp = goal_id.stamp.to_nanoseconds() or self._actions.now()
+        record = self._records.add(goal_id.id or self._actions.goal_id(), stamp, _seconds())
         if record is None:
             return
         if record.status.is_final:

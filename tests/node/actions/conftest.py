@@ -6,8 +6,8 @@ import pytest
 
 from fibws.action.actionlib_tutorials import Fibonacci
 from fibws.msg.actionlib_tutorials import FibonacciFeedback, FibonacciGoal, FibonacciResult
+from fibws.node.actions.action_type import ActionType
 from fibws.node.actions.actions import Actions
-from fibws.node.actions.type import ActionType
 from fibws.node.session import Session
 from fibws.node.topics import Topics
 from fibws.node.types import Types

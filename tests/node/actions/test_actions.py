@@ -57,6 +57,13 @@ def test_each_greets_and_hears_what_it_waits_for(session: Session, members: list
     assert [member.heard for member in members] == [["no"], [1]]
 
 
+def test_goals_have_names_of_their_own_whatever_the_time(actions: Actions) -> None:
+    assert [actions.goal_id() for _ in range(2)] == [
+        "/node-1-1700000000.500",
+        "/node-2-1700000000.500",
+    ]
+
+
 def test_what_comes_too_late_is_no_mystery(
     session: Session, actions: Actions, lines: Lines
 ) -> None:

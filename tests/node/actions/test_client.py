@@ -1,8 +1,9 @@
-"""A goal that was sent, whichever way."""
+"""A client, whichever way its goals travel."""
 
 from __future__ import annotations
 
 import asyncio
+import logging
 from typing import Any
 
 import pytest
@@ -17,11 +18,14 @@ from fibws.errors import (
 )
 from fibws.msg.actionlib_tutorials import FibonacciFeedback, FibonacciGoal, FibonacciResult
 from fibws.node.actions.actions import Actions
-from fibws.node.actions.client import ActionClient, ClientGoal
+from fibws.node.actions.client import ActionClient
+from fibws.node.actions.client_goal import ClientGoal
 from fibws.node.actions.status import GoalStatus
 from fibws.node.session import Session
+from fibws.node.topics import Topics
+from fibws.node.types import Types
 
-from .conftest import FibonacciType
+from .conftest import NOW, FibonacciType, no_services
 
 FibonacciClientGoal = ClientGoal[FibonacciResult, FibonacciFeedback]
 
@@ -31,6 +35,7 @@ class Told(ActionClient[FibonacciGoal, FibonacciResult, FibonacciFeedback]):
 
     def open(self) -> None:
         self.told: list[Any] = []
+        self.server = asyncio.Event()
 
     def refuse_all(self, fault: NodeError) -> None:
         self._refuse(fault)
@@ -41,8 +46,8 @@ class Told(ActionClient[FibonacciGoal, FibonacciResult, FibonacciFeedback]):
     def fail(self, goal: FibonacciClientGoal, *why: Any) -> None:
         self._fail(goal, *why)
 
-    async def wait_for_server(self, timeout: float | None = None) -> None:
-        raise AssertionError
+    async def _served(self) -> None:
+        await self.server.wait()
 
     def _new_id(self) -> str:
         return f"goal {len(self.told)}"
@@ -74,17 +79,6 @@ async def test_a_goal_is_sent_and_may_be_canceled_until_it_ends(client: Told) ->
     assert client.told == [("goal 0", {"order": 5}), ("goal 0", "cancel")]
 
 
-async def test_its_result_is_there_for_all_who_wait_and_who_ask_later(client: Told) -> None:
-    goal = await client.send({"order": 5})
-    async with asyncio.timeout(5), asyncio.TaskGroup() as tasks:
-        results = [tasks.create_task(goal.result()) for _ in range(2)]
-        await asyncio.sleep(0)
-        client.succeed(goal)
-    assert [each.result() for each in results] == [FibonacciResult([1])] * 2
-    assert await goal.result(timeout=1) == FibonacciResult([1])
-    assert goal.status is GoalStatus.SUCCEEDED
-
-
 async def test_what_became_of_it_is_told_as_often_as_it_is_asked(client: Told) -> None:
     goal = await client.send(FibonacciGoal(5))
     client.fail(goal, GoalStatus.ABORTED, "no more numbers", FibonacciResult([0]))
@@ -105,49 +99,6 @@ async def test_an_error_without_a_text_names_the_status(client: Told) -> None:
     client.fail(goal, GoalStatus.PREEMPTED, "")
     with pytest.raises(ActionError, match=r"^/fibonacci: PREEMPTED$"):
         await goal.result()
-
-
-async def test_a_goal_goes_on_when_nobody_waits_for_it_any_more(client: Told) -> None:
-    goal = await client.send(FibonacciGoal(5))
-    with pytest.raises(TimeoutError, match="while waiting for the result of goal goal 0"):
-        await goal.result(timeout=0.001)
-    waiting = asyncio.create_task(goal.result())
-    await asyncio.sleep(0)
-    waiting.cancel()
-    with pytest.raises(asyncio.CancelledError):
-        await waiting
-    client.succeed(goal)
-    assert await goal.result() == FibonacciResult([1])
-    with pytest.raises(WaitTimeout):
-        await (await client.send(FibonacciGoal(5))).result(timeout=0.001)
-    with pytest.raises(ValueError, match="a timeout is a number of seconds above 0"):
-        await goal.result(timeout=-1)
-
-
-async def test_feedback_is_heard_until_the_goal_ends(client: Told) -> None:
-    goal = await client.send(FibonacciGoal(5))
-    heard: list[list[int]] = []
-
-    async def listen() -> None:
-        async for feedback in goal.feedback():
-            heard.append(feedback.sequence)
-
-    async with asyncio.timeout(5), asyncio.TaskGroup() as tasks:
-        tasks.create_task(listen())
-        for number in range(3):
-            await asyncio.sleep(0)
-            goal.offer(FibonacciFeedback([number]))
-        client.fail(goal, GoalStatus.ABORTED, "")
-    assert heard == [[0], [1], [2]]
-
-
-async def test_who_reads_feedback_too_slowly_gets_the_newest(client: Told) -> None:
-    goal = await client.send(FibonacciGoal(5), queue_size=2)
-    for number in range(5):
-        goal.offer(FibonacciFeedback([number]))
-    client.succeed(goal)
-    assert [feedback.sequence async for feedback in goal.feedback()] == [[3], [4]]
-    assert goal.dropped == 3
 
 
 async def test_what_is_no_goal_is_refused_in_the_programs_own_line(client: Told) -> None:
@@ -225,6 +176,66 @@ async def test_a_refusal_of_what_it_needs_is_told_to_all_who_wait(client: Told) 
         await goal.result()
     with pytest.raises(OperationRejected, match="no"):
         await client.send(FibonacciGoal(5))
+
+
+async def test_a_server_is_waited_for(client: Told) -> None:
+    async with asyncio.timeout(5), asyncio.TaskGroup() as tasks:
+        tasks.create_task(client.wait_for_server())
+        await asyncio.sleep(0)
+        client.server.set()
+    await client.wait_for_server(timeout=5)
+
+
+async def test_a_server_that_is_not_there_is_waited_for_so_long(client: Told) -> None:
+    with pytest.raises(WaitTimeout, match="while waiting for action server /fibonacci"):
+        await client.wait_for_server(timeout=0.001)
+    with pytest.raises(ValueError, match="a timeout is a number of seconds above 0"):
+        await client.wait_for_server(timeout=0)
+
+
+async def test_who_waits_for_a_server_hears_of_the_end(client: Told) -> None:
+    waiting = [asyncio.create_task(client.wait_for_server(timeout=t)) for t in (None, 60)]
+    await asyncio.sleep(0)
+    client.close()
+    async with asyncio.timeout(5):
+        for each in waiting:
+            with pytest.raises(NodeClosed, match="the client of /fibonacci was closed"):
+                await each
+    with pytest.raises(NodeClosed, match="the client of /fibonacci was closed"):
+        await client.wait_for_server()
+
+
+async def test_an_end_as_the_time_is_up_is_an_end(
+    client: Told, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def served() -> None:
+        try:
+            await client.server.wait()
+        finally:
+            client.close()
+
+    monkeypatch.setattr(client, "_served", served)
+    with pytest.raises(NodeClosed):
+        await client.wait_for_server(timeout=0.001)
+
+
+async def test_before_the_node_is_entered_there_is_no_server_to_wait_for(
+    types: Types, fibonacci: FibonacciType
+) -> None:
+    session = Session(logging.Logger("test"))
+    actions = Actions("/node", session, Topics(session), types, no_services, lambda: NOW)
+    client = Told(actions, "/fibonacci", fibonacci)
+    for waiting in (client.wait_for_server(), client.send({"order": 5})):
+        with pytest.raises(RuntimeError, match="enter the node first"):
+            await waiting
+
+
+async def test_a_burst_of_feedback_waits_for_its_reader(client: Told) -> None:
+    goal = await client.send(FibonacciGoal(5))
+    for number in range(1000):
+        goal.offer(FibonacciFeedback([number]))
+    client.succeed(goal)
+    assert len([feedback async for feedback in goal.feedback()]) == 1000
 
 
 async def test_it_says_what_it_is(client: Told) -> None:

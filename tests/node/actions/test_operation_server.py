@@ -10,8 +10,8 @@ import pytest
 from fibws.errors import OperationRejected
 from fibws.msg.actionlib_tutorials import FibonacciFeedback, FibonacciGoal, FibonacciResult
 from fibws.node.actions.actions import Actions
-from fibws.node.actions.goal import ServerGoal
 from fibws.node.actions.operation_server import OperationActionServer
+from fibws.node.actions.server_goal import ServerGoal
 from fibws.node.session import Session
 
 from ..conftest import greeted, hears, said, says
@@ -24,12 +24,12 @@ async def execute(
     goal: ServerGoal[FibonacciGoal, FibonacciResult, FibonacciFeedback],
 ) -> FibonacciResult:
     """Succeeds at once, but for negative orders: those wait to be canceled."""
-    await goal.feedback(FibonacciFeedback([0]))
+    await goal.publish_feedback(FibonacciFeedback([0]))
     order = goal.request.order
     if order >= 0:
         return FibonacciResult([0, 1])
     await goal.cancellation()
-    await goal.feedback(FibonacciFeedback([1]))
+    await goal.publish_feedback(FibonacciFeedback([1]))
     match order:
         case -1:
             return goal.canceled(FibonacciResult([0]))

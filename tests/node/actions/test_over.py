@@ -54,7 +54,7 @@ async def count(goal: FibonacciServerGoal) -> FibonacciResult:
     numbers = []
     for number in range(abs(order)):
         numbers.append(number)
-        await goal.feedback(Fibonacci.Feedback(numbers))
+        await goal.publish_feedback(Fibonacci.Feedback(numbers))
     if order < 0:
         await goal.cancellation()
         return goal.canceled(Fibonacci.Result(numbers))
@@ -144,7 +144,7 @@ async def test_many_goals_are_pursued_side_by_side(
 ) -> None:
     await server.action_server("fibonacci", Fibonacci, count, over=over, concurrent=True)
     fibonacci = await ready(client, over)
-    goals = [await fibonacci.send(Fibonacci.Goal(-1 - number)) for number in range(50)]
+    goals = [await fibonacci.send(Fibonacci.Goal(-1 - number)) for number in range(40)]
     for goal in reversed(goals):
         await anext(goal.feedback())
         await goal.cancel()
@@ -195,7 +195,7 @@ async def test_the_users_own_action_reaches_a_hub_that_does_not_know_it(
     async def execute(goal: fibws.ServerGoal[Any, Any, Any]) -> Any:
         feedback = action_class(f"{package.name}/Count").Feedback
         for sheep in goal.request.sheep:
-            await goal.feedback(feedback(sheep))
+            await goal.publish_feedback(feedback(sheep))
         return goal.aborted(action_class(f"{package.name}/Count").Result(len(goal.request.sheep)))
 
     async with fibws.Node("node", hub=real_hub.url) as node:
@@ -246,7 +246,7 @@ async def test_when_a_client_leaves_its_goals_over_operations_are_wanted_no_more
     ended = asyncio.Event()
 
     async def execute(goal: FibonacciServerGoal) -> FibonacciResult:
-        await goal.feedback(Fibonacci.Feedback())
+        await goal.publish_feedback(Fibonacci.Feedback())
         await goal.cancellation()
         ended.set()
         return goal.canceled()

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections.abc import Callable
 from typing import Any
 
 import pytest
 
-from fibws.errors import InvalidMessage, NodeClosed, NodeError, OperationRejected
+from fibws.errors import AlreadyOffered, InvalidMessage, NodeClosed, OperationRejected
 from fibws.msg.actionlib_tutorials import FibonacciFeedback, FibonacciGoal, FibonacciResult
 from fibws.node.actions import server as server_module
 from fibws.node.actions.actions import Actions
-from fibws.node.actions.goal import ServerGoal
 from fibws.node.actions.record import Record
 from fibws.node.actions.server import ENDED, SUPERSEDED, ActionServer
+from fibws.node.actions.server_goal import ServerGoal
 from fibws.node.outbox import FRAME_COST, LIMIT
 from fibws.node.session import Session
 
@@ -120,7 +121,7 @@ class Patient:
 
 async def test_a_goal_succeeds_with_what_the_function_returns(serve: Serve) -> None:
     async def execute(goal: FibonacciServerGoal) -> FibonacciResult:
-        await goal.feedback(FibonacciFeedback([goal.request.order]))
+        await goal.publish_feedback(FibonacciFeedback([goal.request.order]))
         return FibonacciResult([7])
 
     server = serve(execute)
@@ -142,6 +143,74 @@ async def test_a_goal_ends_as_the_function_says(serve: Serve) -> None:
     server.goal("b", order=1)
     assert await server.ended("a") == ("ABORTED", "negative", [])
     assert await server.ended("b") == ("PREEMPTED", "enough", [4])
+
+
+@pytest.mark.parametrize("result", [FibonacciResult([7]), {"sequence": [7]}])
+async def test_the_function_may_be_a_plain_one_and_give_a_dict(serve: Serve, result: Any) -> None:
+    server = serve(lambda goal: result)
+    server.goal("a")
+    assert await server.ended("a") == ("SUCCEEDED", "", [7])
+
+
+async def test_feedback_may_be_a_dict(serve: Serve) -> None:
+    async def execute(goal: FibonacciServerGoal) -> dict[str, list[int]]:
+        await goal.publish_feedback({"sequence": [1, 2]})
+        return {}
+
+    server = serve(execute)
+    server.goal("a")
+    assert await server.ended("a") == ("SUCCEEDED", "", [])
+    assert server.feedback == [("a", [1, 2])]
+
+
+def test_what_is_no_function_is_refused_at_once(serve: Serve) -> None:
+    with pytest.raises(TypeError, match="what pursues goals is a function, not None"):
+        serve(None)
+    serve(Patient())
+
+
+async def test_an_error_in_the_function_is_logged_with_its_traceback(
+    serve: Serve, session: Session
+) -> None:
+    async def execute(goal: FibonacciServerGoal) -> Any:
+        if goal.request.order == 0:
+            return 5
+        return 1 / 0
+
+    class Kept(logging.Handler):
+        def emit(self, record: logging.LogRecord) -> None:
+            records.append(record)
+
+    records: list[logging.LogRecord] = []
+    session.log.addHandler(Kept())
+    server = serve(execute)
+    for order in (0, 1):
+        server.goal(str(order), order=order)
+        await server.ended(str(order))
+    wrong, broken = records
+    assert wrong.exc_info is None
+    assert broken.exc_info is not None and broken.exc_info[0] is ZeroDivisionError
+
+
+@pytest.mark.parametrize("is_logged", [False, True])
+async def test_when_nobody_reads_what_the_program_prints_the_node_ends(
+    serve: Serve, session: Session, is_logged: bool
+) -> None:
+    class Broken(logging.Handler):
+        def emit(self, record: logging.LogRecord) -> None:
+            raise BrokenPipeError
+
+    async def execute(goal: FibonacciServerGoal) -> FibonacciResult:
+        raise ValueError if is_logged else BrokenPipeError
+
+    session.log.addHandler(Broken())
+    server = serve(execute)
+    server.goal("a")
+    assert await server.ended("a") == ("ABORTED", ENDED, None)
+    with pytest.raises(BrokenPipeError):
+        await server.spin()
+    with pytest.raises(BrokenPipeError):
+        await session.ended()
 
 
 async def test_an_error_aborts_its_goal_alone(serve: Serve, lines: Lines) -> None:
@@ -190,7 +259,7 @@ async def test_feedback_that_does_not_fit_raises_in_the_functions_own_line(serve
         wrong: Any = FibonacciResult()
         for feedback in (FibonacciFeedback([2**31]), wrong):
             try:
-                await goal.feedback(feedback)
+                await goal.publish_feedback(feedback)
             except (InvalidMessage, TypeError) as fault:
                 faults.append(fault)
         return FibonacciResult()
@@ -213,7 +282,7 @@ async def test_there_is_no_feedback_after_the_end(serve: Serve) -> None:
     server.goal("a")
     await server.ended("a")
     with pytest.raises(RuntimeError, match="goal a of /fibonacci has ended"):
-        await kept[0].feedback(FibonacciFeedback())
+        await kept[0].publish_feedback(FibonacciFeedback())
 
 
 async def test_feedback_waits_for_a_slow_connection(serve: Serve, session: Session) -> None:
@@ -222,7 +291,7 @@ async def test_feedback_waits_for_a_slow_connection(serve: Serve, session: Sessi
 
     async def execute(goal: FibonacciServerGoal) -> FibonacciResult:
         waits.set()
-        await goal.feedback(FibonacciFeedback([1]))
+        await goal.publish_feedback(FibonacciFeedback([1]))
         return FibonacciResult()
 
     server = serve(execute)
@@ -440,7 +509,7 @@ async def test_a_refusal_is_told_to_the_log_and_to_who_waits(serve: Serve, lines
 
 async def test_a_node_serves_an_action_once(serve: Serve) -> None:
     server = serve(Patient())
-    with pytest.raises(NodeError, match="/fibonacci: this node serves it already"):
+    with pytest.raises(AlreadyOffered, match="/fibonacci: this node offers it already"):
         serve(Patient())
     serve(Patient(), name="/other")
     server.close()

@@ -82,6 +82,17 @@ async def test_a_goal_is_followed_to_its_result(session: Session, client: Fibona
     assert await goal.result() == FibonacciResult([0, 1])
 
 
+async def test_two_clients_of_one_action_hear_of_their_own_goals_alone(
+    session: Session, actions: Actions, fibonacci: FibonacciType, client: FibonacciClient
+) -> None:
+    async with TopicActionClient(actions, "/fibonacci", fibonacci) as other:
+        goals = [await each.send(FibonacciGoal(5)) for each in (client, other)]
+        for number, goal in enumerate(goals):
+            tell(session, "result", status(goal.id, 3), result={"sequence": [number]})
+        results = [(await goal.result(timeout=5)).sequence for goal in goals]
+    assert results == [[0], [1]]
+
+
 @pytest.mark.parametrize("number", [2, 4, 5, 8])
 async def test_a_goal_that_did_not_succeed_says_why(
     session: Session, client: FibonacciClient, number: int
@@ -264,13 +275,25 @@ async def test_who_waits_for_a_server_hears_of_the_end(
             await waiting
 
 
-@pytest.mark.parametrize("topic", ["/fibonacci/status", "/fibonacci/goal"])
+@pytest.mark.parametrize("topic", ["status", "feedback", "result", "goal", "cancel"])
 async def test_a_topic_that_the_hub_refuses_ends_it(
     session: Session, client: FibonacciClient, topic: str
 ) -> None:
-    (id_,) = [each["id"] for each in said(session) if each["topic"] == topic]
+    (id_,) = [each["id"] for each in said(session) if each["topic"] == f"/fibonacci/{topic}"]
+    goal = await client.send(FibonacciGoal(5))
+    waiting = asyncio.create_task(client.wait_for_server())
+    await asyncio.sleep(0)
     hears(session, "status", level="error", id=id_, msg="no")
-    with pytest.raises(OperationRejected, match="no"):
-        await (await client.send(FibonacciGoal(5))).result()
-    with pytest.raises(OperationRejected, match="no"):
+    async with asyncio.timeout(5):
+        for told in (waiting, goal.result(), client.send(FibonacciGoal(5))):
+            with pytest.raises(OperationRejected, match="no"):
+                await told
+
+
+async def test_what_is_refused_twice_has_ended_once(
+    session: Session, client: FibonacciClient
+) -> None:
+    for each in said(session):
+        hears(session, "status", level="error", id=each["id"], msg=each["topic"])
+    with pytest.raises(OperationRejected, match="/fibonacci/status"):
         await client.wait_for_server()

@@ -11,7 +11,7 @@ from fibws.errors import OperationRejected
 from fibws.msg.actionlib_tutorials import FibonacciFeedback, FibonacciGoal, FibonacciResult
 from fibws.node.actions import topic_server
 from fibws.node.actions.actions import Actions
-from fibws.node.actions.goal import ServerGoal
+from fibws.node.actions.server_goal import ServerGoal
 from fibws.node.actions.topic_server import TopicActionServer
 from fibws.node.session import Session
 
@@ -27,7 +27,7 @@ async def execute(
     goal: ServerGoal[FibonacciGoal, FibonacciResult, FibonacciFeedback],
 ) -> FibonacciResult:
     """Succeeds at once, but for negative orders: those wait to be canceled."""
-    await goal.feedback(FibonacciFeedback([0]))
+    await goal.publish_feedback(FibonacciFeedback([0]))
     if goal.request.order < 0:
         await goal.cancellation()
         return goal.canceled(text="as you wish")

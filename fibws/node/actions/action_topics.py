@@ -83,7 +83,7 @@ class ActionTopics:
             type=type_,
             queue_length=queue_size,
         )
-        read = self._types.reader(self._types.message_class(type_))
+        read = self._types.wire(self._types.message_class(type_)).read
         receiver = Receiver(operation, read, self._topics, self._session.log, take, self._refused)
         self._topics.subscribe(receiver)
         self._receivers.append(receiver)
@@ -113,14 +113,11 @@ class Sender:
         self._outbox = session.outbox
         self._topics = topics
         self._validate = validate
-        self._refused = refused
-        self._advertisement = topics.advertise(operation)
+        self._advertisement = topics.advertise(operation, refused)
 
     def put(self, **fields: Any) -> None:
         """Publish a message of these fields; a header's stamp is the time."""
         advertisement = self._advertisement
-        if advertisement.fault is not None:
-            self._refused(advertisement.fault)
         if advertisement.closed:
             return
         text = encode(Publish(topic=advertisement.operation.topic, msg=self._validate(fields)))

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Mapping
 from contextlib import suppress
-from typing import Generic
+from typing import Any, Generic
 
 from fibws.interfaces.bases import F, G, R
 from fibws.node.actions.record import Record
 from fibws.node.actions.status import GoalStatus, Turn
+from fibws.node.limits import check_timeout
 
 
 class ServerGoal(Generic[G, R, F]):
@@ -24,7 +25,7 @@ class ServerGoal(Generic[G, R, F]):
         record: Record,
         request: G,
         result: type[R],
-        publish: Callable[[ServerGoal[G, R, F], F], Awaitable[None]],
+        publish: Callable[[ServerGoal[G, R, F], F | Mapping[str, Any]], Awaitable[None]],
     ) -> None:
         self.record = record
         """What the graph may know of it."""
@@ -57,25 +58,29 @@ class ServerGoal(Generic[G, R, F]):
         """Whether it is wanted no more: its client says so, or has gone, or sent another goal."""
         return self._cancel.is_set()
 
-    async def cancellation(self, within: float | None = None) -> bool:
-        """Wait until it is wanted no more, for ``within`` seconds at most; tell whether it is.
+    async def cancellation(self, *, timeout: float | None = None) -> bool:
+        """Wait until it is wanted no more, for ``timeout`` seconds at most; tell whether it is.
 
         It is what a function does instead of sleeping.
         """
+        check_timeout(timeout)
         with suppress(TimeoutError):
-            async with asyncio.timeout(within):
+            async with asyncio.timeout(timeout):
                 await self._cancel.wait()
         return self.cancel_requested
 
-    async def feedback(self, message: F) -> None:
+    async def publish_feedback(self, feedback: F | Mapping[str, Any]) -> None:
         """Tell the client how far this has come; waits while the connection is slower than that.
+
+        Args:
+            feedback: a message, or a dict of its fields.
 
         Raises:
             InvalidMessage: a field does not fit the type.
             TypeError: it is no feedback of this action.
             RuntimeError: the goal has ended.
         """
-        await self._publish(self, message)
+        await self._publish(self, feedback)
 
     def canceled(self, result: R | None = None, text: str = "") -> R:
         """Have the goal end as canceled: ``return goal.canceled(partial_result)``.

@@ -7,14 +7,14 @@ import asyncio
 import pytest
 
 from fibws.msg.actionlib_tutorials import FibonacciFeedback, FibonacciGoal, FibonacciResult
-from fibws.node.actions.goal import ServerGoal
 from fibws.node.actions.record import Record
+from fibws.node.actions.server_goal import ServerGoal
 from fibws.node.actions.status import GoalStatus, Turn
 
 FibonacciServerGoal = ServerGoal[FibonacciGoal, FibonacciResult, FibonacciFeedback]
 
 
-async def publish(goal: FibonacciServerGoal, feedback: FibonacciFeedback) -> None:
+async def publish(goal: FibonacciServerGoal, feedback: object) -> None:
     raise AssertionError(feedback)
 
 
@@ -42,7 +42,7 @@ def test_it_can_end_otherwise_with_a_result_or_without(goal: FibonacciServerGoal
 async def test_who_waits_for_its_cancellation_is_woken(goal: FibonacciServerGoal) -> None:
     async with asyncio.timeout(5), asyncio.TaskGroup() as tasks:
         waiting = tasks.create_task(goal.cancellation())
-        long = tasks.create_task(goal.cancellation(within=60))
+        long = tasks.create_task(goal.cancellation(timeout=60))
         await asyncio.sleep(0)
         goal.want_no_more()
     assert waiting.result() and long.result()
@@ -50,5 +50,7 @@ async def test_who_waits_for_its_cancellation_is_woken(goal: FibonacciServerGoal
 
 
 async def test_who_waits_for_its_cancellation_goes_on_in_time(goal: FibonacciServerGoal) -> None:
-    assert not await goal.cancellation(within=0.001)
+    assert not await goal.cancellation(timeout=0.001)
     assert not goal.cancel_requested
+    with pytest.raises(ValueError, match="a timeout is a number of seconds above 0"):
+        await goal.cancellation(timeout=0)
