@@ -124,12 +124,12 @@ def test_a_frame_that_is_not_known_is_said_once_and_told_when_it_is(
     place(buffer, "base")
     assert list(selection.changes(buffer)) == ["base"]
     selection.changes(buffer)
-    assert [(record.levelname, record.getMessage()) for record in caplog.records] == [
+    assert [(record.levelno, record.getMessage()) for record in caplog.records] == [
         (
-            "WARNING",
+            logging.WARNING,
             "No transform to map: Frame 'base' does not exist: no transform leads to it or from it",
         ),
-        ("INFO", "The transform from base to map is known."),
+        (logging.INFO, "The transform from base to map is known."),
     ]
 
 

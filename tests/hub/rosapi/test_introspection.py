@@ -149,6 +149,21 @@ def test_more_text_than_there_is_room_for_is_left_out(
     assert "more text than rosapi will tell" in caplog.text
 
 
+def test_no_text_is_made_that_there_is_no_room_for(
+    asking: Asking, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(introspection, "MOST_TEXT", 1)
+    read: list[str] = []
+
+    def much(name: str) -> str:
+        read.append(name)
+        return "much"
+
+    monkeypatch.setattr(asking.graph.interfaces, "full_text", much)
+    assert set(texts(asking).values()) == {""}
+    assert read == [OWN_TOPICS["/client_count"]]
+
+
 def test_the_warning_about_too_much_text_does_not_fill_the_log(
     asking: Asking, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
