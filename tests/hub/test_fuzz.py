@@ -150,6 +150,9 @@ def _text(chance: random.Random) -> bytes:
     return whole
 
 
+FIBONACCI = {"action_type": "example_interfaces/Fibonacci", "args": {"order": 3}, "feedback": True}
+
+
 def _operation(chance: random.Random) -> dict[str, Any]:
     topic = chance.choice(("/a", "a", "/b", "~c", "/a/b", "/none"))
     fields: dict[str, Any] = chance.choice(
@@ -162,7 +165,22 @@ def _operation(chance: random.Random) -> dict[str, Any]:
             {"op": "publish", "topic": topic, "msg": {"header": {"stamp": "now"}}},
             {"op": "subscribe", "topic": topic, "throttle_rate": 1, "queue_length": 2, "id": "s"},
             {"op": "subscribe", "topic": topic, "type": "std_msgs/Int32", "compression": "png"},
+            {"op": "subscribe", "topic": topic, "compression": "cbor", "fragment_size": 9},
+            {"op": "subscribe", "topic": topic, "compression": "cbor-raw", "id": "r"},
             {"op": "unsubscribe", "topic": topic, "id": "s"},
+            {"op": "advertise_service", "service": topic, "type": "std_srvs/SetBool"},
+            {"op": "unadvertise_service", "service": topic},
+            {"op": "call_service", "service": topic, "args": {"data": True}, "id": "c"},
+            {"op": "call_service", "service": topic, "args": [True], "timeout": 0.01},
+            {"op": "call_service", "service": "/rosapi/set_param", "args": ["x", "{}"]},
+            {"op": "service_response", "service": topic, "values": {}, "result": True},
+            {"op": "service_response", "service": topic, "id": "service_request:/a:1", "result": 0},
+            {"op": "advertise_action", "action": topic, "type": "example_interfaces/Fibonacci"},
+            {"op": "unadvertise_action", "action": topic},
+            {"op": "send_action_goal", "action": topic, "id": "g", **FIBONACCI},
+            {"op": "cancel_action_goal", "action": topic, "id": "g"},
+            {"op": "action_feedback", "action": topic, "id": "action_goal:/a:1", "values": {}},
+            {"op": "action_result", "action": topic, "id": "action_goal:/a:2", "result": True},
             {"op": "fragment", "id": "f", "num": 0, "total": 1, "data": "{}"},
             {"op": "set_level", "level": "info"},
         )
