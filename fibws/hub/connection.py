@@ -11,6 +11,7 @@ import asyncio
 import http
 import logging
 import socket
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import cast
@@ -117,7 +118,8 @@ class Connection(asyncio.BufferedProtocol):
             # Else the kernel keeps megabytes of messages that a slow client will read when stale.
             sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT, HIGH_WATER)
         peer = transport.get_extra_info("peername")
-        self.address = peer[0] if peer else "unknown"
+        # Most come from few addresses, and there may be thousands.
+        self.address = sys.intern(peer[0]) if peer else "unknown"
         self.peer = f"{peer[0]}:{peer[1]}" if peer else "unknown"
         self._shared.opened(self)
 

@@ -205,7 +205,7 @@ class Client:
         return {
             "publishers": session.topics.publishers,
             "subscriptions": session.topics.subscriptions,
-            "latched bytes": range(session.topics._latches.used),
+            "latched bytes": range(session.topics._latches.used if session.topics._latches else 0),
             "services": session.services._provided,
             "calls to answer": session.services._due,
             "calls": session.calls._calls,

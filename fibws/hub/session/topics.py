@@ -28,7 +28,7 @@ class Topics:
 
     def __init__(self, client: Client) -> None:
         self._client = client
-        self._latches = Budget(client.settings.max_latched_bytes)
+        self._latches: Budget | None = None
         self._grace_ends = client.clock.time() + GRACE
         self._early: EarlyMessages | None = None
         self.publishers: dict[str, Publisher] = {}
@@ -155,6 +155,8 @@ class Topics:
         if request.topic not in self.publishers:
             limit = self._client.settings.max_advertisements
             check_room(len(self.publishers), limit, "advertisements")
+        if self._latches is None:
+            self._latches = Budget(self._client.settings.max_latched_bytes)
         publisher = self._client.graph.add_publisher(
             self._topic(request.topic),
             self._client.node,
