@@ -2,7 +2,8 @@
 
 While the client's socket takes data, frames wait only for the end of the loop's turn and leave in
 one write. While it does not, each subscription keeps its newest messages up to its queue's limit,
-and all of them together stay within the client's limit of bytes. Replies are never dropped.
+and all of them together stay within the client's limit of bytes. Replies are not dropped: a client
+for which they alone break the limit is overfull, and to be closed.
 """
 
 from __future__ import annotations
@@ -105,9 +106,12 @@ class Outbox:
         self.flusher.count(len(frame))
 
     def reply(self, frame: bytes) -> None:
-        """Send a frame that may not be dropped; it overtakes the messages that are kept."""
+        """Send a frame that may not be dropped; it overtakes the messages that are kept.
+
+        Once the client is overfull, nothing more is kept for it.
+        """
         if self.paused:
-            if not self.overfull:  # Else the client is lost: it will be closed.
+            if not self.overfull:
                 self._replies.append(frame)
                 self.budget.used += len(frame)
                 self._reply_bytes += len(frame)

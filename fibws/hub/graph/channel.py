@@ -62,7 +62,7 @@ class Channel:
                 if not outbox.frames:
                     outbox.flusher.add(outbox)
                 outbox.frames.append(frame)
-            outbox.flusher.count(len(frame) * len(self._direct))
+            outbox.flusher.count(len(frame) * len(self._direct))  # All have the same flusher.
         if self._throttled:
             wanting = [each for each in self._throttled.values() if each.wants_more]
             if wanting:
