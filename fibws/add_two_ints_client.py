@@ -12,8 +12,8 @@ from fibws.srv.rospy_tutorials import AddTwoInts
 
 async def ask(node: fibws.Node, a: int, b: int) -> None:
     """Print the sum that ``add_two_ints`` answers with, once somebody offers that service."""
-    await node.wait_for_service("add_two_ints")
     click.echo(f"Requesting {a}+{b}")
+    await node.wait_for_service("add_two_ints")
     response = await node.call("add_two_ints", AddTwoInts, AddTwoInts.Request(a, b))
     click.echo(f"{a} + {b} = {response.sum}")
 
