@@ -42,7 +42,7 @@ class Settings:
         1000, "Messages kept for a subscription that names no queue_length and falls behind."
     )
     service_timeout: float = _setting(
-        60.0, "Seconds in which a service must answer, unless the call names another time."
+        60.0, "Seconds in which a service must answer if the call names no time; 0 for no limit."
     )
     strict_responses: bool = _setting(
         False,

@@ -47,11 +47,6 @@ class Types:
         """The way of a class's messages to the wire and back."""
         return Wire(message_class, self.validate(message_class._type))
 
-    def reader(self, message_class: type[M]) -> Callable[[Any], M]:
-        """What makes a message out of what came from the wire, or raises `InvalidMessage`."""
-        validate = self.validate(message_class._type)
-        return lambda msg: message_class.from_dict(validate(msg))
-
     def definition(self, type_: str) -> str | None:
         """The text that explains the type to a hub that may not have it: none for standard ones."""
         if self._interfaces.is_users(self._interfaces.message(type_).package):

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from roslibpy import Message  # type: ignore[import-untyped]
-from roslibpy.ros1.actionlib import (  # type: ignore[import-untyped]
+from roslibpy import Message
+from roslibpy.ros1.actionlib import (
     ActionClient,
     Goal,
     SimpleActionServer,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from roslibpy import Service, ServiceRequest, Topic  # type: ignore[import-untyped]
+from roslibpy import Service, ServiceRequest, Topic
 
 from .world import PATIENCE, World
 

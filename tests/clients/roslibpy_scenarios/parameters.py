@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from roslibpy import Param  # type: ignore[import-untyped]
+from roslibpy import Param
 
 from .world import PATIENCE, World
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from roslibpy import Message, Service, ServiceRequest, Topic  # type: ignore[import-untyped]
+from roslibpy import Message, Service, ServiceRequest, Topic
 
 from .world import PATIENCE, Collected, World, eventually
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
-from roslibpy import Service, ServiceRequest  # type: ignore[import-untyped]
-from roslibpy.core import ServiceException  # type: ignore[import-untyped]
+from roslibpy import Service, ServiceRequest
+from roslibpy.core import ServiceException
 
 from .world import PATIENCE, World
 

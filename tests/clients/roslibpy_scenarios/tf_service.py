@@ -6,8 +6,8 @@ import math
 import time
 from typing import Any
 
-from roslibpy import Message, Topic  # type: ignore[import-untyped]
-from roslibpy.tf import TFClient  # type: ignore[import-untyped]
+from roslibpy import Message, Topic
+from roslibpy.tf import TFClient
 
 from .world import Collected, World
 

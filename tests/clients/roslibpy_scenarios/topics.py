@@ -6,7 +6,7 @@ import math
 import time
 from typing import Any
 
-from roslibpy import Message, Topic  # type: ignore[import-untyped]
+from roslibpy import Message, Topic
 
 from .world import Collected, World
 

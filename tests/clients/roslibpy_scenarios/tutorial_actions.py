@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from roslibpy import ActionClient, Goal  # type: ignore[import-untyped]
+from roslibpy import ActionClient, Goal
 
 from .world import Collected, World
 

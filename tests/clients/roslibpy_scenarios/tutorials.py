@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from roslibpy import Message, Service, ServiceRequest  # type: ignore[import-untyped]
-from roslibpy.ros1.actionlib import ActionClient, Goal, GoalStatus  # type: ignore[import-untyped]
+from roslibpy import Message, Service, ServiceRequest
+from roslibpy.ros1.actionlib import ActionClient, Goal, GoalStatus
 
 from .world import PATIENCE, World, eventually
 

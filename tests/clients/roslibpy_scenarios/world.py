@@ -8,7 +8,7 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
-import roslibpy  # type: ignore[import-untyped]
+import roslibpy
 
 PATIENCE = 20
 

@@ -53,6 +53,16 @@ def test_the_hub_decides_how_much_time_there_is_without_a_timeout() -> None:
     assert hears_failure(caller) == "Service /add did not answer within 5 s"
 
 
+def test_a_hub_may_leave_a_call_as_much_time_as_its_provider_stays() -> None:
+    hub, provider, caller = adder_and_caller(service_timeout=0)
+    calls(caller)
+    hub.clock.advance(1e6)
+    assert caller.hears() == []
+    assert hub.clock.timers == 0
+    provider.leaves()
+    assert "has left" in hears_failure(caller)
+
+
 def test_each_call_has_its_own_time() -> None:
     hub, provider, caller = adder_and_caller()
     for id_, timeout in (("slow", 30), ("quick", 1), ("answered", 2)):
