@@ -16,6 +16,7 @@ from bench.flood import flood
 from bench.idle import idle
 from bench.latency import latency
 from bench.machine import require_linux
+from bench.page import page
 from bench.plan import QUICK, Plan
 from bench.report import Report
 from bench.rosapi import rosapi
@@ -33,6 +34,7 @@ SCENARIOS = {
     "services": services,
     "encodings": encodings,
     "rosapi": rosapi,
+    "page": page,
     "subscriptions": subscriptions,
 }
 OPEN_FILES = 8192

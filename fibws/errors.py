@@ -24,6 +24,8 @@ FibwsError
 └── NodeError              what a node was asked for was in vain, or it cannot go on
     ├── InvalidAddress         what should say where the hub is does not
     ├── HubUnreachable         the hub is there and will not have this node, or never can be
+    │   └── NoHub                  nothing answers at the hub's address
+    ├── HubLost                the connection of a tool to the hub has ended
     ├── OperationRejected      the hub refused what the node asked for
     ├── AlreadyOffered         the node offers a service or an action of this name already
     ├── ServiceError           a service was called in vain
@@ -33,6 +35,7 @@ FibwsError
     ├── ActionError            a goal did not succeed
     ├── WaitTimeout            what was waited for did not come in time
     ├── NodeReplaced           another node took this node's name
+    ├── NodeKilled             somebody asked the hub to end this node
     └── NodeClosed             the node was used after its end
 """
 
@@ -222,6 +225,22 @@ class HubUnreachable(NodeError):
         super().__init__(f"The hub at {url} cannot be reached: {cause}")
 
 
+class NoHub(HubUnreachable):
+    """Nothing answers at the hub's address. Nodes wait for one; tools do not."""
+
+    def __str__(self) -> str:
+        return f"No hub at {self.url}. Start one with: fibws hub"
+
+
+class HubLost(NodeError):
+    """The connection of a tool to the hub has ended; ``cause`` is what the hub gave as reason."""
+
+    def __init__(self, url: str, cause: str) -> None:
+        self.url = url
+        self.cause = cause
+        super().__init__(f"The hub at {url} is gone: {cause}")
+
+
 class OperationRejected(NodeError):
     """The hub refused what the node asked for; the text is the hub's own."""
 
@@ -283,6 +302,10 @@ class WaitTimeout(NodeError, TimeoutError):
 
 class NodeReplaced(NodeError):
     """Another node took this node's name, so this one ends, as in ROS."""
+
+
+class NodeKilled(NodeError):
+    """Somebody asked the hub to end this node, as rosnode kill does in ROS."""
 
 
 class NodeClosed(NodeError):

@@ -60,6 +60,7 @@ class Shared:
     flusher: Flusher
     opened: Callable[[Connection], None]
     entered: Callable[[Connection], None]
+    ponged: Callable[[Connection, bytes], None]
     lost: Callable[[Connection], None]
     small: memoryview = field(default_factory=lambda: memoryview(bytearray(16 * KIB)))
     large: memoryview = field(default_factory=lambda: memoryview(bytearray(256 * KIB)))
@@ -245,6 +246,7 @@ class Connection(asyncio.BufferedProtocol):
     def _on_frame(self, frame: Frame) -> None:
         if frame.opcode is Opcode.PONG:
             self._liveness.ponged()
+            self._shared.ponged(self, bytes(frame.data))
         elif frame.opcode in (Opcode.TEXT, Opcode.BINARY, Opcode.CONT):
             self._on_data(frame)
 
@@ -302,6 +304,12 @@ class Connection(asyncio.BufferedProtocol):
             self._pong_bytes += size
             if self._pong_bytes > HIGH_WATER:
                 self._transport.abort()
+
+    def ping(self, data: bytes) -> None:
+        """Send a ping; `Shared.ponged` is given what its pong brings back."""
+        if self._protocol.state is State.OPEN:
+            self._protocol.send_ping(data)
+            self._send()
 
     def close(self, closing: Closing) -> None:
         """Close in good order; a client that does not answer is cut off by a later sweep."""

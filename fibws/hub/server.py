@@ -69,6 +69,7 @@ class Hub:
             flusher=Flusher(loop.call_soon),
             opened=self._opened,
             entered=self._entered,
+            ponged=self._ponged,
             lost=self._lost,
         )
         host, port = self.settings.host, self.settings.port
@@ -165,11 +166,14 @@ class Hub:
             connection.abort()
 
     def _entered(self, connection: Connection) -> None:
-        self._own.clients.connected(connection, connection.address, self.graph.now())
+        self._own.connected(connection)
+
+    def _ponged(self, connection: Connection, data: bytes) -> None:
+        self._own.ponged(connection, data)
 
     def _lost(self, connection: Connection) -> None:
         self._connections.discard(connection)
-        self._own.clients.disconnected(connection)
+        self._own.disconnected(connection)
         if connection.session is not None:
             self._dropped += connection.outbox.dropped
         if not self._connections:

@@ -20,11 +20,11 @@ from websockets.exceptions import (
 )
 from websockets.protocol import State
 
-from fibws.errors import HubUnreachable, NodeReplaced
+from fibws.errors import HubUnreachable, NodeError, NodeKilled, NodeReplaced
 from fibws.node.address import node_url
 from fibws.node.rosout import TOPIC as ROSOUT
 from fibws.node.session import MAX_SIZE, Session
-from fibws.protocol.closing import REPLACED
+from fibws.protocol.closing import KILLED, REPLACED
 
 FIRST_RETRY = 0.1
 LONGEST_RETRY = 0.5
@@ -147,9 +147,9 @@ class Connection:
                 await asyncio.sleep(0)
         except ConnectionClosed as closed:
             reason = closed
-            if closed.rcvd is not None and closed.rcvd.code == REPLACED.code:
+            if (fault := self._last_word(closed)) is not None:
                 # Before the connection's loss is told, which would fail what waits for answers.
-                self._session.end(NodeReplaced(f"another node took the name {self._node}"))
+                self._session.end(fault)
         finally:
             self._session.lose()
             writer.cancel()
@@ -158,6 +158,15 @@ class Connection:
         if not writer.cancelled():
             writer.result()
         return reason
+
+    def _last_word(self, closed: ConnectionClosed) -> NodeError | None:
+        """What ends the node for good, if that is why the hub has hung up."""
+        code = closed.rcvd.code if closed.rcvd is not None else None
+        if code == REPLACED.code:
+            return NodeReplaced(f"another node took the name {self._node}")
+        if code == KILLED.code:
+            return NodeKilled(f"{self._node} was killed: somebody asked the hub to end it")
+        return None
 
     async def _write(
         self, websocket: ClientConnection, greeting: list[bytes], *, again: bool

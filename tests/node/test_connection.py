@@ -19,7 +19,7 @@ import fibws
 from fibws.msg.std_msgs import Int32, String
 from fibws.node import connection
 from fibws.node.connection import _delays, _reason
-from fibws.protocol.closing import REPLACED
+from fibws.protocol.closing import KILLED, REPLACED, Closing
 from fibws.srv.rospy_tutorials import AddTwoInts
 
 from .conftest import Lines, Peer, ScriptedHub
@@ -376,13 +376,18 @@ async def test_a_prompt_reader_gets_all_of_a_burst(hub: ScriptedHub) -> None:
         assert numbers.dropped == 0
 
 
-async def test_what_a_replaced_node_waits_for_ends_with_the_reason(hub: ScriptedHub) -> None:
+@pytest.mark.parametrize(
+    ("closing", "fault"), [(REPLACED, fibws.NodeReplaced), (KILLED, fibws.NodeKilled)]
+)
+async def test_what_a_node_waits_for_ends_with_the_reason_for_which_it_ends(
+    hub: ScriptedHub, closing: Closing, fault: type[fibws.NodeError]
+) -> None:
     async with fibws.Node("asker", hub=hub.url) as node:
         peer = await hub.peer()
         answer = asyncio.create_task(node.call("add", AddTwoInts))
         await peer.hears("call_service")
-        await peer.websocket.close(REPLACED.code, REPLACED.reason)
-        with pytest.raises(fibws.NodeReplaced):
+        await peer.websocket.close(closing.code, closing.reason)
+        with pytest.raises(fault, match="/asker"):
             await answer
-        with pytest.raises(fibws.NodeReplaced):
+        with pytest.raises(fault, match="/asker"):
             await node.spin()

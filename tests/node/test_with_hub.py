@@ -12,10 +12,12 @@ from conftest import StartHub
 
 import fibws
 from fibws.hub import Hub, Settings
+from fibws.msg.fibws_msgs import PublisherInfo, SubscriptionStatistics
 from fibws.msg.geometry_msgs import Twist, Vector3
 from fibws.msg.rosgraph_msgs import Log
 from fibws.msg.sensor_msgs import Image
 from fibws.msg.std_msgs import Float64, Int32, String
+from fibws.srv.fibws_msgs import GetGraph, GetStatistics, KillNode, PingNode
 from fibws.srv.rospy_tutorials import AddTwoInts, AddTwoIntsRequest
 from fibws.srv.std_srvs import Trigger
 
@@ -96,6 +98,53 @@ async def test_a_second_node_of_the_name_ends_the_first(real_hub: Hub) -> None:
         async with fibws.Node("talker", hub=real_hub.url):
             with pytest.raises(fibws.NodeReplaced):
                 await first.spin()
+
+
+async def test_a_node_that_is_killed_ends_for_good(real_hub: Hub) -> None:
+    async with (
+        fibws.Node("talker", hub=real_hub.url) as talker,
+        fibws.Node("killer", hub=real_hub.url) as killer,
+    ):
+        lines = Lines(talker.log)
+        numbers = await talker.advertise("numbers", Int32)
+        ping = await killer.call("/rosapi/ping_node", PingNode, {"node": "/talker"})
+        assert ping.success
+        assert 0 < ping.seconds < 3
+        answer = await killer.call("/rosapi/kill_node", KillNode, {"node": "/talker"})
+        assert (answer.success, answer.message) == (True, "killed /talker")
+        with pytest.raises(fibws.NodeKilled, match="/talker was killed"):
+            await talker.spin()
+        with pytest.raises(fibws.NodeKilled):
+            await numbers.publish(1)
+        assert "/talker" not in await killer.graph.nodes()
+        assert not any("trying again" in line for line in lines.seen())
+        gone = await killer.call("/rosapi/ping_node", PingNode, {"node": "/talker"})
+        assert gone == PingNode.Response(success=False, message="Node /talker does not exist")
+
+
+async def test_a_node_may_kill_itself(real_hub: Hub) -> None:
+    async with fibws.Node("tired", hub=real_hub.url) as node:
+        assert (await node.call("/rosapi/kill_node", KillNode, {"node": "/tired"})).success
+        with pytest.raises(fibws.NodeKilled):
+            await node.spin()
+
+
+async def test_a_node_is_told_the_whole_graph_and_what_goes_over_it(real_hub: Hub) -> None:
+    async with fibws.Node("node", hub=real_hub.url) as node:
+        numbers = node.subscribe("numbers", Int32)
+        publisher = await node.advertise("numbers", Int32)
+        await publisher.publish(1)
+        assert (await anext(numbers)).data == 1
+        graph = await node.call("/rosapi/graph", GetGraph)
+        (own,) = [each for each in graph.nodes if each.name == "/node"]
+        assert own.address.startswith("127.0.0.1:")
+        (topic,) = [each for each in graph.topics if each.name == "/numbers"]
+        assert topic.publishers == [PublisherInfo("/node")]
+        statistics = await node.call("/rosapi/statistics", GetStatistics)
+        assert statistics.revision == graph.revision
+        (told,) = [each for each in statistics.topics if each.topic == "/numbers"]
+        assert told.subscriptions == [SubscriptionStatistics("/node", messages=1)]
+        assert [each.node for each in statistics.clients] == ["/node"]
 
 
 async def test_nodes_are_back_within_two_seconds_of_the_hub() -> None:

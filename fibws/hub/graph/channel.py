@@ -17,6 +17,8 @@ class Channel:
         self.key = (spelling, encoding)
         self.frame = encoding.framer(spelling)
         """Makes the frame of a publication; raises `OperationError` if it cannot be encoded so."""
+        self.sent = 0
+        """Messages that its direct subscriptions were sent since it is there."""
         self._replayed: tuple[Publication, bytes] | None = None
         self._direct: dict[Outbox, Subscription] = {}
         self._throttled: dict[Outbox, Subscription] = {}
@@ -31,12 +33,16 @@ class Channel:
     def add(self, subscription: Subscription) -> None:
         """Add a subscription, or take note that it changed."""
         self.remove(subscription)
-        chosen = self._direct if subscription.direct else self._throttled
-        chosen[subscription.outbox] = subscription
+        if subscription.direct:
+            self._direct[subscription.outbox] = subscription
+            subscription.sent -= self.sent  # Those before are not its own.
+        else:
+            self._throttled[subscription.outbox] = subscription
 
     def remove(self, subscription: Subscription) -> None:
         """Take a subscription out."""
-        self._direct.pop(subscription.outbox, None)
+        if self._direct.pop(subscription.outbox, None) is not None:
+            subscription.sent += self.sent
         self._throttled.pop(subscription.outbox, None)
 
     def replay(self, publication: Publication) -> bytes:
@@ -52,8 +58,10 @@ class Channel:
 
     def send(self, publication: Publication) -> None:
         """Send a message to every subscription; they share the bytes of its frame."""
+        frame: bytes | None = None
         if self._direct:
             frame = self.frame(publication)
+            self.sent += 1  # For all of them: `Subscription.messages`.
             # The hub's innermost loop: `Outbox.put`, written out.
             for outbox, subscription in self._direct.items():
                 if outbox.paused:
@@ -66,6 +74,6 @@ class Channel:
         if self._throttled:
             wanting = [each for each in self._throttled.values() if each.wants_more]
             if wanting:
-                frame = self.frame(publication)
+                frame = self.frame(publication) if frame is None else frame
                 for subscription in wanting:
                     subscription.offer(frame)

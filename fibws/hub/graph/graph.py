@@ -192,6 +192,7 @@ class Graph:
         if topic.type is not None and topic.type.name != name and topic.held:
             raise TypeConflict(topic.name, name, topic.type.name, topic.holder())
         wanted = self._types.message(name, definition)
+        self.revision += 1
         if topic.type is None or topic.type.name != name:
             topic.type = wanted
         elif wanted.checked and not topic.type.checked:

@@ -20,7 +20,28 @@ logger = logging.getLogger("fibws.hub")
 
 Answer: TypeAlias = dict[str, Any] | bytes
 """A response, or its JSON text where that is at hand already."""
-Function: TypeAlias = Callable[[dict[str, Any], str], Answer]
+
+
+class Later:
+    """An answer of the hub's own that is still to come.
+
+    Args:
+        forget: is called once nobody waits for it any more.
+    """
+
+    __slots__ = ("answer", "forget")
+
+    def __init__(self, forget: Callable[[], None]) -> None:
+        self.forget = forget
+        self.answer: Callable[[dict[str, Any]], None] = _unasked
+        """Gives the response, once."""
+
+
+def _unasked(values: dict[str, Any]) -> None:
+    raise AssertionError("what is known at once is not answered later")
+
+
+Function: TypeAlias = Callable[[dict[str, Any], str], Answer | Later]
 """Answers a call in the hub itself; it is given the request and the caller's node.
 
 It raises `FibwsError` with what went wrong.
@@ -130,7 +151,7 @@ class Call:
 
 
 class OwnProvider:
-    """A provider that is part of the hub and answers at once.
+    """A provider that is part of the hub.
 
     Args:
         node: the hub's own node that it belongs to.
@@ -139,12 +160,17 @@ class OwnProvider:
     def __init__(self, node: str, function: Function) -> None:
         self.node = node
         self._function = function
+        self._later: dict[Call, Later] = {}
+        """The answers that are still to come."""
 
     def take(self, call: Call) -> None:
-        """Answer a call."""
+        """Answer a call, now or later."""
         try:
             answer = self._function(call.request, call.caller)
-            if isinstance(answer, bytes):
+            if isinstance(answer, Later):
+                self._later[call] = answer
+                answer.answer = lambda values: self._answer(call, values)
+            elif isinstance(answer, bytes):
                 call.answer_text(answer)
             else:
                 call.answer(answer)
@@ -155,8 +181,15 @@ class OwnProvider:
             call.fail(f"{call.service.name} failed in the hub, whose log says why")
 
     def forget(self, call: Call) -> None:
-        """Nothing is kept."""
+        """A call needs no answer any more."""
+        later = self._later.pop(call, None)
+        if later is not None:
+            later.forget()
 
     def displaced(self, service: Service) -> None:
         """The graph does not let that happen."""
         raise AssertionError(f"{service.name} is the hub's own")
+
+    def _answer(self, call: Call, values: dict[str, Any]) -> None:
+        del self._later[call]
+        call.answer(values)

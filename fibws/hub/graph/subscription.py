@@ -44,6 +44,7 @@ class Subscription:
         "outbox",
         "queue",
         "requests",
+        "sent",
         "spelling",
         "topic",
         "typed",
@@ -73,6 +74,8 @@ class Subscription:
         self.encoding = PLAIN
         self.channel: Channel | None = None
         """Which of the topic's channels it is in."""
+        self.sent = 0
+        """Messages that it was sent, but for those that its channel counts while it is direct."""
         self._clock = clock
         self._default = queue_length
         self._throttle: Throttle | None = None
@@ -82,6 +85,18 @@ class Subscription:
     def direct(self) -> bool:
         """Whether each message goes straight to the outbox."""
         return self._throttle is None
+
+    @property
+    def messages(self) -> int:
+        """How many messages its outbox was given, whatever became of them there."""
+        if self.channel is not None and self.direct:
+            return self.sent + self.channel.sent
+        return self.sent
+
+    @property
+    def throttle_rate(self) -> float:
+        """Milliseconds between two messages at least; 0 if all go straight out."""
+        return self._throttled_by[0] * 1000
 
     @property
     def wants_more(self) -> bool:
@@ -116,6 +131,7 @@ class Subscription:
 
     def send(self, frame: bytes) -> None:
         """Send a frame at once, whatever the throttle."""
+        self.sent += 1
         self.outbox.put(frame, self.queue)
 
     def offer(self, frame: bytes) -> None:

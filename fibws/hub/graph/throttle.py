@@ -53,11 +53,12 @@ class Throttle:
 
     def offer(self, frame: bytes) -> None:
         """Send a frame now, later or never."""
-        now = self._clock.time()
-        if self._is_due(now):
-            self._due = now + self._period
-            self._send(frame)
-            return
+        if self._timer is None:  # Else others wait before it, and the time does not matter.
+            now = self._clock.time()
+            if self._is_due(now):
+                self._due = now + self._period
+                self._send(frame)
+                return
         if not self._queue_length:
             return
         self._waiting.append(frame)
@@ -68,7 +69,7 @@ class Throttle:
         ):
             self._pop()
         if self._timer is None and self._waiting:
-            self._timer = self._clock.call_later(self._due - now, self._drain)
+            self._timer = self._clock.call_later(self._due - self._clock.time(), self._drain)
 
     def cancel(self) -> None:
         """Send nothing more."""

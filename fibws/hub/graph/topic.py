@@ -110,9 +110,11 @@ class Publisher:
         "_latches",
         "_now",
         "_sequence",
+        "bytes",
         "current",
         "latch",
         "latched",
+        "messages",
         "node",
         "topic",
         "type",
@@ -139,6 +141,10 @@ class Publisher:
         self._latches = latches
         self._advertisements: set[Id] = set()
         self._sequence = 0
+        self.messages = 0
+        """How many it has published."""
+        self.bytes = 0
+        """How many bytes those had when they came."""
 
     def advertise(self, id_: Id) -> None:
         """Add an advertisement.
@@ -157,8 +163,11 @@ class Publisher:
         self._advertisements.discard(id_)
         return bool(self._advertisements)
 
-    def publish(self, msg: object) -> None:
+    def publish(self, msg: object, size: int | None = None) -> None:
         """Check a message and send it on; None stands for the default.
+
+        Args:
+            size: the bytes in which it came; None counts those of its JSON text.
 
         Raises:
             InvalidMessage: it does not fit the topic's type.
@@ -170,6 +179,8 @@ class Publisher:
             message["header"]["seq"] = self._sequence & 0xFFFFFFFF
         publication = Publication(message, self.type, self._now())
         self.topic.deliver(publication)
+        self.messages += 1
+        self.bytes += len(publication.json()) if size is None else size
         if self.latch:
             self._keep(publication)
 

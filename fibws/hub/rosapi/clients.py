@@ -1,16 +1,42 @@
-"""Who is connected: /client_count and /connected_clients, as rosbridge_server publishes them."""
+"""Who is connected: /client_count and /connected_clients, as rosbridge_server publishes them.
+
+The hub's own nodes find the clients here to tell of them, and to have them do something.
+"""
 
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections.abc import Iterator
+from typing import Any, Protocol
 
 from fibws.hub.clock import Clock, Timer
 from fibws.hub.graph.topic import Publisher
+from fibws.hub.outbox import Outbox
+from fibws.protocol.closing import Closing
 
 PERIOD = 0.1
 """Seconds between two publications at least: a thousand clients that come at once would have a
 thousand lists published, each longer than the one before."""
+
+
+class Client(Protocol):
+    """One client's connection."""
+
+    address: str
+    """The IP address that it comes from."""
+    peer: str
+    """That with its port."""
+    outbox: Outbox
+
+    @property
+    def name(self) -> str:
+        """The name of its node."""
+
+    def ping(self, data: bytes) -> None:
+        """Send it a WebSocket ping, whose pong brings the data back."""
+
+    def close(self, closing: Closing) -> None:
+        """Close the connection."""
 
 
 class ConnectedClients:
@@ -26,26 +52,30 @@ class ConnectedClients:
         listing.current = self._list
         self._publishers = (listing, count)
         self._clock = clock
-        self._clients: dict[object, tuple[str, int]] = {}
+        self._clients: dict[Client, int] = {}
+        """With the nanoseconds since 1970 when each came, the first to come first."""
         self._timer: Timer | None = None
-        self._published = -PERIOD
         self._published = -math.inf  # The first to come need not wait.
 
-    def connected(self, client: object, address: str, since: int) -> None:
-        """Count a client in.
-
-        Args:
-            client: any object that is no other client's.
-            address: the IP address that it comes from.
-            since: when it came, in nanoseconds since 1970.
-        """
-        self._clients[client] = (address, since)
+    def connected(self, client: Client, since: int) -> None:
+        """Count a client in, which came so many nanoseconds after 1970."""
+        self._clients[client] = since
         self._changed()
 
-    def disconnected(self, client: object) -> None:
+    def disconnected(self, client: Client) -> None:
         """Count a client out; nothing happens if it was not in."""
         if self._clients.pop(client, None) is not None:
             self._changed()
+
+    def __iter__(self) -> Iterator[tuple[Client, int]]:
+        """Each with the nanoseconds since 1970 when it came, the first to come first."""
+        return iter(self._clients.items())
+
+    def of(self, node: str) -> Client | None:
+        """The client that is a node; None if there is none of that name, or it is the hub's own."""
+        named = (client for client in reversed(self._clients) if client.name == node)
+        # Whoever was replaced may still be here.
+        return next(named, None)
 
     def close(self) -> None:
         """Publish no more."""
@@ -72,7 +102,7 @@ class ConnectedClients:
         return {"data": len(self._clients)}
 
     def _list(self) -> dict[str, Any]:
-        return {"clients": [_connected(*client) for client in self._clients.values()]}
+        return {"clients": [_connected(client.address, since) for client, since in self]}
 
 
 def _connected(address: str, since: int) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import logging
 from collections import defaultdict
-from collections.abc import Callable, Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from pydantic_core import to_json
@@ -18,6 +18,7 @@ from fibws.errors import InterfaceError, InvalidName, InvalidTypeName
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.service import Answer, Function
 from fibws.hub.log import is_power_of_ten
+from fibws.hub.rosapi.kept import KeptAnswers
 from fibws.hub.rosapi.texts import Texts
 
 logger = logging.getLogger("fibws.hub")
@@ -47,8 +48,7 @@ class Introspection:
         self._graph = graph
         self._heard = heard
         self._full_texts = Texts(lambda name: to_json(graph.interfaces.full_text(name)))
-        self._answers: dict[Callable[[], bytes], bytes] = {}
-        self._revision = -1
+        self._kept = KeptAnswers(graph).of
         self._times_too_long = 0
 
     def services(self) -> dict[str, tuple[str, Function]]:
@@ -88,17 +88,17 @@ class Introspection:
 
     def topic_type(self, request: dict[str, Any], caller: str) -> Answer:
         """The type of a topic."""
-        topic = self._graph.topics.get(_global(request["topic"], caller))
+        topic = self._graph.topics.get(global_name(request["topic"], caller))
         return {"type": topic.type.name if topic is not None and topic.type is not None else ""}
 
     def publishers(self, request: dict[str, Any], caller: str) -> Answer:
         """The nodes that publish a topic."""
-        topic = self._graph.topics.get(_global(request["topic"], caller))
+        topic = self._graph.topics.get(global_name(request["topic"], caller))
         return {"publishers": sorted(topic.publishers) if topic is not None else []}
 
     def subscribers(self, request: dict[str, Any], caller: str) -> Answer:
         """The nodes that subscribe to a topic."""
-        name = _global(request["topic"], caller)
+        name = global_name(request["topic"], caller)
         topic = self._graph.topics.get(name)
         nodes = set(self._heard.get(name, []))
         if topic is not None:
@@ -125,17 +125,17 @@ class Introspection:
 
     def service_type(self, request: dict[str, Any], caller: str) -> Answer:
         """The type of a service."""
-        service = self._graph.services.get(_global(request["service"], caller))
+        service = self._graph.services.get(global_name(request["service"], caller))
         return {"type": service.type.name if service is not None else ""}
 
     def service_node(self, request: dict[str, Any], caller: str) -> Answer:
         """The node that provides a service."""
-        service = self._graph.services.get(_global(request["service"], caller))
+        service = self._graph.services.get(global_name(request["service"], caller))
         return {"node": service.node if service is not None else ""}
 
     def service_host(self, request: dict[str, Any], caller: str) -> Answer:
         """The host of a service."""
-        known = _global(request["service"], caller) in self._graph.services
+        known = global_name(request["service"], caller) in self._graph.services
         return {"host": HOST if known else ""}
 
     # Nodes and actions.
@@ -146,7 +146,7 @@ class Introspection:
 
     def node_details(self, request: dict[str, Any], caller: str) -> Answer:
         """The topics and services of a node."""
-        node = self._graph.nodes.get(_global(request["node"], caller))
+        node = self._graph.nodes.get(global_name(request["node"], caller))
         if node is None:
             return {"subscribing": [], "publishing": [], "services": []}
         return {
@@ -160,14 +160,6 @@ class Introspection:
         return self._kept(self._action_servers)
 
     # The answers that are kept.
-
-    def _kept(self, make: Callable[[], bytes]) -> bytes:
-        if self._revision != self._graph.revision:
-            self._answers.clear()
-            self._revision = self._graph.revision
-        if make not in self._answers:
-            self._answers[make] = make()
-        return self._answers[make]
 
     def _topics(self) -> bytes:
         pairs = self._types_of_topics()
@@ -195,13 +187,8 @@ class Introspection:
         return to_json({"nodes": sorted(self._graph.nodes)})
 
     def _action_servers(self) -> bytes:
-        found: defaultdict[str, set[str]] = defaultdict(set)
-        for name in self._graph.topics:
-            namespace, _, topic = name.rpartition("/")
-            found[namespace].add(topic)
-        servers = {namespace for namespace, topics in found.items() if topics >= ACTION_TOPICS}
-        # Topics such as /goal are in no namespace, and so of no action.
-        return to_json({"action_servers": sorted((servers - {""}) | self._graph.actions.keys())})
+        servers = actions_over_topics(self._graph.topics) | self._graph.actions.keys()
+        return to_json({"action_servers": sorted(servers)})
 
     def _types_of_topics(self) -> list[tuple[str, str]]:
         """All topics, sorted, each with its type's name, which is empty if it has none."""
@@ -225,7 +212,18 @@ class Introspection:
             return None
 
 
-def _global(name: str, caller: str) -> str:
+def actions_over_topics(topics: Iterable[str]) -> set[str]:
+    """The actions that are topics, as in ROS 1: the namespaces that hold all five of these."""
+    found: defaultdict[str, set[str]] = defaultdict(set)
+    for name in topics:
+        namespace, _, topic = name.rpartition("/")
+        found[namespace].add(topic)
+    servers = {namespace for namespace, held in found.items() if held >= ACTION_TOPICS}
+    # Topics such as /goal are in no namespace, and so of no action.
+    return servers - {""}
+
+
+def global_name(name: str, caller: str) -> str:
     """The name that the caller means; what is no name stays so, and is nobody's."""
     try:
         return names.resolve(name, node=caller)

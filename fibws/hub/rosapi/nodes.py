@@ -10,7 +10,7 @@ from fibws.hub.clock import Clock
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.topic import Publisher
 from fibws.hub.rosapi import loggers
-from fibws.hub.rosapi.clients import ConnectedClients
+from fibws.hub.rosapi.clients import Client, ConnectedClients
 from fibws.hub.rosapi.parameters import set_defaults
 from fibws.hub.rosapi.rosapi import Rosapi
 
@@ -70,12 +70,18 @@ class OwnNodes:
     def __init__(self, graph: Graph, clock: Clock, *, host: str, port: int, run_id: str) -> None:
         self._graph = graph
         set_defaults(graph.parameters, run_id=run_id, host=host, port=port)
-        services = Rosapi(graph, HEARD).services()
+        self._publishers = {topic: self._publisher(topic) for topic in PUBLISHED}
+        self.clients = ConnectedClients(
+            self._publishers["/client_count"], self._publishers["/connected_clients"], clock
+        )
+        """Those that are connected."""
+        rosapi = Rosapi(graph, OWN_NODES, HEARD, self.clients, clock)
+        self._rosnode = rosapi.rosnode
+        services = rosapi.services()
         for name in OWN_NODES:
             services.update(loggers.services(name))
         for service, (type_, function) in services.items():
             graph.offer(service, type_, _namespace(service), function)
-        self._publishers = {topic: self._publisher(topic) for topic in PUBLISHED}
         graph.topics[ROSOUT].observers.append(self._repeat)
         self._nodes = [
             OwnNode(
@@ -88,16 +94,26 @@ class OwnNodes:
         ]
         for node in self._nodes:
             graph.enter(node, node.name)
-        self.clients = ConnectedClients(
-            self._publishers["/client_count"], self._publishers["/connected_clients"], clock
-        )
-        """To be told of each client that comes or goes."""
+
+    def connected(self, client: Client) -> None:
+        """A client has come."""
+        self.clients.connected(client, self._graph.now())
+
+    def ponged(self, client: Client, data: bytes) -> None:
+        """A client has sent a pong with these data."""
+        self._rosnode.ponged(client, data)
+
+    def disconnected(self, client: Client) -> None:
+        """A client is gone; nothing happens if it had not come."""
+        self.clients.disconnected(client)
+        self._rosnode.left(client)
 
     def close(self) -> None:
         """Take everything back but the parameters; the second time nothing happens."""
         if not self._nodes:
             return
         self.clients.close()
+        self._rosnode.close()
         self._graph.topics[ROSOUT].observers.remove(self._repeat)
         for publisher in self._publishers.values():
             self._graph.remove_publisher(publisher)

@@ -140,7 +140,7 @@ class Session:
             if data[:1] < b"\x80":  # No map in CBOR begins with an ASCII character.
                 self.receive(data)
             else:
-                self._perform(object_of_cbor(data))
+                self._perform(object_of_cbor(data), len(data))
         except (OperationError, InvalidUtf8) as error:
             self._client.statuses.error(None, f"Expected JSON text or CBOR: {error}")
 
@@ -171,14 +171,16 @@ class Session:
                     stack.callback(part.leave)
 
     def _perform_all(self, data: bytes, *, reassembled: bool = False) -> None:
+        size = len(data)
         for number, fields in enumerate(objects(data)):
             if number == MAX_OBJECTS:
                 raise OperationError(f"Expected at most {MAX_OBJECTS} operations in one text")
             if reassembled and fields.get("op") == "fragment":
                 raise OperationError("fragments within fragments are not put together")
-            self._perform(fields)
+            self._perform(fields, size)
+            size = 0  # The bytes count once, however many operations share them.
 
-    def _perform(self, fields: dict[str, Any]) -> None:
+    def _perform(self, fields: dict[str, Any], size: int) -> None:
         try:
             topic = fields.get("topic")
             if fields.get("op") == "publish" and isinstance(topic, str):
@@ -186,7 +188,7 @@ class Session:
                 # but for its topic and its message, its fields mean nothing any more.
                 publisher = self.topics.publishers.get(topic)
                 if publisher is not None:
-                    self.topics.publish(publisher, fields.get("msg"), fields.get("id"))
+                    self.topics.publish(publisher, fields.get("msg"), fields.get("id"), size)
                     return
             self._handle(parse_request(fields))
         except FibwsError as error:

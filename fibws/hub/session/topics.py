@@ -36,9 +36,9 @@ class Topics:
         self.subscriptions: dict[str, Subscription] = {}
         """By the spelling of the topic's name that the client used."""
 
-    def publish(self, publisher: Publisher, msg: object, id_: Any) -> None:
-        """Publish a message with a publisher at hand."""
-        publisher.publish(msg)
+    def publish(self, publisher: Publisher, msg: object, id_: Any, size: int | None = None) -> None:
+        """Publish a message, which came in ``size`` bytes, with a publisher at hand."""
+        publisher.publish(msg, size)
         statuses = self._client.statuses
         if statuses.wants_info:
             missing = publisher.type.missing(msg if isinstance(msg, dict) else {})

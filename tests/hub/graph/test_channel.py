@@ -62,6 +62,22 @@ def test_all_share_the_bytes_of_a_frame() -> None:
     assert hall.heard[first][0] is hall.heard[second][0]
 
 
+def test_a_frame_is_made_once_for_direct_and_throttled_subscriptions() -> None:
+    hall = Hall()
+    hall.joins()
+    hall.joins(throttle_rate=300)
+    made: list[Publication] = []
+    frame = hall.channel.frame
+
+    def counted(publication: Publication) -> bytes:
+        made.append(publication)
+        return frame(publication)
+
+    hall.channel.frame = counted
+    hall.sends(1)
+    assert len(made) == 1
+
+
 def test_a_throttle_is_one_subscriptions_own() -> None:
     hall = Hall()
     direct, throttled = hall.joins(), hall.joins(throttle_rate=300)

@@ -9,7 +9,7 @@ from typing import Any, TypeAlias
 import pytest
 
 from fibws.errors import InvalidMessage, OperationError
-from fibws.hub.graph.service import Answer, Call, OwnProvider, Provider, Service
+from fibws.hub.graph.service import Answer, Call, Later, OwnProvider, Provider, Service
 from fibws.hub.graph.types import Types
 from fibws.interfaces import Interfaces
 
@@ -121,7 +121,7 @@ def test_an_answer_is_filled() -> None:
 # The hub's own services.
 
 
-def own(function: Callable[[dict[str, Any], str], Answer]) -> Calling:
+def own(function: Callable[[dict[str, Any], str], Answer | Later]) -> Calling:
     return Calling(OwnProvider("/rosapi", function))
 
 
@@ -176,6 +176,50 @@ def test_nothing_is_kept_of_a_call_to_the_hub_itself() -> None:
     provider.forget(calling.call)
     calling.call.abandon()
     assert calling.heard == [b'{"sum":3}']
+
+
+class Thinking:
+    """A function of the hub's own that answers later, and what became of its answer."""
+
+    def __init__(self) -> None:
+        self.forgotten = 0
+        self.later = Later(self._forget)
+        self.calling = own(lambda request, caller: self.later)
+        self.calling.call.start()
+
+    def _forget(self) -> None:
+        self.forgotten += 1
+
+
+def test_the_hub_may_answer_later() -> None:
+    thinking = Thinking()
+    assert thinking.calling.heard == []
+    thinking.later.answer({"sum": 3})
+    assert thinking.calling.heard == [b'{"sum":3}']
+    assert not thinking.forgotten
+
+
+@pytest.mark.parametrize("name", ["abandon", "time"])
+def test_what_nobody_waits_for_is_forgotten_once(name: str) -> None:
+    thinking = Thinking()
+    happening, expected = HAPPENINGS[name]
+    happening(thinking.calling)
+    happening(thinking.calling)
+    assert thinking.forgotten == 1
+    assert thinking.calling.heard == ([] if expected is None else [expected])
+
+
+def test_an_answer_that_has_been_given_is_not_forgotten_later() -> None:
+    thinking = Thinking()
+    thinking.later.answer({"sum": 3})
+    thinking.calling.call.abandon()
+    thinking.calling.call.give_up(5)
+    assert (thinking.forgotten, thinking.calling.heard) == (0, [b'{"sum":3}'])
+
+
+def test_what_is_known_at_once_is_not_answered_later() -> None:
+    with pytest.raises(AssertionError, match="known at once"):
+        Later(print).answer({})
 
 
 def test_nobody_takes_over_what_the_hub_provides() -> None:

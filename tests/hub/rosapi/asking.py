@@ -2,13 +2,35 @@
 
 from __future__ import annotations
 
+from itertools import count
 from typing import Any
 
 from fibws.hub.rosapi.nodes import OwnNodes
+from fibws.protocol.closing import Closing
 
 from ..fakes import Client, FakeHub
 
 RUN_ID = "00000000-0000-4000-8000-000000000000"
+
+
+class Connection:
+    """The connection of a client that has no socket."""
+
+    def __init__(self, client: Client, port: int) -> None:
+        self.client = client
+        self.name = client.session.node
+        self.address = "10.0.0.1"
+        self.peer = f"10.0.0.1:{port}"
+        self.outbox = client.outbox
+        self.pings: list[bytes] = []
+        self.closings: list[Closing] = []
+
+    def ping(self, data: bytes) -> None:
+        self.pings.append(data)
+
+    def close(self, closing: Closing) -> None:
+        self.closings.append(closing)
+        self.client.leaves()
 
 
 class Asking:
@@ -19,10 +41,17 @@ class Asking:
         self.graph = self.hub.graph
         self.own = OwnNodes(self.graph, self.hub.clock, host="localhost", port=9090, run_id=RUN_ID)
         self.client = self.hub.client(node)
+        self._ports = count(50001)
 
-    def joins(self, node: str) -> Client:
+    def joins(self, node: str | None) -> Client:
         """Another client."""
         return self.hub.client(node)
+
+    def connects(self, node: str | None = None) -> Connection:
+        """Another client, and the hub is told that it is connected."""
+        connection = Connection(self.joins(node), next(self._ports))
+        self.own.connected(connection)
+        return connection
 
     def gets(self, service: str, /, **args: Any) -> dict[str, Any]:
         """The response, which is complete and fits the service's type."""
@@ -42,6 +71,10 @@ class Asking:
 
     def _response(self, service: str, args: dict[str, Any]) -> dict[str, Any]:
         self.client.says("call_service", service=service, args=args)
+        return self.hears_of(service)
+
+    def hears_of(self, service: str) -> dict[str, Any]:
+        """The response to a call that was made before."""
         (response,) = self.client.hears()
         assert (response["op"], response["service"]) == ("service_response", service)
         return response

@@ -38,7 +38,7 @@ def test_both_topics_are_there_before_anybody_comes() -> None:
 def test_a_client_is_counted_and_listed_at_once() -> None:
     asking = Asking()
     watcher = watching(asking)
-    asking.own.clients.connected("one", "10.0.0.1", NANOSECONDS)
+    asking.connects()
     listing, count = watcher.hears()
     assert count["msg"] == {"data": 1}
     time = {"secs": SECS, "nsecs": NSECS}
@@ -47,7 +47,7 @@ def test_a_client_is_counted_and_listed_at_once() -> None:
 
 def test_the_first_client_is_counted_at_once_however_new_the_hub_is() -> None:
     asking = Asking()
-    asking.own.clients.connected("one", "10.0.0.1", NANOSECONDS)
+    asking.connects()
     watcher = asking.joins("/watcher")
     watcher.says("subscribe", "/client_count")
     assert watcher.hears_messages("/client_count") == [{"data": 1}]
@@ -56,8 +56,8 @@ def test_the_first_client_is_counted_at_once_however_new_the_hub_is() -> None:
 def test_who_comes_later_hears_of_those_who_are_there() -> None:
     asking = Asking()
     watcher = watching(asking)
-    for client in ("one", "two"):
-        asking.own.clients.connected(client, "10.0.0.1", NANOSECONDS)
+    for _ in range(2):
+        asking.connects()
         asking.hub.clock.advance(1)
     assert counts(watcher) == [1, 2]
     later = asking.joins("/later")
@@ -68,16 +68,15 @@ def test_who_comes_later_hears_of_those_who_are_there() -> None:
 def test_who_leaves_is_counted_out_and_only_once() -> None:
     asking = Asking()
     watcher = watching(asking)
-    clients = asking.own.clients
-    for client in ("one", "two"):
-        clients.connected(client, "10.0.0.1", NANOSECONDS)
-        asking.hub.clock.advance(1)
+    one = asking.connects()
+    asking.hub.clock.advance(1)
+    asking.connects()
+    asking.hub.clock.advance(1)
     assert counts(watcher) == [1, 2]
-    clients.disconnected("one")
+    asking.own.disconnected(one)
     assert counts(watcher) == [1]
     asking.hub.clock.advance(1)
-    clients.disconnected("one")
-    clients.disconnected("nobody")
+    asking.own.disconnected(one)
     asking.hub.clock.advance(1)
     assert counts(watcher) == []
 
@@ -85,9 +84,8 @@ def test_who_leaves_is_counted_out_and_only_once() -> None:
 def test_a_thousand_that_come_at_once_are_published_twice() -> None:
     asking = Asking()
     watcher = watching(asking)
-    clients = asking.own.clients
-    for client in range(1000):
-        clients.connected(client, "10.0.0.1", NANOSECONDS)
+    for _ in range(1000):
+        asking.connects()
     assert counts(watcher) == [1]
     assert asking.hub.clock.timers == 1
     asking.hub.clock.advance(0.11)
@@ -99,10 +97,10 @@ def test_a_thousand_that_come_at_once_are_published_twice() -> None:
 def test_there_is_a_tenth_of_a_second_between_publications() -> None:
     asking = Asking()
     watcher = watching(asking)
-    clients, clock = asking.own.clients, asking.hub.clock
+    clock = asking.hub.clock
     heard = []
-    for client in range(100):
-        clients.connected(client, "10.0.0.1", NANOSECONDS)
+    for _ in range(100):
+        asking.connects()
         clock.advance(0.01)
         heard += counts(watcher)
     assert len(heard) in (10, 11)
@@ -113,10 +111,27 @@ def test_there_is_a_tenth_of_a_second_between_publications() -> None:
 def test_when_it_closes_nothing_is_to_come() -> None:
     asking = Asking()
     watcher = watching(asking)
-    for client in range(2):
-        asking.own.clients.connected(client, "10.0.0.1", NANOSECONDS)
+    for _ in range(2):
+        asking.connects()
     assert counts(watcher) == [1]
     asking.own.clients.close()
     assert asking.hub.clock.timers == 0
     asking.hub.clock.advance(1)
     assert counts(watcher) == []
+
+
+def test_clients_are_found_by_their_nodes() -> None:
+    asking = Asking()
+    talker, listener = asking.connects("/talker"), asking.connects("/listener")
+    clients = asking.own.clients
+    assert list(clients) == [(talker, NANOSECONDS), (listener, NANOSECONDS)]
+    assert (clients.of("/talker"), clients.of("/listener")) == (talker, listener)
+    assert clients.of("/rosapi") is clients.of("/nobody") is None
+
+
+def test_the_newest_has_the_name_while_the_older_still_leaves() -> None:
+    asking = Asking()
+    older, newer = asking.connects("/talker"), asking.connects("/talker")
+    assert asking.own.clients.of("/talker") is newer
+    asking.own.disconnected(older)
+    assert asking.own.clients.of("/talker") is newer

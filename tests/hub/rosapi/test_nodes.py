@@ -84,10 +84,11 @@ def test_they_are_never_replaced() -> None:
 
 
 def test_in_the_end_nothing_is_left(asking: Asking) -> None:
-    for client in range(2):
-        asking.own.clients.connected(client, "10.0.0.1", 0)
+    connections = [asking.connects() for _ in range(2)]
     asking.client.says("advertise", "/fib", type=INT32)
     asking.client.leaves()
+    for connection in connections:
+        connection.client.leaves()
     asking.own.close()
     graph = asking.graph
     assert (graph.nodes, graph.topics, graph.services) == ({}, {}, {})

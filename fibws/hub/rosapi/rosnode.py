@@ -1,0 +1,137 @@
+"""What ROS's rosnode does to a node: /rosapi/ping_node and /rosapi/kill_node."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass
+from functools import partial
+from itertools import count
+from typing import Any
+
+from fibws.hub.clock import Clock, Timer
+from fibws.hub.graph.graph import Graph
+from fibws.hub.graph.service import Answer, Function, Later
+from fibws.hub.log import printable, shortened
+from fibws.hub.rosapi.clients import Client, ConnectedClients
+from fibws.hub.rosapi.introspection import global_name
+from fibws.protocol.closing import KILLED
+
+logger = logging.getLogger("fibws.hub")
+
+PATIENCE = 3.0
+"""Seconds in which a node must answer a ping."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ping:
+    """A ping that is not answered yet; it was ``sent`` so many nanoseconds after 1970."""
+
+    node: str
+    client: Client
+    sent: int
+    timer: Timer
+    later: Later
+
+
+class Rosnode:
+    """Pings and kills nodes by their connections; the hub's own have none.
+
+    Args:
+        clients: those that are connected.
+    """
+
+    def __init__(self, graph: Graph, clients: ConnectedClients, clock: Clock) -> None:
+        self._graph = graph
+        self._clients = clients
+        self._clock = clock
+        self._numbers = count(1)
+        self._pings: dict[bytes, Ping] = {}
+        """By what their pongs bring back, in the order in which they were sent."""
+
+    def services(self) -> dict[str, tuple[str, Function]]:
+        """All by their global names, each with its type and what answers it."""
+        return {
+            "/rosapi/ping_node": ("fibws_msgs/PingNode", self.ping),
+            "/rosapi/kill_node": ("fibws_msgs/KillNode", self.kill),
+        }
+
+    def ping(self, request: dict[str, Any], caller: str) -> Answer | Later:
+        """How long a node takes to answer a WebSocket ping, in seconds."""
+        node = global_name(request["node"], caller)
+        if node not in self._graph.nodes:
+            return _ping_failed(_unknown(node))
+        client = self._clients.of(node)
+        if client is None:
+            return {"success": True, "message": f"{node} is the hub's own", "seconds": 0.0}
+        if client.outbox.paused:
+            return _ping_failed(f"{node} reads too slowly: a ping would wait behind other bytes")
+        data = next(self._numbers).to_bytes(8, "big")
+        # The clock of an event loop may be as coarse as a millisecond, and as old as its turn.
+        sent = self._graph.now()
+        client.ping(data)
+        later = Later(partial(self._drop, data))
+        timer = self._clock.call_later(PATIENCE, partial(self._give_up, data))
+        self._pings[data] = Ping(node, client, sent, timer, later)
+        return later
+
+    def kill(self, request: dict[str, Any], caller: str) -> Answer:
+        """End a node, by closing its connection with a reason; fibws's own nodes heed that."""
+        node = global_name(request["node"], caller)
+        if node not in self._graph.nodes:
+            return {"success": False, "message": _unknown(node)}
+        client = self._clients.of(node)
+        if client is None:
+            text = f"{node} is the hub's own, which ends with the hub alone"
+            return {"success": False, "message": text}
+        logger.info("%s kills %s.", printable(caller), printable(node))
+        # It may be the caller, whose operations in the same text must not outlive it.
+        self._clock.call_later(0, partial(client.close, KILLED))
+        return {"success": True, "message": f"killed {node}"}
+
+    def ponged(self, client: Client, data: bytes) -> None:
+        """A client has sent a pong."""
+        ping = self._pings.get(data)
+        if ping is None or ping.client is not client:
+            return
+        now = self._graph.now()
+        for key, each in self._of(client):
+            # A pong may stand for the pings before as well (RFC 6455, section 5.5.3).
+            text = f"{each.node} has answered"
+            seconds = max(0, now - each.sent) / 1_000_000_000
+            self._settle(key, {"success": True, "message": text, "seconds": seconds})
+            if each is ping:
+                break
+
+    def left(self, client: Client) -> None:
+        """A client's connection is gone."""
+        for key, ping in self._of(client):
+            self._settle(key, _ping_failed(f"{ping.node} has left"))
+
+    def close(self) -> None:
+        """Wait for no pong any more."""
+        for key in list(self._pings):
+            self._settle(key, _ping_failed("the hub is shutting down"))
+
+    def _of(self, client: Client) -> list[tuple[bytes, Ping]]:
+        """The pings of a client that wait for an answer, the first to be sent first."""
+        return [(key, ping) for key, ping in self._pings.items() if ping.client is client]
+
+    def _give_up(self, data: bytes) -> None:
+        text = f"{self._pings[data].node} did not answer within {PATIENCE:g} s"
+        self._settle(data, _ping_failed(text))
+
+    def _settle(self, data: bytes, answer: dict[str, Any]) -> None:
+        later = self._pings[data].later
+        self._drop(data)
+        later.answer(answer)
+
+    def _drop(self, data: bytes) -> None:
+        self._pings.pop(data).timer.cancel()
+
+
+def _unknown(node: str) -> str:
+    return shortened(f"Node {node} does not exist")
+
+
+def _ping_failed(text: str) -> dict[str, Any]:
+    return {"success": False, "message": text, "seconds": 0.0}

@@ -1,0 +1,137 @@
+"""The messages of fibws_msgs, written by fibws.interfaces.generator: do not edit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import fibws.interfaces as ros
+
+__all__ = [
+    "ActionInfo",
+    "ClientStatistics",
+    "NodeInfo",
+    "PublisherInfo",
+    "PublisherStatistics",
+    "ServiceInfo",
+    "SubscriptionInfo",
+    "SubscriptionStatistics",
+    "TopicInfo",
+    "TopicStatistics",
+]
+
+
+@dataclass(slots=True, eq=False, repr=False)
+class ActionInfo(ros.Message):
+    """fibws_msgs/ActionInfo"""
+
+    _type: ClassVar[str] = "fibws_msgs/ActionInfo"
+
+    name: str = ""
+    type: str = ""
+    node: str = ""
+    over_topics: bool = False
+
+
+@dataclass(slots=True, eq=False, repr=False)
+class ClientStatistics(ros.Message):
+    """fibws_msgs/ClientStatistics"""
+
+    _type: ClassVar[str] = "fibws_msgs/ClientStatistics"
+
+    node: str = ""
+    address: str = ""
+    kept_bytes: int = 0
+    dropped: int = 0
+    slow: bool = False
+
+
+@dataclass(slots=True, eq=False, repr=False)
+class NodeInfo(ros.Message):
+    """fibws_msgs/NodeInfo"""
+
+    _type: ClassVar[str] = "fibws_msgs/NodeInfo"
+
+    name: str = ""
+    address: str = ""
+    since: ros.Time = field(default_factory=ros.Time)
+    own: bool = False
+
+
+@dataclass(slots=True, eq=False, repr=False)
+class PublisherInfo(ros.Message):
+    """fibws_msgs/PublisherInfo"""
+
+    _type: ClassVar[str] = "fibws_msgs/PublisherInfo"
+
+    node: str = ""
+    latch: bool = False
+
+
+@dataclass(slots=True, eq=False, repr=False)
+class PublisherStatistics(ros.Message):
+    """fibws_msgs/PublisherStatistics"""
+
+    _type: ClassVar[str] = "fibws_msgs/PublisherStatistics"
+
+    node: str = ""
+    messages: int = 0
+    bytes_: int = 0
+
+
+@dataclass(slots=True, eq=False, repr=False)
+class ServiceInfo(ros.Message):
+    """fibws_msgs/ServiceInfo"""
+
+    _type: ClassVar[str] = "fibws_msgs/ServiceInfo"
+
+    name: str = ""
+    type: str = ""
+    node: str = ""
+
+
+@dataclass(slots=True, eq=False, repr=False)
+class SubscriptionInfo(ros.Message):
+    """fibws_msgs/SubscriptionInfo"""
+
+    _type: ClassVar[str] = "fibws_msgs/SubscriptionInfo"
+
+    node: str = ""
+    queue_length: int = 0
+    throttle_rate: int = 0
+    compression: str = ""
+
+
+@dataclass(slots=True, eq=False, repr=False)
+class SubscriptionStatistics(ros.Message):
+    """fibws_msgs/SubscriptionStatistics"""
+
+    _type: ClassVar[str] = "fibws_msgs/SubscriptionStatistics"
+
+    node: str = ""
+    messages: int = 0
+    dropped: int = 0
+
+
+@dataclass(slots=True, eq=False, repr=False)
+class TopicInfo(ros.Message):
+    """fibws_msgs/TopicInfo"""
+
+    _type: ClassVar[str] = "fibws_msgs/TopicInfo"
+
+    name: str = ""
+    type: str = ""
+    checked: bool = False
+    publishers: list[PublisherInfo] = field(default_factory=list)
+    subscriptions: list[SubscriptionInfo] = field(default_factory=list)
+
+
+@dataclass(slots=True, eq=False, repr=False)
+class TopicStatistics(ros.Message):
+    """fibws_msgs/TopicStatistics"""
+
+    _type: ClassVar[str] = "fibws_msgs/TopicStatistics"
+
+    topic: str = ""
+    publishers: list[PublisherStatistics] = field(default_factory=list)
+    subscriptions: list[SubscriptionStatistics] = field(default_factory=list)
