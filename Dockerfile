@@ -4,7 +4,8 @@
 ARG PYTHON_IMAGE=python:3.13-slim
 
 # The wheel is built here and installed into a virtual environment that has no pip;
-# whatever building needed stays behind in this stage.
+# whatever building needed stays behind in this stage. That is Node, too, for the hub's page: where
+# there is no npm, the build hook asks pip for one.
 FROM ${PYTHON_IMAGE} AS build
 WORKDIR /src
 COPY . .

@@ -7,7 +7,6 @@ A web page may speak to the hub only if its origin names a host that the hub is 
 
 from __future__ import annotations
 
-import email.utils
 import http
 import ipaddress
 from collections.abc import Callable
@@ -19,6 +18,8 @@ from websockets.http11 import Request, Response
 
 from fibws import names
 from fibws.errors import InvalidName
+from fibws.hub.pages import Pages
+from fibws.hub.response import respond, respond_text
 from fibws.hub.rosapi.nodes import OWN_NODES
 from fibws.hub.settings import Settings
 
@@ -29,14 +30,14 @@ class Gate:
     """Answers the requests that reach the hub's port.
 
     Args:
-        page: the HTML text for ``/``.
+        pages: what a browser may fetch.
         health: gives what ``/healthz`` shows.
     """
 
-    def __init__(self, settings: Settings, page: bytes, health: Health) -> None:
+    def __init__(self, settings: Settings, pages: Pages, health: Health) -> None:
         self._origins = frozenset(origin.rstrip("/").lower() for origin in settings.allow_origin)
         self._host = settings.host.lower()
-        self._page = page
+        self._pages = pages
         self._health = health
 
     def answer(self, request: Request) -> Response | None:
@@ -46,32 +47,30 @@ class Gate:
                 return self._resource(request)
             refusal = self._refusal(request.headers)
             if refusal is not None:
-                return _text(http.HTTPStatus.FORBIDDEN, refusal)
+                return respond_text(http.HTTPStatus.FORBIDDEN, refusal)
             if node_name(request.path) in OWN_NODES:
                 fault = "that name is the hub's own; choose another"
-                return _text(http.HTTPStatus.BAD_REQUEST, f"The query's node: {fault}")
+                return respond_text(http.HTTPStatus.BAD_REQUEST, f"The query's node: {fault}")
         except MultipleValuesError as error:
-            return _text(http.HTTPStatus.BAD_REQUEST, f"More than one header {error}")
+            return respond_text(http.HTTPStatus.BAD_REQUEST, f"More than one header {error}")
         except InvalidName as error:
-            return _text(http.HTTPStatus.BAD_REQUEST, f"The query's node: {error}")
+            return respond_text(http.HTTPStatus.BAD_REQUEST, f"The query's node: {error}")
         return None
 
     def _resource(self, request: Request) -> Response:
         if request.method not in ("GET", "HEAD"):
-            response = _text(http.HTTPStatus.METHOD_NOT_ALLOWED, "Only GET and HEAD are answered")
+            fault = "Only GET and HEAD are answered"
+            response = respond_text(http.HTTPStatus.METHOD_NOT_ALLOWED, fault)
             response.headers["Allow"] = "GET, HEAD"
             return response
         path = request.path.partition("?")[0]
-        if path == "/":
-            response = _response(http.HTTPStatus.OK, "text/html", self._page)
-            response.headers["Content-Security-Policy"] = (
-                "default-src 'none'; style-src 'unsafe-inline'; img-src data:; "
-                "connect-src ws: wss:; frame-ancestors 'none'"
-            )
-        elif path == "/healthz":
+        if path == "/healthz":
             response = self._health_response(request.headers)
         else:
-            response = _text(http.HTTPStatus.NOT_FOUND, f"Nothing is at {path}; see /")
+            nothing = f"Nothing is at {path}; see /"
+            response = self._pages.answer(path, request.headers) or respond_text(
+                http.HTTPStatus.NOT_FOUND, nothing
+            )
         if request.method == "HEAD":
             response.body = b""
         return response
@@ -83,10 +82,10 @@ class Gate:
         allowed = "*" in self._origins or f"http://{host}".lower() in self._origins
         if not allowed and (here is None or not self._known(here, here)):
             fault = f"{host} is not known to be this hub's name"
-            return _text(
+            return respond_text(
                 http.HTTPStatus.FORBIDDEN, f"{fault}. Start it with --allow-origin http://{host}"
             )
-        return _response(http.HTTPStatus.OK, "application/json", to_json(self._health()))
+        return respond(http.HTTPStatus.OK, "application/json", to_json(self._health()))
 
     def _refusal(self, headers: Headers) -> str | None:
         origin = headers.get("Origin")
@@ -131,20 +130,3 @@ def _host_of(origin: str) -> str | None:
         return urlsplit(origin).hostname
     except ValueError:
         return None
-
-
-def _text(status: http.HTTPStatus, text: str) -> Response:
-    return _response(status, "text/plain", f"{text}.\n".encode())
-
-
-def _response(status: http.HTTPStatus, content_type: str, body: bytes) -> Response:
-    headers = Headers(
-        {
-            "Date": email.utils.formatdate(usegmt=True),
-            "Connection": "close",
-            "Content-Length": str(len(body)),
-            "Content-Type": f"{content_type}; charset=utf-8",
-            "X-Content-Type-Options": "nosniff",
-        }
-    )
-    return Response(status.value, status.phrase, headers, body)

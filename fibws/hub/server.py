@@ -8,7 +8,6 @@ import ipaddress
 import logging
 import time
 import uuid
-from importlib import resources
 from types import TracebackType
 from typing import Self
 
@@ -18,6 +17,7 @@ from fibws.hub.connection import Connection, Shared
 from fibws.hub.gate import Gate
 from fibws.hub.graph.graph import Graph
 from fibws.hub.outbox import Flusher
+from fibws.hub.pages import Pages, read
 from fibws.hub.rosapi.nodes import OwnNodes
 from fibws.hub.settings import Settings
 from fibws.interfaces import Interfaces
@@ -60,10 +60,9 @@ class Hub:
 
     async def __aenter__(self) -> Self:
         loop = asyncio.get_running_loop()
-        page = resources.files("fibws").joinpath("web", "index.html").read_bytes()
         shared = Shared(
             settings=self.settings,
-            gate=Gate(self.settings, page, self.health),
+            gate=Gate(self.settings, Pages(read()), self.health),
             graph=self.graph,
             loop=loop,
             flusher=Flusher(loop.call_soon),

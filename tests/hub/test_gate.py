@@ -11,6 +11,7 @@ from websockets.http11 import Request, Response
 
 from fibws.errors import InvalidName
 from fibws.hub.gate import Gate, node_name
+from fibws.hub.pages import Pages
 from fibws.hub.settings import Settings
 
 PAGE = "<!doctype html><title>ä</title>".encode()
@@ -24,7 +25,8 @@ def ask(
     method: str = "GET",
     **settings: Any,
 ) -> Response | None:
-    gate = Gate(Settings(**settings), PAGE, lambda: {"status": "ok", "clients": 2})
+    pages = Pages({"index.html": PAGE, "roslib.js": b"var ROSLIB = {};"})
+    gate = Gate(Settings(**settings), pages, lambda: {"status": "ok", "clients": 2})
     return gate.answer(Request(path, Headers(headers or {}), method))
 
 
@@ -191,7 +193,12 @@ def test_the_page_is_at_the_root(path: str) -> None:
     assert (response.status_code, response.body) == (200, PAGE)
     assert response.headers["Content-Type"] == "text/html; charset=utf-8"
     assert response.headers["Content-Length"] == str(len(PAGE))
-    assert response.headers["Content-Security-Policy"].startswith("default-src 'none'")
+
+
+@pytest.mark.parametrize("host", ["localhost", "evil.example", "rebound.example:9090"])
+def test_roslib_is_for_the_pages_of_any_host(host: str) -> None:
+    response = get("/roslib.js", Host=host, Origin=f"http://{host}")
+    assert (response.status_code, response.body) == (200, b"var ROSLIB = {};")
 
 
 def test_health_is_told_as_json() -> None:
@@ -207,7 +214,7 @@ def test_nothing_is_anywhere_else() -> None:
     assert get("/favicon.ico").status_code == 404
 
 
-@pytest.mark.parametrize("path", ["/", "/healthz", "/nothing"])
+@pytest.mark.parametrize("path", ["/", "/roslib.js", "/healthz", "/nothing"])
 def test_a_head_has_no_body_but_its_length(path: str) -> None:
     response, whole = get(path, "HEAD"), get(path)
     assert (response.status_code, response.body) == (whole.status_code, b"")
@@ -241,7 +248,7 @@ def test_a_browser_may_not_guess_what_an_answer_is(path: str) -> None:
 def test_the_hubs_health_is_told_by_names_of_its_own(
     host: str, allowed: tuple[str, ...], status: int
 ) -> None:
-    gate = Gate(Settings(allow_origin=allowed), b"", dict)
+    gate = Gate(Settings(allow_origin=allowed), Pages({}), dict)
     response = gate.answer(Request("/healthz", Headers({"Host": host})))
     assert response is not None
     assert response.status_code == status

@@ -1,48 +1,28 @@
-"""The hub's page and the README's snippet, in a real browser."""
+"""The hub's page: what stands around its views, and the README's snippet, in a real browser."""
 
 from __future__ import annotations
 
 import asyncio
 import json
-import os
 import re
-import shutil
-from collections.abc import AsyncIterator
 from pathlib import Path
 
 import pytest
-from playwright.async_api import Browser, Page, async_playwright
+from playwright.async_api import Browser, Page, expect
 from websockets.asyncio.client import connect
 
+import fibws
 from fibws.hub import Hub, Settings
+from fibws.msg.std_msgs import Int32
+from fibws.srv.fibws_msgs import KillNode
+
+from .conftest import STRANGER, Complaints, OpenPage, web_address
 
 README = Path(__file__).parents[2] / "README.md"
 SNIPPET = re.compile(r"```js\n(const hub = new WebSocket.*?)```", re.DOTALL)
-CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "chrome"))), None)
-QUIET = (
-    "--no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking "
-    "--disable-component-update --disable-sync"
-).split()
-STRANGER = "stranger.example"
-
-
-@pytest.fixture
-async def browser() -> AsyncIterator[Browser]:
-    if CHROMIUM is None and not os.environ.get("CI"):
-        pytest.skip("there is no Chromium here")
-    async with async_playwright() as playwright:
-        browser = await playwright.chromium.launch(
-            executable_path=CHROMIUM,
-            args=[*QUIET, f"--host-resolver-rules=MAP {STRANGER} 127.0.0.1"],
-        )
-        yield browser
-        await browser.close()
-
-
-@pytest.fixture
-async def hub() -> AsyncIterator[Hub]:
-    async with Hub(Settings(port=0)) as hub:
-        yield hub
+VIEWS = ["graph", "topics", "services", "console", "parameters"]
+LOST = "WebSocket connection to"
+"""What Chromium says of an attempt that failed."""
 
 
 async def publish_a_number(hub: Hub) -> None:
@@ -60,24 +40,216 @@ async def paste(page: Page, snippet: str, hub: Hub) -> str:
     console = await page.context.new_cdp_session(page)
     try:
         async with page.expect_console_message(lambda said: said.type == "log") as message:
-            await console.send("Runtime.evaluate", {"expression": snippet, "replMode": True})
+            answer = await console.send(
+                "Runtime.evaluate", {"expression": snippet, "replMode": True}
+            )
+            assert "exceptionDetails" not in answer, answer
         return (await message.value).text
     finally:
         broadcaster.cancel()
 
 
-async def test_the_page_says_what_this_is_and_its_snippet_hears_the_numbers(
-    browser: Browser, hub: Hub
+async def test_an_empty_hub_shows_what_to_type_next(open_page: OpenPage, hub: Hub) -> None:
+    page = await open_page(hub)
+    await expect(page.get_by_role("heading", name="This hub is empty")).to_be_visible()
+    commands = page.locator(".copyable pre")
+    await expect(commands.nth(0)).to_have_text(f"python -m fibws.broadcaster --hub {hub.url}")
+    await expect(commands.nth(1)).to_have_text(f"python -m fibws.listener --hub {hub.url}")
+    await expect(page.locator("#count-nodes")).to_have_text("0")
+
+
+async def test_the_welcome_goes_when_the_first_node_comes_and_can_be_reopened(
+    open_page: OpenPage, hub: Hub
+) -> None:
+    page = await open_page(hub)
+    welcome = page.get_by_role("heading", name="This hub is empty")
+    await expect(welcome).to_be_visible()
+    async with fibws.Node("talker", hub=hub.url) as node:
+        await node.advertise("chatter", Int32)
+        await expect(welcome).to_be_hidden()
+        await expect(page.locator("#count-nodes")).to_have_text("1")
+        await expect(page.locator("#count-topics")).to_have_text("1")
+        await page.get_by_role("button", name="Help").click()
+        help_ = page.get_by_role("dialog", name="Help")
+        await expect(help_).to_contain_text("python -m fibws.broadcaster")
+        await page.keyboard.press("Escape")
+        await expect(help_).to_be_hidden()
+    await expect(welcome).to_be_visible()
+
+
+@pytest.mark.parametrize("number", [2, 3])
+async def test_the_welcome_s_snippets_hear_the_numbers_once_they_are_copied(
+    open_page: OpenPage, hub: Hub, number: int
+) -> None:
+    page = await open_page(hub, permissions=["clipboard-read", "clipboard-write"])
+    await page.locator(".copyable").nth(number).get_by_role("button", name="Copy").click()
+    await expect(page.get_by_role("button", name="Copied")).to_be_visible()
+    snippet = await page.evaluate("navigator.clipboard.readText()")
+    assert len(snippet.splitlines()) == {2: 5, 3: 2}[number]
+    assert await paste(page, snippet, hub) == "I heard 8"
+
+
+async def test_a_page_without_a_clipboard_copies_all_the_same(
+    open_page: OpenPage, hub: Hub
+) -> None:
+    page = await open_page(hub)
+    await page.evaluate("Object.defineProperty(navigator, 'clipboard', {value: undefined})")
+    await page.get_by_role("button", name="Copy").first.click()
+    await expect(page.get_by_role("button", name="Copied")).to_be_visible()
+    await page.get_by_role("link", name="Parameters").click()
+    await page.locator("summary", has_text="Add a parameter").click()
+    name = page.get_by_role("textbox", name="Name")
+    await name.press("Control+v")
+    await expect(name).to_have_value(f"python -m fibws.broadcaster --hub {hub.url}")
+
+
+async def test_what_cannot_be_copied_is_selected(open_page: OpenPage, hub: Hub) -> None:
+    page = await open_page(hub)
+    await page.evaluate("Object.defineProperty(navigator, 'clipboard', {value: undefined})")
+    await page.evaluate("document.execCommand = () => false")
+    await page.get_by_role("button", name="Copy").first.click()
+    await expect(page.get_by_role("button", name="Selected: press Ctrl+C")).to_be_visible()
+    selected = await page.evaluate("getSelection().toString()")
+    assert selected == f"python -m fibws.broadcaster --hub {hub.url}"
+
+
+async def test_the_console_is_told_once_what_is_at_hand_there(
+    browser: Browser, hub: Hub, open_page: OpenPage
 ) -> None:
     page = await browser.new_page()
-    errors: list[str] = []
-    page.on("pageerror", lambda error: errors.append(str(error)))
-    await page.goto(hub.url.replace("ws:", "http:"))
-    assert await page.title() == "fibws hub"
-    snippet = await page.inner_text("#snippet")
-    assert len(snippet.splitlines()) == 5
-    assert await paste(page, snippet, hub) == "I heard 8"
-    assert errors == []
+    said: list[str] = []
+    page.on("console", lambda message: said.append(message.text))
+    await page.goto(web_address(hub))
+    await page.wait_for_selector("#hub[data-state=open]")
+    [told] = [text for text in said if "ROSLIB" in text]
+    example = re.search(r"(const \w+ = new ROSLIB\.Topic.*\n.*;)", told)
+    assert example is not None
+    assert await paste(page, example[1], hub) == "I heard 8"
+
+
+async def test_whoever_subscribes_from_the_console_is_a_node_that_others_see(
+    open_page: OpenPage, hub: Hub
+) -> None:
+    page = await open_page(hub)
+    nodes = await page.evaluate("new Promise((done, failed) => ros.getNodes(done, failed))")
+    assert len([name for name in nodes if name.startswith("/browser_")]) == 1
+    await expect(page.locator("#count-nodes")).to_have_text("1")
+
+
+async def test_the_page_says_that_the_hub_is_gone_and_is_live_again_when_it_is_back(
+    open_page: OpenPage, complaints: Complaints
+) -> None:
+    async with Hub(Settings(port=0)) as hub:
+        port = hub.port
+        page = await open_page(hub, "#/console")
+        async with fibws.Node("talker", hub=hub.url) as node:
+            node.log.warning("before")
+            await expect(page.locator(".log li")).to_contain_text(["before"])
+    state = page.get_by_role("status").filter(has_text="trying again")
+    await expect(state).to_contain_text("the hub is shutting down")
+    await expect(page.locator(".log li")).to_contain_text(["before"])
+    async with Hub(Settings(port=port)) as hub:
+        await expect(page.locator("#state")).to_have_text("connected")
+        async with fibws.Node("talker", hub=hub.url) as node:
+            # The page's subscription is there before the state says so.
+            node.log.warning("after")
+            await expect(page.locator(".log li")).to_contain_text(["before", "after"])
+    complaints.allow(LOST)
+
+
+async def test_a_page_that_was_told_to_end_comes_back_only_when_it_is_asked_to(
+    open_page: OpenPage, hub: Hub
+) -> None:
+    page = await open_page(hub)
+    own = await page.locator("#hub code").get_attribute("title") or ""
+    [name] = re.findall(r"/page_\w+", own)
+    async with fibws.Node("killer", hub=hub.url) as node:
+        answer = await node.call("/rosapi/kill_node", KillNode, KillNode.Request(node=name))
+        assert answer.success
+    await expect(page.locator("#state")).to_have_text("closed (shutdown request: user request)")
+    await page.get_by_role("button", name="Connect").click()
+    await expect(page.locator("#state")).to_have_text("connected")
+    await expect(page.get_by_role("button", name="Connect")).to_be_hidden()
+
+
+async def test_messages_are_counted_as_they_flow(open_page: OpenPage, hub: Hub) -> None:
+    page = await open_page(hub)
+    async with fibws.Node("talker", hub=hub.url) as node:
+        numbers = await node.advertise("numbers", Int32)
+
+        async def publish() -> None:
+            async for _ in node.rate(50):
+                await numbers.publish(data=1)
+
+        publishing = asyncio.create_task(publish())
+        await expect(page.locator("#count-rate")).to_have_text(re.compile(r"^[345]\d(\.\d)? Hz$"))
+        publishing.cancel()
+
+
+async def test_no_view_needs_more_than_a_phone_s_width(open_page: OpenPage, hub: Hub) -> None:
+    namespace = "/a/quite/deep/namespace"
+    async with fibws.Node("with_a_long_name", namespace=namespace, hub=hub.url) as node:
+        await node.advertise("/another/deep/namespace/with/a_topic_of_a_long_name", Int32)
+        await node.params.set("/some/parameter", "of words without end " * 10)
+        page = await open_page(hub, width=360, height=740)
+        node.log.error("word" * 100)
+        await expect(page.locator("#count-nodes")).to_have_text("1")
+        for view in VIEWS:
+            await visit(page, view)
+            wide = await page.evaluate("document.documentElement.scrollWidth")
+            assert (view, wide) == (view, 360)
+
+
+async def test_every_control_is_reached_by_the_tab_key_and_has_a_name(
+    open_page: OpenPage, hub: Hub
+) -> None:
+    async with fibws.Node("talker", hub=hub.url) as node:
+        await node.advertise("chatter", Int32)
+        page = await open_page(hub)
+        await expect(page.locator("#count-topics")).to_have_text("1")
+        for view in VIEWS:
+            await visit(page, view)
+            count = await page.evaluate(MARK_CONTROLS)
+            assert count > len(VIEWS)
+            for _ in range(count + 10):
+                await page.keyboard.press("Tab")
+                await page.evaluate("document.activeElement.removeAttribute('data-control')")
+            assert (view, await page.evaluate(MISSED)) == (view, [])
+            assert (view, await page.evaluate(NAMELESS)) == (view, [])
+
+
+async def visit(page: Page, view: str) -> None:
+    """Choose a tab, and wait for its view."""
+    await page.locator(f"#tab-{view}").click()
+    await expect(page.locator(f"#tab-{view}")).to_have_attribute("aria-current", "page")
+    await expect(page.locator("#stage")).to_have_attribute("data-view", view)
+    await expect(page.locator("#stage > [role=alert]")).to_have_count(0)
+
+
+VISIBLE_CONTROLS = """Array.from(
+    document.querySelectorAll("a[href], button, input, select, textarea, summary")
+).filter((each) => each.checkVisibility() && !each.disabled && each.tabIndex >= 0)"""
+MARK_CONTROLS = f"""() => {{
+    const controls = {VISIBLE_CONTROLS};
+    for (const each of controls) each.dataset.control = "";
+    return controls.length;
+}}"""
+MISSED = "Array.from(document.querySelectorAll('[data-control]'), (each) => each.outerHTML)"
+NAMELESS = f"""{VISIBLE_CONTROLS}.filter((each) =>
+    each.innerText?.trim() === "" && !each.ariaLabel && !each.labels?.length && !each.title
+).map((each) => each.outerHTML)"""
+
+
+async def test_a_route_can_be_left_by_the_browser_s_back_button(
+    open_page: OpenPage, hub: Hub
+) -> None:
+    page = await open_page(hub)
+    await page.get_by_role("link", name="Console").click()
+    await page.get_by_role("link", name="Parameters").click()
+    await expect(page).to_have_title("Parameters · fibws hub")
+    await page.go_back()
+    await expect(page).to_have_title("Console · fibws hub")
+    await expect(page.locator("section.console")).to_be_visible()
 
 
 async def test_the_readme_snippet_works_from_another_page_on_localhost(
@@ -91,6 +263,13 @@ async def test_the_readme_snippet_works_from_another_page_on_localhost(
         page = await browser.new_page()
         await page.goto(f"http://localhost:{elsewhere.port}/healthz")
         assert await paste(page, snippet, hub) == "I heard 8"
+
+
+async def test_the_readme_snippet_works_in_the_page_itself(open_page: OpenPage, hub: Hub) -> None:
+    found = SNIPPET.search(README.read_text())
+    assert found is not None
+    page = await open_page(hub)
+    assert await paste(page, found[1].replace("ws://localhost:9090", hub.url), hub) == "I heard 8"
 
 
 @pytest.mark.parametrize("allowed", [False, True])

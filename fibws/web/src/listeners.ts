@@ -1,0 +1,70 @@
+/** Those who listen to one topic in this page, each with its own rate. */
+import type { Message } from "./hub";
+
+interface Listener<Operation> {
+  readonly operation: Operation;
+  readonly throttle: number;
+  readonly hear: (message: Message) => void;
+  /** When it last heard one, in ms. */
+  heard: number;
+  /** The newest message that came too early for it. */
+  kept: Message | undefined;
+  timer: number | undefined;
+}
+
+export class Listeners<Operation = never> {
+  readonly #listeners = new Map<string, Listener<Operation>>();
+
+  get empty(): boolean {
+    return this.#listeners.size === 0;
+  }
+
+  /** The operations that subscribed them, to be said again to a new connection. */
+  operations(): Operation[] {
+    return Array.from(this.#listeners.values(), (listener) => listener.operation);
+  }
+
+  /** `throttle` is the least time between two messages, in ms. */
+  add(id: string, operation: Operation, throttle: number, hear: (message: Message) => void): void {
+    this.#listeners.set(id, {
+      operation,
+      throttle,
+      hear,
+      heard: -Infinity,
+      kept: undefined,
+      timer: undefined,
+    });
+  }
+
+  /** Tells whether the listener was there. */
+  remove(id: string): boolean {
+    clearTimeout(this.#listeners.get(id)?.timer);
+    return this.#listeners.delete(id);
+  }
+
+  tell(message: Message): void {
+    const least = Math.min(...Array.from(this.#listeners.values(), ({ throttle }) => throttle));
+    for (const listener of [...this.#listeners.values()]) {
+      // The hub itself keeps the shortest time; doing so again here would pass messages over.
+      const wait = listener.heard + listener.throttle - performance.now();
+      if (listener.throttle <= least || wait <= 0) this.#hand(listener, message);
+      else this.#keep(listener, message, wait);
+    }
+  }
+
+  #keep(listener: Listener<Operation>, message: Message, wait: number): void {
+    listener.kept = message;
+    listener.timer ??= setTimeout(() => {
+      listener.timer = undefined;
+      if (listener.kept !== undefined) this.#hand(listener, listener.kept);
+    }, wait) as unknown as number;
+  }
+
+  #hand(listener: Listener<Operation>, message: Message): void {
+    listener.heard = performance.now();
+    listener.kept = undefined;
+    clearTimeout(listener.timer);
+    listener.timer = undefined;
+    listener.hear(message);
+  }
+}

