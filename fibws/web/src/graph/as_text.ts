@@ -1,0 +1,40 @@
+// The picture in lines of text, for screen readers and for who likes to read.
+
+import { hertz } from "../format";
+import type { Rates } from "../model";
+import type { Edge, Picture } from "./picture";
+
+/** A line for each element with its type, and below it one for each arrow that leaves or ends there. */
+export function asText({ elements, edges }: Picture, rates: Rates): string {
+  const byId = new Map(elements.map((element) => [element.id, element]));
+  const into = new Map<string, typeof edges>();
+  const out = new Map<string, typeof edges>();
+  for (const edge of edges) {
+    into.set(edge.to, [...(into.get(edge.to) ?? []), edge]);
+    out.set(edge.from, [...(out.get(edge.from) ?? []), edge]);
+  }
+  const flow = ({ publishers, subscriptions }: Edge): string => {
+    let messages = 0;
+    for (const key of publishers.length > 0 ? publishers : subscriptions) {
+      messages += (rates.publishers.get(key) ?? rates.subscriptions.get(key))?.messages ?? 0;
+    }
+    return messages > 0 ? `  ${hertz(messages)}` : "";
+  };
+  return elements
+    .filter(({ kind }) => kind !== "topic")
+    .concat(elements.filter(({ kind }) => kind === "topic"))
+    .map(({ id, kind, name, type }) => [
+      `${kind} ${name}${type === "" ? "" : ` [${type}]`}`,
+      ...(out.get(id) ?? []).map(
+        (edge) =>
+          `  ─> ${edge.label ? `${edge.label} ─> ` : ""}${byId.get(edge.to)?.name}${flow(edge)}` +
+          (edge.latched ? "  latched" : ""),
+      ),
+      ...(into.get(id) ?? []).map(
+        (edge) =>
+          `  <─ ${edge.label ? `${edge.label} <─ ` : ""}${byId.get(edge.from)?.name}${flow(edge)}`,
+      ),
+    ])
+    .flat()
+    .join("\n");
+}

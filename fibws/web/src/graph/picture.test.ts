@@ -1,0 +1,178 @@
+import { describe, expect, it } from "vitest";
+
+import type { Graph, TopicInfo } from "../model";
+import { USUAL } from "./choices";
+import { picture } from "./picture";
+
+const node = (name: string) => ({
+  name,
+  address: "127.0.0.1:1",
+  since: { secs: 1, nsecs: 0 },
+  own: false,
+});
+
+function topic(name: string, publishers: string[], subscribers: string[], latch = false): TopicInfo {
+  return {
+    name,
+    type: "std_msgs/String",
+    checked: true,
+    publishers: publishers.map((each) => ({ node: each, latch })),
+    subscriptions: subscribers.map((each) => ({
+      node: each,
+      queue_length: 0,
+      throttle_rate: 0,
+      compression: "none",
+    })),
+  };
+}
+
+function graph(nodes: string[], topics: TopicInfo[], more: Partial<Graph> = {}): Graph {
+  return { revision: 1, nodes: nodes.map(node), topics, services: [], actions: [], ...more };
+}
+
+const CHATTER = graph(["/talker", "/listener"], [topic("/chatter", ["/talker"], ["/listener"])]);
+
+const ids = (drawn: { elements: { id: string }[] }) => drawn.elements.map(({ id }) => id);
+const arrows = (drawn: { edges: { from: string; to: string }[] }) =>
+  drawn.edges.map(({ from, to }) => `${from} -> ${to}`);
+
+describe("a picture", () => {
+  it("has an arrow from the publisher to the topic, and from there to the subscriber", () => {
+    const drawn = picture(CHATTER, USUAL);
+    expect(ids(drawn)).toEqual(["topic /chatter", "node /listener", "node /talker"]);
+    expect(arrows(drawn)).toEqual([
+      "node /talker -> topic /chatter",
+      "topic /chatter -> node /listener",
+    ]);
+    expect(drawn.edges[0]?.publishers).toEqual(["/chatter /talker"]);
+    expect(drawn.edges[1]?.subscriptions).toEqual(["/chatter /listener"]);
+  });
+
+  it("has the topic's name on the arrow where only nodes are drawn", () => {
+    const drawn = picture(CHATTER, { ...USUAL, topics: false });
+    expect(ids(drawn)).toEqual(["node /listener", "node /talker"]);
+    expect(arrows(drawn)).toEqual(["node /talker -> node /listener"]);
+    expect(drawn.edges[0]?.label).toBe("/chatter");
+  });
+
+  it("marks what is latched", () => {
+    const drawn = picture(graph(["/a"], [topic("/map", ["/a"], [], true)]), USUAL);
+    expect(drawn.edges[0]?.latched).toBe(true);
+    expect(drawn.edges[0]?.about).toBe("/a publishes /map, latched");
+  });
+
+  it("says of each element what it is and how many arrows it has", () => {
+    const about = picture(CHATTER, USUAL).elements.map((each) => each.about);
+    expect(about).toEqual([
+      "topic /chatter, type std_msgs/String, publishers 1, subscribers 1",
+      "node /listener, publishes 0, subscribes 1",
+      "node /talker, publishes 1, subscribes 0",
+    ]);
+  });
+
+  it("leaves out what is there for debugging, unless asked", () => {
+    const noisy = graph(
+      ["/talker", "/page_1234", "/fibws_tool_12_34"],
+      [topic("/rosout", ["/talker"], []), topic("/chatter", ["/talker"], ["/page_1234"])],
+    );
+    expect(ids(picture(noisy, USUAL))).toEqual(["topic /chatter", "node /talker"]);
+    expect(ids(picture(noisy, { ...USUAL, debug: true }))).toContain("node /page_1234");
+    expect(ids(picture(noisy, { ...USUAL, debug: true }))).toContain("topic /rosout");
+  });
+
+  it("shows topics that nobody hears or nobody publishes, unless dead ends are off", () => {
+    const dead = graph(["/a"], [topic("/out", ["/a"], []), topic("/in", [], ["/a"])]);
+    expect(ids(picture(dead, USUAL))).toEqual(["node /a", "topic /in", "topic /out"]);
+    expect(ids(picture(dead, { ...USUAL, deadEnds: false }))).toEqual(["node /a"]);
+  });
+
+  it("keeps what the filter names and its neighbours, and no further ones", () => {
+    const chain = graph(
+      ["/robot/a", "/b", "/c"],
+      [topic("/robot/x", ["/robot/a"], ["/b"]), topic("/y", ["/b"], ["/c"])],
+    );
+    const drawn = picture(chain, { ...USUAL, filter: "/robot", namespaces: false });
+    expect(ids(drawn)).toEqual(["node /b", "node /robot/a", "topic /robot/x"]);
+    expect(arrows(drawn)).toHaveLength(2);
+    expect(ids(picture(chain, { ...USUAL, filter: "y" }))).toEqual(["node /b", "node /c", "topic /y"]);
+  });
+
+  it("shows services only when asked, with a dashed arrow to their provider", () => {
+    const serving = graph(["/adder"], [], {
+      services: [{ name: "/add", type: "rospy_tutorials/AddTwoInts", node: "/adder" }],
+    });
+    expect(ids(picture(serving, USUAL))).toEqual(["node /adder"]);
+    const drawn = picture(serving, { ...USUAL, services: true });
+    expect(arrows(drawn)).toEqual(["service /add -> node /adder"]);
+    expect(drawn.edges[0]?.dashed).toBe(true);
+  });
+
+  it("puts a name inside its namespace's box without the namespace", () => {
+    const drawn = picture(
+      graph(["/robot/a", "/robot/b", "/c"], [topic("/robot/arm/x", ["/robot/a"], ["/c"])]),
+      USUAL,
+    );
+    expect(drawn.groups).toEqual([{ name: "/robot", parent: null }]);
+    const labels = drawn.elements.map(({ group, label }) => [group, label]);
+    expect(labels).toEqual([
+      [null, "/c"],
+      ["/robot", "a"],
+      ["/robot", "arm/x"],
+      ["/robot", "b"],
+    ]);
+  });
+
+  it("has types while there is room for them, or as was chosen", () => {
+    expect(picture(CHATTER, USUAL).elements[0]?.second).toBe("std_msgs/String");
+    expect(picture(CHATTER, { ...USUAL, types: false }).elements[0]?.second).toBe("");
+    const many = graph(["/a"], [..."abcdefghi"].map((letter) => topic(`/${letter}`, ["/a"], [])));
+    expect(picture(many, USUAL).elements.map(({ second }) => second)).not.toContain("std_msgs/String");
+    expect(picture(many, { ...USUAL, types: true }).typed).toBe(true);
+  });
+});
+
+describe("an action over topics", () => {
+  const server = ["status", "feedback", "result"].map((part) =>
+    topic(`/fly/${part}`, ["/server"], part === "status" ? ["/client", "/viewer"] : ["/client"]),
+  );
+  const client = ["goal", "cancel"].map((part) => topic(`/fly/${part}`, ["/client"], ["/server"]));
+  const flying = graph(["/client", "/server", "/viewer"], [...client, ...server], {
+    actions: [{ name: "/fly", type: "demo/Fly", node: "/server", over_topics: true }],
+  });
+
+  it("is one box between its client and its server", () => {
+    const drawn = picture(flying, USUAL);
+    expect(ids(drawn)).toEqual(["node /client", "action /fly", "node /server", "node /viewer"]);
+    expect(arrows(drawn)).toEqual([
+      "action /fly -> node /server",
+      "action /fly -> node /viewer",
+      "node /client -> action /fly",
+    ]);
+    const [serves, follows, asks] = drawn.edges;
+    expect([serves?.bothWays, follows?.bothWays, asks?.bothWays]).toEqual([true, false, true]);
+    expect(asks?.publishers).toEqual(["/fly/goal /client", "/fly/cancel /client"]);
+    expect(asks?.subscriptions).toHaveLength(3);
+  });
+
+  it("is not seen when actions are off, nor are its topics", () => {
+    const drawn = picture(flying, { ...USUAL, actions: false });
+    expect(ids(drawn)).toEqual(["node /client", "node /server", "node /viewer"]);
+  });
+
+  it("is its five topics for who debugs", () => {
+    const drawn = picture(flying, { ...USUAL, debug: true });
+    expect(ids(drawn)).not.toContain("action /fly");
+    expect(ids(drawn).filter((id) => id.startsWith("topic /fly/"))).toHaveLength(5);
+  });
+});
+
+it("draws an action by operations with a dashed arrow to its server", () => {
+  const drawn = picture(
+    graph(["/server"], [], {
+      actions: [{ name: "/fly", type: "demo/Fly", node: "/server", over_topics: false }],
+    }),
+    USUAL,
+  );
+  expect(arrows(drawn)).toEqual(["action /fly -> node /server"]);
+  expect(drawn.edges[0]?.dashed).toBe(true);
+});

@@ -1,0 +1,287 @@
+"""The page's graph: who publishes what to whom, live, in a real browser."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import AsyncIterator
+
+import pytest
+from playwright.async_api import Locator, Page, expect
+
+import fibws
+from fibws.action.actionlib_tutorials import Fibonacci
+from fibws.hub import Hub
+from fibws.msg.actionlib_tutorials import FibonacciFeedback, FibonacciGoal, FibonacciResult
+from fibws.msg.std_msgs import Int32, String
+from fibws.srv.std_srvs import Trigger, TriggerRequest, TriggerResponse
+
+from .conftest import OpenPage
+
+Goal = fibws.ServerGoal[FibonacciGoal, FibonacciResult, FibonacciFeedback]
+
+
+def element(page: Page, kind: str, name: str) -> Locator:
+    return page.locator(f'.graph .element[data-id="{kind} {name}"]')
+
+
+def edge(page: Page, start: str, end: str) -> Locator:
+    return page.locator(f'.graph .edge[data-id="{start} > {end}"]')
+
+
+@contextlib.asynccontextmanager
+async def chain(
+    hub: Hub, publisher: str, topic: str, subscriber: str, namespace: str = "/"
+) -> AsyncIterator[None]:
+    """A node that publishes numbers at 20 Hz, and one that hears them."""
+    async with (
+        fibws.Node(publisher, hub=hub.url, namespace=namespace) as one,
+        fibws.Node(subscriber, hub=hub.url) as two,
+    ):
+
+        async def publish() -> None:
+            numbers = await one.advertise(topic, Int32)
+            async for _ in one.rate(20):
+                await numbers.publish(1)
+
+        async def hear() -> None:
+            async for _ in two.subscribe(topic, Int32):
+                pass
+
+        async with asyncio.TaskGroup() as tasks:
+            running = [tasks.create_task(publish()), tasks.create_task(hear())]
+            yield
+            for task in running:
+                task.cancel()
+
+
+async def middle(locator: Locator) -> tuple[float, float]:
+    """Where an element is, once it has come to rest."""
+    await locator.wait_for()
+    before = None
+    while (box := await locator.bounding_box()) != before or box is None:
+        before = box
+        await locator.page.evaluate(
+            "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
+        )
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+
+async def test_the_graph_goes_from_the_publisher_by_the_topic_to_the_subscriber(
+    hub: Hub, open_page: OpenPage
+) -> None:
+    async with chain(hub, "talker", "/chatter", "listener"):
+        page = await open_page(hub)
+        talker, _ = await middle(element(page, "node", "/talker"))
+        chatter, _ = await middle(element(page, "topic", "/chatter"))
+        listener, _ = await middle(element(page, "node", "/listener"))
+        assert talker < chatter < listener
+        await expect(page.locator(".graph .edge")).to_have_count(2)
+
+
+async def test_arrows_tell_their_rates(hub: Hub, open_page: OpenPage) -> None:
+    async with chain(hub, "talker", "/chatter", "listener"):
+        page = await open_page(hub)
+        published = edge(page, "node /talker", "topic /chatter")
+        heard = edge(page, "topic /chatter", "node /listener")
+        await expect(published.locator(".words")).to_contain_text("Hz")
+        await expect(heard.locator(".words")).to_contain_text("Hz")
+        await published.locator(".hit").dispatch_event("pointerover")
+        await expect(published.locator("title")).to_contain_text("/talker publishes /chatter: ")
+
+
+async def test_nodes_appear_as_they_come_and_vanish_as_they_go(
+    hub: Hub, open_page: OpenPage
+) -> None:
+    async with chain(hub, "talker", "/chatter", "listener"):
+        page = await open_page(hub)
+        await expect(element(page, "node", "/talker")).to_be_visible()
+        async with fibws.Node("late", hub=hub.url) as late:
+            await late.advertise("/news", String, latch=True)
+            await expect(element(page, "node", "/late")).to_be_visible()
+            latched = edge(page, "node /late", "topic /news")
+            await expect(latched.locator(".words")).to_have_text("latched")
+        await expect(element(page, "node", "/late")).to_have_count(0)
+        await expect(element(page, "topic", "/news")).to_have_count(0)
+        await expect(element(page, "node", "/talker")).to_be_visible()
+
+
+async def test_what_is_looked_at_stays_where_it_is_when_others_come_and_go(
+    hub: Hub, open_page: OpenPage
+) -> None:
+    async with chain(hub, "talker", "/chatter", "listener"):
+        page = await open_page(hub)
+        watched = [element(page, "node", "/talker"), element(page, "topic", "/chatter")]
+        await middle(watched[0])
+        await page.get_by_role("button", name="Zoom out").click()
+        before = [await middle(each) for each in watched]
+        async with chain(hub, "alpha", "/another", "omega"):
+            await middle(element(page, "node", "/omega"))
+            assert [await middle(each) for each in watched] == [
+                pytest.approx(each, abs=2) for each in before
+            ]
+            await page.get_by_role("button", name="Fit").click()
+            for each in (*watched, element(page, "node", "/omega")):
+                x, y = await middle(each)
+                assert 0 < x < 1280 and 120 < y < 780
+
+
+async def test_a_click_tells_the_details_and_escape_closes_them(
+    hub: Hub, open_page: OpenPage
+) -> None:
+    async with chain(hub, "talker", "/chatter", "listener"):
+        page = await open_page(hub)
+        await element(page, "topic", "/chatter").click()
+        details = page.get_by_role("complementary", name="Details")
+        await expect(details.get_by_role("heading", name="/chatter")).to_be_visible()
+        await expect(details).to_contain_text("std_msgs/Int32")
+        await expect(details.locator("pre")).to_have_text("int32 data")
+        await expect(details).to_contain_text("Hz")
+        await expect(details.get_by_role("link", name="echo")).to_have_attribute(
+            "href", "#/topics/%2Fchatter"
+        )
+        await details.get_by_role("link", name="/talker").click()
+        await expect(details.get_by_role("heading", name="/talker")).to_be_visible()
+        await expect(details).to_contain_text("127.0.0.1:")
+        await page.go_back()
+        await expect(details.get_by_role("heading", name="/chatter")).to_be_visible()
+        await page.keyboard.press("Escape")
+        await expect(details).to_be_hidden()
+
+
+async def test_the_details_of_a_node_that_goes_say_so(hub: Hub, open_page: OpenPage) -> None:
+    async with fibws.Node("stays", hub=hub.url):
+        async with fibws.Node("goes", hub=hub.url):
+            page = await open_page(hub, "#/graph/node/%2Fgoes")
+            details = page.get_by_role("complementary", name="Details")
+            await expect(details).to_contain_text("127.0.0.1:")
+        await expect(details).to_contain_text("/goes is not in the graph now.")
+
+
+async def test_debug_shows_what_belongs_to_the_hub_and_to_this_page(
+    hub: Hub, open_page: OpenPage
+) -> None:
+    async with chain(hub, "talker", "/chatter", "listener"):
+        page = await open_page(hub)
+        await expect(element(page, "node", "/talker")).to_be_visible()
+        await expect(element(page, "topic", "/rosout")).to_have_count(0)
+        await page.get_by_role("checkbox", name="Debug").check()
+        await expect(element(page, "topic", "/rosout")).to_be_visible()
+        await expect(page.locator('.graph .element[data-id^="node /page_"]')).to_have_count(1)
+        await page.get_by_role("checkbox", name="Debug").uncheck()
+        await expect(element(page, "topic", "/rosout")).to_have_count(0)
+
+
+async def test_what_is_chosen_is_there_again_the_next_time(hub: Hub, open_page: OpenPage) -> None:
+    async with chain(hub, "talker", "/chatter", "listener"):
+        page = await open_page(hub)
+        await page.get_by_label("What is drawn").select_option("Nodes only")
+        one = page.locator('.graph .edge[data-id^="node /talker > node /listener"]')
+        await expect(one.locator(".topic")).to_have_text("/chatter")
+        await expect(one.locator(".rate")).to_contain_text("Hz")
+        await page.reload()
+        await expect(one.locator(".topic")).to_have_text("/chatter")
+        await expect(element(page, "topic", "/chatter")).to_have_count(0)
+
+
+async def test_the_filter_keeps_what_it_names_and_its_neighbours(
+    hub: Hub, open_page: OpenPage
+) -> None:
+    async with (
+        chain(hub, "camera", "/robot/image", "viewer", namespace="/robot"),
+        chain(hub, "a", "/other", "b"),
+    ):
+        page = await open_page(hub)
+        await expect(page.locator(".graph .element")).to_have_count(6)
+        await expect(page.locator(".graph .group-name")).to_have_text("/robot")
+        await page.get_by_label("Filter").fill("/robot")
+        await expect(page.locator(".graph .element")).to_have_count(3)
+        await expect(element(page, "node", "/viewer")).to_be_visible()
+        await page.get_by_label("Filter").fill("nothing has this name")
+        await expect(page.get_by_text("Clear the filter")).to_be_visible()
+
+
+async def test_services_and_actions_are_layers_of_their_own(hub: Hub, open_page: OpenPage) -> None:
+    def start(request: TriggerRequest) -> TriggerResponse:
+        return TriggerResponse(success=True)
+
+    async def count(goal: Goal) -> FibonacciResult:
+        return FibonacciResult([])
+
+    async with fibws.Node("server", hub=hub.url) as node:
+        await node.service("start", Trigger, start)
+        await node.action_server("fibonacci", Fibonacci, count)
+        page = await open_page(hub)
+        await expect(element(page, "action", "/fibonacci")).to_be_visible()
+        await expect(element(page, "topic", "/fibonacci/status")).to_have_count(0)
+        await expect(element(page, "service", "/start")).to_have_count(0)
+        await page.get_by_role("checkbox", name="Services").check()
+        await element(page, "service", "/start").click()
+        details = page.get_by_role("complementary", name="Details")
+        await expect(details.get_by_role("link", name="call")).to_be_visible()
+        await expect(details).to_contain_text("bool success")
+        await page.get_by_role("checkbox", name="Actions").uncheck()
+        await expect(element(page, "action", "/fibonacci")).to_have_count(0)
+
+
+async def test_everything_is_reached_by_the_keyboard(hub: Hub, open_page: OpenPage) -> None:
+    async with chain(hub, "talker", "/chatter", "listener"):
+        page = await open_page(hub)
+        talker = page.get_by_role("button", name="node /talker, publishes 1, subscribes 0")
+        rest = await middle(talker)
+        await page.locator(".graph .stage").focus()
+        await page.keyboard.press("Tab")
+        await expect(talker).to_be_focused()
+        await page.keyboard.press("ArrowRight")
+        moved = await middle(talker)
+        assert moved == pytest.approx((rest[0] - 60, rest[1]), abs=2)
+        await page.keyboard.press("+")
+        await page.keyboard.press("0")
+        assert await middle(talker) == pytest.approx(rest, abs=2)
+        await page.keyboard.press("Enter")
+        details = page.get_by_role("complementary", name="Details")
+        await expect(details.get_by_role("heading", name="/talker")).to_be_visible()
+        await expect(talker).to_have_attribute("aria-pressed", "true")
+        await page.keyboard.press("Escape")
+        await expect(details).to_be_hidden()
+        await expect(talker).to_be_focused()
+        await page.keyboard.press("Tab")
+        await expect(page.get_by_role("button", name="topic /chatter")).to_be_focused()
+
+
+async def test_a_drag_moves_the_drawing_and_is_no_click(hub: Hub, open_page: OpenPage) -> None:
+    async with chain(hub, "talker", "/chatter", "listener"):
+        page = await open_page(hub)
+        x, y = await middle(element(page, "topic", "/chatter"))
+        await page.mouse.move(x, y)
+        await page.mouse.down()
+        await page.mouse.move(x + 50, y + 80, steps=4)
+        await page.mouse.up()
+        moved = await middle(element(page, "topic", "/chatter"))
+        assert moved == pytest.approx((x + 50, y + 80), abs=2)
+        await expect(page.get_by_role("complementary", name="Details")).to_be_hidden()
+
+
+async def test_the_graph_is_there_as_text(hub: Hub, open_page: OpenPage) -> None:
+    async with chain(hub, "talker", "/chatter", "listener"):
+        page = await open_page(hub)
+        await element(page, "topic", "/chatter").wait_for()
+        await page.get_by_text("As text").click()
+        await expect(page.locator(".graph .as-text pre")).to_contain_text(
+            "topic /chatter [std_msgs/"
+        )
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+async def test_a_narrow_window_has_the_layers_from_the_top_down(
+    hub: Hub, open_page: OpenPage, scheme: str
+) -> None:
+    async with chain(hub, "talker", "/chatter", "listener"):
+        page = await open_page(hub, width=360, height=740, color_scheme=scheme)
+        places = [
+            await middle(element(page, *each))
+            for each in (("node", "/talker"), ("topic", "/chatter"), ("node", "/listener"))
+        ]
+        assert sorted(places, key=lambda place: place[1]) == places
+        assert all(0 < x < 360 for x, _ in places)
+        assert await page.evaluate("document.documentElement.scrollWidth") <= 360
