@@ -1,0 +1,134 @@
+/** The curves on a canvas: a thin layer over uPlot, which draws. */
+import uPlot from "uplot";
+import "uplot/dist/uPlot.min.css";
+import { align, type Samples } from "./ring";
+import {
+  axisText,
+  clock,
+  type Extent,
+  linearExtent,
+  logarithmicExtent,
+  logarithmicTicks,
+} from "./scales";
+import { DASHES, drawMarker } from "./strokes";
+
+/** How a curve looks: which dashes and marker, and the colour as the canvas takes it. */
+export interface Look {
+  readonly style: number;
+  readonly colour: string;
+}
+
+export interface Colours {
+  readonly ink: string;
+  readonly line: string;
+}
+
+/** Times between two labels of the axis; less than a second has no room there. */
+const SECONDS = [1, 2, 5, 10, 15, 30, 60, 120, 300];
+
+export class Chart {
+  readonly element = document.createElement("div");
+  #plot: uPlot | undefined;
+  #extent: Extent = [0, 1];
+  #from = 0;
+  #to = 1;
+  /** Whether each curve has so few samples that one sees them singly. */
+  #sparse: boolean[] = [];
+  readonly #point: (time: number | undefined) => void;
+
+  /** `point` is told the time that the mouse is at, and `undefined` when it leaves. */
+  constructor(point: (time: number | undefined) => void) {
+    this.#point = point;
+    this.element.className = "plot-canvas";
+  }
+
+  /** Begin anew, with these curves. */
+  make(looks: readonly Look[], colours: Colours, logarithmic: boolean): void {
+    this.#plot?.destroy();
+    this.#plot = undefined;
+    // uPlot looks for ticks at once, and on a logarithmic axis would never find those from zero.
+    this.#extent = logarithmic ? [1, 10] : [0, 1];
+    if (looks.length === 0) return;
+    const axis = {
+      stroke: colours.ink,
+      font: "11px system-ui, sans-serif",
+      grid: { stroke: colours.line, width: 1 },
+      ticks: { stroke: colours.line, width: 1, size: 4 },
+      gap: 4,
+    };
+    this.#plot = new uPlot(
+      {
+        ...this.#size(),
+        legend: { show: false },
+        cursor: { drag: { x: false, y: false }, points: { show: false }, y: false },
+        scales: {
+          x: { time: true, range: () => [this.#from, this.#to] },
+          y: { distr: logarithmic ? 3 : 1, range: () => [...this.#extent] },
+        },
+        axes: [
+          { ...axis, size: 26, space: 64, incrs: SECONDS, values: (_, times) => times.map(clock) },
+          {
+            ...axis,
+            space: 30,
+            size: (_, labels) =>
+              16 + 6.5 * Math.max(3, ...(labels ?? []).map((label) => label.length)),
+            values: (_, values) => values.map((value) => (value === null ? "" : axisText(value))),
+            ...(logarithmic
+              ? {
+                  splits: (plot: uPlot) => logarithmicTicks(this.#extent, plot.height / 24),
+                  filter: (_: uPlot, ticks: number[]) => ticks,
+                }
+              : {}),
+          },
+        ],
+        series: [{}, ...looks.map((look, at) => this.#series(look, at, looks.length))],
+        hooks: {
+          drawSeries: [(plot, at) => drawMarker(plot, at, looks[at - 1])],
+          setCursor: [(plot) => this.#hover(plot)],
+        },
+      },
+      [[], ...looks.map(() => [])],
+      this.element,
+    );
+  }
+
+  /** Show the samples between two times, in seconds. */
+  show(curves: readonly Samples[], from: number, to: number, logarithmic: boolean): void {
+    if (this.#plot === undefined) return;
+    this.#from = from;
+    this.#to = to;
+    const shown = logarithmic ? curves.map(positive) : curves;
+    this.#extent = (logarithmic ? logarithmicExtent : linearExtent)(shown, from);
+    this.#sparse = shown.map(({ times }) => times.length < this.#plot!.width / 14);
+    const { width, height } = this.#size();
+    if (width !== this.#plot.width || height !== this.#plot.height)
+      this.#plot.setSize({ width, height });
+    this.#plot.setData(align(shown) as uPlot.AlignedData);
+  }
+
+  #series({ style, colour }: Look, at: number, count: number): uPlot.Series {
+    return {
+      stroke: colour,
+      width: 2,
+      dash: [...(DASHES[style] ?? [])],
+      ...(count === 1 ? { fill: colour.replace(/^rgb\(([^)]*)\)$/, "rgba($1, 0.12)") } : {}),
+      points: { show: () => this.#sparse[at] === true, size: 5, width: 1, fill: colour },
+    };
+  }
+
+  #hover({ cursor, data }: uPlot): void {
+    const at = (cursor.left ?? -1) < 0 ? undefined : cursor.idx;
+    this.#point(at === null || at === undefined ? undefined : data[0][at]);
+  }
+
+  #size(): { width: number; height: number } {
+    return {
+      width: Math.max(120, this.element.clientWidth),
+      height: Math.max(100, this.element.clientHeight),
+    };
+  }
+}
+
+function positive({ times, values }: Samples): Samples {
+  return { times, values: values.map((value) => (value > 0 ? value : NaN)) };
+}

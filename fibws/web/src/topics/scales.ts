@@ -1,0 +1,79 @@
+/** What a plot's axes reach over, and how they are labelled. */
+import type { Samples } from "./ring";
+
+export type Extent = readonly [least: number, greatest: number];
+
+/** Room above and below the curves, as a part of their height. */
+const ROOM = 0.08;
+
+/** The values from a time on, with some room. */
+export function linearExtent(curves: readonly Samples[], from: number): Extent {
+  const [least, greatest] = extent(curves, from);
+  if (least > greatest) return [0, 1];
+  const height = greatest - least;
+  if (height === 0) {
+    const half = least === 0 ? 1 : Math.abs(least) / 2;
+    return [least - half, greatest + half];
+  }
+  // A curve that begins at zero stands on the axis.
+  const below = least === 0 ? 0 : ROOM * height;
+  return [least - below, greatest + ROOM * height];
+}
+
+/** The values above zero, to whole powers of ten. */
+export function logarithmicExtent(curves: readonly Samples[], from: number): Extent {
+  const [least, greatest] = extent(curves, from);
+  if (least > greatest) return [1, 10];
+  const low = 10 ** Math.floor(Math.log10(least));
+  const high = 10 ** Math.ceil(Math.log10(greatest));
+  return [low, high > low ? high : 10 * low];
+}
+
+/** Where a logarithmic axis has its lines, at most about `most`: powers of ten, or parts of these. */
+export function logarithmicTicks([least, greatest]: Extent, most: number): number[] {
+  const low = Math.round(Math.log10(least));
+  const high = Math.round(Math.log10(greatest));
+  const parts = 3 * (high - low) <= most ? [1, 2, 5] : [1];
+  const stride = Math.max(1, Math.ceil((high - low) / most));
+  const ticks: number[] = [];
+  for (let power = low; power <= high; power += stride) {
+    for (const part of parts) if (power < high || part === 1) ticks.push(part * 10 ** power);
+  }
+  return ticks;
+}
+
+function extent(curves: readonly Samples[], from: number): Extent {
+  let least = Infinity;
+  let greatest = -Infinity;
+  for (const { times, values } of curves) {
+    values.forEach((value, at) => {
+      // The sample before the window counts, since its line is seen; those before it are not there.
+      if ((times[at + 1] ?? Infinity) < from || !Number.isFinite(value)) return;
+      if (value < least) least = value;
+      if (value > greatest) greatest = value;
+    });
+  }
+  return [least, greatest];
+}
+
+/** How many values a logarithmic axis cannot show. */
+export function notPositive(curves: readonly Samples[]): number {
+  return curves.reduce((sum, { values }) => sum + values.filter((value) => value <= 0).length, 0);
+}
+
+/** The time of day, local: `20:35:15`. */
+export function clock(secs: number): string {
+  const date = new Date(secs * 1000);
+  const two = (part: number): string => String(part).padStart(2, "0");
+  const fraction = Math.round((secs % 1) * 10);
+  const text = `${two(date.getHours())}:${two(date.getMinutes())}:${two(date.getSeconds())}`;
+  return fraction % 10 === 0 ? text : `${text}.${fraction}`;
+}
+
+/** A value at an axis, short: `1200`, `0.25`, `1.8e9`. */
+export function axisText(value: number): string {
+  const size = Math.abs(value);
+  if (size !== 0 && (size >= 1e6 || size < 1e-4))
+    return value.toExponential(6).replace(/\.?0+e\+?/, "e");
+  return String(Number(value.toPrecision(8)));
+}

@@ -1,0 +1,94 @@
+/** The topics of the graph: a list, all about the chosen one, and a plot that stays. */
+import { h, replace } from "../dom";
+import type { Hub } from "../hub";
+import type { Model } from "../model";
+import { Types } from "../types";
+import type { MakeView } from "../view";
+import { Dock } from "./dock";
+import { TopicList } from "./list";
+import { NewTopic } from "./new_topic";
+import { TopicPage } from "./page";
+import "./topics.css";
+
+export const makeView: MakeView = (hub, model) => new TopicsView(hub, model);
+
+class TopicsView {
+  readonly element: HTMLElement;
+  readonly #hub: Hub;
+  readonly #model: Model;
+  readonly #dock: Dock;
+  readonly #list: TopicList;
+  readonly #place = h("div", { class: "topic-place scroll" });
+  readonly #new: NewTopic;
+  /** Ends the wait for the type of what is to be plotted. */
+  #wanted: (() => void) | undefined;
+  #page: { readonly name: string; readonly expected: string; readonly page: TopicPage } | undefined;
+
+  constructor(hub: Hub, model: Model) {
+    this.#hub = hub;
+    this.#model = model;
+    this.#dock = new Dock(hub, model);
+    this.#new = new NewTopic(model);
+    this.#list = new TopicList(
+      model,
+      (topic, type) => void this.#plot(topic, type),
+      this.#new.button,
+    );
+    this.#list.element.children[0]?.after(this.#new.element);
+    this.element = h(
+      "div",
+      { class: "topics" },
+      this.#list.element,
+      this.#place,
+      this.#dock.element,
+    );
+  }
+
+  /** `["/chatter"]` opens that topic; `["/chatter", "plot"]` plots it, too. */
+  show([name = "", tool]: string[]): void {
+    const expected = this.#new.typeOf(name);
+    if (this.#page?.name !== name || this.#page.expected !== expected) {
+      this.#page?.page.hide();
+      const page = new TopicPage(this.#hub, this.#model, this.#dock, name, expected);
+      this.#page = name === "" ? undefined : { name, expected, page };
+      replace(this.#place, this.#page?.page.element);
+      this.#place.scrollTop = 0;
+    }
+    this.#page?.page.show();
+    this.element.classList.toggle("has-page", name !== "");
+    this.#place.hidden = name === "";
+    this.#list.show(name);
+    this.#dock.show();
+    this.#wanted?.();
+    this.#wanted = undefined;
+    if (tool === "plot") this.#plotOnce(name);
+  }
+
+  /** Plot a topic as soon as its type is known. */
+  #plotOnce(name: string): void {
+    let done = false;
+    const stop = this.#model.graph.watch((graph) => {
+      const type = graph?.topics.find((topic) => topic.name === name)?.type;
+      if (done || !type) return;
+      done = true;
+      this.#wanted?.();
+      void this.#plot(name, type);
+    });
+    if (done) stop();
+    else this.#wanted = stop;
+  }
+
+  hide(): void {
+    this.#wanted?.();
+    this.#list.hide();
+    this.#dock.hide();
+    this.#page?.page.hide();
+  }
+
+  /** All numbers of a small message, or the first of a large one. */
+  async #plot(topic: string, type: string): Promise<void> {
+    const types = new Types(await this.#model.typedefs(type).catch(() => []));
+    for (const path of types.plotPaths()) this.#dock.add(topic, type, path);
+    if (types.plotPaths().length === 0) this.#dock.say(`${topic} has no numbers to plot.`);
+  }
+}

@@ -1,0 +1,147 @@
+"""The page's services: the list, the form to call one, and the actions, in a real browser."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+
+import pytest
+from playwright.async_api import Page, expect
+
+import fibws
+from fibws.action.actionlib_tutorials import Fibonacci
+from fibws.hub import Hub
+from fibws.msg.actionlib_tutorials import FibonacciFeedback, FibonacciGoal, FibonacciResult
+from fibws.srv.rospy_tutorials import AddTwoInts, AddTwoIntsRequest, AddTwoIntsResponse
+from fibws.srv.std_srvs import Trigger, TriggerRequest, TriggerResponse
+
+from .conftest import OpenPage, fixture
+
+MARKUP = "<img src=x onerror='window.harmed = true'>"
+Goal = fibws.ServerGoal[FibonacciGoal, FibonacciResult, FibonacciFeedback]
+ADD = "#/services/%2Fadd_two_ints"
+
+
+def add(request: AddTwoIntsRequest) -> AddTwoIntsResponse:
+    if request.a == 13:
+        raise ValueError(f"13 is no good {MARKUP}")
+    return AddTwoIntsResponse(request.a + request.b)
+
+
+def speak(request: TriggerRequest) -> TriggerResponse:
+    return TriggerResponse(True, MARKUP)
+
+
+@fixture
+async def node(hub: Hub) -> AsyncIterator[fibws.Node]:
+    async with fibws.Node("adder", hub=hub.url) as node:
+        await node.service("/add_two_ints", AddTwoInts, add)
+        await node.service("/speak", Trigger, speak)
+        yield node
+
+
+async def never(goal: Goal) -> FibonacciResult:
+    raise AssertionError("no goal was sent")
+
+
+async def call(page: Page, a: str, b: str) -> None:
+    await page.get_by_label("a int64").fill(a)
+    await page.get_by_label("b int64").fill(b)
+    await page.keyboard.press("Enter")
+
+
+async def test_a_service_is_found_in_the_list_and_called(
+    hub: Hub, node: fibws.Node, open_page: OpenPage
+) -> None:
+    page = await open_page(hub, "#/services")
+    names = page.locator(".topic-list tbody th a")
+    await expect(names).to_have_text(["/add_two_ints", "/speak"])
+    await page.get_by_label("Filter services").fill("addtwo")
+    await expect(names).to_have_text(["/add_two_ints"])
+    await names.click()
+    await call(page, "1", "2")
+    await expect(page.locator(".service-response .tree")).to_have_text("sum:3")
+    await expect(page.get_by_text("answered after")).to_be_visible()
+    await expect(page.get_by_role("link", name="/adder").first).to_have_attribute(
+        "href", "#/graph/node/%2Fadder"
+    )
+
+
+async def test_long_integers_are_sent_exactly_and_told_to_be_rounded(
+    hub: Hub, node: fibws.Node, open_page: OpenPage
+) -> None:
+    page = await open_page(hub, ADD)
+    await call(page, str(2**53 + 1), "2")
+    # 2^53 + 3 itself is no number of a browser's; without the 1, it would be 2^53 + 2.
+    await expect(page.locator(".tree-value")).to_have_text(f"≈ {2**53 + 4}")
+
+
+async def test_what_is_wrong_is_told_and_not_sent(
+    hub: Hub, node: fibws.Node, open_page: OpenPage
+) -> None:
+    page = await open_page(hub, ADD)
+    await call(page, "1", "two")
+    await expect(page.locator(".form-problems")).to_contain_text("b: “two” is no whole number")
+    await expect(page.locator(".service-response")).to_be_empty()
+
+
+async def test_what_the_provider_says_is_told_in_words(
+    hub: Hub, node: fibws.Node, open_page: OpenPage
+) -> None:
+    page = await open_page(hub, ADD)
+    await call(page, "13", "2")
+    await expect(page.locator(".topic-page > .error")).to_contain_text(f"13 is no good {MARKUP}")
+    await expect(page.get_by_text("failed after")).to_be_visible()
+    await call(page, "12", "2")
+    await expect(page.locator(".service-response .tree")).to_have_text("sum:14")
+    await expect(page.locator(".topic-page > .error")).to_be_hidden()
+
+
+async def test_a_request_without_fields_and_a_response_with_markup(
+    hub: Hub, node: fibws.Node, open_page: OpenPage
+) -> None:
+    page = await open_page(hub, "#/services/%2Fspeak")
+    await expect(page.get_by_text("std_srvs/TriggerRequest has no fields.")).to_be_visible()
+    await page.get_by_role("button", name="Call").click()
+    await expect(page.locator(".service-response .tree")).to_contain_text(f'"{MARKUP}"')
+    assert await page.evaluate("window.harmed") is None
+
+
+async def test_a_form_stays_as_it_is_while_other_services_come(
+    hub: Hub, node: fibws.Node, open_page: OpenPage
+) -> None:
+    page = await open_page(hub, ADD)
+    await page.get_by_label("a int64").fill("8")
+    await node.service("/another", Trigger, speak)
+    await expect(page.get_by_role("link", name="/another")).to_be_visible()
+    await expect(page.get_by_label("a int64")).to_have_value("8")
+
+
+async def test_a_service_that_is_not_there_is_waited_for(hub: Hub, open_page: OpenPage) -> None:
+    page = await open_page(hub, ADD)
+    await expect(page.get_by_text("Nobody provides this service now.")).to_be_visible()
+    async with fibws.Node("adder", hub=hub.url) as node:
+        await node.service("/add_two_ints", AddTwoInts, add)
+        await call(page, "1", "2")
+        await expect(page.locator(".service-response .tree")).to_have_text("sum:3")
+    await expect(page.get_by_text("Nobody provides this service now.")).to_be_visible()
+
+
+async def test_actions_are_listed_with_type_and_node(
+    hub: Hub, node: fibws.Node, open_page: OpenPage
+) -> None:
+    page = await open_page(hub, "#/services")
+    await expect(page.get_by_role("heading", name="Actions")).to_be_hidden()
+    await node.action_server("/fibonacci", Fibonacci, never)
+    line = page.locator("tbody tr", has_text="actionlib_tutorials/Fibonacci")
+    await expect(line).to_contain_text("/adder")
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+async def test_nothing_is_wider_than_a_narrow_window(
+    hub: Hub, node: fibws.Node, open_page: OpenPage, scheme: str
+) -> None:
+    page = await open_page(hub, "#/services", width=360, height=740, color_scheme=scheme)
+    await page.get_by_role("link", name="/add_two_ints").click()
+    await call(page, "1", "2")
+    await expect(page.locator(".service-response .tree")).to_have_text("sum:3")
+    assert await page.evaluate("document.documentElement.scrollWidth") == 360

@@ -1,0 +1,480 @@
+"""The page's topics: the list, the echo, the plot and the form to publish, in a real browser."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+from collections.abc import AsyncIterator
+
+import pytest
+from playwright.async_api import Locator, Page, expect
+
+import fibws
+from fibws.hub import Hub
+from fibws.msg.actionlib_msgs import GoalStatus
+from fibws.msg.geometry_msgs import Point, Pose, PoseStamped
+from fibws.msg.sensor_msgs import LaserScan
+from fibws.msg.std_msgs import Float64, Header, Int8, Int32, Int64, String, UInt8MultiArray
+
+from .conftest import OpenPage, fixture, until
+
+MARKUP = "<img src=x onerror='window.harmed = true'>"
+FIBONACCI = "#/topics/%2Ffibonacci"
+
+
+@fixture
+async def node(hub: Hub) -> AsyncIterator[fibws.Node]:
+    async with fibws.Node("robot", hub=hub.url) as node:
+        yield node
+
+
+async def climb(node: fibws.Node, topic: str = "/fibonacci") -> None:
+    """Publish the Fibonacci numbers at 20 Hz, and from the start again, until cancelled."""
+    numbers = await node.advertise(topic, Int32)
+    while True:
+        one, other = 0, 1
+        while one < 2**31:
+            await numbers.publish(data=one)
+            one, other = other, one + other
+            await asyncio.sleep(0.05)
+
+
+@fixture
+async def climbing(node: fibws.Node) -> AsyncIterator[None]:
+    """The numbers climb on /fibonacci."""
+    task = asyncio.create_task(climb(node))
+    yield
+    task.cancel()
+
+
+def row(page: Page, topic: str) -> Locator:
+    """The line of the list that tells of a topic."""
+    return page.locator(".topic-list tbody tr").filter(has=page.get_by_text(topic, exact=True))
+
+
+def curve(page: Page, name: str) -> Locator:
+    """The legend's entry of a curve."""
+    return page.locator(".plot-legend li").filter(has_text=name)
+
+
+def value(page: Page, key: str) -> Locator:
+    """What the echo shows at a key."""
+    key_of = page.locator(".tree-key", has_text=re.compile(f"^{re.escape(key)}:$"))
+    return page.locator(".echo .tree-leaf").filter(has=key_of).locator(".tree-value")
+
+
+async def open_publish(page: Page) -> None:
+    await page.locator("details.section > summary", has_text="Publish").click()
+
+
+async def test_the_list_shows_each_topic_with_its_type_and_rate(
+    hub: Hub, climbing: None, open_page: OpenPage
+) -> None:
+    page = await open_page(hub, "#/topics")
+    fibonacci = row(page, "/fibonacci")
+    await expect(fibonacci.locator(".col-type")).to_have_text("std_msgs/Int32")
+    await expect(fibonacci.locator(".col-publishers")).to_have_text("1")
+    await expect(fibonacci.locator(".col-rate")).to_have_text(re.compile(r"^[1-9]\d?\.\d Hz$"))
+    await expect(fibonacci.locator(".col-bandwidth")).to_have_text(re.compile(r"B/s$"))
+
+
+async def test_the_list_is_filtered_and_sorted_and_hides_the_hubs_own(
+    hub: Hub, node: fibws.Node, open_page: OpenPage
+) -> None:
+    for topic, kind in (("/b", Int32), ("/a", String), ("/c", Int32)):
+        await node.advertise(topic, kind)
+    page = await open_page(hub, "#/topics")
+    names = page.locator(".topic-list tbody th a")
+    await expect(names).to_have_text(["/a", "/b", "/c"])
+    await page.get_by_role("button", name="Type").click()
+    await expect(page.locator("th.col-type")).to_have_attribute("aria-sort", "ascending")
+    await expect(names).to_have_text(["/b", "/c", "/a"])
+    await page.get_by_role("button", name="Type").click()
+    await expect(names).to_have_text(["/a", "/b", "/c"])
+    await page.get_by_label("Filter topics").fill("int32")
+    await expect(names).to_have_text(["/b", "/c"])
+    await page.get_by_label("Filter topics").fill("rosout")
+    await expect(page.get_by_text("No topic matches the filter.")).to_be_visible()
+    await page.get_by_label("Debug").check()
+    await expect(names).to_have_text(["/rosout", "/rosout_agg"])
+
+
+async def test_rows_stay_while_their_numbers_change(
+    hub: Hub, climbing: None, open_page: OpenPage
+) -> None:
+    page = await open_page(hub, "#/topics")
+    await expect(row(page, "/fibonacci").locator(".col-rate")).to_contain_text("Hz")
+    await page.evaluate("""() => {
+        window.rows = [...document.querySelectorAll(".topic-list tbody tr")];
+        window.changes = [];
+        new MutationObserver(all => window.changes.push(...all.map(each => each.target.className)))
+            .observe(document.querySelector(".topic-list tbody"), {subtree: true, childList: true});
+    }""")
+    await until(page, "window.changes.length > 0")
+    assert "" not in await page.evaluate("window.changes"), "only cells change, which have a class"
+    assert await page.evaluate(
+        "window.rows.every((row, at) => row === document.querySelectorAll('tbody tr')[at])"
+    )
+
+
+async def test_the_echo_shows_the_newest_message_until_it_is_paused(
+    hub: Hub, node: fibws.Node, open_page: OpenPage
+) -> None:
+    numbers = await node.advertise("/fibonacci", Int32, latch=True)
+    await numbers.publish(data=8)
+    page = await open_page(hub, FIBONACCI)
+    await expect(value(page, "data")).to_have_text("8")
+    await numbers.publish(data=13)
+    await expect(value(page, "data")).to_have_text("13")
+    await page.get_by_role("button", name="Plot data").click()
+    plotted = curve(page, "/fibonacci data").locator("output")
+    await expect(plotted).to_have_text("13")
+    # What is latched came once more, for the plot.
+    count = page.locator(".echo-count")
+    await expect(count).to_contain_text("3 messages shown")
+
+    await page.locator(".echo").focus()
+    await page.keyboard.press("Space")
+    await expect(page.get_by_role("button", name="Go on")).to_have_attribute("aria-pressed", "true")
+    for number in (21, 34):
+        await numbers.publish(data=number)
+        await expect(plotted).to_have_text(str(number))
+    await expect(count).to_contain_text("paused · 3 messages shown")
+    await expect(value(page, "data")).to_have_text("13")
+
+    await page.locator(".echo").focus()
+    await page.keyboard.press("Space")
+    await numbers.publish(data=55)
+    await expect(value(page, "data")).to_have_text("55")
+
+
+async def test_the_echo_is_a_tree_that_stays_unfolded(
+    hub: Hub, node: fibws.Node, open_page: OpenPage
+) -> None:
+    scans = await node.advertise("/scan", LaserScan, latch=True)
+    await scans.publish(ranges=[float(each) for each in range(1000)], header=Header(frame_id="a"))
+    page = await open_page(hub, "#/topics/%2Fscan")
+    summary = page.locator(".tree summary", has_text="ranges")
+    await expect(summary).to_contain_text(
+        re.compile(r"float32\[\] 1\u202f000 elements +0, 1, 2, 3, …")
+    )
+    await summary.click()
+    await expect(value(page, "[49]")).to_have_text("49")
+    await expect(value(page, "[50]")).to_have_count(0)
+    await page.get_by_role("button", name="… 950 more").click()
+    await expect(value(page, "[249]")).to_have_text("249")
+    await scans.publish(ranges=[1.5] * 300, header=Header(frame_id="b"))
+    await expect(value(page, "frame_id")).to_have_text('"b"')
+    await expect(value(page, "[249]")).to_have_text("1.5")
+    await expect(page.get_by_role("button", name="… 50 more")).to_be_visible()
+
+
+async def test_the_echo_says_what_a_browsers_numbers_cannot_hold(
+    hub: Hub, node: fibws.Node, open_page: OpenPage
+) -> None:
+    numbers = await node.advertise("/n", Int64, latch=True)
+    await numbers.publish(data=2**53 + 1)
+    page = await open_page(hub, "#/topics/%2Fn")
+    await expect(value(page, "data")).to_have_text("≈ 9007199254740992")
+    await expect(value(page, "data")).to_have_attribute("title", re.compile("exact up to 2\\^53"))
+
+
+async def test_text_with_markup_does_no_harm(
+    hub: Hub, node: fibws.Node, open_page: OpenPage
+) -> None:
+    words = await node.advertise("/chatter", String, latch=True)
+    await words.publish(data=MARKUP)
+    page = await open_page(hub, "#/topics/%2Fchatter")
+    await expect(value(page, "data")).to_have_text(f'"{MARKUP}"')
+    await open_publish(page)
+    await page.get_by_label("data string").fill(MARKUP * 2)
+    await page.get_by_role("button", name="Publish", exact=True).click()
+    await expect(value(page, "data")).to_have_text(f'"{MARKUP * 2}"')
+    await page.goto(f"{page.url.split('#')[0]}#/topics/%2F%3Cimg%20src%3Dx%20onerror%3Dalert(1)%3E")
+    await expect(page.locator(".topic-page h2")).to_have_text("/<img src=x onerror=alert(1)>")
+    assert await page.evaluate("window.harmed") is None
+    assert await page.locator("img").count() == 0
+
+
+INK = """() => {
+    const canvas = document.querySelector(".plot-canvas canvas");
+    const [width, height] = [canvas.width, canvas.height];
+    const copy = new OffscreenCanvas(width, height + 1);
+    const context = copy.getContext("2d", {willReadFrequently: true});
+    context.drawImage(canvas, 0, 0);
+    context.fillStyle = getComputedStyle(document.querySelector(".plot-legend .swatch")).color;
+    context.fillRect(0, height, 1, 1);
+    const wanted = context.getImageData(0, height, 1, 1).data;
+    const {data} = context.getImageData(0, 0, width, height);
+    const columns = new Set();
+    for (let at = 0; at < data.length; at += 4) {
+        if ([0, 1, 2].every(part => data[at + part] === wanted[part]) && data[at + 3] === 255)
+            columns.add(at / 4 % width);
+    }
+    return columns.size;
+}"""
+"""How many of the canvas's columns the first curve has drawn in."""
+
+
+async def test_a_plot_draws_the_numbers_that_climb(
+    hub: Hub, climbing: None, open_page: OpenPage
+) -> None:
+    page = await open_page(hub, "#/topics")
+    await row(page, "/fibonacci").get_by_role("button", name="Plot").click()
+    output = curve(page, "/fibonacci data").locator("output")
+    await expect(output).to_have_text(re.compile(r"^\d{4,}$"))
+    await until(page, f"({INK})() > 300")
+    await page.get_by_label("Logarithmic").check()
+    await until(page, f"({INK})() > 300")
+    await expect(page.locator(".plot-notes")).to_contain_text("no place on a logarithmic axis")
+    shown = [await output.inner_text()]
+    while len(shown) < 3:
+        await expect(output).not_to_have_text(shown[-1])
+        shown.append(await output.inner_text())
+
+
+async def test_several_fields_of_several_topics_are_plotted_at_once(
+    hub: Hub, node: fibws.Node, open_page: OpenPage
+) -> None:
+    poses = await node.advertise("/pose", PoseStamped, latch=True)
+    temperature = await node.advertise("/temperature", Float64, latch=True)
+    await poses.publish(pose=Pose(position=Point(x=1.5, y=2.5)))
+    await temperature.publish(data=-0.25)
+    page = await open_page(hub, "#/topics/%2Fpose")
+    for path in ("pose.position.x", "pose.position.y"):
+        await page.get_by_label("Field to plot").fill(path)
+        await page.keyboard.press("Enter")
+    await row(page, "/temperature").get_by_role("button", name="Plot").click()
+    for name, text in (("position.x", "1.5"), ("position.y", "2.5"), ("/temperature", "-0.25")):
+        await expect(curve(page, name).locator("output")).to_have_text(text)
+    await page.get_by_role("link", name="Graph", exact=True).click()
+    await page.get_by_role("link", name="Topics", exact=True).click()
+    await expect(page.locator(".plot-legend li")).to_have_count(3)
+    await page.get_by_role("button", name="Take /temperature data away").click()
+    await expect(page.locator(".plot-legend li")).to_have_count(2)
+    await page.get_by_role("button", name="Remove all").click()
+    await expect(page.locator(".plot-legend li")).to_have_count(0)
+
+
+async def test_a_plot_stands_still_while_it_is_paused(
+    hub: Hub, node: fibws.Node, open_page: OpenPage
+) -> None:
+    numbers = await node.advertise("/fibonacci", Int32, latch=True)
+    await numbers.publish(data=8)
+    page = await open_page(hub, f"{FIBONACCI}/plot")
+    output = curve(page, "/fibonacci data").locator("output")
+    await expect(output).to_have_text("8")
+    await page.locator(".plot").get_by_role("button", name="Pause").click()
+    await numbers.publish(data=13)
+    await expect(value(page, "data")).to_have_text("13")
+    await expect(output).to_have_text("8")
+    await page.locator(".plot").get_by_role("button", name="Go on").click()
+    await expect(output).to_have_text("13")
+
+
+async def test_a_field_that_is_no_number_is_named(
+    hub: Hub, node: fibws.Node, open_page: OpenPage
+) -> None:
+    numbers = await node.advertise("/fibonacci", Int32, latch=True)
+    await numbers.publish(data=8)
+    page = await open_page(hub, FIBONACCI)
+    await page.get_by_label("Field to plot").fill("nope[3]")
+    await page.keyboard.press("Enter")
+    await expect(page.locator(".plot-notes")).to_contain_text("/fibonacci has no number at nope[3]")
+
+
+async def test_what_the_form_publishes_is_heard(
+    hub: Hub, node: fibws.Node, open_page: OpenPage
+) -> None:
+    page = await open_page(hub, "#/topics")
+    await node.advertise("/status", GoalStatus)
+    async with asyncio.timeout(20), node.subscribe("/status", GoalStatus) as heard:
+        await row(page, "/status").get_by_role("link").click()
+        await open_publish(page)
+        assert await page.locator("option[value='3']").inner_text() == "SUCCEEDED"
+        await page.get_by_label("status uint8").fill("3")
+        await page.get_by_label("text string").fill("well\ndone")
+        await page.get_by_label("stamp time").fill("1.5")
+        await page.keyboard.press("Enter")
+        message = await anext(heard)
+        assert (message.status, message.text) == (3, "well\ndone")
+        assert message.goal_id.stamp.to_sec() == 1.5
+        await expect(page.get_by_text("1 message published")).to_be_visible()
+
+        await page.get_by_label("as JSON").check()
+        text = page.get_by_label("JSON of actionlib_msgs/GoalStatus")
+        assert '"text": "well\\ndone"' in await text.input_value()
+        await text.fill('{"status": 4}')
+        await page.get_by_role("button", name="Publish", exact=True).click()
+        assert (await anext(heard)).status == 4
+        await page.get_by_label("as JSON").uncheck()
+        await expect(page.get_by_label("status uint8")).to_have_value("4")
+        await expect(page.get_by_label("text string")).to_have_value("")
+
+
+async def test_wrong_values_are_refused_with_words(
+    hub: Hub, node: fibws.Node, open_page: OpenPage
+) -> None:
+    await node.advertise("/small", Int8)
+    page = await open_page(hub, "#/topics/%2Fsmall")
+    await open_publish(page)
+    field = page.get_by_label("data int8")
+    publish = page.get_by_role("button", name="Publish", exact=True)
+    async with asyncio.timeout(20), node.subscribe("/small", Int8) as heard:
+        await field.fill("300")
+        await publish.click()
+        await expect(field).to_have_attribute("aria-invalid", "true")
+        problems = page.locator(".form-problems")
+        await expect(problems).to_have_text("data: 300 does not fit: int8 holds -128 to 127")
+        await page.get_by_label("as JSON").check()
+        text = page.get_by_label("JSON of std_msgs/Int8")
+        for wrong, why in (
+            ('{"data": 1.5}', "data: “1.5” is no whole number: int8 holds -128 to 127"),
+            ('{"dada": 1}', "dada: std_msgs/Int8 has no such field; it has data"),
+            ("{", "This is no JSON"),
+        ):
+            await text.fill(wrong)
+            await publish.click()
+            await expect(problems).to_contain_text(why)
+        await text.fill('{"data": 7}')
+        await publish.click()
+        await expect(problems).to_be_empty()
+        assert (await anext(heard)).data == 7, "nothing that was wrong has been published"
+
+
+async def test_long_integers_are_sent_exactly_and_bytes_as_a_list(
+    hub: Hub, node: fibws.Node, open_page: OpenPage
+) -> None:
+    await node.advertise("/long", Int64)
+    page = await open_page(hub, "#/topics/%2Flong")
+    await open_publish(page)
+    async with asyncio.timeout(20), node.subscribe("/long", Int64) as heard:
+        await page.get_by_label("data int64").fill("9007199254740993")
+        await page.keyboard.press("Enter")
+        assert (await anext(heard)).data == 2**53 + 1
+    await node.advertise("/bytes", UInt8MultiArray)
+    async with asyncio.timeout(20), node.subscribe("/bytes", UInt8MultiArray) as bytes_heard:
+        await row(page, "/bytes").get_by_role("link").click()
+        await open_publish(page)
+        await page.get_by_label("data uint8[]").fill("[1, 2, 255]")
+        await (
+            page.locator("summary", has_text="layout")
+            .locator("..")
+            .locator("summary", has_text="dim")
+            .click()
+        )
+        await page.get_by_role("button", name="Add an element to dim").click()
+        await page.get_by_label("label string").fill("x")
+        await page.keyboard.press("Enter")
+        message = await anext(bytes_heard)
+        assert message.data == b"\x01\x02\xff"
+        assert [each.label for each in message.layout.dim] == ["x"]
+
+
+async def test_a_message_is_published_again_and_again_until_stopped(
+    hub: Hub, node: fibws.Node, open_page: OpenPage
+) -> None:
+    await node.advertise("/fibonacci", Int32)
+    page = await open_page(hub, FIBONACCI)
+    await open_publish(page)
+    async with asyncio.timeout(20), node.subscribe("/fibonacci", Int32) as heard:
+        await page.get_by_label("data int32").fill("8")
+        await page.get_by_label("Messages a second").fill("50")
+        await page.get_by_role("button", name="Repeat").click()
+        for _ in range(5):
+            assert (await anext(heard)).data == 8
+        await page.get_by_role("button", name="Stop").click()
+        await page.get_by_label("data int32").fill("13")
+        await page.keyboard.press("Enter")
+        while (await anext(heard)).data == 8:
+            pass
+        await page.get_by_label("Messages a second").fill("1000")
+        await page.get_by_role("button", name="Repeat").click()
+        await expect(page.get_by_text("The rate is from 0.1 to 100 Hz.")).to_be_visible()
+
+
+async def test_a_new_topic_is_made_by_its_first_message(
+    hub: Hub, node: fibws.Node, open_page: OpenPage
+) -> None:
+    page = await open_page(hub, "#/topics")
+    await page.get_by_role("button", name="New topic").click()
+    form = page.locator(".new-topic")
+    await form.get_by_label("Name").fill("two words")
+    await page.keyboard.press("Enter")
+    await expect(form.get_by_role("alert")).to_contain_text("“two words” is no name for a topic")
+    await form.get_by_label("Name").fill("chatter")
+    await form.get_by_label("Type").fill("std_msgs/String")
+    await page.keyboard.press("Enter")
+    await expect(page.locator(".topic-page .notice")).to_contain_text("not there yet")
+    async with asyncio.timeout(20), node.subscribe("/chatter", String) as heard:
+        await page.get_by_label("data string").fill("hello")
+        await page.keyboard.press("Enter")
+        assert (await anext(heard)).data == "hello"
+    await expect(row(page, "/chatter")).to_be_visible()
+    await expect(page.locator(".topic-page .notice")).to_be_hidden()
+
+
+async def test_a_type_that_the_hub_does_not_know_is_told(hub: Hub, open_page: OpenPage) -> None:
+    page = await open_page(hub, "#/topics")
+    await page.get_by_role("button", name="New topic").click()
+    await page.locator(".new-topic").get_by_label("Name").fill("/x")
+    await page.locator(".new-topic").get_by_label("Type").fill("std_msgs/Nope")
+    await page.keyboard.press("Enter")
+    await expect(page.locator(".topic-page .notice")).to_contain_text("no such msg in std_msgs")
+
+
+async def test_a_topic_tells_who_is_connected_and_what_its_type_is(
+    hub: Hub, climbing: None, open_page: OpenPage
+) -> None:
+    page = await open_page(hub, FIBONACCI)
+    await expect(page.get_by_role("link", name="/robot")).to_have_attribute(
+        "href", "#/graph/node/%2Frobot"
+    )
+    await expect(page.locator(".topic-page")).to_contain_text(
+        "this page, at most every 100 ms, queue 1"
+    )
+    await page.locator("details.section > summary", has_text="Type").click()
+    await expect(page.locator(".section pre")).to_have_text("int32 data")
+
+
+async def test_leaving_ends_what_only_the_sight_of_it_needs(
+    hub: Hub, node: fibws.Node, open_page: OpenPage
+) -> None:
+    await node.advertise("/fibonacci", Int32)
+    page = await open_page(hub, f"{FIBONACCI}/plot")
+    onlooker = await open_page(hub, "#/topics")
+    subscribers = row(onlooker, "/fibonacci").locator(".col-subscribers")
+    await expect(subscribers).to_have_text("1")
+    await page.goto(f"{page.url.split('#')[0]}#/parameters")
+    await expect(subscribers).to_have_text("0")
+
+
+async def test_who_comes_back_finds_the_form_as_it_was(
+    hub: Hub, node: fibws.Node, open_page: OpenPage
+) -> None:
+    await node.advertise("/fibonacci", Int32)
+    page = await open_page(hub, FIBONACCI)
+    await open_publish(page)
+    await page.get_by_label("data int32").fill("8")
+    await page.get_by_role("link", name="Console").click()
+    await expect(page.locator(".topics")).to_have_count(0)
+    await page.go_back()
+    await expect(page.get_by_label("data int32")).to_have_value("8")
+    async with asyncio.timeout(20), node.subscribe("/fibonacci", Int32) as heard:
+        await page.get_by_role("button", name="Publish", exact=True).click()
+        assert (await anext(heard)).data == 8
+        await expect(value(page, "data")).to_have_text("8")
+
+
+@pytest.mark.parametrize("width", [360, 1280])
+async def test_nothing_is_wider_than_the_window(
+    hub: Hub, climbing: None, node: fibws.Node, open_page: OpenPage, width: int
+) -> None:
+    await node.advertise("/a/very/long/name/of/a/topic/indeed/" + "x" * 60, PoseStamped)
+    page = await open_page(hub, "#/topics", width=width, height=740)
+    await row(page, "/fibonacci").get_by_role("button", name="Plot").click()
+    await page.get_by_role("link", name="x" * 60).click()
+    await open_publish(page)
+    await expect(page.get_by_label("frame_id string")).to_be_visible()
+    assert await page.evaluate("document.documentElement.scrollWidth") == width
+    assert await page.evaluate("document.querySelector('.topic-place').scrollWidth") <= width
