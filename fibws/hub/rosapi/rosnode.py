@@ -27,7 +27,6 @@ class Ping:
     """A ping that is not answered yet; it was ``sent`` so many nanoseconds after 1970."""
 
     node: str
-    client: Client
     sent: int
     timer: Timer
     later: Later
@@ -45,8 +44,8 @@ class Rosnode:
         self._clients = clients
         self._clock = clock
         self._numbers = count(1)
-        self._pings: dict[bytes, Ping] = {}
-        """By what their pongs bring back, in the order in which they were sent."""
+        self._pings: dict[Client, dict[bytes, Ping]] = {}
+        """Those of each client by what their pongs bring back, in the order of their sending."""
 
     def services(self) -> dict[str, tuple[str, Function]]:
         """All by their global names, each with its type and what answers it."""
@@ -69,9 +68,9 @@ class Rosnode:
         # The clock of an event loop may be as coarse as a millisecond, and as old as its turn.
         sent = self._graph.now()
         client.ping(data)
-        later = Later(partial(self._drop, data))
-        timer = self._clock.call_later(PATIENCE, partial(self._give_up, data))
-        self._pings[data] = Ping(node, client, sent, timer, later)
+        later = Later(partial(self._drop, client, data))
+        timer = self._clock.call_later(PATIENCE, partial(self._give_up, client, data))
+        self._pings.setdefault(client, {})[data] = Ping(node, sent, timer, later)
         return later
 
     def kill(self, request: dict[str, Any], caller: str) -> Answer:
@@ -90,43 +89,38 @@ class Rosnode:
 
     def ponged(self, client: Client, data: bytes) -> None:
         """A client has sent a pong."""
-        ping = self._pings.get(data)
-        if ping is None or ping.client is not client:
-            return
         now = self._graph.now()
-        for key, each in self._of(client):
-            # A pong may stand for the pings before as well (RFC 6455, section 5.5.3).
-            text = f"{each.node} has answered"
-            seconds = max(0, now - each.sent) / 1_000_000_000
-            self._settle(key, {"success": True, "message": text, "seconds": seconds})
-            if each is ping:
-                break
+        # A pong may stand for the pings before as well (RFC 6455, section 5.5.3).
+        while data in (pings := self._pings.get(client, {})):
+            first, ping = next(iter(pings.items()))
+            text = f"{ping.node} has answered"
+            seconds = max(0, now - ping.sent) / 1_000_000_000
+            self._settle(client, first, {"success": True, "message": text, "seconds": seconds})
 
     def left(self, client: Client) -> None:
         """A client's connection is gone."""
-        for key, ping in self._of(client):
-            self._settle(key, _ping_failed(f"{ping.node} has left"))
+        for data, ping in list(self._pings.get(client, {}).items()):
+            self._settle(client, data, _ping_failed(f"{ping.node} has left"))
 
     def close(self) -> None:
         """Wait for no pong any more."""
-        for key in list(self._pings):
-            self._settle(key, _ping_failed("the hub is shutting down"))
+        for client, pings in list(self._pings.items()):
+            for data in list(pings):
+                self._settle(client, data, _ping_failed("the hub is shutting down"))
 
-    def _of(self, client: Client) -> list[tuple[bytes, Ping]]:
-        """The pings of a client that wait for an answer, the first to be sent first."""
-        return [(key, ping) for key, ping in self._pings.items() if ping.client is client]
+    def _give_up(self, client: Client, data: bytes) -> None:
+        text = f"{self._pings[client][data].node} did not answer within {PATIENCE:g} s"
+        self._settle(client, data, _ping_failed(text))
 
-    def _give_up(self, data: bytes) -> None:
-        text = f"{self._pings[data].node} did not answer within {PATIENCE:g} s"
-        self._settle(data, _ping_failed(text))
-
-    def _settle(self, data: bytes, answer: dict[str, Any]) -> None:
-        later = self._pings[data].later
-        self._drop(data)
+    def _settle(self, client: Client, data: bytes, answer: dict[str, Any]) -> None:
+        later = self._pings[client][data].later
+        self._drop(client, data)
         later.answer(answer)
 
-    def _drop(self, data: bytes) -> None:
-        self._pings.pop(data).timer.cancel()
+    def _drop(self, client: Client, data: bytes) -> None:
+        self._pings[client].pop(data).timer.cancel()
+        if not self._pings[client]:
+            del self._pings[client]
 
 
 def _unknown(node: str) -> str:
