@@ -38,6 +38,12 @@ BELOW = {
 }
 """What each part of fibws may import of fibws."""
 
+TOOLS = {"cli", "errors", "names", "node", "interfaces", "__version__"}
+"""What the tools of the command line may import of fibws: of `node`, no more than `node.address`;
+`interfaces` in functions alone, as whatever else takes its time to be loaded."""
+SLOW = {"asyncio", "pydantic", "pydantic_core", "yaml", "rich", "ssl", "cbor2", "fibws.interfaces"}
+NO_TOOLS = {"cli/demo.py", "cli/options.py", "cli/program.py"}
+
 PROGRAMS = ["action_client", "action_server", "add_two_ints_client", "add_two_ints_server"]
 PROGRAMS += ["broadcaster", "listener", "static_transform_publisher", "tf2_web_republisher"]
 """Modules to be read as well as to be run."""
@@ -45,8 +51,14 @@ PROGRAMS += ["broadcaster", "listener", "static_transform_publisher", "tf2_web_r
 TESTED_ELSEWHERE = {
     "__main__.py": "programs/test_cli.py",
     "cli/demo.py": "programs/test_demo.py",
+    "cli/doctor/finding.py": "programs/cli/test_doctor.py",
     "cli/options.py": "programs/test_listener.py",
     "cli/program.py": "programs/test_listener.py",
+    "cli/top/keyboard.py": "programs/cli/test_top.py",
+    "cli/top/screen.py": "programs/cli/test_top.py",
+    "cli/types/commands.py": "programs/cli/test_msg.py",
+    "cli/types/installed.py": "programs/cli/test_msg.py",
+    "cli/types/shape.py": "programs/cli/test_msg.py",
     "interfaces/binary.py": "interfaces/test_serialization.py",
     "interfaces/builtin.py": "interfaces/test_validators.py",
     "interfaces/definition.py": "interfaces/test_parser.py",
@@ -74,10 +86,11 @@ def path_id(path: Path) -> str:
     return path.relative_to(PACKAGE).as_posix()
 
 
-def imports(path: Path) -> set[str]:
-    """The dotted names of all that a module imports, wherever in it."""
+def imports(path: Path, *, inside: bool = True) -> set[str]:
+    """The dotted names of all that a module imports, in its functions or not ``inside`` them."""
     found = set()
-    for statement in ast.walk(ast.parse(path.read_text("utf-8"))):
+    module = ast.parse(path.read_text("utf-8"))
+    for statement in ast.walk(module) if inside else module.body:
         if isinstance(statement, ast.Import):
             found |= {alias.name for alias in statement.names}
         elif isinstance(statement, ast.ImportFrom):
@@ -122,6 +135,26 @@ def test_a_program_uses_only_public_names(path: Path) -> None:
     assert parts(path) <= public
 
 
+@pytest.mark.parametrize(
+    "path",
+    [path for path in modules("cli/**/*.py") if path_id(path) not in NO_TOOLS],
+    ids=path_id,
+)
+def test_a_tool_loads_at_once(path: Path) -> None:
+    assert parts(path) <= TOOLS
+    assert not {name for name in imports(path) if name.startswith("fibws.node.")} - {
+        "fibws.node.address"
+    }
+    slow = {
+        name for name in imports(path, inside=False) if any(_is_in(name, each) for each in SLOW)
+    }
+    assert not slow
+
+
+def _is_in(name: str, package: str) -> bool:
+    return f"{name}.".startswith(f"{package}.")
+
+
 @pytest.mark.parametrize("path", PURE, ids=path_id)
 def test_nothing_in_the_core_is_imported_by_a_private_name(path: Path) -> None:
     names = {name for name in imports(path) if name.startswith("fibws.")}
@@ -146,6 +179,8 @@ def mirror(path: Path) -> str:
     if path.parent == PACKAGE and path.stem in PROGRAMS:
         return f"programs/test_{path.stem}.py"
     beside = path.relative_to(PACKAGE).with_name(f"test_{path.stem.strip('_')}.py")
+    if beside.parts[0] == "cli":
+        beside = "programs" / beside
     return TESTED_ELSEWHERE.get(path_id(path), beside.as_posix())
 
 

@@ -1,56 +1,52 @@
-"""The command line: ``fibws demo``, ``fibws hub``. A command is imported when it is called."""
+"""The command line, ``fibws``. A command is imported when it is called."""
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import NamedTuple
+import os
+from typing import Any
 
 import click
 
 from fibws import __version__
+from fibws.cli.ending import ending
+from fibws.cli.lazy import Command, LazyGroup
+from fibws.cli.tool import SETTINGS
 
-
-class Command(NamedTuple):
-    """Where a command is, and what ``fibws --help`` says of it."""
-
-    module: str
-    help: str
-
+BEGIN, LOOK, NOUNS, TYPES, MORE = "Begin", "See it live", "Look and act", "Types", "More"
 
 COMMANDS = {
-    "demo": Command("fibws.cli.demo", "Run the first tutorial: a hub, a broadcaster, a listener."),
-    "hub": Command("fibws.hub.__main__", "Run a hub that nodes and web pages meet at."),
+    "demo": Command(
+        "fibws.cli.demo", "Run the first tutorial: a hub, a broadcaster, a listener.", BEGIN
+    ),
+    "hub": Command("fibws.hub.__main__", "Run a hub that nodes and web pages meet at.", BEGIN),
+    "topic": Command("fibws.cli.topic", "List, show, measure and publish topics.", NOUNS),
 }
 
 
-class LazyGroup(click.Group):
-    """A group that knows its commands' names without importing them."""
+class Root(LazyGroup):
+    """The group of all commands, which makes an end of each."""
 
-    def list_commands(self, ctx: click.Context) -> list[str]:
-        """The names, sorted."""
-        return sorted(COMMANDS)
-
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """The command of that name, imported now."""
-        if cmd_name not in COMMANDS:
-            return None
-        command: click.Command = import_module(COMMANDS[cmd_name].module).command
-        return command
-
-    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write the list of commands, of which none needs to be imported for that."""
-        with formatter.section("Commands"):
-            formatter.write_dl([(name, COMMANDS[name].help) for name in self.list_commands(ctx)])
+    def invoke(self, ctx: click.Context) -> Any:
+        """Import the command and run it, either of which Ctrl-C may break off."""
+        with ending():
+            return super().invoke(ctx)
 
 
-@click.group(cls=LazyGroup, context_settings={"help_option_names": ["-h", "--help"]})
+@click.group(cls=Root, modules=COMMANDS, context_settings=SETTINGS)
 @click.version_option(__version__, message="fibws %(version)s")
-def command() -> None:
+@click.pass_context
+def command(context: click.Context) -> None:
     """The ROS graph over WebSockets.
+
+    \b
+      fibws demo                    all of it, in one terminal
+      fibws topic echo /fibonacci   in a second one: what is published there
 
     The nodes of the tutorial are programs of their own: python -m fibws.broadcaster, python -m
     fibws.listener.
     """
+    if os.environ.get("NO_COLOR"):  # https://no-color.org
+        context.color = False
 
 
 def main() -> None:

@@ -74,6 +74,7 @@ async def _is_hub(url: str) -> bool:
 @click.command(context_settings=options.SETTINGS)
 @click.option(
     "--port",
+    metavar="PORT",
     type=click.IntRange(0, 65535),
     default=9090,
     show_default=True,

@@ -11,9 +11,10 @@ from typing import Any
 import click
 
 import fibws
+from fibws.cli import tool
 from fibws.msg import message_class
 
-SETTINGS = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
+SETTINGS = tool.SETTINGS
 
 
 def node(
@@ -65,14 +66,9 @@ def node(
                 metavar="NAME",
                 help=f"The node's name, used as it is.  [default: {default}]",
             ),
-            click.option(
-                "--hub",
-                metavar="URL",
-                help="The hub's address.  [default: $FIBWS_HUB, else ws://127.0.0.1:9090]",
-            ),
         ):
             with_node = option(with_node)
-        return with_node
+        return tool.hub_option(with_node)
 
     return decorate
 

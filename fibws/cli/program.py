@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import asyncio
-import os
 import signal
-import sys
 from collections.abc import Coroutine
 from contextlib import suppress
 from typing import Any
 
-import click
-
-import fibws
+from fibws.cli.ending import end_line, ending
 
 
 def run(program: Coroutine[Any, Any, None]) -> None:
@@ -21,27 +17,19 @@ def run(program: Coroutine[Any, Any, None]) -> None:
     Raises:
         ClickException: a node or a hub cannot go on; click prints why and exits with 1.
     """
-    try:
+    with ending(endless=True):
         asyncio.run(_until_told(program))
-    except KeyboardInterrupt:
-        pass  # On Windows, where an event loop handles no signals.
-    except BrokenPipeError:
-        # Python flushes standard output once more when it exits, and must not fail at that.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    except fibws.FibwsError as error:
-        raise click.ClickException(str(error)) from None
 
 
 async def _until_told(program: Coroutine[Any, Any, None]) -> None:
     task = asyncio.ensure_future(program)
 
     def stop() -> None:
-        if sys.stderr.isatty():
-            click.echo(err=True)  # The shell's prompt must not stand behind the terminal's ^C.
+        end_line()
         task.cancel()
 
     for number in (signal.SIGINT, signal.SIGTERM):
-        with suppress(NotImplementedError):
+        with suppress(NotImplementedError):  # On Windows, where an event loop handles no signals.
             asyncio.get_running_loop().add_signal_handler(number, stop)
     with suppress(asyncio.CancelledError):
         await task

@@ -15,8 +15,8 @@ from .conftest import Start
 def test_help_names_the_commands_and_imports_none() -> None:
     result = CliRunner().invoke(command, ["--help"])
     assert result.exit_code == 0
-    for name, (_, text) in COMMANDS.items():
-        assert re.search(rf"{name} +{text}", result.stdout)
+    for name, each in COMMANDS.items():
+        assert re.search(rf"{name} +{each.help}", result.stdout)
 
 
 def test_each_command_is_there() -> None:

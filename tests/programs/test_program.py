@@ -25,4 +25,6 @@ def test_a_mistake_of_ours_keeps_its_traceback() -> None:
 
 
 def test_a_keyboard_interrupt_is_an_end_like_others() -> None:
-    run(fail(KeyboardInterrupt()))
+    with pytest.raises(SystemExit) as caught:
+        run(fail(KeyboardInterrupt()))
+    assert caught.value.code == 0

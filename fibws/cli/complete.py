@@ -1,0 +1,190 @@
+"""What a shell completes: names from the live hub, for ``shell_complete=`` of an argument.
+
+A shell waits for these, and whoever types does, too. So they take what the hub says within a
+moment, and nothing where there is no hub.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from threading import Thread
+from typing import TYPE_CHECKING, TypeAlias
+
+import click
+
+from fibws import names
+from fibws.cli.link import Link
+from fibws.errors import FibwsError, InvalidName
+
+if TYPE_CHECKING:
+    from click.shell_completion import CompletionItem
+
+PATIENCE = 0.3
+"""Seconds in which a hub must have answered."""
+
+Found: TypeAlias = dict[str, str]
+"""Names, each with a word that a shell may show beside it: what type it is of."""
+Completion: TypeAlias = "Callable[[click.Context, click.Parameter, str], list[CompletionItem]]"
+
+
+def completion(ask: Callable[[Link], Found]) -> Completion:
+    """What completes by asking the hub; ``ask`` gives global names."""
+
+    def complete(
+        context: click.Context, parameter: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
+        return _items(_asked(ask, context.params.get("hub")), incomplete)
+
+    return complete
+
+
+def _topics(link: Link) -> Found:
+    found = link.call("/rosapi/topics")
+    return dict(zip(found["topics"], found["types"], strict=True))
+
+
+def _nodes(link: Link) -> Found:
+    return {name: "" for name in link.call("/rosapi/nodes")["nodes"] if name != link.node}
+
+
+def _services(link: Link) -> Found:
+    return {each["name"]: each["type"] for each in link.call("/rosapi/graph")["services"]}
+
+
+def _actions(link: Link) -> Found:
+    return {each["name"]: each["type"] for each in link.call("/rosapi/graph")["actions"]}
+
+
+def _params(link: Link) -> Found:
+    return {name: "" for name in link.call("/rosapi/get_param_names")["names"]}
+
+
+topics = completion(_topics)
+"""Topics that are published or subscribed to."""
+nodes = completion(_nodes)
+"""Nodes, but for that of whoever asks."""
+services = completion(_services)
+"""Services, the hub's own among them."""
+actions = completion(_actions)
+"""Actions, those over topics among them."""
+params = completion(_params)
+"""Parameters."""
+
+
+def defined(kind: str) -> Completion:
+    """What completes types of a kind (msg, srv, action) that fibws or $FIBWS_INTERFACES has."""
+
+    def complete(
+        context: click.Context, parameter: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
+        return _beginning(_types(kind), incomplete)
+
+    return complete
+
+
+def packages(kind: str) -> Completion:
+    """What completes packages that have types of a kind; otherwise as `defined`."""
+
+    def complete(
+        context: click.Context, parameter: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
+        return _beginning({name.partition("/")[0] for name in _types(kind)}, incomplete)
+
+    return complete
+
+
+types = defined("msg")
+"""Types of messages."""
+service_types = defined("srv")
+"""Types of services."""
+
+
+def type_of_topic(
+    context: click.Context, parameter: click.Parameter, incomplete: str
+) -> list[CompletionItem]:
+    """The type that the command's topic has, or else as `types`."""
+    topic = context.params.get("topic") or ""
+
+    def ask(link: Link) -> Found:
+        return {link.call("/rosapi/topic_type", {"topic": link.resolve(topic)})["type"]: ""}
+
+    found = {name for name in _asked(ask, context.params.get("hub")) if _is_type(name)}
+    return _beginning(found or _types("msg"), incomplete)
+
+
+def _asked(ask: Callable[[Link], Found], hub: str | None) -> Found:
+    found: Found = {}
+
+    def answer() -> None:
+        try:
+            with Link("completion", hub) as link:
+                found.update(ask(link))
+        except (FibwsError, KeyError, TypeError, ValueError):
+            pass  # No hub, or none of this kind: there is nothing to complete from.
+
+    # A look-up of a host's name heeds no time limit, but nobody needs to wait for a thread.
+    thread = Thread(target=answer, daemon=True)
+    thread.start()
+    deadline = time.monotonic() + PATIENCE
+    thread.join(deadline - time.monotonic())
+    return dict(found)
+
+
+def _items(found: Found, incomplete: str) -> list[CompletionItem]:
+    """Those that begin so, relative to the namespace if that is how they are being spelled."""
+    relative = incomplete != "" and not incomplete.startswith("/")
+    base = _namespace().rstrip("/") + "/" if relative else ""
+    return [
+        _item(name.removeprefix(base), type_ if _is_type(type_) else "")
+        for name, type_ in sorted(found.items())
+        if name.startswith(base + incomplete) and _is_name(name)
+    ]
+
+
+def _item(name: str, help_: str = "") -> CompletionItem:
+    from click.shell_completion import CompletionItem  # which only a shell has a use for
+
+    return CompletionItem(name, help=help_ or None)
+
+
+def _namespace() -> str:
+    try:
+        return names.check_namespace(os.environ.get("ROS_NAMESPACE", "/"))
+    except InvalidName:
+        return "/"
+
+
+def _is_name(name: str) -> bool:
+    """Whether it is a name and no more: a shell must not be given ``$(...)`` by somebody's hub."""
+    try:
+        names.check(name)
+    except InvalidName:
+        return False
+    return name.startswith("/")
+
+
+def _is_type(name: str) -> bool:
+    package, _, type_ = name.partition("/")
+    return package.isidentifier() and type_.isidentifier()
+
+
+def _beginning(found: Iterable[str], incomplete: str) -> list[CompletionItem]:
+    return [_item(name) for name in sorted(found) if name.startswith(incomplete)]
+
+
+def _types(kind: str) -> set[str]:
+    """The names of types by their files, as no definition needs to be read for that."""
+    own = [each for each in os.environ.get("FIBWS_INTERFACES", "").split(os.pathsep) if each]
+    standard = Path(__file__).parents[1] / "interfaces" / "definitions"
+    return {name for folder in [standard, *map(Path, own)] for name in _types_in(folder, kind)}
+
+
+def _types_in(folder: Path, kind: str) -> Iterable[str]:
+    """The types in a folder of packages, or in one that is a package itself."""
+    for path in (*folder.glob(f"*/{kind}/*.{kind}"), *folder.glob(f"{kind}/*.{kind}")):
+        name = f"{path.absolute().parts[-3]}/{path.stem}"
+        if _is_type(name):
+            yield name

@@ -1,0 +1,80 @@
+"""Groups of commands of which each is imported when it is called."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import click
+
+from fibws.cli.hint import hint
+
+if TYPE_CHECKING:
+    from click.shell_completion import CompletionItem
+
+
+class Command(NamedTuple):
+    """Where a command is, and what the help of its group says of it."""
+
+    module: str
+    help: str
+    section: str = "Commands"
+    """The headline that it stands below."""
+
+
+class LazyGroup(click.Group):
+    """A group that knows its commands' names without importing them.
+
+    Each of the modules has its command as ``command``. The help has them in the order in which they
+    are given, those of a section together.
+    """
+
+    def __init__(self, *args: Any, modules: dict[str, Command], **others: Any) -> None:
+        super().__init__(*args, **others)
+        self.modules = modules
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """The names, in order."""
+        return list(self.modules)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """The command of that name, imported now."""
+        if cmd_name not in self.modules:
+            return None
+        command: click.Command = import_module(self.modules[cmd_name].module).command
+        return command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """The command that words call; it raises `UsageError` if the first of them is none."""
+        name = args[0]
+        if name not in self.modules and not name.startswith("-"):
+            raise click.UsageError(
+                f"No such command {name!r}{hint(name, self.modules) or '.'}", ctx
+            )
+        return super().resolve_command(ctx, args)
+
+    def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
+        """The commands and options that begin so, of which none is imported for that, either."""
+        from click.shell_completion import CompletionItem  # which only a shell has a use for
+
+        commands = [
+            CompletionItem(name, help=command.help)
+            for name, command in self.modules.items()
+            if name.startswith(incomplete)
+        ]
+        return [*commands, *click.Command.shell_complete(self, ctx, incomplete)]
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the lists of commands, of which none needs to be imported for that."""
+        width = max(map(len, self.modules))
+        for section in dict.fromkeys(command.section for command in self.modules.values()):
+            with formatter.section(section):
+                formatter.write_dl(
+                    [
+                        (name.ljust(width), command.help)
+                        for name, command in self.modules.items()
+                        if command.section == section
+                    ]
+                )

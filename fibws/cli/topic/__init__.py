@@ -1,0 +1,24 @@
+"""``fibws topic``: what rostopic is in ROS."""
+
+from __future__ import annotations
+
+import click
+
+from fibws.cli.lazy import Command, LazyGroup
+
+COMMANDS = {
+    "bw": Command("fibws.cli.topic.bw", "Show how many bytes a second a topic has."),
+    "delay": Command("fibws.cli.topic.delay", "Show how old messages are, by their headers."),
+    "echo": Command("fibws.cli.topic.echo", "Print the messages of a topic."),
+    "find": Command("fibws.cli.topic.find", "List the topics of a type."),
+    "hz": Command("fibws.cli.topic.hz", "Show how many messages a second topics have."),
+    "info": Command("fibws.cli.topic.info", "Show who publishes a topic and who hears it."),
+    "list": Command("fibws.cli.topic.list", "List the topics."),
+    "pub": Command("fibws.cli.topic.pub", "Publish messages."),
+    "type": Command("fibws.cli.topic.type_", "Show the type of a topic or of a field."),
+}
+
+
+@click.group(cls=LazyGroup, modules=COMMANDS)
+def command() -> None:
+    """List, show, measure and publish topics, as rostopic does in ROS."""

@@ -1,0 +1,119 @@
+"""``fibws topic echo``: the messages of a topic, as they come."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import click
+
+from fibws.cli import complete, output
+from fibws.cli.link import Link
+from fibws.cli.message import printing
+from fibws.cli.message.typedefs import Typedefs, if_known
+from fibws.cli.tool import json_option, linked
+from fibws.cli.topic.target import Target, global_name, wait
+
+CLEAR = "\033[2J\033[;H"
+
+
+@click.command()
+@click.argument("topic", metavar="TOPIC[/FIELD]", shell_complete=complete.topics)
+@click.option(
+    "-n", "count", metavar="COUNT", type=click.IntRange(min=1), help="End after so many messages."
+)
+@click.option("-c", "--clear", is_flag=True, help="Clear the screen before each message.")
+@click.option("-p", "plot", is_flag=True, help="Print comma-separated values, as for plots.")
+@click.option(
+    "-w",
+    "width",
+    metavar="NUM_WIDTH",
+    type=click.IntRange(min=2),
+    help="The characters that each number has.",
+)
+@click.option("--noarr", is_flag=True, help="Print the lengths of arrays only.")
+@click.option("--nostr", is_flag=True, help="Print the lengths of strings only.")
+@click.option("--offset", is_flag=True, help="Print times as seconds from now on.")
+@json_option
+@linked("echo", endless=True)
+def command(
+    link: Link,
+    topic: str,
+    count: int | None,
+    clear: bool,
+    plot: bool,
+    as_json: bool,
+    **style: Any,
+) -> None:
+    """Print the messages of TOPIC, or of a FIELD of them: /pose/position/x, /scan/ranges[0].
+
+    What is printed is YAML, with --- between the messages. If nobody publishes the topic yet, this
+    waits for it.
+    """
+    if as_json and (plot or any(style.values())):
+        raise click.UsageError("--json prints whole values: it goes with neither -p nor a style.")
+    target = wait(link, global_name(link, topic))
+    show = _json if as_json else _csv(**style) if plot else _yaml(clear=clear, **style)
+    for message in link.messages(target.topic):
+        target = _up_to_date(link, target, message)
+        try:
+            value = target.path.pick(message, target.typedefs)
+        except LookupError as error:
+            click.echo(str(error), err=True)
+            continue
+        show(value, target)
+        if count is not None:
+            count -= 1
+            if not count:
+                return
+
+
+def _up_to_date(link: Link, target: Target, message: dict[str, Any]) -> Target:
+    """The target with what its type is made of now: a topic may come back with another type."""
+    typedefs = target.typedefs
+    if typedefs.root not in typedefs:
+        return target
+    if all(field.name in message for field in typedefs.fields(typedefs.root)):
+        return target
+    type_ = link.call("/rosapi/topic_type", {"topic": target.topic})["type"]
+    if not type_:
+        return target
+    return target._replace(type=type_, typedefs=if_known(Typedefs.of_message, link, type_))
+
+
+def _json(value: Any, target: Target) -> None:
+    output.as_json(value)
+
+
+def _yaml(
+    *, clear: bool, noarr: bool, nostr: bool, width: int | None, offset: bool
+) -> Callable[[Any, Target], None]:
+    style = printing.Style(noarr, nostr, width)
+    before = CLEAR if clear and output.obeys() else ""
+
+    def show(value: Any, target: Target) -> None:
+        now = style._replace(offset=time.time_ns()) if offset else style
+        if before:
+            click.echo(before, nl=False, color=True)
+        output.line(f"{printing.value(value, target.field, target.typedefs, now)}\n---")
+
+    return show
+
+
+def _csv(
+    *, noarr: bool, nostr: bool, width: int | None, offset: bool
+) -> Callable[[Any, Target], None]:
+    from fibws.cli.message import csv  # which few need
+
+    is_first = True
+
+    def show(value: Any, target: Target) -> None:
+        nonlocal is_first
+        rows = csv.Rows(target.typedefs, target.field, noarr=noarr, nostr=nostr)
+        if is_first:
+            output.line(rows.head(value))
+            is_first = False
+        output.line(rows.row(value, now=time.time_ns(), relative=offset))
+
+    return show

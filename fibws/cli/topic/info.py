@@ -1,0 +1,49 @@
+"""``fibws topic info``: who publishes a topic and who hears it."""
+
+from __future__ import annotations
+
+import click
+
+from fibws.cli import complete, output
+from fibws.cli.link import Link
+from fibws.cli.snapshot import Entry, Snapshot
+from fibws.cli.tool import json_option, linked
+
+
+@click.command()
+@click.argument("topic", shell_complete=complete.topics)
+@json_option
+@linked()
+def command(link: Link, topic: str, as_json: bool) -> None:
+    """Show the type of TOPIC, who publishes it and who hears it."""
+    snapshot = Snapshot(link)
+    found = snapshot.topic(link.resolve(topic))
+    publishers, subscribers = (
+        [
+            {"node": node, "address": snapshot.address(node)}
+            for node in sorted({each["node"] for each in found[end]})
+        ]
+        for end in ("publishers", "subscriptions")
+    )
+    if as_json:
+        output.as_json(
+            {
+                "name": found["name"],
+                "type": found["type"],
+                "publishers": publishers,
+                "subscribers": subscribers,
+            }
+        )
+        return
+    output.line(f"Type: {found['type'] or 'unknown type'}\n")
+    _print_nodes("Publishers", publishers)
+    _print_nodes("Subscribers", subscribers)
+    output.line()
+
+
+def _print_nodes(head: str, nodes: list[Entry]) -> None:
+    # Behind the colon rostopic has a space.
+    output.line(f"{head}: " if nodes else f"{head}: None")
+    for node in nodes:
+        output.line(f" * {node['node']} ({node['address']})")
+    output.line()

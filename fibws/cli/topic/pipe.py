@@ -1,0 +1,66 @@
+"""Messages from standard input, as they are piped in."""
+
+from __future__ import annotations
+
+import os
+import select
+import sys
+from codecs import getincrementaldecoder
+from collections.abc import Iterator
+from typing import Any
+
+from fibws.cli.message import reading
+from fibws.cli.topic.publisher import Publisher
+
+_CHUNK = 2**16
+
+
+def documents(publisher: Publisher) -> Iterator[Any]:
+    """The YAML values that come on standard input, each once its end is known.
+
+    It ends with a line of ``---`` or with the input. Meanwhile the publisher heeds the hub, which
+    takes a client that answers no pings for lost.
+
+    Raises:
+        UsageError: it is no YAML.
+        OperationRejected: the hub has refused something.
+        HubLost: there is no hub any more.
+    """
+    lines: list[str] = []
+    for line in _lines(publisher):
+        if line.strip() == "---":
+            yield reading.parse("".join(lines))
+            lines = []
+        else:
+            lines.append(line)
+    if any(line.strip() for line in lines):
+        yield reading.parse("".join(lines))
+
+
+def _lines(publisher: Publisher) -> Iterator[str]:
+    rest = ""
+    for text in _texts(publisher):
+        *whole, rest = (rest + text).split("\n")
+        yield from (f"{line}\n" for line in whole)
+    yield rest
+
+
+def _texts(publisher: Publisher) -> Iterator[str]:
+    try:
+        number = sys.stdin.fileno()
+    except OSError:  # It is no file of the system's, so nobody needs to wait for it.
+        yield sys.stdin.read()
+        return
+    decoder = getincrementaldecoder("utf-8")("replace")
+    while True:
+        # Windows cannot wait for a pipe in this way.
+        ready = [number]
+        if sys.platform != "win32":
+            ready, _, _ = select.select([number, publisher.link], [], [])
+        if publisher.link in ready:
+            publisher.stay(0)
+        if number in ready:
+            data = os.read(number, _CHUNK)
+            yield decoder.decode(data, final=not data)
+            if not data:
+                return

@@ -1,0 +1,33 @@
+"""``fibws topic type``: the type of a topic or of a field."""
+
+from __future__ import annotations
+
+import click
+
+from fibws.cli import complete, output
+from fibws.cli.hint import hint
+from fibws.cli.link import Link
+from fibws.cli.tool import json_option, linked
+from fibws.cli.topic.target import all_types, find, global_name
+
+
+@click.command()
+@click.argument("topic", metavar="TOPIC[/FIELD]", shell_complete=complete.topics)
+@json_option
+@linked()
+def command(link: Link, topic: str, as_json: bool) -> None:
+    """Show the type of TOPIC; with FIELD, the topic's type, the field and the field's type."""
+    name = global_name(link, topic)
+    target = find(link, name)
+    if target is None:
+        typed = [topic for topic, type_ in all_types(link).items() if type_]
+        raise click.ClickException(f"unknown topic type [{name}]{hint(name, typed)}")
+    if as_json:
+        found = {"topic": target.topic, "type": target.type}
+        if target.path:
+            found |= {"field": str(target.path), "field_type": target.field.written_type}
+        output.as_json(found)
+    elif target.path:
+        output.line(f"{target.type} {target.path} {target.field.written_type}")
+    else:
+        output.line(target.type)

@@ -1,0 +1,70 @@
+"""Groups whose commands are imported when they are called."""
+
+from __future__ import annotations
+
+import click
+import pytest
+from click.testing import CliRunner
+
+from fibws.cli.lazy import Command, LazyGroup
+
+MODULES = {
+    "completion": Command("fibws.cli.completion", "Complete by TAB."),
+    "broken": Command("fibws.cli.no_such_module", "Cannot be imported."),
+}
+
+
+@pytest.fixture
+def group() -> LazyGroup:
+    return LazyGroup("tools", modules=MODULES)
+
+
+def test_help_lists_all_commands_and_imports_none(group: LazyGroup) -> None:
+    result = CliRunner().invoke(group, ["--help"])
+    assert result.exit_code == 0
+    assert result.output.split("Commands:\n")[1] == (
+        "  completion  Complete by TAB.\n  broken      Cannot be imported.\n"
+    )
+
+
+def test_help_has_sections_in_the_order_in_which_they_are_given() -> None:
+    modules = {
+        "echo": Command("echo", "Print them.", "Look"),
+        "publish": Command("publish", "Say it.", "Act"),
+        "hz": Command("hz", "Count them.", "Look"),
+    }
+    result = CliRunner().invoke(LazyGroup("tools", modules=modules), ["--help"])
+    assert result.output.partition("Look:\n")[2] == (
+        "  echo     Print them.\n  hz       Count them.\n\nAct:\n  publish  Say it.\n"
+    )
+
+
+def test_a_command_is_imported_when_it_is_called(group: LazyGroup) -> None:
+    result = CliRunner().invoke(group, ["completion", "--help"])
+    assert result.output.startswith("Usage: tools completion [OPTIONS] {bash|fish|zsh}\n")
+    assert isinstance(CliRunner().invoke(group, ["broken"]).exception, ModuleNotFoundError)
+
+
+def test_what_is_no_command_is_told(group: LazyGroup) -> None:
+    result = CliRunner().invoke(group, ["complete"])
+    assert result.exit_code == 2
+    assert "No such command 'complete'; did you mean completion?\n" in result.output
+    assert "No such command 'x'.\n" in CliRunner().invoke(group, ["x"]).output
+
+
+def test_a_shell_is_told_the_commands_with_their_help_and_none_is_imported(
+    group: LazyGroup,
+) -> None:
+    items = group.shell_complete(click.Context(group), "")
+    assert [(item.value, item.help) for item in items if not item.value.startswith("-")] == [
+        ("completion", "Complete by TAB."),
+        ("broken", "Cannot be imported."),
+    ]
+    assert [item.value for item in group.shell_complete(click.Context(group), "c")] == [
+        "completion"
+    ]
+
+
+def test_a_shell_is_told_the_options_of_the_group_too(group: LazyGroup) -> None:
+    items = group.shell_complete(click.Context(group), "--")
+    assert [item.value for item in items] == ["--help"]

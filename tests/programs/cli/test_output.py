@@ -1,0 +1,161 @@
+"""What tools print: for a person's terminal, and for programs."""
+
+from __future__ import annotations
+
+import io
+import json
+import sys
+from collections.abc import Callable
+from typing import TypeAlias
+
+import click
+import pytest
+
+from fibws.cli import output
+
+HOSTILE = "\x1b]0;owned\x07\x9b31m red\r\x08\x7f \u202ereversed"
+
+
+class Stream(io.TextIOWrapper):
+    """Standard output as a terminal or a pipe of some encoding."""
+
+    def __init__(self, encoding: str, *, is_terminal: bool) -> None:
+        self.bytes = io.BytesIO()
+        super().__init__(self.bytes, encoding=encoding, newline="\n")
+        self._is_terminal = is_terminal
+
+    def isatty(self) -> bool:
+        return self._is_terminal
+
+    def text(self) -> str:
+        self.flush()
+        return self.bytes.getvalue().decode(self.encoding)
+
+
+Stdout: TypeAlias = Callable[..., Stream]
+
+
+@pytest.fixture
+def stdout(monkeypatch: pytest.MonkeyPatch) -> Stdout:
+    """Takes the place of standard output, which pytest sets anew for the test itself."""
+
+    def stdout(encoding: str = "utf-8", *, is_terminal: bool = False) -> Stream:
+        stream = Stream(encoding, is_terminal=is_terminal)
+        monkeypatch.setattr(sys, "stdout", stream)
+        monkeypatch.setenv("TERM", "xterm")
+        return stream
+
+    return stdout
+
+
+def test_a_terminal_is_shown_control_characters_and_not_sent_them(stdout: Stdout) -> None:
+    terminal = stdout(is_terminal=True)
+    output.line(HOSTILE)
+    shown = r"\x1b]0;owned\x07\x9b31m red\r\x08\x7f \u202ereversed"
+    assert terminal.text() == f"{shown}\n"
+
+
+def test_a_terminal_keeps_lines_and_tabs(stdout: Stdout) -> None:
+    terminal = stdout(is_terminal=True)
+    output.line("average rate: 1.000\n\tmin: 1.000s é 中")
+    assert terminal.text() == "average rate: 1.000\n\tmin: 1.000s é 中\n"
+
+
+def test_a_pipe_gets_a_text_as_it_is(stdout: Stdout) -> None:
+    pipe = stdout()
+    output.line(HOSTILE)
+    assert pipe.text() == f"{HOSTILE}\n"
+
+
+@pytest.mark.parametrize("text", ["a \ud800 b", "\U0001f600"])
+def test_what_an_encoding_lacks_is_spelled_out(text: str, stdout: Stdout) -> None:
+    ascii_pipe = stdout("ascii")
+    output.line(text)
+    assert ascii_pipe.text() == text.encode("ascii", "backslashreplace").decode() + "\n"
+
+
+def test_half_of_a_character_ends_no_tool(stdout: Stdout) -> None:
+    pipe = stdout()
+    output.line("a \ud800 b")
+    assert pipe.text() == "a \\ud800 b\n"
+
+
+def test_a_terminal_has_colours(stdout: Stdout) -> None:
+    terminal = stdout(is_terminal=True)
+    output.line("a", colour="red", bold=True)
+    output.line("b", colour="green")
+    assert terminal.text() == "\x1b[31m\x1b[1ma\x1b[0m\n\x1b[32mb\x1b[0m\n"
+
+
+def test_a_pipe_has_none(stdout: Stdout) -> None:
+    pipe = stdout()
+    output.line("a", colour="red", bold=True)
+    assert pipe.text() == "a\n"
+
+
+def test_a_terminal_has_none_where_that_is_asked_for(stdout: Stdout) -> None:
+    terminal = stdout(is_terminal=True)
+    context = click.Context(click.Command("fibws"))
+    context.color = False
+    with context, click.Context(click.Command("log"), parent=context):
+        output.line("a", colour="red")
+    assert terminal.text() == "a\n"
+
+
+def test_a_dumb_terminal_is_sent_no_control_sequences(
+    stdout: Stdout, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    terminal = stdout(is_terminal=True)
+    assert output.obeys()
+    monkeypatch.setenv("TERM", "dumb")
+    assert not output.obeys()
+    output.line("a", colour="red", bold=True)
+    assert terminal.text() == "a\n"
+
+
+def test_json_is_one_line_and_means_the_same(stdout: Stdout) -> None:
+    terminal = stdout(is_terminal=True)
+    output.as_json({"data": f"{HOSTILE}\n"})
+    text = terminal.text()
+    assert text.count("\n") == 1
+    assert text[:-1].isprintable()
+    assert json.loads(text) == {"data": f"{HOSTILE}\n"}
+
+
+def test_json_keeps_letters_where_it_can(stdout: Stdout) -> None:
+    pipe = stdout()
+    output.as_json(["é", 1])
+    assert pipe.text() == '["é",1]\n'
+
+
+@pytest.mark.parametrize("text", ["\U0001f600", "\ud800"])
+def test_json_is_json_in_every_encoding(text: str, stdout: Stdout) -> None:
+    ascii_pipe = stdout("ascii")
+    output.as_json([text])
+    assert json.loads(ascii_pipe.text()) == [text]
+
+
+def test_names_are_sorted(stdout: Stdout) -> None:
+    pipe = stdout()
+    output.names(["/b", "/a"])
+    output.names(["/b", "/a"], json_=True)
+    assert pipe.text() == '/a\n/b\n"/a"\n"/b"\n'
+
+
+def test_a_table_has_a_line_for_each_row_whatever_is_in_it(stdout: Stdout) -> None:
+    pipe = stdout()
+    output.table(("NAME", "N"), [("/a\n/forged", "1"), ("/b", "22")])
+    assert pipe.text() == "NAME         N\n/a\\n/forged  1\n/b           22\n"
+
+
+def test_characters_that_cannot_be_shown_are_known(stdout: Stdout) -> None:
+    stdout("ascii")
+    assert output.can_show("a")
+    assert not output.can_show("─")
+
+
+def test_what_is_closed_is_printed_nowhere(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "stdout", None)
+    output.line("lost", colour="red")
+    output.as_json({"é": 1})
+    assert not output.is_terminal()

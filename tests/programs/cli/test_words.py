@@ -1,0 +1,39 @@
+"""Values as the words of a command line."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+import pytest
+from click.testing import CliRunner
+
+from fibws.cli import words
+
+
+@click.command(context_settings=words.VALUES)
+@click.argument("values", nargs=-1, callback=words.check)
+@click.option("-v", is_flag=True)
+def command(values: tuple[str, ...], v: bool) -> None:
+    click.echo(f"{list(values)} {v}")
+
+
+def run(*arguments: str) -> Any:
+    return CliRunner().invoke(command, arguments)
+
+
+@pytest.mark.parametrize("word", ["-5", "-.5", "-1e5", "-1.5", "-.inf", "- 1", "-", "{a: -1}"])
+def test_a_value_may_begin_with_a_minus(word: str) -> None:
+    assert run(word).output == f"{[word]} False\n"
+
+
+def test_options_stay_options() -> None:
+    assert run("-5", "-v", "-6").output == "['-5', '-6'] True\n"
+
+
+@pytest.mark.parametrize("word", ["-x", "--jsn", "-inf"])
+def test_what_is_neither_is_said_to_be_no_option(word: str) -> None:
+    result = run("1", word)
+    assert result.exit_code == 2
+    assert "No such option" in result.output
+    assert word in result.output

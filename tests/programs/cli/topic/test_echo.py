@@ -1,0 +1,167 @@
+"""``fibws topic echo``."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import pty
+import signal
+import subprocess
+import sys
+import threading
+
+import pytest
+
+from fibws.cli.link import Link
+
+from ...conftest import Start
+from ..conftest import HubThread, Publish, Run
+
+CURVE = {"layout": {"dim": [], "data_offset": 0}, "data": [1, 2, 3]}
+
+
+def test_messages_are_printed_as_yaml(run: Run, publish: Publish) -> None:
+    publish("/number", "std_msgs/Int32", {"data": 8})
+    result = run("topic", "echo", "-n", "1", "/number")
+    assert (result.exit_code, result.output) == (0, "data: 8\n---\n")
+
+
+@pytest.mark.parametrize(
+    ("options", "printed"),
+    [
+        (["/curve/data"], "[1, 2, 3]\n---\n"),
+        (["/curve/data[-1]"], "3\n---\n"),
+        (["/curve/data[0]", "-w", "4"], "   1\n---\n"),
+        (["/curve/data", "--noarr"], '"<array type: int32, length: 3>"\n---\n'),
+        (["/curve/data", "--json"], "[1,2,3]\n"),
+        (["/curve/layout/dim", "-c"], "[]\n---\n"),
+    ],
+)
+def test_options_choose_what_is_printed(
+    run: Run, publish: Publish, options: list[str], printed: str
+) -> None:
+    publish("/curve", "std_msgs/Int32MultiArray", CURVE)
+    assert run("topic", "echo", "-n", "1", *options).output == printed
+
+
+def test_json_is_a_message_a_line(run: Run, publish: Publish) -> None:
+    publish("/curve", "std_msgs/Int32MultiArray", CURVE)
+    assert json.loads(run("topic", "echo", "--json", "-n", "1", "/curve").output) == CURVE
+    styled = run("topic", "echo", "--json", "--noarr", "-n", "1", "/curve")
+    assert styled.exit_code == 2
+    assert "--json prints whole values" in styled.output
+
+
+def test_rows_for_plots_have_a_head(run: Run, publish: Publish) -> None:
+    publish("/number", "std_msgs/Int32", {"data": 8})
+    head, row = run("topic", "echo", "-p", "-n", "1", "/number").output.splitlines()
+    assert head == "%time,field.data"
+    assert row.endswith(",8")
+
+
+def test_times_can_be_relative(run: Run, publish: Publish) -> None:
+    publish("/time", "std_msgs/Time", {"data": "now"})
+    printed = run("topic", "echo", "-n", "1", "--offset", "/time").output
+    secs = int(printed.splitlines()[1].removeprefix("  secs: "))
+    assert -20 < secs <= 0
+
+
+def test_an_array_that_is_too_short_is_said_and_passed_over(run: Run, publish: Publish) -> None:
+    link = publish("/curve", "std_msgs/Int32MultiArray", {"data": [1]})
+
+    def publish_longer() -> None:
+        while len(link.call("/rosapi/subscribers", {"topic": "/curve"})["subscribers"]) == 0:
+            pass
+        link.send({"op": "publish", "topic": "/curve", "msg": CURVE})
+        link.call("/rosapi/get_time")
+
+    thread = threading.Thread(target=publish_longer)
+    thread.start()
+    result = run("topic", "echo", "-n", "1", "/curve/data[2]")
+    thread.join(20)
+    assert result.stdout == "3\n---\n"
+    assert result.stderr == "data has only 1 elements\n"
+
+
+def test_a_message_that_nobody_defined_is_printed(run: Run, publish: Publish) -> None:
+    publish("/odd", "nobodys_msgs/Type", {"a": 1, "b": [{"c": "x"}]})
+    assert run("topic", "echo", "-n", "1", "/odd").output == 'a: 1\nb: \n  - \n    c: "x"\n---\n'
+
+
+async def test_a_topic_may_come_back_with_another_type(
+    start: Start, hub: HubThread, link: Link
+) -> None:
+    program = await start("fibws", "topic", "echo", "-n", "2", "/x", FIBWS_HUB=hub.url)
+    assert await program.error_line()
+    for type_, message in (("std_msgs/Int32", {"data": 8}), ("geometry_msgs/Point", {})):
+        link.send({"op": "advertise", "topic": "/x", "type": type_, "latch": True})
+        link.send({"op": "publish", "topic": "/x", "msg": message})
+        if message:
+            assert await program.line() == "data: 8\n"
+            link.send({"op": "unadvertise", "topic": "/x"})
+    assert await program.end() == (0, "---\nx: 0.0\ny: 0.0\nz: 0.0\n---\n", "")
+
+
+async def test_ctrl_c_is_the_end(start: Start, hub: HubThread, publish: Publish) -> None:
+    publish("/number", "std_msgs/Int32", {"data": 8})
+    program = await start("fibws", "topic", "echo", "/number", FIBWS_HUB=hub.url)
+    assert await program.line() == "data: 8\n"
+    assert await program.line() == "---\n"
+    program.send(signal.SIGINT)
+    assert await program.end() == (0, "", "")
+
+
+async def test_a_reader_who_leaves_is_the_end(
+    start: Start, hub: HubThread, publish: Publish
+) -> None:
+    link = publish("/number", "std_msgs/Int32", {"data": 8})
+    program = await start("fibws", "topic", "echo", "/number", FIBWS_HUB=hub.url)
+    await program.line()
+    program.stop_reading()
+    while link.call("/rosapi/subscribers", {"topic": "/number"})["subscribers"]:
+        link.send({"op": "publish", "topic": "/number", "msg": {"data": 8}})
+        await asyncio.sleep(0)
+    code, _, errors = await program.end()
+    assert (code, errors) == (0, "")
+
+
+async def test_a_topic_that_is_not_there_yet_is_waited_for(
+    start: Start, hub: HubThread, publish: Publish
+) -> None:
+    program = await start("fibws", "topic", "echo", "-n", "1", "/late", FIBWS_HUB=hub.url)
+    warning = "WARNING: topic [/late] does not appear to be published yet\n"
+    assert await program.error_line() == warning
+    publish("/late", "std_msgs/Int32", {"data": 8})
+    assert await program.end() == (0, "data: 8\n---\n", "")
+
+
+async def test_without_a_hub_it_says_what_to_do(start: Start) -> None:
+    program = await start("fibws", "topic", "echo", "/x", FIBWS_HUB="ws://127.0.0.1:1")
+    code, printed, said = await program.end()
+    assert (code, printed) == (1, "")
+    assert said == "Error: No hub at ws://127.0.0.1:1. Start one with: fibws hub\n"
+
+
+async def test_the_hubs_end_is_an_error(start: Start, hub: HubThread, publish: Publish) -> None:
+    publish("/number", "std_msgs/Int32", {"data": 8})
+    program = await start("fibws", "topic", "echo", "/number", FIBWS_HUB=hub.url)
+    await program.line()
+    hub.stop()
+    code, _, said = await program.end()
+    assert code == 1
+    assert said.startswith(f"Error: The hub at {hub.url} is gone: ")
+
+
+@pytest.mark.skipif(not hasattr(os, "openpty"), reason="there are no terminals of this kind")
+def test_the_screen_is_cleared_on_a_terminal_only(hub: HubThread, publish: Publish) -> None:
+    publish("/number", "std_msgs/Int32", {"data": 8})
+    mine, theirs = pty.openpty()
+    command = ["-m", "fibws", "topic", "echo", "-c", "-n", "1", "/number", "--hub", hub.url]
+    try:
+        subprocess.run([sys.executable, *command], stdout=theirs, check=True, timeout=20)
+        printed = os.read(mine, 1000)
+    finally:
+        os.close(mine)
+        os.close(theirs)
+    assert printed == b"\x1b[2J\x1b[;Hdata: 8\r\n---\r\n"
