@@ -20,6 +20,12 @@ COMMANDS = {
     ),
     "hub": Command("fibws.hub.__main__", "Run a hub that nodes and web pages meet at.", BEGIN),
     "topic": Command("fibws.cli.topic", "List, show, measure and publish topics.", NOUNS),
+    "node": Command("fibws.cli.node", "Look at nodes, ping them, kill them.", NOUNS),
+    "service": Command("fibws.cli.service", "Look at services, call them.", NOUNS),
+    "action": Command("fibws.cli.action", "Look at actions, send them goals.", NOUNS),
+    "param": Command("fibws.cli.param", "Get and set parameters, load and dump them.", NOUNS),
+    "msg": Command("fibws.cli.msg", "Look at the types of messages.", TYPES),
+    "srv": Command("fibws.cli.srv", "Look at the types of services.", TYPES),
 }
 
 

@@ -1,0 +1,196 @@
+"""``fibws param``: the parameters that all nodes share, as rosparam reads and writes them."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+
+from fibws import names
+from fibws.cli import complete, output, words
+from fibws.cli.hint import hint
+from fibws.cli.link import Link
+from fibws.cli.param import documents
+from fibws.cli.tool import json_option, linked
+from fibws.errors import ServiceError
+
+ROOT = "/"
+
+_name = click.argument("name", shell_complete=complete.params)
+_namespace = click.argument("namespace", default=ROOT, shell_complete=complete.params)
+_verbose = click.option("-v", "--verbose", is_flag=True, help="Say what is done.")
+
+
+@click.group()
+def command() -> None:
+    """Get and set parameters, load and dump them.
+
+    Values are YAML: 1 is a number and '"1"' a text. A namespace is the object of all that is in it.
+    """
+
+
+@command.command("list")
+@_namespace
+@json_option
+@linked("param")
+def list_(link: Link, namespace: str, as_json: bool) -> None:
+    """List the names of all parameters, or of those in NAMESPACE."""
+    above = _global(link, namespace).rstrip("/") + "/"
+    output.names((name for name in _names(link) if name.startswith(above)), json_=as_json)
+
+
+@command.command()
+@_name
+@click.option("-p", "--pretty", is_flag=True, help="Print it for people: not all of it is YAML.")
+@json_option
+@linked("param")
+def get(link: Link, name: str, pretty: bool, as_json: bool) -> None:
+    """Print the value of the parameter NAME, or all of a namespace."""
+    value = _get(link, _global(link, name))
+    if as_json:
+        output.as_json(value)
+    elif pretty:
+        for line in documents.pretty(value):
+            output.line(line)
+    else:
+        output.line(documents.written(value))
+
+
+@command.command("set", context_settings=words.VALUES)
+@_name
+@click.argument("value", required=False, callback=words.check)
+@click.option(
+    "-t",
+    "--textfile",
+    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    metavar="FILE",
+    help="Set it to the text in FILE.",
+)
+@_verbose
+@linked("param")
+def set_(link: Link, name: str, value: str | None, textfile: Path | None, verbose: bool) -> None:
+    """Set the parameter NAME to VALUE.
+
+    An object is merged into what there is: param set /robot "{size: 3}" sets /robot/size alone.
+    """
+    if (value is None) == (textfile is None):
+        raise click.UsageError("Give a VALUE, or the file that has it by -t.")
+    if textfile is not None:
+        read: Any = documents.text_of(textfile)
+    else:
+        # A shell leaves nothing of '', which is the empty text here, as for rosparam.
+        read = documents.value(value) if value else ""
+    _set(link, documents.leaves(_global(link, name), read), verbose=verbose)
+
+
+@command.command()
+@_name
+@_verbose
+@linked("param")
+def delete(link: Link, name: str, verbose: bool) -> None:
+    """Delete the parameter NAME, or a namespace.
+
+    / is the namespace of all there is.
+    """
+    name = _global(link, name)
+    if name == ROOT:
+        _ask(link, "set_param", name=ROOT, value="{}")
+    elif _ask(link, "has_param", name=name)["exists"]:
+        _ask(link, "delete_param", name=name)
+    else:
+        raise _not_set(link, name)
+    if verbose:
+        output.line(f"deleted parameter [{name}]")
+
+
+@command.command()
+@click.argument("file", type=click.Path(exists=True, dir_okay=False, allow_dash=True))
+@_namespace
+@_verbose
+@linked("param")
+def load(link: Link, file: str, namespace: str, verbose: bool) -> None:
+    """Set the parameters in FILE, which is YAML.
+
+    A FILE of - is what comes in by a pipe. Names are relative to NAMESPACE. Angles may be written
+    deg(180) or rad(pi/2). If something is wrong with FILE, nothing is set.
+    """
+    text = _piped() if file == "-" else documents.text_of(Path(file))
+    try:
+        found = documents.parameters(text, _global(link, namespace))
+    except click.ClickException as error:
+        source = "standard input" if file == "-" else file
+        raise click.ClickException(f"{source}: {error.message}") from None
+    _set(link, found, verbose=verbose)
+
+
+@command.command()
+@click.argument("file", required=False, type=click.Path(dir_okay=False, allow_dash=True))
+@_namespace
+@json_option
+@_verbose
+@linked("param")
+def dump(link: Link, file: str | None, namespace: str, as_json: bool, verbose: bool) -> None:
+    """Write all parameters, or those in NAMESPACE, to FILE.
+
+    It is YAML, as load reads it. Without FILE, or if that is -, they are printed.
+    """
+    value = _get(link, _global(link, namespace))
+    if file is None or file == "-":
+        output.as_json(value) if as_json else output.line(
+            documents.dumped(value).removesuffix("\n")
+        )
+        return
+    text = json.dumps(value, ensure_ascii=False) + "\n" if as_json else documents.dumped(value)
+    try:
+        Path(file).write_text(text, "utf-8")
+    except OSError as error:
+        raise click.ClickException(f"Cannot write {file}: {error.strerror}") from None
+    if verbose:
+        output.line(f"dumped namespace [{_global(link, namespace)}] to file [{file}]")
+
+
+def _global(link: Link, name: str) -> str:
+    """The global name of a parameter, which may be of any characters, as in ROS."""
+    if name.startswith("~"):
+        raise click.UsageError(f"{name}: a parameter that is private to a node is /NODE/{name[1:]}")
+    name = name.rstrip("/")
+    return name if name.startswith("/") else names.join(link.namespace, name).rstrip("/") or ROOT
+
+
+def _piped() -> str:
+    if sys.stdin is None:
+        raise click.UsageError("FILE is -, and nothing comes in by a pipe.")
+    return sys.stdin.read()
+
+
+def _names(link: Link) -> list[str]:
+    found: list[str] = _ask(link, "get_param_names")["names"]
+    return found
+
+
+def _get(link: Link, name: str) -> Any:
+    value = json.loads(_ask(link, "get_param", name=name)["value"])
+    if value is None:  # which no parameter can be
+        raise _not_set(link, name)
+    return value
+
+
+def _set(link: Link, leaves: list[tuple[str, str]], *, verbose: bool) -> None:
+    for name, value in leaves:
+        _ask(link, "set_param", name=name, value=value)
+        if verbose:
+            output.line(f"set parameter [{name}] to [{value}]")
+
+
+def _ask(link: Link, service: str, **request: str) -> dict[str, Any]:
+    try:
+        return link.call(f"/rosapi/{service}", request)
+    except ServiceError as error:
+        raise click.ClickException(output.visible(error.text)) from None
+
+
+def _not_set(link: Link, name: str) -> click.ClickException:
+    return click.ClickException(f"Parameter [{name}] is not set{hint(name, _names(link))}")

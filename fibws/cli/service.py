@@ -1,0 +1,189 @@
+"""``fibws service``: which services there are, what each takes and gives; calls."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import click
+
+from fibws.cli import complete, output, words
+from fibws.cli.hint import hint
+from fibws.cli.input import piped
+from fibws.cli.link import Link
+from fibws.cli.message import printing, reading
+from fibws.cli.message.typedefs import TIMES, Typedefs, if_known
+from fibws.cli.snapshot import Entry, Snapshot, within
+from fibws.cli.tool import json_option, linked
+
+POLL = 0.1
+"""Seconds between two looks for a service that is waited for."""
+
+_service = click.argument("service", shell_complete=complete.services)
+
+
+@click.group()
+def command() -> None:
+    """Look at services, call them."""
+
+
+@command.command("list")
+@click.argument("namespace", required=False, shell_complete=complete.services)
+@click.option("-n", "--nodes", is_flag=True, help="Name the node that provides each.")
+@json_option
+@linked("service")
+def list_(link: Link, namespace: str | None, nodes: bool, as_json: bool) -> None:
+    """List all services, or those in NAMESPACE."""
+    services = Snapshot(link).services
+    for service in within(namespace and link.resolve_namespace(namespace), services):
+        if as_json:
+            output.as_json(service)
+        else:
+            output.line(f"{service['name']} {service['node']}" if nodes else service["name"])
+
+
+@command.command()
+@_service
+@json_option
+@linked("service")
+def info(link: Link, service: str, as_json: bool) -> None:
+    """Show the node, its address, the type and the arguments of SERVICE."""
+    snapshot = Snapshot(link)
+    found = snapshot.service(link.resolve(service))
+    address, arguments = snapshot.address(found["node"]), _arguments(link, found)
+    if as_json:
+        output.as_json({**found, "address": address, "args": arguments})
+        return
+    output.line(f"Node: {found['node']}")
+    output.line(f"Address: {address}")
+    output.line(f"Type: {found['type']}")
+    output.line(f"Args: {' '.join(arguments)}")
+
+
+@command.command("type")
+@_service
+@linked("service")
+def type_(link: Link, service: str) -> None:
+    """Print the type of SERVICE."""
+    output.line(_found(link, service)["type"])
+
+
+@command.command()
+@_service
+@linked("service")
+def node(link: Link, service: str) -> None:
+    """Print the node that provides SERVICE."""
+    output.line(_found(link, service)["node"])
+
+
+@command.command()
+@_service
+@linked("service")
+def args(link: Link, service: str) -> None:
+    """Print the names of the values that SERVICE takes."""
+    output.line(" ".join(_arguments(link, _found(link, service))))
+
+
+@command.command()
+@click.argument("type_", metavar="TYPE", shell_complete=complete.service_types)
+@json_option
+@linked("service")
+def find(link: Link, type_: str, as_json: bool) -> None:
+    """List the services of TYPE, such as std_srvs/SetBool."""
+    wanted = type_.replace("/srv/", "/", 1)
+    services = Snapshot(link).services
+    output.names((each["name"] for each in services if each["type"] == wanted), json_=as_json)
+
+
+@command.command(context_settings=words.VALUES)
+@_service
+@click.argument("arguments", nargs=-1, metavar="[ARGS]...", callback=words.check)
+@click.option("-v", "--verbose", is_flag=True, help="Print the request, too.")
+@click.option("--wait", is_flag=True, help="Wait until somebody provides the service.")
+@click.option(
+    "--timeout",
+    type=click.FloatRange(0, min_open=True),
+    metavar="SECONDS",
+    help="How long to wait for the response.  [default: what the hub is set to, or 60]",
+)
+@json_option
+@linked("service")
+def call(
+    link: Link,
+    service: str,
+    arguments: tuple[str, ...],
+    verbose: bool,
+    wait: bool,
+    timeout: float | None,
+    as_json: bool,
+) -> None:
+    """Call SERVICE and print its response.
+
+    ARGS are a value for each field in order, or all as one object, in YAML: 3 4 or "{a: 3, b: 4}".
+    Without them they are read from a pipe, and each document in there is a call.
+
+    \b
+      fibws service call /add_two_ints 3 4
+      fibws service call /add_two_ints "{a: 3, b: 4}"
+    """
+    name = link.resolve(service)
+    if wait:
+        _wait(link, name)
+    found = _available(link, name)
+    typedefs = if_known(Typedefs.of_request, link, found["type"])
+    response = if_known(Typedefs.of_response, link, found["type"])
+    for request in _requests(arguments, typedefs):
+        if verbose and not as_json:
+            output.line(printing.text(request, typedefs))
+            output.line("---")
+        answer = link.call(name, request, timeout or 0)
+        if as_json:
+            output.as_json(answer)
+        else:
+            output.line(printing.text(answer, response))
+
+
+def _found(link: Link, service: str) -> Entry:
+    return Snapshot(link).service(link.resolve(service))
+
+
+def _available(link: Link, name: str) -> Entry:
+    services = {each["name"]: each for each in Snapshot(link).services}
+    if name not in services:
+        nearest = hint(name, services) or "."
+        raise click.ClickException(f"Service [{name}] is not available{nearest}")
+    return services[name]
+
+
+def _wait(link: Link, name: str) -> None:
+    while not link.call("/rosapi/service_type", {"service": name})["type"]:
+        link.receive(POLL)
+
+
+def _arguments(link: Link, service: Entry) -> list[str]:
+    """The names of the request's fields; of what is in a field, as ``header.seq``."""
+    typedefs = if_known(Typedefs.of_request, link, service["type"])
+    return list(_leaves(typedefs, typedefs.root, ""))
+
+
+def _leaves(typedefs: Typedefs, type_: str, prefix: str) -> Iterator[str]:
+    for field in typedefs.fields(type_) if type_ in typedefs else ():
+        if field.length is None and field.type in typedefs and field.type not in TIMES:
+            yield from _leaves(typedefs, field.type, f"{prefix}{field.name}.")
+        else:
+            yield f"{prefix}{field.name}"
+
+
+def _requests(arguments: tuple[str, ...], typedefs: Typedefs) -> Iterator[Entry]:
+    is_empty = typedefs.root in typedefs and not typedefs.fields(typedefs.root)
+    if arguments or is_empty:
+        yield reading.message(arguments, typedefs)
+        return
+    stream = piped()
+    given = False
+    for document in reading.documents(stream) if stream is not None else ():
+        if document is not None:
+            given = True
+            yield reading.fill(document if isinstance(document, list) else [document], typedefs)
+    if not given:
+        fields = " ".join(_leaves(typedefs, typedefs.root, ""))
+        raise click.UsageError(f"Please specify service arguments: {fields}")

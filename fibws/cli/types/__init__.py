@@ -1,0 +1,1 @@
+"""The types of messages, services and actions, as rosmsg and rossrv show them."""
