@@ -19,6 +19,10 @@ COMMANDS = {
         "fibws.cli.demo", "Run the first tutorial: a hub, a broadcaster, a listener.", BEGIN
     ),
     "hub": Command("fibws.hub.__main__", "Run a hub that nodes and web pages meet at.", BEGIN),
+    "doctor": Command("fibws.cli.doctor", "Look for what is wrong with this setup.", BEGIN),
+    "graph": Command("fibws.cli.graph", "Draw who publishes what to whom.", LOOK),
+    "top": Command("fibws.cli.top", "Show the rates of topics and how clients keep up.", LOOK),
+    "log": Command("fibws.cli.log", "Show what the nodes log.", LOOK),
     "topic": Command("fibws.cli.topic", "List, show, measure and publish topics.", NOUNS),
     "node": Command("fibws.cli.node", "Look at nodes, ping them, kill them.", NOUNS),
     "service": Command("fibws.cli.service", "Look at services, call them.", NOUNS),
@@ -26,6 +30,9 @@ COMMANDS = {
     "param": Command("fibws.cli.param", "Get and set parameters, load and dump them.", NOUNS),
     "msg": Command("fibws.cli.msg", "Look at the types of messages.", TYPES),
     "srv": Command("fibws.cli.srv", "Look at the types of services.", TYPES),
+    "completion": Command(
+        "fibws.cli.completion", "Complete commands and names by TAB in a shell.", MORE
+    ),
 }
 
 

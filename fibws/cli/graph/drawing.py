@@ -1,0 +1,160 @@
+"""The graph drawn with characters: publishers, the topic, subscribers, from left to right.
+
+::
+
+    /talker ────┬─> [/chatter std_msgs/String] ─┬─> /listener
+    /talker_2 ──┘                               └─> /recorder
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import zip_longest
+
+from fibws.cli.graph.view import Action, Topic, View
+from fibws.cli.output import visible
+
+NOBODY = ("(no publisher)", "(no subscriber)")
+
+
+@dataclass(frozen=True, slots=True)
+class Pen:
+    """The characters that lines are made of; in a corner it is named which sides it joins."""
+
+    dash: str
+    join: str
+    """Left, right, and below: the first of several."""
+    left_middle: str
+    left_last: str
+    right_middle: str
+    right_last: str
+
+
+LINES = Pen("─", "┬", "┤", "┘", "├", "└")
+ASCII = Pen("-", "+", "+", "+", "+", "+")
+
+
+def drawing(view: View, pen: Pen, width: int) -> Iterator[tuple[str, bool]]:
+    """The lines of a drawing, each with whether it is a headline.
+
+    Args:
+        view: what is to be seen.
+        pen: what it is drawn with.
+        width: the most characters that a line should have.
+    """
+    sections = [
+        ("Topics", topics(view.topics, pen, width)),
+        ("Services", _columns([(each.name, each.type, each.node) for each in view.services])),
+        ("Actions", _columns([_action(each) for each in view.actions])),
+        ("Nodes with none of these", view.idle()),
+    ]
+    for head, lines in sections:
+        if lines:
+            yield head, True
+            # A name that has several lines, from a hub that is none, must not look like several.
+            yield from ((f"  {visible(line, keep='')}", False) for line in lines)
+            yield "", False
+    yield from ((line, False) for line in _summary(view))
+
+
+def topics(found: Sequence[Topic], pen: Pen, width: int) -> list[str]:
+    """The lines of all topics: in columns, or one below the other where there is no room."""
+    room = width - 2
+    left = max((len(name) for topic in found for name in _publishers(topic)), default=0)
+    middle = max((len(_box(topic)) for topic in found), default=0)
+    columns = [_beside(topic, pen, left, middle) for topic in found]
+    if _fits(columns, room):
+        return _joined(columns)
+    apart = [_beside(topic, pen, 0, 0) for topic in found]
+    if _fits(apart, room):
+        return _joined(apart)
+    return _joined([_below(topic, pen) for topic in found])
+
+
+def _beside(topic: Topic, pen: Pen, left: int, middle: int) -> list[str]:
+    """A topic between its publishers and its subscribers, whose columns are so wide at least."""
+    publishers, subscribers = _publishers(topic), _subscribers(topic)
+    left = max(left, *map(len, publishers))
+    middle = max(middle, len(_box(topic)))
+    lines = []
+    for number, (publisher, subscriber) in enumerate(zip_longest(publishers, subscribers)):
+        arrives = _corner(number, len(publishers), pen.join, pen.left_middle, pen.left_last, pen)
+        leaves = _corner(number, len(subscribers), pen.join, pen.right_middle, pen.right_last, pen)
+        first = number == 0
+        line = (
+            " " * (left + 3) if publisher is None else _dashed(publisher, left + 2, pen) + arrives
+        )
+        line += f"{pen.dash}> " if first else "   "
+        line += _dashed(_box(topic), middle + 2, pen) if first else " " * (middle + 2)
+        line += "" if subscriber is None else f"{leaves}{pen.dash}> {subscriber}"
+        lines.append(line.rstrip())
+    return lines
+
+
+def _below(topic: Topic, pen: Pen) -> list[str]:
+    """A topic with its publishers and its subscribers below."""
+    return [
+        _box(topic),
+        *(f"  <{pen.dash * 2} {name}" for name in _publishers(topic)),
+        *(f"  {pen.dash * 2}> {name}" for name in _subscribers(topic)),
+    ]
+
+
+def _corner(number: int, total: int, first: str, middle: str, last: str, pen: Pen) -> str:
+    """What stands where a name's own line meets that of the others."""
+    if total == 1:
+        return pen.dash
+    return first if number == 0 else last if number == total - 1 else middle
+
+
+def _dashed(name: str, width: int, pen: Pen) -> str:
+    return f"{name} ".ljust(width, pen.dash)
+
+
+def _box(topic: Topic) -> str:
+    type_ = topic.type or "type unknown"
+    return f"[{topic.name} {type_}{'' if topic.checked or not topic.type else ', unchecked'}]"
+
+
+def _publishers(topic: Topic) -> list[str]:
+    return topic.publishers or [NOBODY[0]]
+
+
+def _subscribers(topic: Topic) -> list[str]:
+    return topic.subscribers or [NOBODY[1]]
+
+
+def _columns(offers: Sequence[tuple[str, str, str]]) -> list[str]:
+    """What is offered, its type, and by whom."""
+    boxes = [(name, f"[{type_ or 'type unknown'}]", node) for name, type_, node in offers]
+    names = max((len(name) for name, _, _ in boxes), default=0)
+    types = max((len(box) for _, box, _ in boxes), default=0)
+    return [f"{name:{names}}  {box:{types}}  by {node}" for name, box, node in boxes]
+
+
+def _action(action: Action) -> tuple[str, str, str]:
+    goals = f", goals from {', '.join(action.clients)}" if action.clients else ""
+    return action.name, action.type, f"{action.node or 'nobody'}{goals}"
+
+
+def _fits(blocks: list[list[str]], width: int) -> bool:
+    return all(len(line) <= width for block in blocks for line in block)
+
+
+def _joined(blocks: list[list[str]]) -> list[str]:
+    return [line for block in blocks for line in block]
+
+
+def _summary(view: View) -> Iterator[str]:
+    parts = [_count(len(view.nodes), "node"), _count(len(view.topics), "topic")]
+    parts += [_count(len(view.services), "service"), _count(len(view.actions), "action")]
+    yield f"{', '.join(parts)}."
+    hidden = [(view.hidden_topics, "topic"), (view.hidden_services, "service")]
+    left_out = [_count(number, noun) for number, noun in hidden if number]
+    if left_out:
+        yield f"Left out: {' and '.join(left_out)} of ROS itself; --all shows them."
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}{'' if number == 1 else 's'}"

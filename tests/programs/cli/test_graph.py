@@ -1,0 +1,89 @@
+"""``fibws graph`` at a real hub."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from click.testing import CliRunner
+
+from fibws.cli import command
+from fibws.cli.link import Link
+
+from .conftest import HubThread, Publish, Run
+
+
+@pytest.fixture
+def chatter(publish: Publish, hub: HubThread, monkeypatch: pytest.MonkeyPatch) -> Link:
+    """A node that publishes and hears /chatter."""
+    monkeypatch.delenv("COLUMNS", raising=False)
+    link = publish("/chatter", "std_msgs/String", {"data": "hello"})
+    link.send({"op": "subscribe", "topic": "/chatter"})
+    link.call("/rosapi/get_time")
+    return link
+
+
+def test_it_draws_who_publishes_what_to_whom(run: Run, chatter: Link) -> None:
+    result = run("graph")
+    assert result.exit_code == 0, result.output
+    node = chatter.node
+    assert result.output.split("\n")[:3] == [
+        "Topics",
+        f"  {node} ───> [/chatter std_msgs/String] ───> {node}",
+        "",
+    ]
+    assert "1 node, 1 topic, 0 services, 0 actions.\n" in result.output
+    assert "/rosout" not in result.output
+    assert "fibws_graph" not in result.output
+
+
+def test_all_shows_what_belongs_to_ros(run: Run, chatter: Link) -> None:
+    result = run("graph", "--all")
+    assert "/rosout ───" in result.output
+    assert "/rosapi/graph" in result.output
+    assert "fibws_graph" not in result.output
+
+
+def test_a_namespace_is_all_that_is_shown(run: Run, chatter: Link) -> None:
+    assert "/chatter" in run("graph", "chatter").output
+    result = run("graph", "/elsewhere")
+    assert result.output.endswith("No node is in /elsewhere.\n")
+    assert "/chatter" not in result.output
+
+
+def test_json_is_one_object(run: Run, chatter: Link) -> None:
+    result = run("graph", "--json")
+    assert result.output.count("\n") == 1
+    told = json.loads(result.output)
+    assert told["nodes"] == [chatter.node]
+    assert [topic["name"] for topic in told["topics"]] == ["/chatter"]
+
+
+def test_dot_is_graphviz(run: Run, chatter: Link) -> None:
+    result = run("graph", "--dot")
+    assert result.output.startswith("digraph graph_of_nodes {\n")
+    assert f'"node {chatter.node}" -> "topic /chatter";' in result.output
+
+
+def test_dot_and_json_are_two_things(run: Run) -> None:
+    result = run("graph", "--dot", "--json")
+    assert result.exit_code == 2
+    assert "--dot or --json, not both" in result.output
+
+
+def test_an_empty_graph_says_how_to_fill_it(run: Run) -> None:
+    result = run("graph")
+    assert result.exit_code == 0
+    assert result.output.endswith("No node is here yet. To see some: fibws demo\n")
+
+
+def test_what_cannot_show_lines_gets_ascii(hub: HubThread, chatter: Link) -> None:
+    result = CliRunner(charset="ascii").invoke(command, ["graph", "--hub", hub.url])
+    assert result.exit_code == 0, result.output
+    assert "---> [/chatter std_msgs/String] --->" in result.output
+
+
+def test_a_namespace_that_is_no_name_is_told(run: Run) -> None:
+    result = run("graph", "3x")
+    assert result.exit_code == 1
+    assert result.output.startswith("Error: '3x' is not a legal name")
