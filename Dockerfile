@@ -3,15 +3,20 @@
 
 ARG PYTHON_IMAGE=python:3.13-slim
 
-# The wheel is built here and installed into a virtual environment that has no pip;
+# It is installed here, into a virtual environment that has no pip;
 # whatever building needed stays behind in this stage. That is Node, too, for the hub's page: where
 # there is no npm, the build hook asks pip for one.
 FROM ${PYTHON_IMAGE} AS build
 WORKDIR /src
-COPY . .
-RUN pip wheel --no-cache-dir --no-deps --wheel-dir /wheels .
+# First what takes long and seldom changes: the page, which the hook keeps in fibws/web/dist, and
+# what fibws depends on. Neither is made anew because a Python file was edited.
+COPY pyproject.toml hatch_build.py README.md LICENSE ./
+COPY fibws/__init__.py fibws/
+COPY fibws/web fibws/web
 RUN python -m venv --without-pip /opt/fibws \
- && pip --python /opt/fibws/bin/python install --no-cache-dir /wheels/fibws-*.whl
+ && pip --python /opt/fibws/bin/python install --no-cache-dir .
+COPY . .
+RUN pip --python /opt/fibws/bin/python install --no-cache-dir --no-deps --force-reinstall .
 
 FROM ${PYTHON_IMAGE}
 # A number rather than a name below, because Kubernetes' runAsNonRoot cannot look names up.
@@ -22,7 +27,8 @@ ENV PATH=/opt/fibws/bin:$PATH \
     PYTHONUNBUFFERED=1
 # The base image comes without bytecode, and who is not root can keep none: each program, and each
 # check of the hub's health, would compile the standard library anew (0.2 s and more every time).
-RUN python -c "import fibws.hub.__main__, fibws.broadcaster, fibws.listener, urllib.request"
+RUN python -c "import fibws.hub.__main__, fibws.broadcaster, fibws.listener" \
+ && python -c "import urllib.request, encodings.idna"
 USER 10001
 WORKDIR /home/fibws
 EXPOSE 9090
