@@ -112,6 +112,18 @@ def test_the_hubs_version_is_compared(hub: HubThread, monkeypatch: pytest.Monkey
     assert "this is 99.0.1" in finding.text
 
 
+def test_a_hub_tells_its_version_by_a_name_of_its_machine_that_it_does_not_know(
+    hub: HubThread, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    find = socket.getaddrinfo
+
+    def find_robot(host: str, *others: object) -> object:
+        return find("127.0.0.1" if host == "robot" else host, *others)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(socket, "getaddrinfo", find_robot)
+    assert doctor.version(hub.url.replace("127.0.0.1", "robot")).verdict == "ok"
+
+
 @pytest.mark.parametrize("body", [b"", b"[]", b"{}", b"<html>\n", b"\xff"])
 def test_another_server_has_no_version(body: bytes, serve: Serve) -> None:
     finding = doctor.version(serve(200, body))
