@@ -84,7 +84,9 @@ class Introspection:
     def topics_for_type(self, request: dict[str, Any], caller: str) -> Answer:
         """The topics of a type."""
         wanted = self._canonical(request["type"])
-        return {"topics": [name for name, type_ in self._types_of_topics() if type_ == wanted]}
+        topics = self._graph.topics.values()
+        found = (each.name for each in topics if each.type is not None and each.type.name == wanted)
+        return {"topics": sorted(found)}
 
     def topic_type(self, request: dict[str, Any], caller: str) -> Answer:
         """The type of a topic."""
@@ -178,7 +180,7 @@ class Introspection:
             self._times_too_long += 1
             if is_power_of_ten(self._times_too_long):
                 logger.warning("The types of all topics have more text than rosapi will tell.")
-        return b'%b,"typedefs_full_text":[%b]}' % (self._kept(self._topics)[:-1], b",".join(texts))
+        return b'%b,"typedefs_full_text":[%b]}' % (self._topics()[:-1], b",".join(texts))
 
     def _services(self) -> bytes:
         return to_json({"services": sorted(self._graph.services)})
@@ -217,7 +219,8 @@ def actions_over_topics(topics: Iterable[str]) -> set[str]:
     found: defaultdict[str, set[str]] = defaultdict(set)
     for name in topics:
         namespace, _, topic = name.rpartition("/")
-        found[namespace].add(topic)
+        if topic in ACTION_TOPICS:
+            found[namespace].add(topic)
     servers = {namespace for namespace, held in found.items() if held >= ACTION_TOPICS}
     # Topics such as /goal are in no namespace, and so of no action.
     return servers - {""}

@@ -14,6 +14,7 @@ from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.service import Answer, Function
 from fibws.hub.graph.topic import Topic
 from fibws.hub.rosapi.clients import ConnectedClients
+from fibws.hub.rosapi.kept import KeptAnswers
 
 
 class Statistics:
@@ -26,6 +27,7 @@ class Statistics:
     def __init__(self, graph: Graph, clients: ConnectedClients) -> None:
         self._graph = graph
         self._clients = clients
+        self._just_now = KeptAnswers(graph).just_now
 
     def services(self) -> dict[str, tuple[str, Function]]:
         """The service by its global name, with its type and what answers it."""
@@ -33,6 +35,9 @@ class Statistics:
 
     def statistics(self, request: dict[str, Any], caller: str) -> Answer:
         """All totals, when that was, and the revision of the graph."""
+        return self._just_now(self._all)
+
+    def _all(self) -> bytes:
         secs, nsecs = divmod(self._graph.now(), 1_000_000_000)
         return to_json(
             {

@@ -38,6 +38,9 @@ class Calls:
 
     def call(self, request: CallService) -> None:
         """Call a service."""
+        if self._client.outbox.overfull:
+            # No answer would be kept, and an answer may be much work: the client is to be closed.
+            return
         spelling, hash_, suffix = request.service.partition("#")
         # There may be an id behind the name, as the real server's call_service.py takes it.
         id_ = suffix if hash_ and request.id is None else request.id

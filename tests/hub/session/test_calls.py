@@ -326,3 +326,12 @@ def test_a_call_that_is_none_has_an_answer_all_the_same(fields: dict[str, Any]) 
     assert (response["op"], response["id"], response["result"]) == ("service_response", "x", False)
     assert next(iter(fields)) in response["values"]
     assert client.forgotten
+
+
+def test_who_reads_no_answers_is_answered_no_more_once_it_is_to_be_closed() -> None:
+    _, provider, caller = adder_and_caller(max_queued_bytes=1_000)
+    caller.outbox.pause()
+    while not caller.outbox.overfull:
+        calls(caller, service="/nobodys")
+    calls(caller)
+    assert provider.hears() == []
