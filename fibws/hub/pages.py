@@ -67,7 +67,7 @@ NOT_BUILT = """\
 <p>Nodes and other clients can connect. The page that shows the graph has not been built in this
 checkout. Build it there, and start the hub again:</p>
 <pre>python -m pip install -e .</pre>
-<p>How the hub is doing is at <a href="/healthz">/healthz</a>.</p>
+<p>How the hub is doing is at <a href="healthz">healthz</a>.</p>
 """
 
 
@@ -166,7 +166,8 @@ def read(folder: Traversable = BUILT) -> dict[str, bytes]:
 def _accepts_gzip(headers: Headers) -> bool:
     """Whether Accept-Encoding names gzip, and not with the weight 0, which forbids it."""
     for coding in ",".join(headers.get_all("Accept-Encoding")).lower().split(","):
-        name, _, weight = coding.partition(";")
-        if name.strip() == "gzip":
-            return not weight or weight.replace(" ", "").strip("q=0.") != ""
+        name, _, weight = "".join(coding.split()).partition(";")
+        if name == "gzip":
+            # Of weights, only 0 has no other digit: q=0, q=0.000.
+            return not weight or weight.strip("q=0.") != ""
     return False

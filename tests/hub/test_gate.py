@@ -214,7 +214,30 @@ def test_nothing_is_anywhere_else() -> None:
     assert get("/favicon.ico").status_code == 404
 
 
-@pytest.mark.parametrize("path", ["/", "/roslib.js", "/healthz", "/nothing"])
+@pytest.mark.parametrize(
+    ("path", "status"),
+    [
+        ("/", 503),
+        ("/?node=x", 503),
+        ("/roslib.js?v=2", 404),
+        ("/healthz?x", 200),
+        ("/nothing", 404),
+    ],
+)
+def test_without_its_page_a_hub_tells_its_health_all_the_same(path: str, status: int) -> None:
+    gate = Gate(Settings(), Pages({}), dict)
+    for method in ("GET", "HEAD"):
+        response = gate.answer(Request(path, Headers(), method))
+        assert response is not None
+        assert response.status_code == status
+        assert (response.body == b"") is (method == "HEAD")
+        assert int(response.headers["Content-Length"]) > 0
+
+
+@pytest.mark.parametrize(
+    "path",
+    ["/", "/?node=x", "/roslib.js", "/roslib.js?v=2", "/healthz", "/healthz?x", "/nothing?x"],
+)
 def test_a_head_has_no_body_but_its_length(path: str) -> None:
     response, whole = get(path, "HEAD"), get(path)
     assert (response.status_code, response.body) == (whole.status_code, b"")

@@ -83,7 +83,10 @@ def test_only_what_has_its_digest_in_its_name_is_kept_without_asking(path: str, 
     assert get(path).headers["Cache-Control"] == kept
 
 
-@pytest.mark.parametrize("accepted", ["gzip", "gzip, deflate, br", "br, GZIP;q=0.5", "gzip;q=1.0"])
+@pytest.mark.parametrize(
+    "accepted",
+    ["gzip", "gzip, deflate, br", "br, GZIP;q=0.5", "gzip;q=0.05", "br;q=0, gzip;q=1.0"],
+)
 def test_who_accepts_gzip_gets_it(accepted: str) -> None:
     response = get("/assets/index-Cq7x.js", Accept_Encoding=accepted)
     assert response.headers["Content-Encoding"] == "gzip"
@@ -92,7 +95,10 @@ def test_who_accepts_gzip_gets_it(accepted: str) -> None:
     assert gzip.decompress(response.body) == SCRIPT
 
 
-@pytest.mark.parametrize("accepted", ["", "br", "gzip;q=0", "gzip; q=0.000", "x-gzip-like"])
+@pytest.mark.parametrize(
+    "accepted",
+    ["", "br", "*", "gzip;q=0", "gzip; q=0.000", "gzip ;\tQ = 0.0", "gzip;q=0, br", "x-gzip-like"],
+)
 def test_who_does_not_gets_the_file_as_it_is(accepted: str) -> None:
     response = get("/assets/index-Cq7x.js", Accept_Encoding=accepted)
     assert "Content-Encoding" not in response.headers
