@@ -8,25 +8,14 @@ from __future__ import annotations
 
 import json
 import os
-import socket
-import sys
 import time
 from collections import deque
 from collections.abc import Callable, Iterator
-from contextlib import suppress
 from typing import Any, Self, TypeAlias
 
-from websockets.client import ClientProtocol
-from websockets.exceptions import InvalidStatus
-from websockets.frames import Frame, Opcode
-from websockets.http11 import Response
-from websockets.uri import parse_uri
-
 from fibws import names
+from fibws.cli.stream import Stream
 from fibws.errors import (
-    HubLost,
-    HubUnreachable,
-    NoHub,
     OperationRejected,
     ServiceError,
     ServiceTimeout,
@@ -35,10 +24,9 @@ from fibws.errors import (
 from fibws.node import address
 
 PATIENCE = 5.0
-"""Seconds in which a hub must take a connection, and answer what it answers itself."""
-# Ctrl-C does not wake a socket on Windows.
-_SLICE = 0.5 if sys.platform == "win32" else None
-_CHUNK = 2**18
+"""Seconds in which a hub must answer what it answers itself."""
+MOST_KEPT = 10_000
+"""Operations that come while a call is waited for and are kept; more drop the oldest."""
 QUEUE_LENGTH = 1000
 """Messages that the hub is to keep of a topic, unless told otherwise, for a tool that is slow."""
 
@@ -67,53 +55,26 @@ class Link:
         self.node = names.resolve(name)
         """The global name that the tool has as a node."""
         self._operations: deque[Operation] = deque()
-        self._fragments: list[bytes] = []
         self._heard: dict[bytes, Hear] = {}
         self._calls = 0
-        uri = parse_uri(address.node_url(self.url, self.node))
-        # With none at all, TLS would say of nothing that it is an error.
-        self._least_wait = 0.001 if uri.secure else 0.0
-        self._protocol = ClientProtocol(uri, max_size=None)
-        self._socket = self._connect(uri.host, uri.port, secure=uri.secure)
-        try:
-            self._shake_hands()
-        except BaseException:
-            self._socket.close()
-            raise
+        self._stream = Stream(self.url, self.node)
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *error: object) -> None:
         if kind is not None and issubclass(kind, KeyboardInterrupt):
-            self._leave()
+            self._stream.leave()
         else:
             self.close()
 
     def close(self) -> None:
         """Say good-bye, and wait until the hub has read all that was sent."""
-        try:
-            if self._protocol.state.name == "OPEN":
-                self._protocol.send_close(1000)
-            self._flush()
-            deadline = time.monotonic() + PATIENCE
-            while (rest := deadline - time.monotonic()) > 0 and self._read(rest):
-                pass
-        except HubLost:
-            pass  # As it should be.
-        finally:
-            self._socket.close()
+        self._stream.close()
 
     def fileno(self) -> int:
         """For ``select``: when this can be read, there may be something to `receive`."""
-        return self._socket.fileno()
-
-    def _leave(self) -> None:
-        """Say good-bye and go: what Ctrl-C broke into may be in no state to be gone on with."""
-        with suppress(Exception):
-            self._protocol.send_close(1000)
-            self._flush()
-        self._socket.close()
+        return self._stream.fileno()
 
     def resolve(self, name: str) -> str:
         """The global name that a name stands for here; it raises `InvalidName` if it is none."""
@@ -130,8 +91,7 @@ class Link:
         Raises:
             HubLost: there is no hub any more.
         """
-        self._protocol.send_text(_json(operation))
-        self._flush()
+        self._stream.send(_json(operation))
 
     def receive(self, timeout: float | None = None) -> Operation | None:
         """The next operation that the hub sends, or None if none has come in ``timeout`` seconds.
@@ -173,7 +133,9 @@ class Link:
             if operation is None:
                 return
             if operation.get("op") == "publish" and operation.get("topic") == topic:
-                yield operation["msg"]
+                message = operation.get("msg")
+                if isinstance(message, dict):
+                    yield message
             check(operation)
 
     def call(
@@ -205,103 +167,61 @@ class Link:
         )
         # The hub gives up first, and says so.
         deadline = time.monotonic() + timeout + 1 if timeout else None
-        kept: list[Operation] = []
+        kept: deque[Operation] = deque(maxlen=MOST_KEPT)
         try:
             while True:
                 rest = None if deadline is None else max(0.0, deadline - time.monotonic())
                 operation = self.receive(rest)
-                if operation is None:
+                # Who never stops talking has not answered either.
+                is_over = rest == 0 and not self._operations and not _answers(operation, id_)
+                if operation is None or is_over:
                     raise ServiceTimeout(service, f"no response within {timeout:g} s")
-                if operation.get("id") == id_ and operation.get("op") == "service_response":
+                if _answers(operation, id_):
                     return _response(service, operation)
                 if operation.get("id") != id_:
                     kept.append(operation)
         finally:
             self._operations.extendleft(reversed(kept))
 
-    def _connect(self, host: str, port: int, *, secure: bool) -> socket.socket:
-        try:
-            connected = socket.create_connection((host, port), PATIENCE)
-            connected.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            if not secure:
-                return connected
-            import ssl  # 20 ms that few need
-
-            return ssl.create_default_context().wrap_socket(connected, server_hostname=host)
-        except (ConnectionRefusedError, TimeoutError) as error:
-            raise NoHub(self.url, _text(error)) from None
-        except OSError as error:
-            raise HubUnreachable(self.url, _text(error)) from None
-
-    def _shake_hands(self) -> None:
-        self._protocol.send_request(self._protocol.connect())
-        try:
-            self._flush()
-            deadline = time.monotonic() + PATIENCE
-            while self._protocol.state.name == "CONNECTING":
-                if self._protocol.handshake_exc is not None:
-                    raise HubUnreachable(self.url, _fault(self._protocol.handshake_exc))
-                if not self._read(deadline - time.monotonic()):
-                    raise HubUnreachable(self.url, f"no handshake within {PATIENCE:g} s")
-        except HubLost as error:
-            fault = self._protocol.handshake_exc
-            cause = error.cause if fault is None else _fault(fault)
-            raise HubUnreachable(self.url, cause) from None
-
     def _read(self, timeout: float | None) -> bool:
         """Take in what the hub has sent; False if that was nothing for so many seconds."""
-        waits = [each for each in (timeout, _SLICE) if each is not None]
-        waited = max(self._least_wait, min(waits)) if waits else None
-        self._socket.settimeout(waited)
-        try:
-            data = self._socket.recv(_CHUNK)
-        except (TimeoutError, BlockingIOError):
-            return timeout is None or (waited is not None and waited < timeout)
-        except OSError as error:
-            raise HubLost(self.url, _text(error)) from None
-        if data:
-            self._protocol.receive_data(data)
-        else:
-            self._protocol.receive_eof()
-        for event in self._protocol.events_received():
-            if isinstance(event, Frame):
-                self._take(event)
-            elif isinstance(event, Response) and self._protocol.handshake_exc is not None:
-                raise HubUnreachable(self.url, _fault(self._protocol.handshake_exc))
-        self._flush()
-        if not data or (self._protocol.close_rcvd is not None and not self._operations):
-            close = self._protocol.close_rcvd
-            said = "the connection broke" if close is None else close.reason or f"code {close.code}"
-            raise HubLost(self.url, said)
-        return True
+        is_news = self._stream.read(timeout)
+        while self._stream.messages:
+            self._take(self._stream.messages.popleft())
+        return is_news
 
-    def _take(self, frame: Frame) -> None:
-        if frame.opcode not in (Opcode.TEXT, Opcode.BINARY, Opcode.CONT):
-            return
-        self._fragments.append(bytes(frame.data))
-        if frame.fin:
-            data, self._fragments = b"".join(self._fragments), []
-            for head, hear in self._heard.items():
-                if data.startswith(head):
-                    hear(data[len(head) : -1])
-                    return
-            self._operations.append(json.loads(data))
+    def _take(self, message: bytes) -> None:
+        for head, hear in self._heard.items():
+            if message.startswith(head):
+                hear(message[len(head) : -1])
+                return
+        self._operations.append(self._operation(message))
 
-    def _flush(self) -> None:
-        """Send what the protocol has to say; empty bytes stand for the end of the stream."""
-        self._socket.settimeout(None)
+    def _operation(self, data: bytes) -> Operation:
         try:
-            for data in self._protocol.data_to_send():
-                if data:
-                    self._socket.sendall(data)
-        except OSError as error:
-            raise HubLost(self.url, _text(error)) from None
+            operation = json.loads(data.decode())
+        except (ValueError, RecursionError) as error:
+            raise self._stream.no_hub(f"it sends what is no JSON: {error}") from None
+        if not isinstance(operation, dict):
+            raise self._stream.no_hub(
+                f"it sends {data[:40].decode(errors='replace')!r}, no JSON object"
+            )
+        return operation
 
 
 def check(operation: Operation) -> None:
     """Raise `OperationRejected` if an operation is the hub's word that it refuses something."""
     if operation.get("op") == "status" and operation.get("level") == "error":
         raise OperationRejected(str(operation.get("msg")))
+
+
+def _answers(operation: Operation | None, id_: str) -> bool:
+    """Whether an operation is the response to the call of that id."""
+    return (
+        operation is not None
+        and operation.get("id") == id_
+        and operation.get("op") == "service_response"
+    )
 
 
 def _response(service: str, operation: Operation) -> dict[str, Any]:
@@ -311,7 +231,23 @@ def _response(service: str, operation: Operation) -> dict[str, Any]:
         if text == f"Service {service} does not exist":
             raise UnknownService(service, text)
         raise ServiceError(service, text)
-    return values if isinstance(values, dict) else {}
+    return Values(service, values if isinstance(values, dict) else {})
+
+
+class Values(dict[str, Any]):
+    """A service's response by the names of its fields.
+
+    A field that is not there raises `ServiceError`: another kind of hub may lack it.
+    """
+
+    def __init__(self, service: str, values: dict[str, Any]) -> None:
+        super().__init__(values)
+        self._service = service
+
+    def __missing__(self, name: str) -> Any:
+        raise ServiceError(
+            self._service, f"{self._service} told no {name}: this may be another kind of hub"
+        )
 
 
 def _json(value: object) -> bytes:
@@ -320,19 +256,3 @@ def _json(value: object) -> bytes:
 
 def _milliseconds() -> int:
     return time.time_ns() // 1_000_000
-
-
-def _text(error: OSError) -> str:
-    if type(error).__module__ == "ssl":  # which need not be imported for that
-        fault = getattr(error, "verify_message", "")
-        return f"its certificate: {fault}" if fault else "it speaks no TLS, so write ws://"
-    return (error.strerror or str(error) or type(error).__name__).lower()
-
-
-def _fault(error: Exception) -> str:
-    """Why the handshake failed, in the hub's own words if it is one."""
-    if isinstance(error, InvalidStatus):
-        body = bytes(error.response.body or b"").decode(errors="replace").strip().rstrip(".")
-        if error.response.status_code in (400, 403) and body:
-            return body
-    return f"what answers there is no hub ({error})"

@@ -11,6 +11,15 @@ import click
 
 from fibws.cli.message.typedefs import FLOATS, HEADER, STRINGS, TIMES, Field, Typedefs
 
+MOST_VALUES = 5_000_000
+"""Values in a document, repeated ones as often as they are: a few lines can stand for billions."""
+MOST_LEVELS = 500
+MOST_BITS = 1024
+"""Of a whole number: no field holds more, a float64 included."""
+LONGEST_WORD = 200
+"""Characters of what is told of a word that is no YAML."""
+FAULTS = (ValueError, RecursionError, AttributeError)
+"""What PyYAML raises besides its own: for a date of 2020-13-45, for [[[[..., for !!timestamp x."""
 _JSON = (str, int, float, list, dict)
 
 
@@ -32,13 +41,16 @@ def message(words: Sequence[str], typedefs: Typedefs) -> dict[str, Any]:
 
 
 def parse(word: str) -> Any:
-    """The value that a text in YAML stands for; it raises `UsageError` if that is none."""
+    """The value that a text in YAML stands for; it raises `ClickException` if that is none."""
     import yaml
 
     try:
-        return yaml.safe_load(word)
-    except (yaml.YAMLError, ValueError, RecursionError) as error:  # a date of 2020-13-45, [[[[...
-        raise click.UsageError(f"This is no YAML: {fault(error)}: {word!r}") from None
+        value = yaml.safe_load(word)
+        check_size(value)
+    except (yaml.YAMLError, *FAULTS) as error:
+        shown = word if len(word) <= LONGEST_WORD else f"{word[:LONGEST_WORD]}..."
+        raise click.UsageError(f"This is no YAML: {fault(error)}: {shown!r}") from None
+    return value
 
 
 def documents(stream: Any) -> Iterator[Any]:
@@ -46,9 +58,34 @@ def documents(stream: Any) -> Iterator[Any]:
     import yaml
 
     try:
-        yield from yaml.safe_load_all(stream)
-    except (yaml.YAMLError, ValueError, RecursionError) as error:
+        for value in yaml.safe_load_all(stream):
+            check_size(value)
+            yield value
+    except (yaml.YAMLError, *FAULTS) as error:
         raise click.UsageError(f"This is no YAML: {fault(error)}") from None
+
+
+def check_size(value: Any) -> None:
+    """See to it that a value from YAML, in which aliases may repeat others, can be walked through.
+
+    Raises:
+        ClickException: it has more values, or a larger number, than any message or parameter.
+        RecursionError: they are too deep in each other; one may hold itself.
+    """
+    level, seen = [value], 0
+    for _ in range(MOST_LEVELS):
+        above, level = level, []
+        for each in above:
+            if isinstance(each, list | dict):
+                level += each.values() if isinstance(each, dict) else each
+                if seen + len(level) > MOST_VALUES:
+                    raise click.ClickException(f"This YAML has more than {MOST_VALUES} values")
+            elif isinstance(each, int) and each.bit_length() > MOST_BITS:
+                raise click.ClickException("This YAML has a number that no field has room for")
+        if not level:
+            return
+        seen += len(level)
+    raise RecursionError("it has too many values in each other")
 
 
 def fault(error: Exception) -> str:

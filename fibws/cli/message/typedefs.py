@@ -73,7 +73,10 @@ class Typedefs:
     @classmethod
     def _ask(cls, link: Link, service: str, type_: str) -> Self:
         typedefs = link.call(service, {"type": type_})["typedefs"]
-        return cls(typedefs[0]["type"] if typedefs else type_, typedefs)
+        try:
+            return cls(typedefs[0]["type"] if typedefs else type_, typedefs)
+        except (LookupError, TypeError, ValueError):
+            raise ServiceError(service, f"what it told of {type_} is no rosapi/TypeDef[]") from None
 
     def __contains__(self, type_: str) -> bool:
         return type_ in self._fields

@@ -18,6 +18,8 @@ from fibws.cli.param import angles
 if TYPE_CHECKING:
     import yaml
 
+MOST_CHARACTERS = 2**26
+"""Of a file: no hub takes as many, and a device may have no end."""
 NAMESPACE = "_ns"
 """The key by which a document names the namespace of its parameters."""
 
@@ -61,11 +63,15 @@ def pretty(value: Any, indent: str = "") -> Iterator[str]:
 def text_of(path: Path) -> str:
     """What is in a file; it raises `ClickException` if it cannot be read as text."""
     try:
-        return path.read_text("utf-8")
+        with path.open(encoding="utf-8") as file:
+            text = file.read(MOST_CHARACTERS + 1)
     except OSError as error:
         raise click.ClickException(f"Cannot read {path}: {error.strerror}") from None
     except UnicodeDecodeError:
         raise click.ClickException(f"{path} is no text in UTF-8") from None
+    if len(text) > MOST_CHARACTERS:
+        raise click.ClickException(f"{path} has more than {MOST_CHARACTERS} characters")
+    return text
 
 
 def value(word: str) -> Any:
@@ -76,7 +82,7 @@ def value(word: str) -> Any:
         return yaml.load(word, _loader())
     except yaml.YAMLError as error:
         raise click.UsageError(f"This is no YAML: {reading.fault(error)}: {word!r}") from None
-    except (ValueError, RecursionError) as error:
+    except reading.FAULTS as error:
         raise click.UsageError(f"{word[:80]!r}: {error}") from None
 
 
@@ -103,7 +109,7 @@ def parameters(text: str, namespace: str) -> list[tuple[str, str]]:
                 found += leaves(above, document)
     except yaml.YAMLError as error:
         raise click.ClickException(f"This is no YAML: {reading.fault(error)}") from None
-    except (ValueError, RecursionError) as error:
+    except reading.FAULTS as error:
         raise click.ClickException(str(error)) from None
     return found
 
@@ -117,6 +123,7 @@ def leaves(name: str, value: Any) -> list[tuple[str, str]]:
         ClickException: the value is nothing that a parameter can be.
     """
     try:
+        reading.check_size(value)
         return list(_leaves(name, value))
     except RecursionError:
         raise click.ClickException(f"{name} has too many values in each other") from None

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import shutil
-import socket
-import ssl
-import subprocess
 import threading
-from contextlib import suppress
-from pathlib import Path
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 
 import pytest
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.server import ServerConnection, serve
 
+from fibws.cli import link as module
+from fibws.cli import stream
 from fibws.cli.link import Link, check
 from fibws.errors import (
-    HubLost,
     HubUnreachable,
     InvalidAddress,
-    NoHub,
     OperationRejected,
     ServiceError,
     ServiceTimeout,
@@ -83,12 +81,6 @@ def test_messages_can_be_heard_as_text(link: Link, publish: Publish) -> None:
     assert heard == [b'{"data":8}']
 
 
-def test_a_message_of_many_frames_is_whole(link: Link, publish: Publish) -> None:
-    publish("/text", "std_msgs/String", {"data": "ü" * 1_000_000})
-    link.subscribe("/text")
-    assert next(link.messages("/text", 20)) == {"data": "ü" * 1_000_000}
-
-
 def test_a_service_that_fails_says_why(link: Link) -> None:
     with pytest.raises(UnknownService, match="/nobodys"):
         link.call("/nobodys")
@@ -113,106 +105,90 @@ def test_a_refusal_is_an_operation_until_it_is_checked(link: Link) -> None:
     check({"op": "publish"})
 
 
-def test_no_hub_is_an_error_that_says_what_to_do() -> None:
-    with pytest.raises(NoHub, match=r"No hub at ws://127\.0\.0\.1:1\. Start one with: fibws hub"):
-        Link("test", "ws://127.0.0.1:1")
-
-
 def test_what_is_no_address_is_refused() -> None:
     with pytest.raises(InvalidAddress):
         Link("test", "http://127.0.0.1:1")
 
 
-@pytest.mark.parametrize(
-    ("response", "said"),
-    [
-        (b"HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\n\r\n", "what answers there is no hub"),
-        (b"HTTP/1.1 403 Forbidden\r\nContent-Length: 8\r\n\r\nGo away.", "reached: Go away$"),
-        (b"SSH-2.0-OpenSSH\r\n", "what answers there is no hub"),
-        (b"", "cannot be reached"),
-    ],
-)
-def test_what_will_not_have_it_is_an_error(response: bytes, said: str) -> None:
-    with socket.create_server(("127.0.0.1", 0)) as server:
+@contextmanager
+def stranger(*texts: str | bytes | list[str]) -> Iterator[str]:
+    """The address of what speaks WebSocket, and answers whatever is said with these texts."""
 
-        def answer() -> None:
-            connection, _ = server.accept()
-            with connection:
-                connection.recv(2**16)
-                connection.sendall(response)
+    def answer(connection: ServerConnection) -> None:
+        for _ in connection:
+            for text in texts:
+                connection.send(text, text=True)
 
-        thread = threading.Thread(target=answer)
+    with serve(answer, "127.0.0.1", 0) as server:
+        thread = threading.Thread(target=server.serve_forever)
         thread.start()
-        with pytest.raises(HubUnreachable, match=said):
-            Link("test", f"ws://127.0.0.1:{server.getsockname()[1]}")
+        yield f"ws://127.0.0.1:{server.socket.getsockname()[1]}"
+        server.shutdown()
         thread.join(20)
 
 
-@pytest.mark.skipif(not shutil.which("openssl"), reason="a certificate is made by openssl")
-def test_a_hub_may_be_behind_tls(
-    hub: HubThread, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        ("{garbage", "it sends what is no JSON"),
+        (b"\xff\xfe{", "it sends what is no JSON"),
+        ("[" * 100_000, "it sends what is no JSON"),
+        ("9" * 5_000, "it sends what is no JSON"),
+        ("[1, 2]", r"it sends '\[1, 2\]', no JSON object"),
+        ([""] * 5_000, "it sends a message in more than 4096 fragments"),
+        ("x" * 2_000, "exceeds limit of 1000 bytes"),
+        (["x"] * 2_000, "exceeds limit of 1000 bytes"),
+    ],
+)
+def test_who_does_not_speak_as_a_hub_is_an_error(
+    text: str | bytes | list[str], fault: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    certificate, key = str(tmp_path / "certificate.pem"), str(tmp_path / "key.pem")
-    make = ("openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-subj", "/CN=hub")
-    where = ("-addext", "subjectAltName=IP:127.0.0.1", "-keyout", key, "-out", certificate)
-    subprocess.run([*make, *where], check=True, capture_output=True, timeout=60)
-    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
-    context.load_cert_chain(certificate, key)
-    with socket.create_server(("127.0.0.1", 0)) as server:
+    if "exceeds" in fault:
+        monkeypatch.setattr(stream, "MOST_BYTES", 1_000)
+    with stranger(text) as url, Link("test", url) as link:
+        with pytest.raises(HubUnreachable, match=f"what answers there is no hub .*{fault}"):
+            link.call("/rosapi/get_time")
 
-        def relay() -> None:
-            for _ in range(2):
-                connection, _ = server.accept()
-                with (
-                    suppress(ssl.SSLError),
-                    context.wrap_socket(connection, server_side=True) as tls,
-                ):
-                    with socket.create_connection(("127.0.0.1", hub.port)) as plain:
-                        back = threading.Thread(target=pump, args=(plain, tls))
-                        back.start()
-                        pump(tls, plain)
-                        back.join(20)
 
-        relaying = threading.Thread(target=relay)
-        relaying.start()
-        url = f"wss://127.0.0.1:{server.getsockname()[1]}"
-        with pytest.raises(HubUnreachable, match="certificate"):
-            Link("test", url)
-        monkeypatch.setenv("SSL_CERT_FILE", certificate)
+def test_a_response_that_lacks_a_field_says_so_when_that_is_asked_for() -> None:
+    response = '{"op": "service_response", "id": "call:1", "values": {"one": 1}}'
+    with stranger(response) as url, Link("test", url) as link:
+        values = link.call("/s")
+        assert (values["one"], values.get("two")) == (1, None)
+        with pytest.raises(ServiceError, match="/s told no two: this may be another kind of hub"):
+            values["two"]
+
+
+def test_a_message_that_is_none_is_passed_over() -> None:
+    bad = ('{"op": "publish", "topic": "/t"}', '{"op": "publish", "topic": "/t", "msg": 5}')
+    with stranger(*bad, '{"op": "publish", "topic": "/t", "msg": {}}') as url:
         with Link("test", url) as link:
-            assert link.receive(0) is None
-            assert "time" in link.call("/rosapi/get_time")
-        relaying.join(20)
+            link.subscribe("/t")
+            assert next(link.messages("/t", 20)) == {}
 
 
-def test_a_hub_that_speaks_no_tls_is_told_by_what_to_write(hub: HubThread) -> None:
-    with pytest.raises(HubUnreachable, match="it speaks no TLS, so write ws://"):
-        Link("test", f"wss://127.0.0.1:{hub.port}")
+def test_a_call_ends_though_something_else_comes_without_end() -> None:
+    def chatter(connection: ServerConnection) -> None:
+        connection.recv()
+        with suppress(ConnectionClosed):
+            while True:
+                connection.send("{}")
+
+    with serve(chatter, "127.0.0.1", 0) as server:
+        thread = threading.Thread(target=server.serve_forever)
+        thread.start()
+        link = Link("test", f"ws://127.0.0.1:{server.socket.getsockname()[1]}")
+        with pytest.raises(ServiceTimeout, match=r"no response within 0\.01 s"):
+            link.call("/s", timeout=0.01)
+        link._stream.leave()
+        server.shutdown()
+        thread.join(20)
 
 
-def pump(source: socket.socket, target: socket.socket) -> None:
-    """Hand on all that comes, and the end of it."""
-    with suppress(OSError):
-        while data := source.recv(2**16):
-            target.sendall(data)
-        target.shutdown(socket.SHUT_WR)
-
-
-def test_the_end_of_the_hub_is_an_error(hub: HubThread) -> None:
-    link = Link("test", hub.url)
-    hub.stop()
-    with pytest.raises(HubLost, match=f"The hub at {hub.url} is gone: "):
-        while True:
-            link.receive(20)
-    link.close()
-
-
-def test_ctrl_c_leaves_at_once(hub: HubThread, link: Link) -> None:
-    with pytest.raises(KeyboardInterrupt), Link("other", hub.url) as other:
-        raise KeyboardInterrupt
-    while other.node in link.call("/rosapi/nodes")["nodes"]:
-        pass
-
-
-def test_a_link_can_be_waited_for(link: Link) -> None:
-    assert link.fileno() > 0
+def test_what_comes_during_a_call_is_kept_within_bounds(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "MOST_KEPT", 2)
+    others = [f'{{"op": "publish", "id": "{number}"}}' for number in range(5)]
+    response = '{"op": "service_response", "id": "call:1", "values": {}}'
+    with stranger(*others, response) as url, Link("test", url) as link:
+        link.call("/s")
+        assert [(link.receive(20) or {}).get("id") for _ in range(2)] == ["3", "4"]

@@ -93,7 +93,7 @@ def test_what_is_no_hub_is_named(serve: Serve) -> None:
 
 
 def test_what_speaks_no_http_is_told_of(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("fibws.cli.link.PATIENCE", 0.2)
+    monkeypatch.setattr("fibws.cli.stream.PATIENCE", 0.2)
     monkeypatch.setattr(doctor, "PATIENCE", 0.2)
     with socket.create_server(("127.0.0.1", 0)) as silent:
         finding = why_not(f"ws://127.0.0.1:{silent.getsockname()[1]}")

@@ -120,3 +120,32 @@ def test_a_file_may_have_several_documents() -> None:
     assert list(reading.documents(stream)) == [{"data": 1}, {"data": 2}]
     with pytest.raises(click.UsageError, match="no YAML"):
         list(reading.documents(io.StringIO("{")))
+
+
+BOMB = "\n".join(
+    ["a0: &a0 [0, 0, 0, 0, 0, 0, 0, 0, 0, 0]"]
+    + [f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 10)}]" for n in range(1, 12)]
+)
+
+
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        (BOMB, "more than 5000000 values"),
+        ("a: &a [*a]", "too many values in each other"),
+        ("a: &a {b: *a}", "too many values in each other"),
+        (f"a: 1{':59' * 5_000}", "no field has room for"),
+        ("a: !!timestamp x", "This is no YAML"),
+    ],
+)
+def test_what_would_never_end_is_refused(text: str, fault: str) -> None:
+    with pytest.raises(click.ClickException, match=fault):
+        reading.parse(text)
+    with pytest.raises(click.ClickException, match=fault):
+        list(reading.documents(text))
+
+
+def test_what_is_said_of_a_long_word_is_short() -> None:
+    with pytest.raises(click.ClickException) as refused:
+        reading.parse("9" * 5_000)
+    assert len(refused.value.message) < 500

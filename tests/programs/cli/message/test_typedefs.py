@@ -84,3 +84,13 @@ def test_a_stamp_is_in_a_header_that_comes_first(link: Link) -> None:
     assert typedefs.has_header("geometry_msgs/PoseStamped")
     assert not typedefs.has_header("geometry_msgs/Point")
     assert not typedefs.has_header("nobodys_msgs/Type")
+
+
+@pytest.mark.parametrize("typedefs", [5, [5], [{"type": "x"}], [{}]])
+def test_what_is_no_definition_is_an_error(
+    typedefs: object, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Link, "__init__", lambda *_: None)
+    monkeypatch.setattr(Link, "call", lambda *_: {"typedefs": typedefs})
+    with pytest.raises(ServiceError, match=r"is no rosapi/TypeDef\[\]"):
+        Typedefs.of_message(Link("test"), "std_msgs/Int32")

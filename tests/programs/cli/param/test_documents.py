@@ -105,6 +105,8 @@ def test_an_object_is_many_parameters() -> None:
         ("[.inf]", "Parameter [/x]: "),
         ("&x {a: *x}", "/x has too many values in each other"),
         ("&x [*x]", "/x has too many values in each other"),
+        (f"1{':59' * 500}", "a number that no field has room for"),
+        ("!!timestamp x", "'!!timestamp x': "),
     ],
 )
 def test_what_no_parameter_can_be_is_refused(word: str, fault: str) -> None:
@@ -141,6 +143,7 @@ def test_a_file_may_have_several_documents_and_name_namespaces() -> None:
         ("a: 2020-13-45", "month must be in 1..12"),
         ("a: deg(x)", "'deg(x)' is no angle in degrees"),
         ("[" * 1_000, "maximum recursion depth exceeded"),
+        ("a: !!timestamp x", "groupdict"),
     ],
 )
 def test_what_is_no_yaml_is_told(text: str, fault: str) -> None:
@@ -170,3 +173,15 @@ def test_pretty_is_for_people() -> None:
     ]
     assert list(documents.pretty("a: b")) == ["a: b"]
     assert list(documents.pretty(5)) == ["5"]
+
+
+@pytest.mark.skipif(not Path("/dev/zero").exists(), reason="there is no such device")
+def test_a_file_without_end_is_refused() -> None:
+    with pytest.raises(click.ClickException, match="/dev/zero has more than 67108864 characters"):
+        documents.text_of(Path("/dev/zero"))
+
+
+def test_few_lines_that_stand_for_billions_of_values_are_refused() -> None:
+    lines = [f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 10)}]" for n in range(1, 12)]
+    with pytest.raises(click.ClickException, match="more than 5000000 values"):
+        documents.parameters("\n".join(["a0: &a0 [0, 0]", *lines]), "/")

@@ -1,0 +1,129 @@
+"""The bytes between a tool and a hub."""
+
+from __future__ import annotations
+
+import shutil
+import socket
+import ssl
+import subprocess
+import threading
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+
+from fibws.cli.link import Link
+from fibws.errors import (
+    HubLost,
+    HubUnreachable,
+    NoHub,
+)
+
+from .conftest import HubThread, Publish
+
+
+def test_a_message_of_many_frames_is_whole(link: Link, publish: Publish) -> None:
+    publish("/text", "std_msgs/String", {"data": "ü" * 1_000_000})
+    link.subscribe("/text")
+    assert next(link.messages("/text", 20)) == {"data": "ü" * 1_000_000}
+
+
+def test_no_hub_is_an_error_that_says_what_to_do() -> None:
+    with pytest.raises(NoHub, match=r"No hub at ws://127\.0\.0\.1:1\. Start one with: fibws hub"):
+        Link("test", "ws://127.0.0.1:1")
+
+
+@pytest.mark.parametrize(
+    ("response", "said"),
+    [
+        (b"HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\n\r\n", "what answers there is no hub"),
+        (b"HTTP/1.1 403 Forbidden\r\nContent-Length: 8\r\n\r\nGo away.", "reached: Go away$"),
+        (b"HTTP/1.1 403 No\r\nContent-Length: 7\r\n\r\nGo\naway", "reached: Go away$"),
+        (b"SSH-2.0-OpenSSH\r\n", "what answers there is no hub"),
+        (b"", "cannot be reached"),
+    ],
+)
+def test_what_will_not_have_it_is_an_error(response: bytes, said: str) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+
+        def answer() -> None:
+            connection, _ = server.accept()
+            with connection:
+                connection.recv(2**16)
+                connection.sendall(response)
+
+        thread = threading.Thread(target=answer)
+        thread.start()
+        with pytest.raises(HubUnreachable, match=said):
+            Link("test", f"ws://127.0.0.1:{server.getsockname()[1]}")
+        thread.join(20)
+
+
+@pytest.mark.skipif(not shutil.which("openssl"), reason="a certificate is made by openssl")
+def test_a_hub_may_be_behind_tls(
+    hub: HubThread, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    certificate, key = str(tmp_path / "certificate.pem"), str(tmp_path / "key.pem")
+    make = ("openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-subj", "/CN=hub")
+    where = ("-addext", "subjectAltName=IP:127.0.0.1", "-keyout", key, "-out", certificate)
+    subprocess.run([*make, *where], check=True, capture_output=True, timeout=60)
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    context.load_cert_chain(certificate, key)
+    with socket.create_server(("127.0.0.1", 0)) as server:
+
+        def relay() -> None:
+            for _ in range(2):
+                connection, _ = server.accept()
+                with (
+                    suppress(ssl.SSLError),
+                    context.wrap_socket(connection, server_side=True) as tls,
+                ):
+                    with socket.create_connection(("127.0.0.1", hub.port)) as plain:
+                        back = threading.Thread(target=pump, args=(plain, tls))
+                        back.start()
+                        pump(tls, plain)
+                        back.join(20)
+
+        relaying = threading.Thread(target=relay)
+        relaying.start()
+        url = f"wss://127.0.0.1:{server.getsockname()[1]}"
+        with pytest.raises(HubUnreachable, match="certificate"):
+            Link("test", url)
+        monkeypatch.setenv("SSL_CERT_FILE", certificate)
+        with Link("test", url) as link:
+            assert link.receive(0) is None
+            assert "time" in link.call("/rosapi/get_time")
+        relaying.join(20)
+
+
+def test_a_hub_that_speaks_no_tls_is_told_by_what_to_write(hub: HubThread) -> None:
+    with pytest.raises(HubUnreachable, match="it speaks no TLS, so write ws://"):
+        Link("test", f"wss://127.0.0.1:{hub.port}")
+
+
+def pump(source: socket.socket, target: socket.socket) -> None:
+    """Hand on all that comes, and the end of it."""
+    with suppress(OSError):
+        while data := source.recv(2**16):
+            target.sendall(data)
+        target.shutdown(socket.SHUT_WR)
+
+
+def test_the_end_of_the_hub_is_an_error(hub: HubThread) -> None:
+    link = Link("test", hub.url)
+    hub.stop()
+    with pytest.raises(HubLost, match=f"The hub at {hub.url} is gone: "):
+        while True:
+            link.receive(20)
+    link.close()
+
+
+def test_ctrl_c_leaves_at_once(hub: HubThread, link: Link) -> None:
+    with pytest.raises(KeyboardInterrupt), Link("other", hub.url) as other:
+        raise KeyboardInterrupt
+    while other.node in link.call("/rosapi/nodes")["nodes"]:
+        pass
+
+
+def test_a_link_can_be_waited_for(link: Link) -> None:
+    assert link.fileno() > 0
