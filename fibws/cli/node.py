@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator
 import click
 
 from fibws.cli import complete, output
+from fibws.cli.ending import end_line
 from fibws.cli.link import Link
 from fibws.cli.snapshot import Entry, Snapshot, within
 from fibws.cli.tool import json_option, linked
@@ -96,7 +97,7 @@ def ping(link: Link, node: str | None, everyone: bool, count: int | None) -> Non
                 break
             _pause(link, PING_INTERVAL)
     except KeyboardInterrupt:
-        pass  # That is how it ends.
+        end_line()  # That is how it ends.
     if len(took) > 1:
         output.line(f"ping average: {sum(took) / len(took):.2f}ms")
 

@@ -11,6 +11,7 @@ VALUES: dict[str, Any] = {"ignore_unknown_options": True}
 """The settings of a command whose arguments may be negative numbers: `check` knows which are."""
 
 _NEGATIVE = re.compile(r"-(\.?\d.*|\.inf|\s.*|)", re.IGNORECASE | re.DOTALL)
+_NUMBER = re.compile(r"-\.?\d[\d.e+-]*", re.IGNORECASE)
 
 
 def check(context: click.Context, parameter: click.Parameter, words: Any) -> Any:
@@ -19,3 +20,20 @@ def check(context: click.Context, parameter: click.Parameter, words: Any) -> Any
         if word.startswith("-") and not _NEGATIVE.fullmatch(word) and word != "---":
             raise click.NoSuchOption(word, ctx=context)
     return words
+
+
+class DigitOptions(click.Command):
+    """A command with an option such as ``-1``: negative numbers have to stand behind ``--``."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Parse the words; a `UsageError` names the ``--`` that is missing before a number."""
+        words = args[: args.index("--")] if "--" in args else list(args)
+        try:
+            return super().parse_args(ctx, args)
+        except click.NoSuchOption:
+            options = {name for each in self.params for name in each.opts}
+            for word in words:
+                if _NUMBER.fullmatch(word) and word not in options:
+                    remedy = f"write -- before the values, as in -- {word}"
+                    raise click.UsageError(f"{word} is taken for options: {remedy}", ctx) from None
+            raise

@@ -26,6 +26,8 @@ def hub_url(address: str) -> str:
         raise InvalidAddress(address, str(error)) from None
     if parts.scheme not in ("ws", "wss"):
         raise InvalidAddress(address, f"a hub speaks ws:// or wss://, not {parts.scheme}://")
+    if address.isdigit():
+        raise InvalidAddress(address, "a number alone names no host")
     if not parts.hostname or any(character.isspace() for character in url):
         raise InvalidAddress(address, "it names no host")
     if port == 0 or parts.fragment:

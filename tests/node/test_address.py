@@ -28,6 +28,7 @@ def test_an_address_may_leave_out_what_is_clear(address: str, url: str) -> None:
     ("address", "fault"),
     [
         ("http://robot:9090", "not http://"),
+        ("9090", "a number alone names no host"),
         ("ws://", "no host"),
         ("", "no host"),
         ("ws://:9090", "no host"),

@@ -9,7 +9,7 @@ import click
 
 from fibws.cli import complete, output, words
 from fibws.cli.action.goal import End, Feedback, Goal, News, OperationGoal, Status, TopicGoal
-from fibws.cli.ending import INTERRUPTED
+from fibws.cli.ending import INTERRUPTED, end_line
 from fibws.cli.link import Link
 from fibws.cli.message import printing, reading
 from fibws.cli.message.typedefs import Typedefs, if_known
@@ -125,6 +125,7 @@ def send(
         end = _follow(sent, printer)
     except KeyboardInterrupt:
         sent.cancel()
+        end_line()
         click.echo("canceling the goal", err=True)
         _follow(sent, printer, timeout=CANCEL_PATIENCE)
         sys.exit(INTERRUPTED)

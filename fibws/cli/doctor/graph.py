@@ -82,22 +82,17 @@ def ends(view: View) -> Iterator[Finding]:
 
 
 def same_names(view: View) -> Iterator[Finding]:
-    """Things of different kinds that have one name, which ROS allows and people confuse."""
-    kinds: defaultdict[str, list[str]] = defaultdict(list)
-    for kind, found in (
-        ("topic", view.topics),
-        ("service", view.services),
-        ("action", view.actions),
-    ):
-        for each in found:
-            kinds[each.name].append(kind)
-    for name, several in sorted(kinds.items()):
-        if len(several) > 1:
-            yield warning(
-                "names",
-                f"{name} is a {' and a '.join(several)}".replace("a action", "an action"),
-                "Both work, but give one of them a name of its own.",
-            )
+    """Topics and services of one name, which ROS allows and people confuse.
+
+    An action is no clash: it has its topics in the namespace of its name.
+    """
+    services = {each.name for each in view.services}
+    for name in sorted(each.name for each in view.topics if each.name in services):
+        yield warning(
+            "names",
+            f"{name} is a topic and a service",
+            "Both work, but give one of them a name of its own.",
+        )
 
 
 def twins(view: View) -> Iterator[Finding]:

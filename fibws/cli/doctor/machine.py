@@ -101,7 +101,7 @@ def encoding() -> Finding:
 def environment(hub: str) -> Iterator[Finding]:
     """Whether environment variables are what they should be."""
     faults = [*_namespace(), *_address(hub), *_proxies(hub), *_of_ros()]
-    yield from faults or [ok("environment", _told())]
+    yield from faults or [ok("environment", _told(hub))]
 
 
 def _namespace() -> Iterator[Finding]:
@@ -140,10 +140,13 @@ def _of_ros() -> Iterator[Finding]:
         )
 
 
-def _told() -> str:
+def _told(hub: str) -> str:
     known = (address.ENVIRONMENT, "ROS_NAMESPACE", "FIBWS_INTERFACES")
     told = [f"{name}={os.environ[name]}" for name in known if os.environ.get(name)]
-    return ", ".join(told) or f"No variable of fibws is set, so the hub is {address.DEFAULT}"
+    if told:
+        return ", ".join(told)
+    so = f", so the hub is {hub}" if hub == address.DEFAULT else ""
+    return f"No variable of fibws is set{so}"
 
 
 def _numbers(version: str) -> tuple[int, ...]:

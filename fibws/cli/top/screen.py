@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 KEYS = {"r": "rate", "b": "bw", "n": "name"}
 """What a key has the topics sorted by."""
+KEYS_SHOWN = "q: quit, r: rate, b: bw, n: name"
+"""What the keys do, in as few characters as there is room for in a line of 80."""
 SLICE = 0.5
 """Seconds between two looks at the connection: a hub ends one that answers no ping."""
 
@@ -50,7 +52,7 @@ class Screen:
 
     def show(self, measure: Measure, url: str, sort: str) -> None:
         """Show a measure, as much of it as there is room for."""
-        head = f"{url}  by {sort}  keys: q r b n  {time.strftime('%X')}"
+        head = f"{url}  {time.strftime('%X')}  by {sort}  {KEYS_SHOWN}"
         self._show(tables(measure, head, self._console.width, self._console.height))
 
     def wait(self, seconds: float, meanwhile: Callable[[], None]) -> str:

@@ -16,6 +16,8 @@ from fibws.cli.message.typedefs import Typedefs
 from fibws.cli.tool import linked
 from fibws.cli.topic import pipe
 from fibws.cli.topic.publisher import Publisher
+from fibws.cli.types.whole import whole
+from fibws.cli.words import DigitOptions
 
 LINGER = 3.0
 """Seconds that a message is there for late listeners if it is published once, as in rostopic."""
@@ -23,7 +25,7 @@ RATE = 10.0
 """Messages a second of those that come from a file or a pipe."""
 
 
-@click.command()
+@click.command(cls=DigitOptions)
 @click.argument("topic", shell_complete=complete.topics)
 @click.argument("type_", metavar="TYPE", shell_complete=complete.type_of_topic)
 @click.argument("words", metavar="[ARGS]...", nargs=-1)
@@ -76,7 +78,7 @@ def command(
     if words and file is not None:
         raise click.UsageError("args conflict with -f setting")
     values = [reading.parse(word) for word in words]
-    publisher = Publisher(link, link.resolve(topic), type_, latch=latch or rate is None)
+    publisher = Publisher(link, link.resolve(topic), whole(type_), latch=latch or rate is None)
     typedefs = publisher.typedefs
     if values or _has_no_fields(typedefs):
         messages = _of_words(values, typedefs, anew=substitute)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import signal
+import sys
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
@@ -20,6 +21,7 @@ from fibws.msg.example_interfaces import FibonacciResult as Ros2Result
 from ..conftest import Start
 from .conftest import HubThread, Run
 from .peers import ACTION_TOPICS, Peer, peer
+from .terminal import Terminal
 
 ROS1, ROS2 = "actionlib_tutorials/Fibonacci", "example_interfaces/Fibonacci"
 
@@ -185,6 +187,20 @@ async def test_ctrl_c_cancels_the_goal(hub: HubThread, start: Start, name: str) 
     assert code == 130
     lines = err.splitlines()
     assert lines.index("canceling the goal") < lines.index("PREEMPTED")
+
+
+@needs_server
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pty")
+def test_on_a_terminal_what_ctrl_c_does_begins_a_line(hub: HubThread) -> None:
+    words = ("fibws", "action", "send", "-f", "--hub", hub.url, "/ros1/count", "0")
+    tool = Terminal(sys.executable, "-m", *words)
+    try:
+        tool.wait_for("---")
+        tool.process.send_signal(signal.SIGINT)
+        tool.wait_for("\n\r\ncanceling the goal")
+        assert tool.ended() == 130
+    finally:
+        tool.close()
 
 
 @needs_server

@@ -159,9 +159,13 @@ def test_ctrl_c_ends_a_ping_with_the_average(run: Run, monkeypatch: pytest.Monke
             raise KeyboardInterrupt
 
     monkeypatch.setattr(node, "_pause", pause)
+    monkeypatch.setattr(node, "end_line", lambda: print("the line of ^C"))
     result = run("node", "ping", "rosapi")
     assert result.exit_code == 0
-    assert len(result.output.splitlines()) == 1 + 3 + 1
+    _, *replies, interrupted, average = result.output.splitlines()
+    assert len(replies) == 3
+    assert interrupted == "the line of ^C"
+    assert average.startswith("ping average: ")
 
 
 def test_between_two_pings_there_is_a_pause(link: Link, monkeypatch: pytest.MonkeyPatch) -> None:

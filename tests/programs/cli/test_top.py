@@ -103,7 +103,7 @@ def test_a_hub_that_goes_gives_the_terminal_back(hub: HubThread, terminal: Take)
 @on_terminals
 def test_a_key_sorts(terminal: Take) -> None:
     top = terminal(TERM="xterm")
-    top.wait_for("by rate")
+    top.wait_for("by rate  q: quit, r: rate, b: bw, n: name")
     top.type("n")
     top.wait_for("by name")
     top.type("b")

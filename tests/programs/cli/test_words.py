@@ -37,3 +37,25 @@ def test_what_is_neither_is_said_to_be_no_option(word: str) -> None:
     assert result.exit_code == 2
     assert "No such option" in result.output
     assert word in result.output
+
+
+@click.command(cls=words.DigitOptions)
+@click.argument("values", nargs=-1)
+@click.option("-1", "--once", "once", is_flag=True)
+def once(values: tuple[str, ...], once: bool) -> None:
+    click.echo(f"{list(values)} {once}")
+
+
+@pytest.mark.parametrize("word", ["-5", "-15", "-1.5", "-.5", "-1e5"])
+def test_where_options_are_digits_a_number_is_to_stand_behind_two_dashes(word: str) -> None:
+    result = CliRunner().invoke(once, ["-1", word])
+    assert result.exit_code == 2
+    assert f"Error: {word} is taken for options: write -- before the values" in result.output
+    assert CliRunner().invoke(once, ["-1", "--", word]).output == f"{[word]} True\n"
+
+
+@pytest.mark.parametrize("arguments", [["-1", "-z"], ["-z", "--", "-5"], ["-z5"]])
+def test_what_is_no_number_is_no_option_there_either(arguments: list[str]) -> None:
+    result = CliRunner().invoke(once, arguments)
+    assert result.exit_code == 2
+    assert "No such option" in result.output

@@ -94,10 +94,12 @@ def test_things_of_two_kinds_with_one_name_are_named() -> None:
             actions=(("/y", "/n", False),),
         )
     )
-    assert texts(told["names"]) == [
-        ("warning", "/x is a topic and a service"),
-        ("warning", "/y is a service and an action"),
-    ]
+    assert texts(told["names"]) == [("warning", "/x is a topic and a service")]
+
+
+def test_an_action_may_have_the_name_of_a_topic() -> None:
+    ways = (("/count", "/n", False), ("/count", "/n", True))
+    assert found(graph(topic("/count", "/n", "/m"), actions=ways))["names"][0].verdict == "ok"
 
 
 def test_a_program_that_runs_twice_is_seen_by_what_it_publishes() -> None:

@@ -88,6 +88,11 @@ def test_an_empty_environment_is_fine() -> None:
     assert HUB in finding.text
 
 
+def test_a_hub_that_was_named_is_not_said_to_be_the_default() -> None:
+    (finding,) = machine.environment("ws://robot:9091")
+    assert (finding.verdict, finding.text) == ("ok", "No variable of fibws is set")
+
+
 def test_what_is_set_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("FIBWS_HUB", "robot")
     (finding,) = machine.environment("robot")

@@ -129,7 +129,8 @@ def test_a_message_with_no_fields_needs_no_values(run: Run) -> None:
     ("words", "code", "said"),
     [
         (["/x", "std_msgs/Strin", "a"], 1, "did you mean std_msgs/String?"),
-        (["/x", "Strin", "a"], 1, "Strin is not a valid type string"),
+        (["/x", "String", "a"], 2, "'String' lacks its package; did you mean std_msgs/String?"),
+        (["/x", "std_msgs/Int32", "-5"], 2, "-5 is taken for options: write -- before the"),
         (["/x", "std_msgs/Int32", "3000000000"], 1, "for field data"),
         (["/rosout", "std_msgs/Int32", "1"], 1, "already established with type"),
         (["/x y", "std_msgs/Int32", "1"], 1, "is not a legal name"),
