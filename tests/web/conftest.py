@@ -119,8 +119,9 @@ async def open_page(browser: Browser, complaints: Complaints) -> AsyncIterator[O
     """Opens the page of a hub: ``await open_page(hub, "#/topics", width=360)``.
 
     Keywords besides ``width`` and ``height`` are those of playwright's ``new_context``, such as
-    ``color_scheme="dark"``; ``prepare`` is JavaScript that runs before the page's own. The
-    connection to the hub is there when it is given.
+    ``color_scheme="dark"``; ``prepare`` is JavaScript that runs before the page's own, ``address``
+    where the page is if that is not the hub's own. The connection to the hub is there when it is
+    given.
     """
     if not (DIST / "index.html").exists() and not os.environ.get("CI"):
         pytest.skip("the page is not built: npm ci && npm run build, in fibws/web")
@@ -132,6 +133,7 @@ async def open_page(browser: Browser, complaints: Complaints) -> AsyncIterator[O
         width: int = 1280,
         height: int = 800,
         prepare: str = "",
+        address: str = "",
         **context: Any,
     ) -> Page:
         viewport: ViewportSize = {"width": width, "height": height}
@@ -139,7 +141,7 @@ async def open_page(browser: Browser, complaints: Complaints) -> AsyncIterator[O
         page = await its_own.new_page()
         complaints.watch(page)
         await page.add_init_script(prepare)
-        await page.goto(f"{web_address(hub)}/{route}")
+        await page.goto(f"{address or web_address(hub)}/{route}")
         await page.wait_for_selector("#hub[data-state=open]")
         return page
 

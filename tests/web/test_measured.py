@@ -32,7 +32,7 @@ PER_SECOND = 50
 """Messages that the hub sends to a page that plots a topic, however fast that is published."""
 SAID = 5
 """Of so many messages one is followed by something on /rosout."""
-PAUSE = 250
+PAUSE = 1500
 """After so many messages the page may do something else."""
 
 
@@ -90,6 +90,11 @@ async def test_200_nodes_and_300_topics_freeze_nothing_while_nodes_come_and_go(
             await subscribe(client, "/robot_1/topic_1")
             await expect(nodes).to_have_count(201)
         await expect(nodes).to_have_count(200)
+        details = page.locator(".details")
+        await page.evaluate("location.hash = '#/graph/node/%2Frobot_0%2Fnode_0'")
+        await expect(details).to_contain_text("/robot_0/topic_0")
+        await page.keyboard.press("Escape")
+        await expect(details).to_be_hidden()
         for tab in ("topics", "graph"):
             await page.locator(f"#tab-{tab}").click()
             await expect(page.locator("#stage")).to_contain_text("/robot_0/topic_7")

@@ -53,7 +53,7 @@ async def test_a_service_is_found_in_the_list_and_called(
     hub: Hub, node: fibws.Node, open_page: OpenPage
 ) -> None:
     page = await open_page(hub, "#/services")
-    names = page.locator(".topic-list tbody th a")
+    names = page.locator(".browse-list tbody th a")
     await expect(names).to_have_text(["/add_two_ints", "/speak"])
     await page.get_by_label("Filter services").fill("addtwo")
     await expect(names).to_have_text(["/add_two_ints"])
@@ -89,11 +89,11 @@ async def test_what_the_provider_says_is_told_in_words(
 ) -> None:
     page = await open_page(hub, ADD)
     await call(page, "13", "2")
-    await expect(page.locator(".topic-page > .error")).to_contain_text(f"13 is no good {MARKUP}")
+    await expect(page.locator(".browse-page > .error")).to_contain_text(f"13 is no good {MARKUP}")
     await expect(page.get_by_text("failed after")).to_be_visible()
     await call(page, "12", "2")
     await expect(page.locator(".service-response .tree")).to_have_text("sum:14")
-    await expect(page.locator(".topic-page > .error")).to_be_hidden()
+    await expect(page.locator(".browse-page > .error")).to_be_hidden()
 
 
 async def test_a_request_without_fields_and_a_response_with_markup(

@@ -1,7 +1,7 @@
 /** What is at hand in the page's own console: `ROSLIB`, and a connection called `ros`. */
 import type { Ros } from "roslib";
 
-import { randomHex } from "./hub";
+import { asNode, randomHex } from "./hub";
 
 /** Two lines to begin with. */
 export const EXAMPLE = `const fibonacci = new ROSLIB.Topic({ros, name: "/fibonacci", messageType: "std_msgs/Int32"});
@@ -38,7 +38,7 @@ export function offer(url: string): void {
 
 function connected(url: string): Ros {
   const ros = new ROSLIB.Ros();
-  const address = `${url}${url.includes("?") ? "&" : "?"}node=/browser_${randomHex()}`;
+  const address = asNode(url, `/browser_${randomHex()}`);
   const connect = () => void ros.connect(address).catch(console.error);
   ros.on("close", () => window.setTimeout(connect, PAUSE));
   ros.on("error", () => undefined);

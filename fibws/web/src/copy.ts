@@ -1,4 +1,6 @@
 /** One click to copy. */
+import "./copy.css";
+
 import { h } from "./dom";
 
 /** How long the button says what it did, in ms. */
@@ -28,7 +30,7 @@ export function copyable(text: string, what: string): HTMLElement {
   return h(
     "div",
     { class: "copyable" },
-    h("pre", { tabindex: 0, "aria-label": what }, code),
+    h("pre", { tabindex: 0, role: "group", "aria-label": what }, code),
     button,
   );
 }

@@ -58,10 +58,18 @@ export function moment(secs: number, nsecs: number): string {
   if (secs === 0 && nsecs === 0) return "0";
   const date = new Date(secs * 1000);
   if (Number.isNaN(date.getTime())) return `${secs} s`;
-  const two = (part: number): string => String(part).padStart(2, "0");
   const day = `${date.getFullYear()}-${two(date.getMonth() + 1)}-${two(date.getDate())}`;
-  const time = `${two(date.getHours())}:${two(date.getMinutes())}:${two(date.getSeconds())}`;
-  return `${day} ${time}.${String(Math.floor(nsecs / 1000)).padStart(6, "0")}`;
+  return `${day} ${timeOfDay(secs)}.${String(Math.floor(nsecs / 1000)).padStart(6, "0")}`;
+}
+
+/** The local time of day, without the parts of a second: `20:35:15`. */
+export function timeOfDay(secs: number): string {
+  const date = new Date(secs * 1000);
+  return [date.getHours(), date.getMinutes(), date.getSeconds()].map(two).join(":");
+}
+
+function two(part: number): string {
+  return String(part).padStart(2, "0");
 }
 
 /** A length of time to the nanosecond, without trailing zeros: `1.5 s`. */

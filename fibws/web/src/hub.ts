@@ -86,8 +86,7 @@ export class Hub {
   /** Try to connect now, rather than when the next attempt is due. */
   connect(): void {
     window.clearTimeout(this.#attempt);
-    const query = this.url.includes("?") ? "&" : "?";
-    this.#ros.connect(`${this.url}${query}node=${this.node}`).catch(() => this.#retry());
+    this.#ros.connect(asNode(this.url, this.node)).catch(() => this.#retry());
   }
 
   /** Give up a connection on which nothing comes back any more, and connect anew. */
@@ -147,12 +146,13 @@ export class Hub {
   /**
    * Hear a topic, until the function that is given back is called.
    *
+   * No type is named: a subscriber that names one keeps nodes from giving the topic another.
+   *
    * `refused` hears why the hub will not have it, each time that it is asked. The hub knows one
    * rate per topic and client; a listener that wants fewer messages than another gets fewer.
    */
   subscribe(
     topic: string,
-    type: string,
     { throttle = 0, queue = 0 }: SubscribeOptions,
     hear: (message: Message) => void,
     refused?: (why: string) => void,
@@ -171,7 +171,6 @@ export class Hub {
       op: "subscribe",
       id,
       topic,
-      type,
       throttle_rate: throttle,
       queue_length: queue,
     } as Operation;
@@ -276,6 +275,11 @@ export class Hub {
 
 function text(status: unknown): string {
   return String((status as { msg?: unknown }).msg ?? "The hub refused, without a reason");
+}
+
+/** The address at which a hub takes a client for the node of that name. */
+export function asNode(url: string, node: string): string {
+  return `${url}${url.includes("?") ? "&" : "?"}node=${node}`;
 }
 
 export function randomHex(): string {

@@ -57,3 +57,30 @@ test("the operations can be said again", () => {
   listeners.remove("1");
   expect(listeners.operations()).toEqual(["subscribe two"]);
 });
+
+test("what is latched is heard once by each, whoever comes", () => {
+  const listeners = new Listeners<string>();
+  const heard: [string, unknown][] = [];
+  listeners.add("1", "", 0, ({ data }) => heard.push(["1", data]));
+  listeners.tell({ data: 8 });
+  listeners.add("2", "", 0, ({ data }) => heard.push(["2", data]));
+  listeners.tell({ data: 8 });
+  listeners.tell({ data: 8 });
+  expect(heard).toEqual([
+    ["1", 8],
+    ["2", 8],
+    ["1", 8],
+    ["2", 8],
+  ]);
+});
+
+test("what is new is heard by all, whoever came last", () => {
+  const listeners = new Listeners<string>();
+  const [one, other] = [vi.fn(), vi.fn()];
+  listeners.add("1", "", 0, one);
+  listeners.tell({ data: 8 });
+  listeners.add("2", "", 0, other);
+  listeners.tell({ data: 13 });
+  expect(one).toHaveBeenCalledTimes(2);
+  expect(other).toHaveBeenCalledTimes(1);
+});

@@ -5,7 +5,7 @@ interface Listener<Operation> {
   readonly operation: Operation;
   readonly throttle: number;
   readonly hear: (message: Message) => void;
-  /** When it last heard one, in ms. */
+  /** When it last heard one, in ms; -Infinity if it has not yet. */
   heard: number;
   /** The newest message that came too early for it. */
   kept: Message | undefined;
@@ -14,6 +14,7 @@ interface Listener<Operation> {
 
 export class Listeners<Operation = never> {
   readonly #listeners = new Map<string, Listener<Operation>>();
+  #newest: Message | undefined;
 
   get empty(): boolean {
     return this.#listeners.size === 0;
@@ -43,13 +44,22 @@ export class Listeners<Operation = never> {
   }
 
   tell(message: Message): void {
-    const least = Math.min(...Array.from(this.#listeners.values(), ({ throttle }) => throttle));
-    for (const listener of [...this.#listeners.values()]) {
+    const all = [...this.#listeners.values()];
+    const newcomers = all.filter(({ heard }) => heard === -Infinity);
+    // What is latched is told to each newcomer; the others have heard it.
+    const again = newcomers.length > 0 && newcomers.length < all.length && this.#isNewest(message);
+    this.#newest = message;
+    const least = Math.min(...all.map(({ throttle }) => throttle));
+    for (const listener of again ? newcomers : all) {
       // The hub itself keeps the shortest time; doing so again here would pass messages over.
       const wait = listener.heard + listener.throttle - performance.now();
       if (listener.throttle <= least || wait <= 0) this.#hand(listener, message);
       else this.#keep(listener, message, wait);
     }
+  }
+
+  #isNewest(message: Message): boolean {
+    return JSON.stringify(message) === JSON.stringify(this.#newest);
   }
 
   #keep(listener: Listener<Operation>, message: Message, wait: number): void {

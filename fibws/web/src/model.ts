@@ -1,8 +1,9 @@
 /** The graph as the hub tells it, and how much flows in it. */
 import { Log } from "./console/log";
 import { type Hub, NoAnswer } from "./hub";
-import { type ClientStatistics, NO_RATES, type Rates, type Statistics, rates } from "./rates";
+import { type ClientStatistics, Meter, NO_RATES, type Rates, type Statistics } from "./rates";
 import { type Signal, Source } from "./signal";
+import type { TypeDef } from "./types";
 
 export type { ClientStatistics, Flow, Rates } from "./rates";
 export { isHidden } from "./hidden";
@@ -65,17 +66,6 @@ export interface Graph {
   actions: ActionInfo[];
 }
 
-/** One type as rosapi describes it; a field's `fieldarraylen` is -1 for none, 0 for any. */
-export interface TypeDef {
-  type: string;
-  fieldnames: string[];
-  fieldtypes: string[];
-  fieldarraylen: number[];
-  examples: string[];
-  constnames: string[];
-  constvalues: string[];
-}
-
 /** Time from one answer to the next question, in ms. */
 const INTERVAL = 1000;
 /** Seconds after which an answer is no longer waited for. */
@@ -94,7 +84,8 @@ export class Model {
   readonly #rates = new Source<Rates>(NO_RATES);
   readonly #clients = new Source<ClientStatistics[]>([]);
   readonly #types = new Map<string, Promise<TypeDef[]>>();
-  #statistics: Statistics | null = null;
+  /** null until this connection has had its first answer. */
+  #meter: Meter | null = null;
   #timer: number | undefined;
   #asking = false;
 
@@ -164,18 +155,17 @@ export class Model {
       {},
       PATIENCE,
     );
-    if (this.#graph.value?.revision !== statistics.revision || this.#statistics === null) {
+    if (this.#graph.value?.revision !== statistics.revision || this.#meter === null) {
       this.#graph.set(await hub.call<Graph>("/rosapi/graph", "fibws_msgs/GetGraph", {}, PATIENCE));
     }
-    const former = this.#statistics;
-    this.#statistics = statistics;
-    if (former !== null) this.#rates.set(rates(former, statistics));
+    this.#meter ??= new Meter();
+    this.#rates.set(this.#meter.rates(statistics));
     this.#clients.set(statistics.clients);
   }
 
   /** A hub that comes back counts anew; the graph stays in sight until then. */
   #forget(): void {
-    this.#statistics = null;
+    this.#meter = null;
     this.#types.clear();
     this.#rates.set(NO_RATES);
   }

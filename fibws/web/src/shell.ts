@@ -1,4 +1,6 @@
 /** What stands around the views: the tabs, the hub's state, and how much is going on. */
+import "./shell.css";
+
 import { h, replace, say, svg } from "./dom";
 import { hertz } from "./format";
 import type { Hub, State } from "./hub";
@@ -88,14 +90,18 @@ export class Shell {
   }
 
   #badge({ log }: Model): void {
-    const number = h("span", { class: "badge", hidden: true });
+    const number = h("span", { class: "badge warn", hidden: true });
     this.#links.get("console")?.append(number);
     log.unseen.watch((count) => {
       number.hidden = count === 0;
       replace(
         number,
         count > MANY ? `${MANY}+` : count,
-        h("span", { class: "visually-hidden" }, " warnings and errors"),
+        h(
+          "span",
+          { class: "visually-hidden" },
+          count === 1 ? " warning or error" : " warnings and errors",
+        ),
       );
     });
   }

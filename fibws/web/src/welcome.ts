@@ -48,7 +48,8 @@ export function welcome(url: string): HTMLElement {
       ),
       step(
         "Write a page of your own",
-        "Any page on this machine may connect. roslib comes from this hub, in one file:",
+        "Any page that localhost serves may connect; for one opened as a file, start the hub with " +
+          "--allow-origin null. roslib comes from this hub, in one file:",
         copyable(page(site, address), "the beginning of a page"),
         h(
           "p",

@@ -1,3 +1,5 @@
+import { timeOfDay } from "../format";
+
 /** One thing that a node has said. */
 export interface Entry {
   /** Counted from 1, without gaps. */
@@ -56,8 +58,5 @@ export function line(entry: Entry): string {
 
 /** The local time of day to the millisecond. */
 export function clock({ secs, nsecs }: Pick<Entry, "secs" | "nsecs">): string {
-  const date = new Date(secs * 1000);
-  const parts = [date.getHours(), date.getMinutes(), date.getSeconds()];
-  const time = parts.map((part) => String(part).padStart(2, "0")).join(":");
-  return `${time}.${String(Math.floor(nsecs / 1e6)).padStart(3, "0")}`;
+  return `${timeOfDay(secs)}.${String(Math.floor(nsecs / 1e6)).padStart(3, "0")}`;
 }

@@ -27,7 +27,7 @@ export class Log {
   constructor(hub: Hub) {
     this.newest = this.#newest;
     this.unseen = this.#unseen;
-    hub.subscribe("/rosout_agg", "rosgraph_msgs/Log", { queue: QUEUE }, (message) => {
+    hub.subscribe("/rosout_agg", { queue: QUEUE }, (message) => {
       this.add(message);
     });
   }

@@ -20,12 +20,18 @@ class ConsoleView implements View {
   readonly element: HTMLElement;
   readonly #log: Log;
   readonly #filter: Filter = { level: 0, node: "", text: "" };
-  readonly #rows = h("ol", { class: "log", "aria-label": "What the nodes say" });
-  readonly #scroller = h("div", { class: "scroll", tabindex: 0, role: "log", "aria-live": "off" });
+  readonly #rows = h("ol", { class: "log" });
+  readonly #scroller = h("div", {
+    class: "scroll",
+    tabindex: 0,
+    role: "log",
+    "aria-live": "off",
+    "aria-label": "What the nodes say",
+  });
   readonly #nodes = h("select", { "aria-label": "Node" }, h("option", { value: "" }, "all nodes"));
   readonly #names = new Set<string>();
   readonly #note = h("p", { class: "soft small", role: "status" });
-  readonly #pause = h("button", { type: "button", "aria-pressed": "false" }, "Pause");
+  readonly #pause = h("button", { type: "button" }, "Pause");
   readonly #newest = h(
     "button",
     { type: "button", class: "to-end primary", hidden: true },
@@ -71,7 +77,7 @@ class ConsoleView implements View {
       { "aria-label": "Least level" },
       h("option", { value: 0 }, "all levels"),
       ...LEVELS.slice(1).map(({ value, name }, index, { length }) =>
-        h("option", { value }, index === length - 1 ? name : `${name} and graver`),
+        h("option", { value }, index === length - 1 ? name : `${name} and above`),
       ),
     );
     level.addEventListener("change", () => this.#choose({ level: Number(level.value) }));
@@ -117,7 +123,7 @@ class ConsoleView implements View {
 
   #setPaused(paused: boolean): void {
     this.#paused = paused;
-    this.#pause.setAttribute("aria-pressed", String(paused));
+    this.#pause.classList.toggle("on", paused);
     say(this.#pause, paused ? "Go on" : "Pause");
     this.#draw();
   }

@@ -1,9 +1,10 @@
 // What is to be known of one element, beside the drawing.
 
+import { definitions } from "../definition";
 import { type Child, h, replace, say } from "../dom";
 import { ago, bandwidth, bytes, hertz, moment, whole } from "../format";
-import type { ClientStatistics, Graph, Model, Rates, TypeDef } from "../model";
-import { definition } from "../types";
+import type { ClientStatistics, Graph, Model, Rates } from "../model";
+import type { TypeDef } from "../types";
 import { route } from "../view";
 import { facts } from "./facts";
 import type { Kind } from "./picture";
@@ -248,18 +249,7 @@ export class Details {
     if (type === "") return null;
     const place = h("section", {}, h("h3", {}, title), h("p", { class: "soft small" }, "asking …"));
     ask(type).then(
-      ([first, ...inner]) => {
-        replace(
-          place,
-          h("h3", {}, title),
-          h("pre", {}, (first && definition(first)) || "nothing"),
-          ...inner
-            .filter((each) => each.type.includes("/"))
-            .map((each) =>
-            h("details", {}, h("summary", {}, h("code", {}, each.type)), h("pre", {}, definition(each))),
-          ),
-        );
-      },
+      (typedefs) => replace(place, h("h3", {}, title), ...definitions(typedefs)),
       (error: Error) =>
         replace(place, h("h3", {}, title), h("p", { class: "soft small" }, error.message)),
     );

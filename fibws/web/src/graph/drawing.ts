@@ -5,6 +5,7 @@ import type { Rates } from "../model";
 import { NO_RATES } from "../rates";
 import { flowText } from "./flow";
 import { type EdgeMark, type ElementMark, look, makeEdge, makeElement, put } from "./marks";
+import { rising } from "./order";
 import type { Edge, Element as Drawn, Group, Picture } from "./picture";
 import type { Box, Places } from "./places";
 import { between, curve } from "./ways";
@@ -74,7 +75,7 @@ export class Drawing {
    * Very much that is new is drawn in portions, so that the page answers in between.
    */
   draw(picture: Picture, places: Places, down: boolean, rates: Rates): void {
-    window.clearTimeout(this.#rest);
+    cancelAnimationFrame(this.#rest);
     const elements = portion(picture.elements, this.#elementMarks, PORTION);
     const fresh = elements.filter(({ id }) => !this.#elementMarks.has(id)).length;
     const edges = portion(picture.edges, this.#edgeMarks, PORTION - fresh);
@@ -92,10 +93,11 @@ export class Drawing {
     const jumps =
       this.#still.matches || document.hidden || turned || !whole || this.#edgeMarks.size > MANY;
     cancelAnimationFrame(this.#frame);
-    if (jumps) this.#glide(1);
+    if (jumps) this.#settle();
     else this.#start(performance.now());
     if (!whole) {
-      this.#rest = window.setTimeout(() => this.draw(picture, places, down, this.#rates));
+      // One portion a frame: timers may run twice between two, which then has twice the work.
+      this.#rest = requestAnimationFrame(() => this.draw(picture, places, down, this.#rates));
     }
   }
 
@@ -226,10 +228,13 @@ export class Drawing {
         ? (a, b) => a.to.y - b.to.y || a.to.x - b.to.x
         : (a, b) => a.to.x - b.to.x || a.to.y - b.to.y,
     );
-    let there = this.#elements.firstChild;
-    for (const { mark } of order) {
-      if (there === mark) there = there.nextSibling;
-      else this.#elements.insertBefore(mark, there);
+    const ranks = new Map<Element, number>(order.map(({ mark }, rank) => [mark, rank]));
+    const stays = rising([...this.#elements.children].map((child) => ranks.get(child) as number));
+    let next: SVGGElement | null = null;
+    for (const [rank, { mark }] of [...order.entries()].reverse()) {
+      // What is moved costs as much as what is new.
+      if (!stays.has(rank)) this.#elements.insertBefore(mark, next);
+      next = mark;
     }
   }
 
@@ -260,27 +265,48 @@ export class Drawing {
     });
   }
 
+  /** Set all down at its place; very many arrows in portions, a frame for each. */
+  #settle(): void {
+    this.#move(1);
+    let left = MANY;
+    for (const mark of this.#edgeMarks.values()) {
+      if (left === 0) {
+        this.#frame = requestAnimationFrame(() => this.#settle());
+        return;
+      }
+      if (this.#bend(mark, 1)) left -= 1;
+    }
+  }
+
   #glide(part: number): void {
+    this.#move(part);
+    for (const mark of this.#edgeMarks.values()) this.#bend(mark, part);
+  }
+
+  #move(part: number): void {
     for (const mark of this.#elementMarks.values()) {
       const { from, to } = mark;
       mark.at = { ...to, x: mix(from.x, to.x, part), y: mix(from.y, to.y, part) };
       put(mark.mark, "transform", `translate(${mark.at.x} ${mark.at.y})`);
     }
-    for (const mark of this.#edgeMarks.values()) {
-      const { from, to, edge } = mark;
-      const label = { x: mix(from.label.x, to.label.x, part), y: mix(from.label.y, to.label.y, part) };
-      const points = part === 1 ? to.points : between(from.points, to.points, part);
-      mark.at = { points, label };
-      const ends = [this.#elementMarks.get(edge.from), this.#elementMarks.get(edge.to)] as const;
-      if (ends[0] === undefined || ends[1] === undefined) continue;
-      const middles = [ends[0].at, ends[1].at] as const;
-      const { line, heads } = curve(points, middles, this.#down, edge.bothWays);
-      put(mark.line, "d", line);
-      put(mark.hit, "d", line);
-      put(mark.heads, "d", heads);
-      const high = edge.label === "" ? 4 : -3;
-      put(mark.words, "transform", `translate(${label.x} ${label.y + high})`);
-    }
+  }
+
+  /** Tells whether the arrow looks otherwise now. */
+  #bend(mark: EdgeMark, part: number): boolean {
+    const { from, to, edge } = mark;
+    const label = { x: mix(from.label.x, to.label.x, part), y: mix(from.label.y, to.label.y, part) };
+    const points = part === 1 ? to.points : between(from.points, to.points, part);
+    mark.at = { points, label };
+    const ends = [this.#elementMarks.get(edge.from), this.#elementMarks.get(edge.to)] as const;
+    if (ends[0] === undefined || ends[1] === undefined) return false;
+    const middles = [ends[0].at, ends[1].at] as const;
+    const { line, heads } = curve(points, middles, this.#down, edge.bothWays);
+    const high = edge.label === "" ? 4 : -3;
+    const bent = put(mark.line, "d", line);
+    if (bent) put(mark.hit, "d", line);
+    const turned = put(mark.heads, "d", heads);
+    const moved = put(mark.words, "transform", `translate(${label.x} ${label.y + high})`);
+    return bent || turned || moved;
   }
 }
 

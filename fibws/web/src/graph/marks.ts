@@ -64,7 +64,9 @@ export function makeEdge(edge: Edge, way: Way): EdgeMark {
   return { edge, at: way, from: way, to: way, mark, line, heads, hit, words, rate, stroke: 0 };
 }
 
-/** Set an attribute, without touching the document when it is so already. */
-export function put(element: Element, name: string, value: string): void {
-  if (element.getAttribute(name) !== value) element.setAttribute(name, value);
+/** Set an attribute, without touching the document when it is so already: tells whether it was not. */
+export function put(element: Element, name: string, value: string): boolean {
+  if (element.getAttribute(name) === value) return false;
+  element.setAttribute(name, value);
+  return true;
 }

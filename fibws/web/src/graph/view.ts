@@ -187,7 +187,7 @@ export const makeView: MakeView = (_hub, model): View => {
     "section",
     { class: "graph", "aria-label": "Graph" },
     toolbar.element,
-    h("div", { class: "beside" }, stage, zoom, details.element),
+    h("div", { class: "beside" }, stage, details.element, zoom),
     unfolded,
   );
 

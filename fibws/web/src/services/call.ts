@@ -15,11 +15,11 @@ export class Call {
   readonly #hub: Hub;
   readonly #model: Model;
   readonly #node = h("p", { class: "soft small" });
-  readonly #request = h("div", { class: "section-body" });
+  readonly #request = h("div", { class: "browse-body" });
   readonly #button = h("button", { type: "submit", class: "primary", disabled: true }, "Call");
   readonly #said = h("span", { class: "soft small", role: "status" });
   readonly #failure = h("p", { class: "error", role: "alert", hidden: true });
-  readonly #response = h("div", { class: "section-body service-response" });
+  readonly #response = h("div", { class: "browse-body service-response" });
   #form: MessageForm | undefined;
   #responseTypes: Types | undefined;
   #told: string | undefined;
@@ -31,7 +31,7 @@ export class Call {
     this.type = type;
     this.element = h(
       "article",
-      { class: "topic-page", "aria-label": name },
+      { class: "browse-page", "aria-label": name },
       h(
         "header",
         {},
@@ -51,7 +51,7 @@ export class Call {
       h(
         "form",
         {
-          class: "publish",
+          class: "browse-body",
           novalidate: true,
           "aria-label": `Call ${name}`,
           onsubmit: (event: Event) => {

@@ -4,7 +4,7 @@ import { plural } from "../format";
 import type { Hub } from "../hub";
 import { type Graph, type Model, isHidden } from "../model";
 import { matches } from "../topics/rows";
-import "../topics/topics.css";
+import "../browse.css";
 import { type MakeView, route } from "../view";
 import { Call } from "./call";
 import "./services.css";
@@ -28,7 +28,7 @@ class ServicesView {
   readonly #actions = h("tbody");
   readonly #empty = h("p", { class: "empty" });
   readonly #actionTable: HTMLElement;
-  readonly #place = h("div", { class: "topic-place scroll" });
+  readonly #place = h("div", { class: "browse-place scroll" });
   #call: Call | undefined;
   #name = "";
   #stop: (() => void) | undefined;
@@ -52,7 +52,7 @@ class ServicesView {
     );
     const list = h(
       "section",
-      { class: "topic-list", "aria-label": "Services" },
+      { class: "browse-list", "aria-label": "Services" },
       h(
         "div",
         { class: "toolbar" },
@@ -68,7 +68,7 @@ class ServicesView {
         this.#actionTable,
       ),
     );
-    this.element = h("div", { class: "topics services" }, list, this.#place);
+    this.element = h("div", { class: "browse services" }, list, this.#place);
   }
 
   show([name = ""]: string[]): void {

@@ -1,12 +1,13 @@
 /** The plot that stays while one picks what else is to be in it, from any topic. */
 import { h, replace, say } from "../dom";
-import { figure, hertz } from "../format";
+import { hertz } from "../format";
 import type { Hub } from "../hub";
 import type { Model } from "../model";
 import { Chart } from "./chart";
 import { Feed, type Curve } from "./feed";
+import { LegendEntry } from "./legend";
 import { notPositive } from "./scales";
-import { STYLES, swatch } from "./strokes";
+import { STYLES } from "./strokes";
 import "./plot.css";
 
 /** Seconds in sight. */
@@ -22,18 +23,16 @@ const LONG_THROTTLE = 50;
 /** Least time between two pictures, in ms; and when nothing came, as time passes. */
 const FRAME = 50;
 const IDLE_FRAME = 100;
-/** Samples that a curve is drawn with. */
+/** Samples that one curve alone is drawn with, and each of many. */
 const MOST = 2000;
+const FEWEST = 500;
 /** Seconds that an axis has at least. */
 const SHORTEST = 2;
 
 interface Row {
   readonly curve: Curve;
   readonly feed: Feed;
-  readonly style: number;
-  readonly element: HTMLElement;
-  readonly value: HTMLElement;
-  readonly swatch: SVGElement;
+  readonly entry: LegendEntry;
 }
 
 export class Dock {
@@ -90,7 +89,7 @@ export class Dock {
     });
     this.#pause = h(
       "button",
-      { type: "button", "aria-pressed": "false", onclick: () => this.#toggle() },
+      { type: "button", onclick: () => this.#toggle() },
       "Pause",
     );
     this.#tools = h(
@@ -136,14 +135,14 @@ export class Dock {
   }
 
   /** Add a curve; one that is there already is looked at again. */
-  add(topic: string, type: string, path: string): void {
+  add(topic: string, path: string): void {
     const there = this.#rows.find(({ curve, feed }) => feed.topic === topic && curve.path === path);
     if (there !== undefined) {
-      there.element.scrollIntoView({ block: "nearest" });
+      there.entry.element.scrollIntoView({ block: "nearest" });
       return;
     }
     const style = Array.from({ length: STYLES }, (_, at) => at).find((at) =>
-      this.#rows.every((row) => row.style !== at),
+      this.#rows.every(({ entry }) => entry.style !== at),
     );
     this.#full = style === undefined;
     if (style === undefined) {
@@ -152,14 +151,16 @@ export class Dock {
     }
     let feed = this.#feeds.get(topic);
     if (feed === undefined) {
-      feed = new Feed(this.#hub, topic, type, this.#throttle, () => {
+      feed = new Feed(this.#hub, topic, this.#throttle, () => {
         this.#fresh = true;
         this.#refresh();
       });
       this.#feeds.set(topic, feed);
       if (this.#shown) feed.start();
     }
-    this.#rows.push(this.#row(feed, feed.add(path), style));
+    const entry = new LegendEntry(topic, path, style, () => this.#remove(row));
+    const row: Row = { curve: feed.add(path), feed, entry };
+    this.#rows.push(row);
     this.#make();
   }
 
@@ -187,34 +188,6 @@ export class Dock {
     return Number(this.#window.value) > 120 ? LONG_THROTTLE : THROTTLE;
   }
 
-  #row(feed: Feed, curve: Curve, style: number): Row {
-    const value = h("output", { class: "plot-value" }, "–");
-    const sample = swatch(style);
-    const element = h(
-      "li",
-      {},
-      sample,
-      h("span", { class: "plot-name" }, h("span", { class: "soft" }, feed.topic), ` ${curve.path}`),
-      value,
-    );
-    const row = { curve, feed, style, element, value, swatch: sample };
-    const name = `${feed.topic} ${curve.path}`;
-    element.append(
-      h(
-        "button",
-        {
-          type: "button",
-          class: "quiet plot-remove",
-          title: "Take away",
-          "aria-label": `Take ${name} away`,
-          onclick: () => this.#remove(row),
-        },
-        "×",
-      ),
-    );
-    return row;
-  }
-
   #remove(row: Row): void {
     this.#rows.splice(this.#rows.indexOf(row), 1);
     this.#full = false;
@@ -234,7 +207,7 @@ export class Dock {
 
   #toggle(): void {
     this.#pausedAt = this.#pausedAt === undefined ? Date.now() / 1000 : undefined;
-    this.#pause.setAttribute("aria-pressed", String(this.#pausedAt !== undefined));
+    this.#pause.classList.toggle("on", this.#pausedAt !== undefined);
     say(this.#pause, this.#pausedAt === undefined ? "Pause" : "Go on");
     this.#refresh();
   }
@@ -258,13 +231,10 @@ export class Dock {
     this.#hint.hidden = any;
     this.#fold.disabled = !any;
     this.#tools.hidden = !any;
-    replace(this.#legend, ...this.#rows.map(({ element }) => element));
+    replace(this.#legend, ...this.#rows.map(({ entry }) => entry.element));
     if (!this.element.isConnected) return;
     const { color, borderTopColor } = getComputedStyle(this.#notes);
-    const looks = this.#rows.map((row) => ({
-      style: row.style,
-      colour: getComputedStyle(row.swatch).color,
-    }));
+    const looks = this.#rows.map(({ entry: { style, colour } }) => ({ style, colour }));
     this.#chart.make(looks, { ink: color, line: borderTopColor }, this.#log.checked);
     this.#refresh();
   }
@@ -290,13 +260,13 @@ export class Dock {
     const now = this.#pausedAt ?? Date.now() / 1000;
     const first = Math.min(now, ...this.#rows.map(({ curve }) => curve.ring.first ?? now));
     const from = Math.max(now - Number(this.#window.value), Math.min(first, now - SHORTEST));
-    const curves = this.#rows.map(({ curve }) => curve.ring.between(from, now, MOST));
+    // Every curve has a row for each sample of every other, so that the cost is their product.
+    const most = Math.max(FEWEST, MOST / this.#rows.length);
+    const curves = this.#rows.map(({ curve }) => curve.ring.between(from, now, most));
     this.#chart.show(curves, from, now, this.#log.checked);
-    for (const { curve, value } of this.#rows) {
-      const time = this.#pointed ?? this.#pausedAt;
-      const shown = time === undefined ? curve.ring.newest : curve.ring.valueAt(time);
-      say(value, shown === undefined || Number.isNaN(shown) ? "–" : figure(shown));
-    }
+    const time = this.#pointed ?? this.#pausedAt;
+    for (const { curve, entry } of this.#rows)
+      entry.tell(time === undefined ? curve.ring.newest : curve.ring.valueAt(time));
     this.#note(
       this.#log.checked && notPositive(curves) > 0
         ? ["Values of zero and below have no place on a logarithmic axis."]

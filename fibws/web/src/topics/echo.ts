@@ -16,7 +16,6 @@ export class Echo {
   readonly element: HTMLElement;
   readonly #hub: Hub;
   readonly #topic: string;
-  readonly #type: string;
   readonly #tree: Tree;
   readonly #pause: HTMLButtonElement;
   readonly #copy: HTMLButtonElement;
@@ -34,7 +33,6 @@ export class Echo {
   constructor(hub: Hub, topic: string, type: string, types: Types | undefined, plot: Plot) {
     this.#hub = hub;
     this.#topic = topic;
-    this.#type = type;
     this.#tree = new Tree(types, type, plot);
     this.#tree.element.hidden = true;
     this.#pause = h(
@@ -42,7 +40,6 @@ export class Echo {
       {
         type: "button",
         class: "echo-pause",
-        "aria-pressed": "false",
         title: "Key: space",
         onclick: () => this.#toggle(),
       },
@@ -84,7 +81,6 @@ export class Echo {
     if (this.#shown && !this.#paused) {
       this.#stop ??= this.#hub.subscribe(
         this.#topic,
-        this.#type,
         { throttle: THROTTLE, queue: 1 },
         (message) => this.#hear(message),
         (why) => this.#refuse(why),
@@ -116,7 +112,7 @@ export class Echo {
 
   #toggle(): void {
     this.#paused = !this.#paused;
-    this.#pause.setAttribute("aria-pressed", String(this.#paused));
+    this.#pause.classList.toggle("on", this.#paused);
     say(this.#pause, this.#paused ? "Go on" : "Pause");
     this.#listen();
     this.#tell();

@@ -10,7 +10,6 @@ class FakeHub {
 
   subscribe(
     topic: string,
-    _type: string,
     options: SubscribeOptions,
     hear: (message: Message) => void,
     refused: (why: string) => void,
@@ -24,7 +23,7 @@ class FakeHub {
 
 function feed(): { hub: FakeHub; feed: Feed } {
   const hub = new FakeHub();
-  return { hub, feed: new Feed(hub as unknown as Hub, "/n", "a/B", 20, () => undefined) };
+  return { hub, feed: new Feed(hub as unknown as Hub, "/n", 20, () => undefined) };
 }
 
 describe("a feed", () => {

@@ -19,7 +19,6 @@ export class Feed {
   /** The path at which the newest message had no number; empty if all had. */
   odd = "";
   readonly #hub: Hub;
-  readonly #type: string;
   readonly #came: () => void;
   readonly #curves = new Map<Curve, readonly (string | number)[]>();
   #throttle: number;
@@ -27,10 +26,9 @@ export class Feed {
   #newest: { readonly message: Message; readonly time: number } | undefined;
 
   /** `throttle` is the least time between two messages, in ms; `came` is called with each. */
-  constructor(hub: Hub, topic: string, type: string, throttle: number, came: () => void) {
+  constructor(hub: Hub, topic: string, throttle: number, came: () => void) {
     this.#hub = hub;
     this.topic = topic;
-    this.#type = type;
     this.#throttle = throttle;
     this.#came = came;
   }
@@ -62,7 +60,6 @@ export class Feed {
   start(): void {
     this.#end ??= this.#hub.subscribe(
       this.topic,
-      this.#type,
       { throttle: this.#throttle, queue: 1 },
       (message) => this.#hear(message),
       (why) => {

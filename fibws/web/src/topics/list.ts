@@ -60,7 +60,7 @@ export class TopicList {
     });
     this.element = h(
       "section",
-      { class: "topic-list", "aria-label": "Topics" },
+      { class: "browse-list", "aria-label": "Topics" },
       h(
         "div",
         { class: "toolbar" },

@@ -1,9 +1,10 @@
 /** All about one topic: its newest message, a form to publish, who is connected, and its type. */
+import { definitions } from "../definition";
 import { h, replace, say } from "../dom";
 import { bandwidth, hertz, plural } from "../format";
 import type { Hub } from "../hub";
 import type { Model, TopicInfo } from "../model";
-import { type TypeDef, Types, definition } from "../types";
+import { type TypeDef, Types } from "../types";
 import { route } from "../view";
 import type { Dock } from "./dock";
 import { Echo } from "./echo";
@@ -42,7 +43,7 @@ export class TopicPage {
     this.#expected = expected;
     this.element = h(
       "article",
-      { class: "topic-page", "aria-label": name },
+      { class: "browse-page", "aria-label": name },
       h(
         "header",
         {},
@@ -135,7 +136,7 @@ export class TopicPage {
     const known = typedefs.length > 0;
     this.#tools = {
       echo: new Echo(this.#hub, this.#name, type, known ? types : undefined, (path) =>
-        this.#dock.add(this.#name, type, path),
+        this.#dock.add(this.#name, path),
       ),
       publish: known ? new Publish(this.#hub, this.#name, type, types) : undefined,
     };
@@ -145,8 +146,8 @@ export class TopicPage {
       this.#tools.publish?.element ??
         h("p", { class: "soft" }, "A form needs the type's definition."),
     );
-    replace(this.#definition.body, ...definitions(typedefs));
-    replace(this.#picker, this.#plotPicker(type, types));
+    replace(this.#definition.body, ...(known ? definitions(typedefs) : []));
+    replace(this.#picker, this.#plotPicker(types));
     if (isNew) this.#publish.element.open = true;
     this.#showEcho();
     this.#update();
@@ -157,7 +158,7 @@ export class TopicPage {
     else this.#tools?.echo.hide();
   }
 
-  #plotPicker(type: string, types: Types): HTMLElement | null {
+  #plotPicker(types: Types): HTMLElement | null {
     const paths = types.leafPaths();
     if (paths.length === 0) return null;
     const input = h("input", {
@@ -170,7 +171,7 @@ export class TopicPage {
     });
     const add = (event: Event): void => {
       event.preventDefault();
-      this.#dock.add(this.#name, type, input.value.trim());
+      this.#dock.add(this.#name, input.value.trim());
     };
     return h(
       "form",
@@ -261,28 +262,13 @@ function connections(label: string, nodes: [node: string, note: string][]): HTML
   );
 }
 
-function definitions(typedefs: readonly TypeDef[]): HTMLElement[] {
-  return typedefs
-    .filter(({ type }) => type !== "time" && type !== "duration")
-    .map((def, at) =>
-      at === 0
-        ? h("pre", {}, definition(def) || "# no fields")
-        : h(
-            "details",
-            {},
-            h("summary", { class: "mono" }, def.type),
-            h("pre", {}, definition(def)),
-          ),
-    );
-}
-
 interface Section {
   readonly element: HTMLDetailsElement;
   readonly body: HTMLElement;
 }
 
 function section(label: string, open: boolean): Section {
-  const body = h("div", { class: "section-body" });
+  const body = h("div", { class: "browse-body" });
   return {
     element: h("details", { class: "section", open }, h("summary", {}, h("h3", {}, label)), body),
     body,

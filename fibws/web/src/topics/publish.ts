@@ -38,7 +38,7 @@ export class Publish {
     });
     this.#repeat = h(
       "button",
-      { type: "button", "aria-pressed": "false", onclick: () => this.#toggle() },
+      { type: "button", onclick: () => this.#toggle() },
       "Repeat",
     );
     this.element = h(
@@ -109,7 +109,7 @@ export class Publish {
       // What is written now counts; once it is wrong, it is not guessed at.
       if (!this.#publish()) this.#stop();
     }, 1000 / rate);
-    this.#repeat.setAttribute("aria-pressed", "true");
+    this.#repeat.classList.add("on");
     this.#rate.disabled = true;
     say(this.#repeat, "Stop");
   }
@@ -117,7 +117,7 @@ export class Publish {
   #stop(): void {
     window.clearInterval(this.#timer);
     this.#timer = undefined;
-    this.#repeat.setAttribute("aria-pressed", "false");
+    this.#repeat.classList.remove("on");
     this.#rate.disabled = false;
     say(this.#repeat, "Repeat");
   }

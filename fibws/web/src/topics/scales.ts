@@ -1,4 +1,5 @@
 /** What a plot's axes reach over, and how they are labelled. */
+import { timeOfDay } from "../format";
 import type { Samples } from "./ring";
 
 export type Extent = readonly [least: number, greatest: number];
@@ -61,12 +62,10 @@ export function notPositive(curves: readonly Samples[]): number {
   return curves.reduce((sum, { values }) => sum + values.filter((value) => value <= 0).length, 0);
 }
 
-/** The time of day, local: `20:35:15`. */
+/** The time of day, local, with tenths of a second where there are any: `20:35:15`. */
 export function clock(secs: number): string {
-  const date = new Date(secs * 1000);
-  const two = (part: number): string => String(part).padStart(2, "0");
   const fraction = Math.round((secs % 1) * 10);
-  const text = `${two(date.getHours())}:${two(date.getMinutes())}:${two(date.getSeconds())}`;
+  const text = timeOfDay(secs);
   return fraction % 10 === 0 ? text : `${text}.${fraction}`;
 }
 

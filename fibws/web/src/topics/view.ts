@@ -8,6 +8,7 @@ import { Dock } from "./dock";
 import { TopicList } from "./list";
 import { NewTopic } from "./new_topic";
 import { TopicPage } from "./page";
+import "../browse.css";
 import "./topics.css";
 
 export const makeView: MakeView = (hub, model) => new TopicsView(hub, model);
@@ -18,7 +19,7 @@ class TopicsView {
   readonly #model: Model;
   readonly #dock: Dock;
   readonly #list: TopicList;
-  readonly #place = h("div", { class: "topic-place scroll" });
+  readonly #place = h("div", { class: "browse-place scroll" });
   readonly #new: NewTopic;
   /** Ends the wait for the type of what is to be plotted. */
   #wanted: (() => void) | undefined;
@@ -37,7 +38,7 @@ class TopicsView {
     this.#list.element.children[0]?.after(this.#new.element);
     this.element = h(
       "div",
-      { class: "topics" },
+      { class: "browse topics" },
       this.#list.element,
       this.#place,
       this.#dock.element,
@@ -88,7 +89,7 @@ class TopicsView {
   /** All numbers of a small message, or the first of a large one. */
   async #plot(topic: string, type: string): Promise<void> {
     const types = new Types(await this.#model.typedefs(type).catch(() => []));
-    for (const path of types.plotPaths()) this.#dock.add(topic, type, path);
+    for (const path of types.plotPaths()) this.#dock.add(topic, path);
     if (types.plotPaths().length === 0) this.#dock.say(`${topic} has no numbers to plot.`);
   }
 }

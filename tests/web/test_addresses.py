@@ -1,0 +1,83 @@
+"""The page at each address by which a browser may reach it: it takes none for granted."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import socket
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+import pytest
+from playwright.async_api import Page, expect
+
+import fibws
+from fibws.hub import Hub, Settings
+from fibws.msg.std_msgs import Int32
+
+from .conftest import OpenPage, web_address
+
+
+@asynccontextmanager
+async def proxy(hub: Hub, prefix: str) -> AsyncIterator[str]:
+    """The address of a reverse proxy that has the hub below a path of its own, and nothing else."""
+
+    async def pump(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        with contextlib.suppress(ConnectionError):
+            while piece := await reader.read(2**16):
+                writer.write(piece)
+                await writer.drain()
+        writer.close()
+
+    async def answer(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        request = await reader.readline()
+        asked.append(request.split()[1].decode())
+        upstream, downstream = await asyncio.open_connection("127.0.0.1", hub.port)
+        downstream.write(request.replace(f" {prefix}/".encode(), b" /", 1))
+        await asyncio.gather(pump(reader, downstream), pump(upstream, writer))
+
+    asked: list[str] = []
+    async with await asyncio.start_server(answer, "127.0.0.1", 0) as server:
+        yield f"http://127.0.0.1:{server.sockets[0].getsockname()[1]}{prefix}"
+    assert asked
+    assert [path for path in asked if not path.startswith(f"{prefix}/")] == []
+
+
+async def expect_all_to_work(page: Page, hub: Hub, address: str) -> None:
+    """Its scripts, styles, worker and connection come from that address, and no other."""
+    async with fibws.Node("talker", hub=hub.url) as node:
+        numbers = await node.advertise("fibonacci", Int32, latch=True)
+        await numbers.publish(data=8)
+        # The layout is the worker's.
+        await expect(page.locator('.graph [data-id="topic /fibonacci"]')).to_be_visible()
+        await page.goto(f"{address}/#/topics/%2Ffibonacci")
+        await expect(page.locator(".echo .tree-value")).to_have_text("8")
+        await page.get_by_role("button", name="Help").click()
+        told = page.get_by_role("dialog", name="Help")
+        await expect(told).to_contain_text(f'src="{address}/roslib.js"')
+        await expect(told).to_contain_text(f'WebSocket("{address.replace("http", "ws", 1)}")')
+        fetched = await page.evaluate("performance.getEntriesByType('resource').map(e => e.name)")
+        assert len(fetched) > 5
+        assert [url for url in fetched if not url.startswith((f"{address}/", "data:"))] == []
+
+
+async def test_the_page_works_by_the_name_localhost(hub: Hub, open_page: OpenPage) -> None:
+    address = f"http://localhost:{hub.port}"
+    await expect_all_to_work(await open_page(hub, address=address), hub, address)
+
+
+@pytest.mark.skipif(not socket.has_dualstack_ipv6(), reason="there is no IPv6 here")
+async def test_the_page_works_by_an_address_of_ipv6(open_page: OpenPage) -> None:
+    async with Hub(Settings(host="::1", port=0)) as hub:
+        page = await open_page(hub)
+        assert web_address(hub).startswith("http://[::1]:")
+        await expect_all_to_work(page, hub, web_address(hub))
+
+
+async def test_the_page_works_behind_a_proxy_that_gives_it_a_path(
+    hub: Hub, open_page: OpenPage
+) -> None:
+    async with proxy(hub, "/lab/robot") as address:
+        page = await open_page(hub, address=address)
+        await expect_all_to_work(page, hub, address)
+        await page.close()
