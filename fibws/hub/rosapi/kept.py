@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from fibws.hub.graph.graph import Graph
 
-LARGE = 16 * 1024
+LARGE = 256 * 1024
 """Bytes from which on an answer takes so long to make that it is not made for every asker."""
 GOOD_FOR = 1000
 """Nanoseconds for each byte, a second for a megabyte: about ten times what its making takes."""

@@ -64,9 +64,9 @@ def test_what_cannot_be_set_is_wrong_usage(run: Run, words: list[str]) -> None:
 
 
 def test_what_the_hub_does_not_take_is_told(run: Run) -> None:
-    result = run("param", "set", "/x", str(2**1025))
+    result = run("param", "set", "/x", "x" * 2**22)
     assert (result.exit_code, result.stdout) == (1, "")
-    assert result.stderr == "Error: Parameter [/x]: an integer has at most 1024 bits\n"
+    assert result.stderr.startswith("Error: Parameter [/x] has no room: ")
 
 
 def test_list_names_parameters(run: Run) -> None:
