@@ -180,7 +180,7 @@ class Introspection:
             self._times_too_long += 1
             if is_power_of_ten(self._times_too_long):
                 logger.warning("The types of all topics have more text than rosapi will tell.")
-        return b'%b,"typedefs_full_text":[%b]}' % (self._topics()[:-1], b",".join(texts))
+        return b'%b,"typedefs_full_text":[%b]}' % (self._kept(self._topics)[:-1], b",".join(texts))
 
     def _services(self) -> bytes:
         return to_json({"services": sorted(self._graph.services)})

@@ -24,8 +24,9 @@ class Kept(NamedTuple):
 class KeptAnswers:
     """Answers about the graph, each made once for each revision of it.
 
-    A large one is good for a while, even if the graph changes meanwhile: who asks and changes it by
-    turns would else keep the hub from doing anything but answering.
+    Those that say themselves which revision or which time they are of may be `lately`'s or
+    `just_now`'s: where they are large they are good for a while, whatever happens meanwhile. Who
+    asks and changes the graph by turns would else keep the hub from doing anything but answering.
     """
 
     def __init__(self, graph: Graph) -> None:
@@ -33,7 +34,14 @@ class KeptAnswers:
         self._answers: dict[Callable[[], bytes], Kept] = {}
 
     def of(self, make: Callable[[], bytes]) -> bytes:
-        """What ``make`` gives, or gave for this revision, or has given just now."""
+        """What ``make`` gives for this revision."""
+        kept = self._answers.get(make)
+        if kept is None or kept.revision != self._graph.revision:
+            kept = self._make(make)
+        return kept.text
+
+    def lately(self, make: Callable[[], bytes]) -> bytes:
+        """What ``make`` gives for this revision; if that is large, what it has given just now."""
         kept = self._answers.get(make)
         if kept is not None and kept.revision == self._graph.revision:
             return kept.text
@@ -41,12 +49,15 @@ class KeptAnswers:
 
     def just_now(self, make: Callable[[], bytes]) -> bytes:
         """What ``make`` gives; if that is large, what it has given just now."""
-        now = self._graph.now()
         kept = self._answers.get(make)
         # The clock may have been set back.
-        if kept is None or not 0 <= now - kept.made < _good_for(kept.text):
-            kept = self._answers[make] = Kept(make(), self._graph.revision, now)
+        if kept is None or not 0 <= self._graph.now() - kept.made < _good_for(kept.text):
+            kept = self._make(make)
         return kept.text
+
+    def _make(self, make: Callable[[], bytes]) -> Kept:
+        kept = self._answers[make] = Kept(make(), self._graph.revision, self._graph.now())
+        return kept
 
 
 def _good_for(text: bytes) -> int:

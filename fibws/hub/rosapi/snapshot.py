@@ -42,7 +42,7 @@ class Snapshot:
         self._heard = heard
         self._clients = clients
         self._began = graph.now()
-        self._kept = KeptAnswers(graph).of
+        self._lately = KeptAnswers(graph).lately
 
     def services(self) -> dict[str, tuple[str, Function]]:
         """The service by its global name, with its type and what answers it."""
@@ -50,7 +50,7 @@ class Snapshot:
 
     def graph(self, request: dict[str, Any], caller: str) -> Answer:
         """All that there is, and the revision of it."""
-        return self._kept(self._all)
+        return self._lately(self._all)
 
     def _all(self) -> bytes:
         graph = self._graph

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
+import pytest
+
 from fibws.hub.graph.graph import Graph
 from fibws.hub.rosapi.kept import GOOD_FOR, LARGE, KeptAnswers
 from fibws.interfaces import Interfaces
@@ -9,7 +13,10 @@ from fibws.interfaces import Interfaces
 from ..fakes import INT32, FakeHub
 
 
-def test_an_answer_is_made_once_until_the_graph_changes() -> None:
+@pytest.mark.parametrize("way", [KeptAnswers.of, KeptAnswers.lately])
+def test_an_answer_is_made_once_until_the_graph_changes(
+    way: Callable[[KeptAnswers, Callable[[], bytes]], bytes],
+) -> None:
     hub = FakeHub()
     made: list[int] = []
 
@@ -18,11 +25,11 @@ def test_an_answer_is_made_once_until_the_graph_changes() -> None:
         return b"%d" % len(made)
 
     kept = KeptAnswers(hub.graph)
-    assert [kept.of(make), kept.of(make)] == [b"1", b"1"]
+    assert [way(kept, make), way(kept, make)] == [b"1", b"1"]
     client = hub.client()
-    assert [kept.of(make), kept.of(make)] == [b"2", b"2"]
+    assert [way(kept, make), way(kept, make)] == [b"2", b"2"]
     client.says("advertise", "/fib", type=INT32)
-    assert kept.of(make) == b"3"
+    assert way(kept, make) == b"3"
 
 
 def test_answers_to_different_questions_are_kept_apart() -> None:
@@ -49,6 +56,14 @@ def test_a_large_answer_is_good_for_a_while_though_the_graph_changes() -> None:
     making = Making(LARGE)
     for now, made in ((0, 1), (LARGE * GOOD_FOR - 1, 1), (LARGE * GOOD_FOR, 2)):
         making.now = now
+        making.graph.revision += 1
+        making.kept.lately(making.make)
+        assert making.made == made
+
+
+def test_what_does_not_say_its_revision_is_of_the_newest() -> None:
+    making = Making(LARGE)
+    for made in (1, 2, 3):
         making.graph.revision += 1
         making.kept.of(making.make)
         assert making.made == made
