@@ -1,6 +1,6 @@
 """Dependencies point down only, the core is pure, and each module has its test file.
 
-programs        broadcaster  listener  action_server ...  cli/  tf/
+programs        broadcaster  listener  action_server ...  cli/  tf/  ros1/  workspace/  launch/
     |
 node/  hub/     with msg/  srv/  action/, the classes of messages, beside node/
     \\  /
@@ -35,6 +35,9 @@ BELOW = {
     "srv": {"errors", "interfaces", "msg", "srv"},
     "action": {"errors", "interfaces", "msg", "action"},
     "tf": {"errors", "interfaces", *CLASSES, "tf"},
+    "ros1": {*fibws.__all__, "errors", "names", "interfaces", *CLASSES, "ros1"},
+    "workspace": {"errors", "names", "interfaces", "workspace", "ros1"},
+    "launch": {"errors", "names", "launch", "workspace", "ros1"},
 }
 """What each part of fibws may import of fibws."""
 
@@ -71,6 +74,7 @@ TESTED_ELSEWHERE = {
     "msg/_finder.py": "msg/test_import.py",
     "node/part.py": "node/test_session.py",
     "node/rosapi.py": "node/test_params.py",
+    "ros1/python/rospy/exceptions.py": "ros1/rospy/test_core.py",
 }
 """Programs are tested as processes, and some modules only by way of the one they serve."""
 
@@ -179,6 +183,8 @@ def mirror(path: Path) -> str:
     if path.parent == PACKAGE and path.stem in PROGRAMS:
         return f"programs/test_{path.stem}.py"
     beside = path.relative_to(PACKAGE).with_name(f"test_{path.stem.strip('_')}.py")
+    if beside.parts[:2] == ("ros1", "python"):
+        beside = Path("ros1", *beside.parts[2:])
     if beside.parts[0] == "cli":
         beside = "programs" / beside
     return TESTED_ELSEWHERE.get(path_id(path), beside.as_posix())
