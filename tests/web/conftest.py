@@ -115,13 +115,15 @@ def complaints() -> Complaints:
 
 
 @fixture
-async def open_page(browser: Browser, complaints: Complaints) -> AsyncIterator[OpenPage]:
+async def open_page(
+    browser: Browser, complaints: Complaints, hub: Hub
+) -> AsyncIterator[OpenPage]:
     """Opens the page of a hub: ``await open_page(hub, "#/topics", width=360)``.
 
     Keywords besides ``width`` and ``height`` are those of playwright's ``new_context``, such as
     ``color_scheme="dark"``; ``prepare`` is JavaScript that runs before the page's own, ``address``
     where the page is if that is not the hub's own. The connection to the hub is there when it is
-    given.
+    given. The test's hub is asked for so that it outlives all pages, which would complain.
     """
     if not (DIST / "index.html").exists() and not os.environ.get("CI"):
         pytest.skip("the page is not built: npm ci && npm run build, in fibws/web")

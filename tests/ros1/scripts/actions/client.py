@@ -1,0 +1,80 @@
+#!/usr/bin/env python
+import sys
+
+import actionlib
+import rospy
+from actionlib.msg import TestAction, TestFeedback, TestGoal, TestResult
+from actionlib_msgs.msg import GoalStatus
+
+
+def done(state, result):
+    print('done: %s %s' % (GoalStatus.to_string(state), result))
+
+
+def active():
+    print('active')
+
+
+def feedback(message):
+    assert isinstance(message, TestFeedback)
+    print('feedback: %d' % message.feedback)
+
+
+def show(client, finished):
+    print('finished: %s' % finished)
+    print('state: %d %s' % (client.get_state(), actionlib.GoalStatus.to_string(client.get_state())))
+    print('text: %r' % client.get_goal_status_text())
+    print('result: %s' % client.get_result())
+    sys.stdout.flush()
+
+
+if __name__ == '__main__':
+    rospy.init_node('test_client')
+    nobody = actionlib.SimpleActionClient('nobody', TestAction)
+    print(nobody.wait_for_server(rospy.Duration(0.3)))
+    print(nobody.wait_for_result(), nobody.get_result(), nobody.get_state())
+    print(nobody.get_goal_status_text())
+    nobody.cancel_goal()
+
+    client = actionlib.SimpleActionClient('test_server', TestAction)
+    print(client.wait_for_server())
+
+    for number in (3, -5, 100, 101, 102):
+        print('goal %d' % number)
+        client.send_goal(TestGoal(goal=number), done, active, feedback)
+        show(client, client.wait_for_result(rospy.Duration.from_sec(10.0)))
+
+    print('too long')
+    client.send_goal(TestGoal(1000), done_cb=done)
+    show(client, client.wait_for_result(rospy.Duration(0.5)))
+    client.cancel_goal()
+    show(client, client.wait_for_result())
+    client.cancel_goal()
+
+    print('and wait')
+    state = client.send_goal_and_wait(TestGoal(2))
+    print(state == GoalStatus.SUCCEEDED)
+    state = client.send_goal_and_wait(TestGoal(1000), rospy.Duration(0.5), rospy.Duration(5))
+    show(client, state)
+
+    print('a later goal')
+    other = actionlib.SimpleActionClient('test_server', TestAction)
+    other.wait_for_server()
+    client.send_goal(TestGoal(1000))
+    rospy.sleep(0.5)
+    other.send_goal(TestGoal(1), done_cb=done)
+    show(client, client.wait_for_result())
+    show(other, other.wait_for_result())
+
+    print('all of them')
+    client.send_goal(TestGoal(1000))
+    rospy.sleep(0.5)
+    other.cancel_all_goals()
+    show(client, client.wait_for_result())
+
+    client.stop_tracking_goal()
+    show(client, client.wait_for_result())
+    try:
+        actionlib.SimpleActionClient('test_server', TestGoal)
+    except actionlib.action_client.ActionException as error:
+        print(str(error).partition(';')[0])

@@ -1,0 +1,258 @@
+"""Plays the same rospy scripts under a real ROS and under fibws."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+from collections.abc import AsyncIterator, Iterator
+from contextlib import asynccontextmanager, contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import NamedTuple
+
+import fibws
+from fibws.hub import Hub, Settings
+
+PATIENCE = 30
+IDLE = 0.03
+"""Seconds after which a program that has just said something waits for its next turn."""
+SCRIPTS = Path(__file__).parent / "scripts"
+PYTHON = "/usr/bin/python3"
+"""Debian's, which its ROS packages are installed for."""
+ROSCORE = "/usr/bin/roscore"
+GENERATORS = Path("/usr/lib/genpy")
+DEFINITIONS = Path(fibws.__file__).parent / "interfaces" / "definitions"
+
+MODULES = "numpy, rospy, rosgraph, std_msgs, geometry_msgs, sensor_msgs, actionlib, message_filters, genpy"
+
+
+@dataclass(frozen=True)
+class Part:
+    """One program of a scenario."""
+
+    script: str
+    arguments: tuple[str, ...] = ()
+    until: str | None = None
+    """The next one is started once a line of this one's standard output holds this."""
+    count: int = 1
+    """How many such lines are waited for."""
+    after: str | None = None
+    """Only what it prints after the line that holds this counts."""
+    lines: int | None = None
+    """How many lines of its output count; None if all do."""
+    errors: bool = True
+    """Whether what it logs on standard error counts."""
+    interrupted: bool = True
+    """Whether Ctrl-C ends it, or it ends by itself."""
+    environment: dict[str, str] = field(default_factory=dict)
+
+
+class Outcome(NamedTuple):
+    """What a program printed, without what no two runs have in common, and its exit code."""
+
+    out: list[str]
+    err: list[str]
+    code: int
+
+
+class World:
+    """One of the two: how it starts a script, and what it has it know."""
+
+    def __init__(self, command: list[str], environment: dict[str, str]) -> None:
+        self._command = command
+        self._environment = environment
+
+    async def play(self, *parts: Part) -> list[Outcome]:
+        """Run the programs of a scenario; each outcome is that of the part in the same place."""
+        running: list[_Program] = []
+        try:
+            for part in parts:
+                program = await self._start(part)
+                running.append(program)
+                if part.until is not None:
+                    await program.said(part.until, part.count)
+            for part, program in zip(reversed(parts), reversed(running), strict=True):
+                if not part.interrupted:
+                    await program.ended()
+            for part, program in zip(reversed(parts), reversed(running), strict=True):
+                if part.interrupted:
+                    # The real rospy deadlocks if it is interrupted while it publishes.
+                    await asyncio.sleep(IDLE)
+                    program.interrupt()
+                    await program.ended()
+            return [program.outcome(part) for part, program in zip(parts, running, strict=True)]
+        finally:
+            for program in running:
+                program.kill()
+
+    async def _start(self, part: Part) -> _Program:
+        process = await asyncio.create_subprocess_exec(
+            *self._command,
+            str(SCRIPTS / part.script),
+            *part.arguments,
+            stdin=asyncio.subprocess.DEVNULL,
+            stdout=asyncio.subprocess.PIPE,
+            stderr=asyncio.subprocess.PIPE,
+            env={**self._environment, "PYTHONUNBUFFERED": "1", **part.environment},
+            cwd=SCRIPTS.parent,
+        )
+        return _Program(part.script, process)
+
+
+class _Program:
+    def __init__(self, name: str, process: asyncio.subprocess.Process) -> None:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        self._name = name
+        self._process = process
+        self._out: list[str] = []
+        self._err: list[str] = []
+        self._news = asyncio.Condition()
+        self._reading = asyncio.gather(
+            self._read(process.stdout, self._out), self._read(process.stderr, self._err)
+        )
+
+    async def said(self, text: str, count: int) -> None:
+        """Wait until so many lines of standard output hold the text."""
+        try:
+            async with asyncio.timeout(PATIENCE), self._news:
+                await self._news.wait_for(
+                    lambda: sum(text in line for line in self._out) >= count or self._reading.done()
+                )
+        except TimeoutError:
+            raise AssertionError(f"{self._name} never said {text!r}: {self}") from None
+
+    def interrupt(self) -> None:
+        if self._process.returncode is None:
+            self._process.send_signal(signal.SIGINT)
+
+    async def ended(self) -> None:
+        try:
+            async with asyncio.timeout(PATIENCE):
+                await self._process.wait()
+                await self._reading
+        except TimeoutError:
+            raise AssertionError(f"{self._name} did not end: {self}") from None
+
+    def kill(self) -> None:
+        if self._process.returncode is None:
+            self._process.kill()
+
+    def outcome(self, part: Part) -> Outcome:
+        assert self._process.returncode is not None
+        out = plain(self._out)
+        if part.after is not None:
+            out = out[next(number for number, line in enumerate(out) if part.after in line) :]
+        # Tracebacks show the insides of rospy.
+        err = [line for line in plain(self._err) if part.errors and line.startswith("[")]
+        return Outcome(out[: part.lines], err, self._process.returncode)
+
+    def __str__(self) -> str:
+        return "\n".join(("it said", *self._out, "and on stderr", *self._err))
+
+    async def _read(self, stream: asyncio.StreamReader, lines: list[str]) -> None:
+        while line := await stream.readline():
+            async with self._news:
+                lines.append(line.decode().rstrip("\n"))
+                self._news.notify_all()
+
+
+_DIFFERENT = [
+    (re.compile(r"\[\d+\.\d+\]"), "[TIME]"),
+    (re.compile(r"\b\d{10}\.\d+"), "TIME"),
+    (re.compile(r"_\d+_\d{13}"), "_PID_MS"),
+    (re.compile(r"0x[0-9a-f]{6,}"), "0xADDRESS"),
+    (re.compile(r"\bgenpy\.Time\[\d{10,}\]"), "genpy.Time[NOW]"),
+    (re.compile(r"rospy\.Time\[\d{10,}\]"), "rospy.Time[NOW]"),
+    (re.compile(r'File ".*/([^/]+)", line \d+'), r'File "\1", line N'),
+]
+
+
+def plain(lines: list[str]) -> list[str]:
+    """Lines without times, process ids, addresses and paths."""
+    for pattern, stand_in in _DIFFERENT:
+        lines = [pattern.sub(stand_in, line) for line in lines]
+    return lines
+
+
+def missing_ros() -> str | None:
+    """Why the real ROS cannot be asked, if it cannot."""
+    if not Path(ROSCORE).exists() or not GENERATORS.is_dir():
+        return "there is no roscore, or no genpy: see the packages in .ci/run"
+    tried = subprocess.run([PYTHON, "-c", f"import {MODULES}"], capture_output=True, text=True)
+    if tried.returncode:
+        return f"{PYTHON} cannot import all of {MODULES}: {tried.stderr.splitlines()[-1]}"
+    return None
+
+
+@contextmanager
+def real_ros(folder: Path) -> Iterator[World]:
+    """A roscore on a free port, and the messages of packages that Debian has not."""
+    _generate(folder, "rospy_tutorials", "std_srvs")
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        port = free.getsockname()[1]
+    environment = {
+        "PATH": "/usr/bin:/bin",
+        "HOME": str(folder),
+        "ROS_HOME": str(folder / "ros"),
+        "ROS_MASTER_URI": f"http://127.0.0.1:{port}",
+        "ROS_IP": "127.0.0.1",
+        "PYTHONPATH": str(folder),
+        "LANG": "C.UTF-8",
+        "PYTHONUNBUFFERED": "1",
+    }
+    roscore = subprocess.Popen(
+        [ROSCORE, "-p", str(port)],
+        env=environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+    try:
+        assert roscore.stdout is not None
+        for line in roscore.stdout:
+            if "started core service [/rosout]" in line:
+                break
+        yield World([PYTHON], environment)
+    finally:
+        roscore.send_signal(signal.SIGINT)
+        roscore.communicate(timeout=PATIENCE)
+
+
+@asynccontextmanager
+async def our_ros() -> AsyncIterator[World]:
+    """A hub on a free port."""
+    async with Hub(Settings(port=0, close_timeout=0.1)) as hub:
+        kept = {name: value for name, value in os.environ.items() if not name.startswith("ROS")}
+        environment = {**kept, "FIBWS_HUB": hub.url, "LANG": "C.UTF-8"}
+        yield World([sys.executable, "-m", "fibws.rospy"], environment)
+
+
+def _generate(folder: Path, *packages: str) -> None:
+    """Have ROS's own generator write the Python modules of packages."""
+    search = [f"-I{each.name}:{each / 'msg'}" for each in DEFINITIONS.iterdir() if each.is_dir()]
+    for package in packages:
+        (folder / package).mkdir()
+        (folder / package / "__init__.py").touch()
+        for kind in ("msg", "srv"):
+            files = sorted((DEFINITIONS / package / kind).glob(f"*.{kind}"))
+            if not files:
+                continue
+            output = folder / package / kind
+            generator = [PYTHON, str(GENERATORS / f"gen{kind}_py.py")]
+            for file in files:
+                subprocess.run(
+                    [*generator, "-p", package, "-o", str(output), *search, str(file)],
+                    check=True,
+                    capture_output=True,
+                )
+            subprocess.run(
+                [*generator, "--initpy", "-p", package, "-o", str(output)],
+                check=True,
+                capture_output=True,
+            )

@@ -1,0 +1,125 @@
+"""The tutorials' programs say under fibws what they say under a real ROS, line by line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from ros1.side_by_side import Outcome, Part, World, missing_ros, our_ros, real_ros
+
+SCENARIOS: dict[str, tuple[Part, ...]] = {
+    "talker and listener": (
+        Part("listener.py", lines=2),
+        Part("talker.py", until="hello", count=15, lines=3),
+    ),
+    "the Fibonacci numbers": (
+        Part("fibonacci_listener_node.py", lines=0),
+        Part("fibonacci_broadcaster_node.py", until="] ", count=15, lines=12),
+    ),
+    "messages with headers": (
+        Part("listener_header.py", until="ready", lines=1),
+        Part("talker_header.py", until="published", count=10, lines=5),
+    ),
+    "a listener with user data": (
+        Part("listener_with_userdata.py", lines=4),
+        Part("talker.py", until="hello", count=15, lines=3),
+    ),
+    "a publisher that is told of subscribers": (
+        Part("notify_publisher.py", until="ready"),
+        Part("notified_listener.py", interrupted=False),
+    ),
+    "add two ints": (
+        Part("add_two_ints_server.py", until="Ready"),
+        Part("add_two_ints_client.py", ("1", "2"), interrupted=False),
+    ),
+    "add two ints, asked in vain": (
+        Part("add_two_ints_client.py", ("1", "two", "_x:=3"), interrupted=False),
+    ),
+    "services that fail, and answer in all forms": (
+        Part("faulty_service.py", until="ready", errors=False),
+        Part("faulty_client.py", interrupted=False),
+    ),
+    "parameters": (Part("param_talker.py", interrupted=False),),
+    "remapping": (
+        Part(
+            "remapped.py",
+            (
+                *("word", "chatter:=heard", "__name:=renamed", "__ns:=/robot", "_number:=3"),
+                *("_text:=some text", "_list:=[1, a]", "other:=~mine"),
+            ),
+            interrupted=False,
+        ),
+    ),
+    "connection headers": (
+        Part("connection_header_server.py", until="ready"),
+        Part("connection_header_client.py", interrupted=False),
+    ),
+    "hooks at the end": (
+        Part("plain_listener.py", until="ready"),
+        Part("on_shutdown.py", until="ready"),
+    ),
+    "ways to publish": (
+        Part("color_listener.py", until="ready"),
+        Part("advanced_publish.py", interrupted=False),
+    ),
+    "point clouds": (
+        Part("cloud_talker.py", until="ready"),
+        Part("cloud_listener.py", interrupted=False),
+    ),
+    "times": (Part("times.py", interrupted=False),),
+    "logs": (
+        Part("rosout_listener.py", until="ready"),
+        Part("logs.py", after="ready", interrupted=False),
+    ),
+    "logs in a format": (
+        Part(
+            "logs.py",
+            after="ready",
+            interrupted=False,
+            environment={"ROSCONSOLE_FORMAT": "${severity} ${node} ${function} ${message}"},
+        ),
+    ),
+    "callbacks": (Part("bad_callback.py", interrupted=False),),
+    "arrays": (
+        Part("floats_talker.py", until="ready"),
+        Part("floats_listener.py", interrupted=False),
+    ),
+    "two nodes of one name": (
+        Part("same_name.py", until="ready", interrupted=False),
+        Part("same_name.py", until="ready"),
+    ),
+    "the graph": (Part("graph.py", interrupted=False),),
+}
+
+
+@pytest.fixture(scope="module")
+def ros(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
+    if (reason := missing_ros()) is not None:
+        pytest.skip(reason)
+    with real_ros(tmp_path_factory.mktemp("ros")) as world:
+        yield world
+
+
+@pytest.mark.parametrize("name", SCENARIOS)
+async def test_a_scenario_goes_as_in_ros(ros: World, name: str) -> None:
+    parts = SCENARIOS[name]
+    expected = await ros.play(*parts)
+    async with our_ros() as ours:
+        found = await ours.play(*parts)
+    assert _named(parts, found) == _named(parts, expected)
+
+
+def _named(parts: tuple[Part, ...], outcomes: list[Outcome]) -> dict[str, Outcome]:
+    """Outcomes by the program, for whoever reads the difference."""
+    return {
+        f"{number} {part.script}": outcome
+        for number, (part, outcome) in enumerate(zip(parts, outcomes, strict=True), 1)
+    }
+
+
+def test_all_scripts_are_played() -> None:
+    played = {part.script for parts in SCENARIOS.values() for part in parts}
+    scripts = Path(__file__).parent / "scripts"
+    assert played == {path.name for path in scripts.glob("*.py")}
