@@ -20,6 +20,7 @@ from bench.page import page
 from bench.plan import QUICK, Plan
 from bench.report import Report
 from bench.rosapi import rosapi
+from bench.rospy import rospy
 from bench.services import services
 from bench.startup import startup
 from bench.subscriptions import subscriptions
@@ -36,6 +37,7 @@ SCENARIOS = {
     "rosapi": rosapi,
     "page": page,
     "subscriptions": subscriptions,
+    "rospy": rospy,
 }
 OPEN_FILES = 8192
 
