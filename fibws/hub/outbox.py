@@ -49,6 +49,7 @@ class Outbox:
     __slots__ = (
         "_broken",
         "_kept",
+        "_latest",
         "_number",
         "_replies",
         "_reply_bytes",
@@ -77,6 +78,7 @@ class Outbox:
         self._write = write
         self._broken = broken
         self._replies: list[bytes] = []
+        self._latest: dict[object, bytes] | None = None
         self._kept: OrderedDict[int, tuple[bytes, Queue]] | None = None
         self._number = 0
         self._reply_bytes = 0
@@ -121,6 +123,17 @@ class Outbox:
         self.frames.append(frame)
         self.flusher.count(len(frame))
 
+    def latest(self, key: object, frame: bytes) -> None:
+        """As `reply`, but while the client does not read, only the newest of a key is kept."""
+        if not self.paused:
+            self.reply(frame)
+        elif not self.overfull:
+            latest = self._latest = self._latest or {}
+            size = len(frame) - len(latest.get(key, b""))
+            latest[key] = frame
+            self.budget.used += size
+            self._reply_bytes += size
+
     def write(self, data: bytes) -> None:
         """Write the bytes of whole frames, unless the connection is lost or closed."""
         try:
@@ -152,8 +165,10 @@ class Outbox:
         """The client's socket takes data again: what was kept is due, the replies first."""
         self.paused = False
         self.frames += self._replies
+        self.frames += (self._latest or {}).values()
         self.budget.used -= self._reply_bytes
         self._replies = []
+        self._latest = None
         self._reply_bytes = 0
         for frame, queue in (self._kept or {}).values():
             self.frames.append(frame)

@@ -2,6 +2,9 @@
 
 Fields that a client sends and no model names are ignored. A new operation is a model here and a
 case in `hub/session/session.py`, which does not type-check until it has one.
+
+What rosbridge does not have, and fibws adds, is said at its field. All of it is off unless it is
+asked for, so that no client of rosbridge is sent what it does not know.
 """
 
 from __future__ import annotations
@@ -13,6 +16,8 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 from pydantic_core import to_json
 
+from fibws.protocol.headers import Headers, HubHeader
+
 LONGEST_ID = 2000
 """Characters: it is kept while its operation lasts."""
 Id = Annotated[str, Field(max_length=LONGEST_ID)] | int | float | bool | None
@@ -22,6 +27,8 @@ FragmentSize = Annotated[
     int | None, AfterValidator(lambda size: size if size and size > 0 else None)
 ]
 """Characters above which a text is to come in pieces; None for never, as what is not above 0."""
+Asked = bool | None
+"""Whether a client asks for an addition of fibws; None, which is not sent, for no."""
 
 
 class Operation(BaseModel):
@@ -42,6 +49,11 @@ class Advertise(Operation):
     queue_size: int = 100
     definition: str | None = None
     """The type's .msg text, for types that the hub does not have (an addition of fibws)."""
+    headers: Headers | None = None
+    """What subscribers that ask for headers are told beside each message (an addition of fibws).
+    The client's newest advertisement of the topic that has any decides."""
+    peers: Asked = None
+    """Whether the client wants to know who subscribes: see `Peers` (an addition of fibws)."""
 
 
 class Unadvertise(Operation):
@@ -58,6 +70,11 @@ class Publish(Operation):
     topic: str
     msg: Any = None
     latch: bool = False
+    to: str | None = None
+    """The only node that is to hear it; it is not latched then (an addition of fibws)."""
+    header: HubHeader = None
+    """For a subscription that asks for headers: ``callerid``, the publisher's node, ``latching``,
+    0 or 1, and the headers of its advertisement (an addition of fibws)."""
 
 
 class Subscribe(Operation):
@@ -70,6 +87,11 @@ class Subscribe(Operation):
     queue_length: int = 0
     fragment_size: FragmentSize = None
     compression: str = "none"
+    headers: Asked = None
+    """Whether messages are to carry a ``header``: see `Publish`. Those in CBOR and PNG have none
+    (an addition of fibws)."""
+    peers: Asked = None
+    """Whether the client wants to know who publishes: see `Peers` (an addition of fibws)."""
 
 
 class Unsubscribe(Operation):
@@ -91,6 +113,11 @@ class CallService(Operation):
     args: Any = None
     fragment_size: FragmentSize = None
     timeout: Annotated[float, Field(allow_inf_nan=False)] | None = None
+    headers: Headers | None = None
+    """What the caller says beside its request (an addition of fibws)."""
+    header: HubHeader = None
+    """For a provider that asks for headers: ``callerid``, the caller's node, and its headers (an
+    addition of fibws)."""
 
 
 class AdvertiseService(Operation):
@@ -101,6 +128,8 @@ class AdvertiseService(Operation):
     type: str
     definition: str | None = None
     """The type's .srv text, for types that the hub does not have (an addition of fibws)."""
+    headers: Asked = None
+    """Whether calls are to carry a ``header``: see `CallService` (an addition of fibws)."""
 
 
 class UnadvertiseService(Operation):
@@ -214,6 +243,19 @@ class Status(Operation):
     msg: str
 
 
+class Peers(Operation):
+    """Who is at the other side of a topic: the subscribers for a publisher that asks, and so on.
+
+    It comes at once after the advertisement or subscription of this id, which asked for it, and
+    whenever it is others; a node comes only once what is published would reach it. ``nodes`` are
+    sorted, each there once. (An addition of fibws.)
+    """
+
+    op: Literal["peers"] = "peers"
+    topic: str
+    nodes: list[str]
+
+
 Request = (
     Advertise
     | Unadvertise
@@ -247,6 +289,7 @@ Reply = (
     | Fragment
     | Png
     | Status
+    | Peers
 )
 """What a client may be sent."""
 

@@ -59,6 +59,36 @@ def test_all_frames_of_a_turn_leave_in_one_write_and_in_order() -> None:
     assert it.turn() == []
 
 
+def test_of_what_only_the_newest_is_of_use_a_slow_client_is_kept_the_newest() -> None:
+    it, queue = wire(max_bytes=100), Queue(1)
+    it.outbox.latest("a", b"1")
+    it.outbox.latest("a", b"2")
+    assert it.turn() == [b"12"]
+    it.outbox.pause()
+    for number in range(100):
+        it.outbox.latest("a", b"%d" % number * 5)
+        it.outbox.latest("b", b"x" * (80 - number // 2))
+    it.outbox.put(b"m", queue)
+    it.outbox.reply(b"r")
+    assert it.outbox.kept_bytes == len(b"9999999999") + 31 + len(b"mr")
+    assert not it.outbox.overfull
+    it.outbox.resume()
+    assert it.turn() == [b"r9999999999" + b"x" * 31 + b"m"]
+    assert it.outbox.kept_bytes == 0
+    it.outbox.pause()
+    it.outbox.resume()
+    assert it.turn() == []
+
+
+def test_what_only_the_newest_is_of_use_may_make_a_client_overfull_and_then_grows_no_more() -> None:
+    it = wire(max_bytes=10)
+    it.outbox.pause()
+    it.outbox.latest("a", b"x" * 11)
+    assert it.outbox.overfull
+    it.outbox.latest("b", b"x" * 11)
+    assert it.outbox.kept_bytes == 11
+
+
 def test_every_turn_has_its_write() -> None:
     it = wire()
     for number in (b"1", b"2"):

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple, TypeAlias
 import cbor2
 from pydantic_core import from_json, to_json
 
-from fibws.hub.frames import binary_frame, text_frames, text_header
+from fibws.hub.frames import binary_frame, text_frame, text_frames, text_header
 from fibws.hub.graph.types import MessageType
 from fibws.protocol.operations import Png, Subscribe, encode
 from fibws.protocol.png import encode_png
@@ -28,14 +28,18 @@ class Publication:
     Args:
         message: it, valid.
         received: when, in nanoseconds since 1970.
+        header: its publisher's, as JSON text.
     """
 
-    __slots__ = ("_encoded", "_json", "_message", "_received", "_type")
+    __slots__ = ("_encoded", "_json", "_message", "_received", "_type", "header")
 
-    def __init__(self, message: dict[str, Any], type_: MessageType, received: int) -> None:
+    def __init__(
+        self, message: dict[str, Any], type_: MessageType, received: int, header: bytes = b"{}"
+    ) -> None:
         self._message: dict[str, Any] | None = message
         self._type = type_
         self._received = received
+        self.header = header
         self._json: bytes | None = None
         self._encoded: dict[object, bytes] | None = None
 
@@ -98,22 +102,27 @@ Frame: TypeAlias = Callable[[Publication], bytes]
 
 
 class Encoding(NamedTuple):
-    """How a subscription wants its messages: one of `COMPRESSIONS`, and in pieces of which size."""
+    """How a subscription wants its messages.
+
+    One of `COMPRESSIONS`, in pieces of which size, and whether with headers, as only JSON has them.
+    """
 
     compression: str = "none"
     fragment_size: int | None = None
+    headers: bool = False
 
     @classmethod
     def merged(cls, requests: Collection[Subscribe]) -> Encoding:
         """What the requests of one subscription come to."""
-        if all(each.compression == "none" and each.fragment_size is None for each in requests):
+        if all(map(_is_plain, requests)):
             return PLAIN  # nearly always, and there may be thousands of subscriptions
         asked = {request.compression for request in requests}
         compression = next((each for each in COMPRESSIONS if each in asked), "none")
         sizes = [each.fragment_size for each in requests if each.fragment_size is not None]
         # Only texts can be in pieces.
         is_text = compression in ("png", "none")
-        return cls(compression, min(sizes, default=None) if is_text else None)
+        headers = compression == "none" and any(each.headers for each in requests)
+        return cls(compression, min(sizes, default=None) if is_text else None, headers)
 
     def framer(self, spelling: str) -> Frame:
         """Makes frames of publications on the topic that is spelled so."""
@@ -122,12 +131,16 @@ class Encoding(NamedTuple):
         if self.compression == "cbor-raw":
             return _cbor_framer(spelling, Publication.raw)
         if self.compression == "none" and self.fragment_size is None:
-            return _json_framer(spelling)
+            return _headed_framer(spelling) if self.headers else _json_framer(spelling)
         return _text_framer(spelling, self)
 
 
 PLAIN = Encoding()
 """JSON in one piece."""
+
+
+def _is_plain(request: Subscribe) -> bool:
+    return request.compression == "none" and request.fragment_size is None and not request.headers
 
 
 def _json_framer(spelling: str) -> Frame:
@@ -137,6 +150,15 @@ def _json_framer(spelling: str) -> Frame:
     def frame(publication: Publication) -> bytes:
         body = publication.json()
         return b"".join((text_header(around + len(body)), before, body, after))
+
+    return frame
+
+
+def _headed_framer(spelling: str) -> Frame:
+    before = _before(spelling)
+
+    def frame(publication: Publication) -> bytes:
+        return text_frame(_headed(before, publication))
 
     return frame
 
@@ -151,6 +173,8 @@ def _text_framer(spelling: str, encoding: Encoding) -> Frame:
     def frame(publication: Publication) -> bytes:
         if encoding.compression == "png":
             text = publication.png(before)
+        elif encoding.headers:
+            text = _headed(before, publication)
         else:
             text = b"%b%b}" % (before, publication.json())
         return text_frames(text, encoding.fragment_size, new_id)
@@ -166,6 +190,10 @@ def _cbor_framer(spelling: str, encode_message: Callable[[Publication], bytes]) 
         return binary_frame(before + encode_message(publication))
 
     return frame
+
+
+def _headed(before: bytes, publication: Publication) -> bytes:
+    return b'%b%b,"header":%b}' % (before, publication.json(), publication.header)
 
 
 def _before(spelling: str) -> bytes:

@@ -152,7 +152,7 @@ class Graph:
                 latch=latch,
                 latches=latches or Budget(sys.maxsize),
             )
-            topic.publishers[node] = publisher
+            topic.add(publisher)
             self.topics[topic.name] = topic
             self.revision += 1
         return publisher
@@ -160,7 +160,7 @@ class Graph:
     def remove_publisher(self, publisher: Publisher) -> None:
         """Let a publisher go."""
         publisher.forget()
-        publisher.topic.publishers.pop(publisher.node, None)
+        publisher.topic.remove(publisher)
         self._settle(publisher.topic)
 
     def subscribe(self, subscription: Subscription, request: Subscribe) -> None:

@@ -85,11 +85,22 @@ class Call:
     Args:
         request: valid, with every field filled.
         caller: the calling node.
+        headers: what it says beside the request.
         succeeded: is given the response as JSON text.
         failed: is given the text of what went wrong.
     """
 
-    __slots__ = ("_failed", "_open", "_succeeded", "caller", "due", "id", "request", "service")
+    __slots__ = (
+        "_failed",
+        "_open",
+        "_succeeded",
+        "caller",
+        "due",
+        "headers",
+        "id",
+        "request",
+        "service",
+    )
 
     def __init__(
         self,
@@ -98,10 +109,12 @@ class Call:
         caller: str,
         succeeded: Callable[[Call, bytes], None],
         failed: Callable[[Call, str], None],
+        headers: dict[str, str] | None = None,
     ) -> None:
         self.service = service
         self.request = request
         self.caller = caller
+        self.headers = headers
         self.due = math.inf
         """When the caller waits no more, by the clock of its session."""
         self.id = ""
@@ -115,6 +128,7 @@ class Call:
         self.service.provider.take(self)
         # It has been told; what may be large need not be kept until it answers.
         self.request = {}
+        self.headers = None
 
     def answer(self, values: object) -> None:
         """Take the provider's response.

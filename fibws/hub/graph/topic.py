@@ -14,9 +14,10 @@ from fibws.errors import OperationError
 from fibws.hub.budget import Budget
 from fibws.hub.graph.channel import Channel
 from fibws.hub.graph.encoding import Encoding, Publication
+from fibws.hub.graph.peers import Peers
 from fibws.hub.graph.subscription import MAX_REGISTRATIONS, Subscription
 from fibws.hub.graph.types import MessageType
-from fibws.protocol.operations import Id
+from fibws.protocol.operations import Id, json_of
 
 Observer: TypeAlias = Callable[[dict[str, Any]], None]
 """A part of the hub itself that is told of each message; it must not change it."""
@@ -35,6 +36,10 @@ class Topic:
         self.publishers: dict[str, Publisher] = {}
         self.channels: dict[tuple[str, Encoding], Channel] = {}
         self.observers: list[Observer] = []
+        self.to_publishers = Peers()
+        """The publishers that ask who subscribes."""
+        self.to_subscribers = Peers()
+        """The subscriptions that ask who publishes."""
 
     @property
     def idle(self) -> bool:
@@ -55,6 +60,10 @@ class Topic:
         """All subscriptions, however they spelled the name."""
         return chain.from_iterable(each.subscriptions() for each in self.channels.values())
 
+    def subscribers(self) -> Iterator[str]:
+        """The nodes of all subscriptions."""
+        return (each.node for each in self.subscriptions())
+
     def update(self, subscription: Subscription) -> None:
         """Take note that a subscription has begun, changed or ended."""
         older, channel = subscription.channel, None
@@ -69,6 +78,23 @@ class Topic:
             if not older:
                 del self.channels[older.key]
         subscription.channel = channel
+        if channel is None:
+            self.to_subscribers.forget(subscription)
+        if self.to_publishers:
+            self.to_publishers.changed(self.subscribers())
+
+    def add(self, publisher: Publisher) -> None:
+        """Take note that a publisher has begun."""
+        self.publishers[publisher.node] = publisher
+        if self.to_subscribers:
+            self.to_subscribers.changed(self.publishers)
+
+    def remove(self, publisher: Publisher) -> None:
+        """Take note that a publisher has ended."""
+        self.to_publishers.forget(publisher)
+        self.publishers.pop(publisher.node, None)
+        if self.to_subscribers:
+            self.to_subscribers.changed(self.publishers)
 
     def replay(self, subscription: Subscription) -> None:
         """Send what publishers have latched to one subscription.
@@ -94,6 +120,16 @@ class Topic:
         for observe in self.observers:
             observe(publication.message)
 
+    def deliver_to(self, node: str, publication: Publication) -> None:
+        """Send a message to one node alone, if it hears the topic."""
+        for channel in self.channels.values():
+            for subscription in channel.subscriptions():
+                if subscription.node == node:
+                    try:
+                        subscription.offer(channel.frame(publication))
+                    except OperationError as fault:
+                        subscription.refuse(fault)
+
 
 class Publisher:
     """One client's right to publish on one topic, kept while an advertisement of its stands.
@@ -112,6 +148,7 @@ class Publisher:
         "_sequence",
         "bytes",
         "current",
+        "header",
         "latch",
         "latched",
         "messages",
@@ -134,6 +171,9 @@ class Publisher:
         self.topic = topic
         self.type = type_
         self.latch = latch
+        self.header = b""
+        """What is said beside its messages to those who ask, as JSON text."""
+        self.introduce({})
         self.latched: Publication | None = None
         self.current: Callable[[], dict[str, Any]] | None = None
         """Gives the message for late subscribers, where keeping the last one is a waste."""
@@ -145,6 +185,11 @@ class Publisher:
         """How many it has published."""
         self.bytes = 0
         """How many bytes those had when they came."""
+
+    def introduce(self, headers: dict[str, str]) -> None:
+        """From now on say these headers beside each message."""
+        latching = "1" if self.latch else "0"
+        self.header = json_of({"callerid": self.node, "latching": latching, **headers})
 
     def advertise(self, id_: Id) -> None:
         """Add an advertisement.
@@ -163,11 +208,12 @@ class Publisher:
         self._advertisements.discard(id_)
         return bool(self._advertisements)
 
-    def publish(self, msg: object, size: int | None = None) -> None:
+    def publish(self, msg: object, size: int | None = None, to: str | None = None) -> None:
         """Check a message and send it on; None stands for the default.
 
         Args:
             size: the bytes in which it came; None counts those of its JSON text.
+            to: the only node that is to hear it, upon which it is not latched.
 
         Raises:
             InvalidMessage: it does not fit the topic's type.
@@ -177,17 +223,21 @@ class Publisher:
         if self.type.sequenced:
             self._sequence += 1
             message["header"]["seq"] = self._sequence & 0xFFFFFFFF
-        publication = Publication(message, self.type, self._now())
-        self.topic.deliver(publication)
+        publication = Publication(message, self.type, self._now(), self.header)
+        if to is None:
+            self.topic.deliver(publication)
+        else:
+            self.topic.deliver_to(to, publication)
         self.messages += 1
         self.bytes += len(publication.json()) if size is None else size
-        if self.latch:
+        if self.latch and to is None:
             self._keep(publication)
 
     def recall(self) -> Publication | None:
         """What late subscribers are to hear."""
         if self.current is not None:
-            return Publication(self.type.validate(self.current()), self.type, self._now())
+            message = self.type.validate(self.current())
+            return Publication(message, self.type, self._now(), self.header)
         return self.latched
 
     def forget(self) -> None:

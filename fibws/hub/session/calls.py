@@ -46,7 +46,7 @@ class Calls:
         id_ = suffix if hash_ and request.id is None else request.id
         waiting = Waiting(id_, request.service, request.fragment_size, self._patience(request))
         try:
-            self._call(waiting, self._client.resolve(spelling), request.args)
+            self._call(waiting, self._client.resolve(spelling), request.args, request.headers)
         except FibwsError as error:
             self._fail(waiting, str(error))
 
@@ -65,13 +65,15 @@ class Calls:
             self._alarm.cancel()
             self._alarm = None
 
-    def _call(self, waiting: Waiting, name: str, args: object) -> None:
+    def _call(
+        self, waiting: Waiting, name: str, args: object, headers: dict[str, str] | None
+    ) -> None:
         service = self._client.graph.services.get(name)
         if service is None:
             raise OperationError(f"Service {name} does not exist")
         check_room(len(self._calls), self._client.settings.max_calls, "calls")
         valid = service.type.ask(args)
-        call = Call(service, valid, self._client.node, self._succeeded, self._failed)
+        call = Call(service, valid, self._client.node, self._succeeded, self._failed, headers)
         call.due = self._client.clock.time() + waiting.patience
         self._calls[call] = waiting
         self._watch(call.due)

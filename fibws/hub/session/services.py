@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from fibws.errors import InvalidMessage
 from fibws.hub.graph.service import Call, Service
 from fibws.hub.session.client import Client, check_room
@@ -14,6 +16,19 @@ from fibws.protocol.operations import (
 )
 
 
+class Provided(NamedTuple):
+    """One of the client's services, as it advertised it.
+
+    Args:
+        spelling: the service's name as the client knows it.
+        headers: whether it wants the callers' headers.
+    """
+
+    service: Service
+    spelling: str
+    headers: bool
+
+
 class Services:
     """One client's services, and the calls that it is to answer."""
 
@@ -21,8 +36,8 @@ class Services:
 
     def __init__(self, client: Client) -> None:
         self._client = client
-        self._provided: dict[str, tuple[Service, str]] = {}
-        """By the service's name, with the spelling of it that the client knows."""
+        self._provided: dict[str, Provided] = {}
+        """By the service's name."""
         self._due: dict[Id, Call] = {}
         """What the client is to answer, by the ids that it was given."""
 
@@ -42,7 +57,7 @@ class Services:
             limit = self._client.settings.max_advertisements
             check_room(len(self._provided), limit, "advertisements")
         service = self._client.graph.add_service(name, request.type, request.definition, self)
-        self._provided[name] = (service, request.service)
+        self._provided[name] = Provided(service, request.service, bool(request.headers))
         if service.type.arguments is None:
             self._client.statuses.warning(
                 request.id, f"{name}: calls of type {service.type.name} are not checked"
@@ -54,8 +69,9 @@ class Services:
         if request.service is None:
             # ros-sharp sends no name, by mistake: none is taken back by that.
             return
-        service, _ = self._provided.pop(self._client.resolve(request.service), (None, ""))
-        if service is not None:
+        provided = self._provided.pop(self._client.resolve(request.service), None)
+        if provided is not None:
+            service = provided.service
             self._client.graph.remove_service(service)
             for id_, call in list(self._due.items()):
                 if call.service.name == service.name:
@@ -63,14 +79,16 @@ class Services:
 
     def take(self, call: Call) -> None:
         """Ask the client."""
-        _, spelling = self._provided[call.service.name]
-        call.id = f"service_request:{spelling}:{next(self._client.numbers)}"
+        provided = self._provided[call.service.name]
+        call.id = f"service_request:{provided.spelling}:{next(self._client.numbers)}"
         fields = {
             "op": "call_service",
             "id": call.id,
-            "service": spelling,
+            "service": provided.spelling,
             "args": call.request,
         }
+        if provided.headers:
+            fields["header"] = {"callerid": call.caller, **(call.headers or {})}
         if self._client.ask(encode_fields(fields)):
             self._due[call.id] = call
         else:
@@ -146,8 +164,8 @@ class Services:
 
     def leave(self) -> None:
         """Take all back: the calls of others fail."""
-        for service, _ in self._provided.values():
-            self._client.graph.remove_service(service)
+        for provided in self._provided.values():
+            self._client.graph.remove_service(provided.service)
         self._provided.clear()
         for id_, call in list(self._due.items()):
             self._fail(id_, f"service [{call.service.name}] unavailable: {self.node} has left")

@@ -187,7 +187,7 @@ class Session:
                 # Nearly every operation is this one. With a publisher at hand it needs no model:
                 # but for its topic and its message, its fields mean nothing any more.
                 publisher = self.topics.publishers.get(topic)
-                if publisher is not None:
+                if publisher is not None and "to" not in fields:
                     self.topics.publish(publisher, fields.get("msg"), fields.get("id"), size)
                     return
             self._handle(parse_request(fields))
@@ -214,7 +214,7 @@ class Session:
     def _handle(self, request: Request) -> None:
         match request:
             case Publish():
-                self.topics.publish_unadvertised(request)
+                self.topics.publish_parsed(request)
             case CallService():
                 self.calls.call(request)
             case ServiceResponse():

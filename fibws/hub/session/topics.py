@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 from fibws.errors import FibwsError, OperationError
 from fibws.hub.budget import Budget
+from fibws.hub.frames import text_frame
 from fibws.hub.graph.encoding import COMPRESSIONS
+from fibws.hub.graph.peers import Peers
 from fibws.hub.graph.subscription import Subscription
 from fibws.hub.graph.topic import Publisher, Topic
 from fibws.hub.session.client import Client, check_room
 from fibws.hub.session.early import GRACE, EarlyMessages
-from fibws.protocol.operations import Advertise, Publish, Subscribe, Unadvertise, Unsubscribe
+from fibws.protocol.operations import (
+    Advertise,
+    Publish,
+    Subscribe,
+    Unadvertise,
+    Unsubscribe,
+    encode_fields,
+)
 
 
 class Topics:
@@ -36,9 +46,16 @@ class Topics:
         self.subscriptions: dict[str, Subscription] = {}
         """By the spelling of the topic's name that the client used."""
 
-    def publish(self, publisher: Publisher, msg: object, id_: Any, size: int | None = None) -> None:
-        """Publish a message, which came in ``size`` bytes, with a publisher at hand."""
-        publisher.publish(msg, size)
+    def publish(
+        self,
+        publisher: Publisher,
+        msg: object,
+        id_: Any,
+        size: int | None = None,
+        to: str | None = None,
+    ) -> None:
+        """Publish a message with a publisher at hand; otherwise as `Publisher.publish`."""
+        publisher.publish(msg, size, to)
         statuses = self._client.statuses
         if statuses.wants_info:
             missing = publisher.type.missing(msg if isinstance(msg, dict) else {})
@@ -49,15 +66,26 @@ class Topics:
         """Register a publisher, or another advertisement of one."""
         publisher = self._register(request, request.type, request.definition)
         publisher.advertise(request.id)
+        if request.headers is not None:
+            publisher.introduce(request.headers)
         name, type_ = publisher.topic.name, publisher.type
         statuses = self._client.statuses
         if not type_.checked:
             statuses.warning(request.id, f"{name}: messages of type {type_.name} are not checked")
         statuses.info(request.id, f"{self._client.node} publishes {name} ({type_.name})")
-        self._publish_early(publisher.topic)
+        topic = publisher.topic
+        self._ask(request, topic.to_publishers, publisher, topic.subscribers())
+        self._publish_early(topic)
 
-    def publish_unadvertised(self, request: Publish) -> None:
-        """Publish a message that nothing announced, once its topic has a type."""
+    def publish_parsed(self, request: Publish) -> None:
+        """Publish a message that is for one node alone, or that nothing announced.
+
+        The latter waits until its topic has a type.
+        """
+        publisher = self.publishers.get(request.topic)
+        if publisher is not None:
+            self._publish(publisher, request)
+            return
         topic = self._topic(request.topic)
         if topic.type is None and self._is_early(topic, request):
             return
@@ -85,7 +113,11 @@ class Topics:
                 f"Cannot infer topic type for topic {request.topic} as it is not yet advertised"
             )
         publisher = self._register(request, topic.type.name, None)
-        self.publish(publisher, request.msg, request.id)
+        self._publish(publisher, request)
+
+    def _publish(self, publisher: Publisher, request: Publish) -> None:
+        to = None if request.to is None else self._client.resolve(request.to)
+        self.publish(publisher, request.msg, request.id, to=to)
 
     def _publish_late(self, request: Publish) -> None:
         """Publish a message that waited for its topic's type, or say why that cannot be."""
@@ -97,7 +129,10 @@ class Topics:
     def unadvertise(self, request: Unadvertise) -> None:
         """Take back an advertisement; the publisher goes with the last."""
         publisher = self.publishers.get(request.topic)
-        if publisher is None or publisher.unadvertise(request.id):
+        if publisher is None:
+            return
+        publisher.topic.to_publishers.cancel(publisher, request.id)
+        if publisher.unadvertise(request.id):
             return
         for spelling, other in list(self.publishers.items()):
             if other is publisher:
@@ -128,12 +163,14 @@ class Topics:
             )
         if topic.type is None:
             client.statuses.info(request.id, f"{topic.name} waits for a publisher to have a type")
+        self._ask(request, topic.to_subscribers, subscription, topic.publishers)
         topic.replay(subscription)
 
     def unsubscribe(self, request: Unsubscribe) -> None:
         """Take back one request, or all; the subscription goes with the last."""
         subscription = self.subscriptions.get(request.topic)
         if subscription is not None:
+            subscription.topic.to_subscribers.cancel(subscription, request.id)
             self._client.graph.unsubscribe(subscription, request.id)
             if not subscription.requests:
                 del self.subscriptions[request.topic]
@@ -148,6 +185,23 @@ class Topics:
         for subscription in self.subscriptions.values():
             self._client.graph.unsubscribe(subscription, None)
         self.subscriptions.clear()
+
+    def _ask(
+        self, request: Advertise | Subscribe, peers: Peers, owner: object, nodes: Iterable[str]
+    ) -> None:
+        """Tell the client of its peers, if a request asks for that."""
+        peers.cancel(owner, request.id)
+        if not request.peers:
+            return
+        fields = {"op": "peers", "id": request.id, "topic": request.topic}
+        before = encode_fields(fields, nodes=b"")[:-1]  # There may be thousands who are told.
+        outbox = self._client.outbox
+
+        def tell(nodes: bytes) -> None:
+            # Only the newest is of use, and it must not be others who make the client overfull.
+            outbox.latest(tell, text_frame(b"%b%b}" % (before, nodes)))
+
+        peers.ask(owner, request.id, tell, nodes)
 
     def _register(
         self, request: Advertise | Publish, type_: str, definition: str | None

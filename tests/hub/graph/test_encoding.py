@@ -74,6 +74,13 @@ def reassembled(found: list[tuple[int, bytes]], size: int) -> tuple[bytes, list[
         ([{"fragment_size": 100, "compression": "cbor"}], Encoding("cbor")),
         ([{"fragment_size": 100}, {"compression": "cbor-raw"}], Encoding("cbor-raw")),
         ([{"fragment_size": 2147483647}], Encoding("none", 2147483647)),
+        ([{"headers": False}], PLAIN),
+        ([{"headers": True}], Encoding(headers=True)),
+        ([{"headers": True}, {}], Encoding(headers=True)),
+        ([{"headers": True, "compression": "zip"}], Encoding(headers=True)),
+        ([{"headers": True, "fragment_size": 100}, {}], Encoding("none", 100, True)),
+        ([{"headers": True, "compression": "png"}], Encoding("png")),
+        ([{"headers": True}, {"compression": "cbor"}], Encoding("cbor")),
     ],
 )
 def test_of_several_requests_the_strongest_compression_counts_and_the_smallest_pieces(
@@ -88,6 +95,15 @@ def test_of_several_requests_the_strongest_compression_counts_and_the_smallest_p
 
 def test_json_is_the_ordinary_way() -> None:
     assert framed(PLAIN) == [(TEXT, b'{"op":"publish","topic":"/a","msg":{"data":5}}')]
+
+
+def test_the_header_is_beside_the_message_for_those_who_ask() -> None:
+    one = Publication({"data": 5}, NUMBER, NANOSECONDS, b'{"callerid":"/talker"}')
+    text = b'{"op":"publish","topic":"/a","msg":{"data":5},"header":{"callerid":"/talker"}}'
+    assert list(frames(Encoding(headers=True).framer("/a")(one))) == [(TEXT, text)]
+    pieces = list(frames(Encoding("none", 30, True).framer("/a")(one)))
+    assert reassembled(pieces, 30)[0] == text
+    assert list(frames(PLAIN.framer("/a")(one))) == framed(PLAIN)
 
 
 @pytest.mark.parametrize("size", [0, 50, 100, 70_000])

@@ -169,3 +169,17 @@ def test_characters_count_as_the_bytes_that_they_take() -> None:
     client.says("advertise", "/a", type=STRING, latch=True)
     client.says("publish", "/a", msg={"data": "ä" * 8})
     assert len(client.hears_statuses()) == 1
+
+
+def test_a_latched_message_has_the_header_that_it_was_published_with() -> None:
+    hub = FakeHub()
+    talker, plain, asking = hub.client("/talker"), hub.client(), hub.client()
+    talker.says("advertise", "/fib", type=INT32, latch=True, headers={"user": "ann"})
+    talker.says("publish", "/fib", msg=number(1))
+    for _ in range(2):
+        plain.says("subscribe", "/fib")
+        asking.says("subscribe", "/fib", headers=True)
+        [heard] = asking.hears()
+        assert heard["header"] == {"callerid": "/talker", "latching": "1", "user": "ann"}
+        [heard] = plain.hears()
+        assert "header" not in heard

@@ -31,13 +31,18 @@ class Listeners:
         self.topic = Topic("/a")
 
     def subscribe(
-        self, spelling: str = "/a", *, outbox: Outbox | None = None, **fields: Any
+        self,
+        spelling: str = "/a",
+        *,
+        node: str = "/listener",
+        outbox: Outbox | None = None,
+        **fields: Any,
     ) -> tuple[Subscription, list[bytes]]:
         """A new subscription, and where its frames are written."""
         writes: list[bytes] = []
         outbox = outbox or Outbox(writes.append, print, self.flusher, max_bytes=1000)
         subscription = Subscription(
-            "/listener", self.topic, spelling, outbox, self.clock, print, queue_length=10
+            node, self.topic, spelling, outbox, self.clock, print, queue_length=10
         )
         subscription.request(Subscribe(topic=spelling, **fields))
         self.topic.update(subscription)
@@ -182,6 +187,85 @@ def test_what_is_latched_is_replayed_to_one_subscription() -> None:
     listeners.topic.replay(first)
     assert heard_by(listeners, writes) == [{"data": 0}, {"data": 2}]
     assert other == []
+
+
+def test_a_message_for_one_node_is_heard_by_that_under_each_spelling() -> None:
+    listeners = Listeners()
+    ways: list[tuple[str, dict[str, Any]]] = [
+        ("/a", {}),
+        ("a", {"headers": True}),
+        ("~a", {"compression": "png"}),
+        ("~b", {"throttle_rate": 1}),
+    ]
+    mine = [listeners.subscribe(spelling, node="/mine", **way)[1] for spelling, way in ways]
+    others = [listeners.subscribe(spelling, node="/other", **way)[1] for spelling, way in ways]
+    publisher = listeners.publisher()
+    publisher.publish({"data": 1}, to="/mine")
+    listeners.clock.turn()
+    assert [len(writes) for writes in mine] == [1, 1, 1, 1]
+    assert others == [[], [], [], []]
+    assert (publisher.messages, publisher.bytes) == (1, len(b'{"data":1}'))
+
+
+def test_a_message_for_a_node_that_does_not_listen_is_heard_by_nobody() -> None:
+    listeners = Listeners()
+    _, writes = listeners.subscribe()
+    listeners.publisher().publish({"data": 1}, to="/nobody")
+    assert heard_by(listeners, writes) == []
+
+
+def test_a_message_for_one_node_waits_for_its_throttle_and_in_its_queue() -> None:
+    listeners = Listeners()
+    subscription, writes = listeners.subscribe(throttle_rate=1000)
+    slow, late = listeners.subscribe(queue_length=2)
+    publisher = listeners.publisher()
+    slow.outbox.pause()
+    for number in range(3):
+        publisher.publish({"data": number}, to="/listener")
+    assert heard_by(listeners, writes) == [{"data": 0}]
+    slow.outbox.resume()
+    assert heard_by(listeners, late) == [{"data": 1}, {"data": 2}]
+    assert (subscription.messages, slow.messages) == (1, 3)
+
+
+def test_a_message_for_one_node_is_never_latched() -> None:
+    publisher = Listeners().publisher(latch=True)
+    publisher.publish({"data": 1})
+    publisher.publish({"data": 2}, to="/listener")
+    assert publisher.latched is not None
+    assert publisher.latched.json() == b'{"data":1}'
+
+
+def test_a_message_for_one_node_that_cannot_be_encoded_so_is_refused_to_that() -> None:
+    complaints: list[tuple[object, str]] = []
+    listeners = Listeners()
+    outbox = Outbox(print, print, listeners.flusher, max_bytes=1000)
+    subscription = Subscription(
+        "/listener",
+        listeners.topic,
+        "/a",
+        outbox,
+        listeners.clock,
+        lambda *complaint: complaints.append(complaint),
+        queue_length=10,
+    )
+    subscription.request(Subscribe(topic="/a", id="s", compression="cbor-raw"))
+    listeners.topic.update(subscription)
+    listeners.publisher("my_msgs/Thing").publish({}, to="/listener")
+    [(id_, text)] = complaints
+    assert id_ == "s"
+    assert "cbor-raw needs the definition of my_msgs/Thing" in text
+
+
+@pytest.mark.parametrize("latch", [False, True])
+def test_a_publisher_introduces_itself(latch: bool) -> None:
+    publisher = Listeners().publisher(latch=latch)
+    own = {"callerid": "/talker", "latching": "1" if latch else "0"}
+    assert json.loads(publisher.header) == own
+    publisher.introduce({"user": "ann"})
+    assert json.loads(publisher.header) == {**own, "user": "ann"}
+    publisher.introduce({"callerid": "/me"})
+    assert json.loads(publisher.header) == {**own, "callerid": "/me"}
 
 
 def test_a_publisher_stands_while_an_advertisement_does() -> None:

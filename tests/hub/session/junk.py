@@ -88,6 +88,10 @@ KINDS = {
     "action_type": Kind(set(), "no junk is a type", Kind.refusal + "|is not a valid type string"),
     "definition": Kind(ABSENT, "it is optional", Kind.refusal + "|[Dd]efinition|line 1"),
     "latch": Kind(ABSENT | BOOLEANS, "it is optional"),
+    "headers": Kind(ABSENT | BOOLEANS, "it is optional"),
+    "header": Kind({*JUNK}, "it is the hub's to say"),
+    "peers": Kind(ABSENT | BOOLEANS, "it is optional"),
+    "to": Kind(ABSENT, "it is optional", NAME.refusal),
     "feedback": Kind(ABSENT | BOOLEANS, "it is optional"),
     "result": Kind(BOOLEANS, "either may be"),
     "queue_size": Kind(ABSENT | INTEGERS, "any integer is a length"),
@@ -112,11 +116,14 @@ KINDS = {
 """The kinds of fields by their names."""
 
 ECHO = Kind(TEXTS, "the id alone counts, the name is only repeated")
+HEADERS = Kind(ABSENT | {"empty object"}, "it is optional")
 UNKNOWN = Kind(TEXTS, "what was never there may be taken back")
 EXCEPTIONS = {
     ("advertise", "definition"): Kind(
         ABSENT | {"empty text"}, "it is optional, and a message may be empty", "Expected|line 1|The"
     ),
+    ("advertise", "headers"): HEADERS,
+    ("call_service", "headers"): HEADERS,
     ("unadvertise", "topic"): UNKNOWN,
     ("unsubscribe", "topic"): UNKNOWN,
     ("subscribe", "type"): Kind(ABSENT, "it is optional", KINDS["type"].refusal),

@@ -125,6 +125,43 @@ def test_a_provider_may_bring_the_definition() -> None:
     assert "500 is not in -128..127" in hears_failure(caller)
 
 
+# Headers.
+
+
+def test_a_provider_that_asks_is_told_who_calls_and_what_the_caller_says_of_itself() -> None:
+    hub = FakeHub()
+    provider, caller = hub.client(), hub.client("/caller")
+    provider.says("advertise_service", service="add", type=ADD, headers=True)
+    calls(caller, headers={"user": "ann"})
+    calls(caller)
+    told = [each["header"] for each in provider.hears()]
+    assert told == [{"callerid": "/caller", "user": "ann"}, {"callerid": "/caller"}]
+
+
+def test_another_provider_is_told_nothing_of_that() -> None:
+    _, provider, caller = adder_and_caller()
+    calls(caller, headers={"user": "ann"}, header={"user": "bob"})
+    asked = provider.hears_one("call_service")
+    assert asked.keys() == {"op", "id", "service", "args"}
+
+
+def test_the_newest_advertisement_decides_on_headers() -> None:
+    _, provider, caller = adder_and_caller()
+    for headers in (True, False):
+        provider.says("advertise_service", service="/add", type=ADD, headers=headers)
+        calls(caller)
+        assert ("header" in provider.hears_one("call_service")) == headers
+
+
+def test_a_call_whose_headers_are_none_is_refused() -> None:
+    _, provider, caller = adder_and_caller()
+    calls(caller, headers={"age": 5}, id=1)
+    status, response = caller.hears()
+    assert status["msg"].startswith("call_service: Expected field headers to be one of an object")
+    assert (response["id"], response["result"]) == (1, False)
+    assert provider.hears() == []
+
+
 # Several providers of one name.
 
 

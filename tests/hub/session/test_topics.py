@@ -103,3 +103,76 @@ def test_a_publish_of_another_type_than_the_field_says_is_an_ordinary_publish() 
     talker.says("publish", "/fib", msg=number(1), type=STRING, latch=True, queue_size="many")
     assert listener.hears_numbers("/fib") == [1]
     assert talker.hears() == []
+
+
+def test_who_asks_for_headers_is_told_what_the_publisher_says_of_itself() -> None:
+    hub = FakeHub()
+    talker, plain, asking = hub.client("/talker"), hub.client(), hub.client()
+    asking.says("subscribe", "/fib", headers=True)
+    plain.says("subscribe", "/fib")
+    own = {"callerid": "/talker", "latching": "0"}
+    for headers in (None, {"user": "ann"}, None, {"team": "red"}, {}):
+        talker.says("advertise", "/fib", type=INT32, headers=headers)
+        talker.says("publish", "/fib", msg=number(1), header={"callerid": "/liar"})
+    assert [each["header"] for each in asking.hears()] == [
+        own,
+        {**own, "user": "ann"},
+        {**own, "user": "ann"},
+        {**own, "team": "red"},
+        own,
+    ]
+    assert all(each.keys() == {"op", "topic", "msg"} for each in plain.hears())
+
+
+def test_of_two_publishers_each_has_its_own_header() -> None:
+    hub = FakeHub()
+    asking = hub.client()
+    asking.says("subscribe", "/fib", headers=True)
+    for name in ("/a", "/b"):
+        talker = hub.client(name)
+        talker.says("advertise", "/fib", type=INT32, headers={"name": name[1:]})
+        talker.says("publish", "/fib", msg=number(1))
+    headers = [each["header"] for each in asking.hears()]
+    assert [(each["callerid"], each["name"]) for each in headers] == [("/a", "a"), ("/b", "b")]
+
+
+def test_a_message_may_be_for_one_node_alone() -> None:
+    hub = FakeHub()
+    talker, listener = talker_and_listener(hub, latch=True)
+    other = hub.client("/other")
+    other.says("subscribe", "/fib")
+    talker.says("publish", "/fib", msg=number(1), to="/listener")
+    talker.says("publish", "/fib", msg=number(2), to=None)
+    talker.says("publish", "/fib", msg=number(3), to="other")
+    talker.says("publish", "/fib", msg=number(4), to="/nobody")
+    assert listener.hears_numbers("/fib") == [1, 2]
+    assert other.hears_numbers("/fib") == [2, 3]
+    late = hub.client("/late")
+    late.says("subscribe", "/fib")
+    assert late.hears_numbers("/fib") == [2]
+    assert talker.hears() == []
+
+
+def test_a_message_for_one_node_need_not_be_announced() -> None:
+    hub = FakeHub()
+    talker, listener, early = (hub.client(name) for name in ("/talker", "/listener", "/early"))
+    early.says("publish", "/fib", msg=number(1), to="/listener")
+    talker.says("subscribe", "/fib", type=INT32)
+    listener.says("subscribe", "/fib", type=INT32)
+    early.says("publish", "/fib", msg=number(2), to="/talker")
+    assert listener.hears_numbers("/fib") == [1]
+    assert talker.hears_numbers("/fib") == [2]
+
+
+@pytest.mark.parametrize(
+    ("to", "fault"), [(5, "Expected field to to be one of str"), ("a b", "'a b' is not")]
+)
+@pytest.mark.parametrize("advertised", [True, False])
+def test_a_message_for_what_is_no_node_is_refused(to: object, fault: str, advertised: bool) -> None:
+    hub = FakeHub()
+    talker, listener = talker_and_listener(hub)
+    publisher = talker if advertised else hub.client()
+    publisher.says("publish", "/fib", msg=number(1), to=to)
+    [status] = publisher.hears_statuses()
+    assert fault in status
+    assert listener.hears() == []
