@@ -38,9 +38,10 @@ if TYPE_CHECKING:
     from fibws.node.graph import Graph, NodeDetails
     from fibws.node.node import Node
     from fibws.node.params import Params
+    from fibws.node.peers import Peers
     from fibws.node.publisher import Publisher
     from fibws.node.rate import Rate
-    from fibws.node.service import Handler, ServiceServer
+    from fibws.node.service import Handler, HeaderHandler, ServiceServer
     from fibws.node.subscription import Subscription
 
 __version__ = "0.1.0"
@@ -78,9 +79,10 @@ _HOMES = {
     "fibws.node.graph": ("Graph", "NodeDetails"),
     "fibws.node.node": ("Node",),
     "fibws.node.params": ("Params",),
+    "fibws.node.peers": ("Peers",),
     "fibws.node.publisher": ("Publisher",),
     "fibws.node.rate": ("Rate",),
-    "fibws.node.service": ("Handler", "ServiceServer"),
+    "fibws.node.service": ("Handler", "HeaderHandler", "ServiceServer"),
     "fibws.node.subscription": ("Subscription",),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
@@ -98,6 +100,7 @@ __all__ = [
     "GoalStatus",
     "Graph",
     "Handler",
+    "HeaderHandler",
     "HubUnreachable",
     "InterfaceError",
     "InvalidAddress",
@@ -114,6 +117,7 @@ __all__ = [
     "Over",
     "ParameterNotSet",
     "Params",
+    "Peers",
     "Publisher",
     "Rate",
     "Remapping",

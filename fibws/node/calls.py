@@ -23,6 +23,7 @@ from fibws.node.fault import tell
 from fibws.node.part import Part
 from fibws.node.session import Session
 from fibws.node.types import Types
+from fibws.protocol.headers import check_headers
 from fibws.protocol.operations import CallService, Reply, ServiceResponse
 from fibws.protocol.parsing import quoted
 
@@ -66,17 +67,25 @@ class Calls(Part):
         request: Req | Mapping[str, Any] | None = None,
         *,
         within: float | None = None,
+        headers: Mapping[str, str] | None = None,
     ) -> Res:
         """Call a service by its global name; see `Node.call`."""
         types = self._types.service(type_)
-        values = await self._ask(service, types.ask(request), within)
+        header = check_headers(headers) if headers else None
+        values = await self._ask(service, types.ask(request), within, header)
         try:
             return types.answered(values)
         except InvalidMessage as error:
             text = f"its response does not fit {types.name}: {error}"
             raise ServiceError(service, text) from None
 
-    async def _ask(self, service: str, args: dict[str, Any], within: float | None) -> Any:
+    async def _ask(
+        self,
+        service: str,
+        args: dict[str, Any],
+        within: float | None,
+        headers: dict[str, str] | None,
+    ) -> Any:
         loop = asyncio.get_running_loop()
         end = loop.time() + within if within is not None else None
         id_ = self._session.id("call_service", service)
@@ -85,7 +94,9 @@ class Calls(Part):
                 await self._session.hub()
                 call = self._waiting[id_] = _Call(service, loop.create_future())
                 left = max(end - loop.time(), SHORTEST_TIMEOUT) if end is not None else None
-                self._session.say(CallService(id=id_, service=service, args=args, timeout=left))
+                self._session.say(
+                    CallService(id=id_, service=service, args=args, timeout=left, headers=headers)
+                )
                 outcome = await call.outcome
         except TimeoutError:
             asked = id_ in self._waiting or self._session.outbox.connected

@@ -33,6 +33,9 @@ FLUSHING = 0.6
 CLOSING = 0.3
 """Seconds, all five; the last two together bound how long a node's end takes."""
 
+TURN = 64
+"""Frames that are read at most before everything else has a turn."""
+
 _TRY_LATER = (408, 425, 429)
 _ERRNO = re.compile(r"\[Errno (\d+)\]")
 
@@ -141,9 +144,13 @@ class Connection:
         try:
             self._found()
             while True:
-                self._session.receive(await websocket.recv(decode=False))
-                # recv() returns at once while frames are left of what the socket had: without this
-                # a burst would fill the readers' queues before any of them had a turn.
+                for _ in range(TURN):
+                    self._session.receive(await websocket.recv(decode=False))
+                    # recv() returns at once while frames are left of what the socket had: without
+                    # this a burst would overflow the readers' queues before they had a turn.
+                    if self._session.crowded:
+                        break
+                self._session.crowded = False
                 await asyncio.sleep(0)
         except ConnectionClosed as closed:
             reason = closed

@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import math
 
+UNBOUNDED_QUEUE = 10_000
+"""Messages that a subscription without a bound of its own asks the hub to keep when it is slow: a
+second of the fastest topics. The hub bounds their bytes all the same (--max-queued-bytes)."""
+
 
 def check_queue_size(queue_size: int) -> None:
     """Raise ValueError unless that many messages can wait."""

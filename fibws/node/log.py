@@ -64,9 +64,17 @@ class Console(logging.Handler):
         )
 
 
+class _Unlisted(logging.Logger):
+    """A logger that `logging` does not know, and so does not tell when its level changes."""
+
+    def isEnabledFor(self, level: int) -> bool:
+        """As `logging.Logger` has it, but for its cache."""
+        return not self.disabled and self.manager.disable < level >= self.getEffectiveLevel()
+
+
 def node_log(node: str, template: str) -> logging.Logger:
     """A logger that belongs to one node alone: no other part of the program can find it."""
-    log = logging.Logger(node, logging.INFO)
+    log = _Unlisted(node, logging.INFO)
     log.addHandler(Console(node, template))
     return log
 

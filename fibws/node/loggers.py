@@ -32,7 +32,7 @@ class Loggers:
         services.serve(resolve("~set_logger_level"), SetLoggerLevel, self._set)
 
     def _get(self, request: GetLoggersRequest) -> GetLoggersResponse:
-        return GetLoggersResponse([Logger(NAME, level(self._log.level).name)])
+        return GetLoggersResponse([Logger(NAME, level(self._log.getEffectiveLevel()).name)])
 
     def _set(self, request: SetLoggerLevelRequest) -> SetLoggerLevelResponse:
         if request.logger not in (NAME, self._log.name):

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 import os
 import time
 from collections.abc import Callable, Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Self, TypeVar, overload
+from typing import TYPE_CHECKING, Any, Literal, Self, TypeVar, overload
 
 from fibws import names
 from fibws.interfaces import Action, Message, Service, Time
@@ -16,20 +17,21 @@ from fibws.node import address
 from fibws.node.calls import Calls
 from fibws.node.connection import Connection
 from fibws.node.identity import Identity
-from fibws.node.limits import check_queue_size, check_timeout
+from fibws.node.limits import UNBOUNDED_QUEUE, check_queue_size, check_timeout
 from fibws.node.log import FORMAT, node_log
 from fibws.node.loggers import Loggers
 from fibws.node.publisher import P, Publisher
 from fibws.node.rate import Rate
 from fibws.node.rosapi import Rosapi
 from fibws.node.rosout import Rosout
-from fibws.node.service import Handler, ServiceServer
+from fibws.node.service import Handler, HeaderHandler, ServiceServer
 from fibws.node.services import Services
 from fibws.node.session import Session
 from fibws.node.subscription import Subscription
 from fibws.node.topics import Topics
 from fibws.node.types import Types
 from fibws.node.waiting import wait_for_message, wait_for_service
+from fibws.protocol.headers import check_headers
 from fibws.protocol.operations import Advertise, Subscribe
 
 if TYPE_CHECKING:
@@ -65,6 +67,9 @@ class Node:
         namespace: where relative names belong; else $ROS_NAMESPACE, else ``/``.
         remapping: what the command line renames.
         log_format: the console's line, as ROSCONSOLE_FORMAT writes it; else that variable.
+        log: the logger to use, with its own level and handlers, rather than one of the node's own
+            that writes to the console.
+        rosout: whether what is logged is published on /rosout.
 
     Raises:
         InvalidName: a name is not legal.
@@ -80,6 +85,8 @@ class Node:
         namespace: str | None = None,
         remapping: names.Remapping = NO_REMAPPING,
         log_format: str | None = None,
+        log: logging.Logger | None = None,
+        rosout: bool = True,
     ) -> None:
         self._identity = Identity.choose(
             name, anonymous=anonymous, namespace=namespace, remapping=remapping
@@ -87,16 +94,20 @@ class Node:
         environment = os.environ
         self._hub = address.hub_url(hub or environment.get(address.ENVIRONMENT) or address.DEFAULT)
         self._types = Types(time.time_ns)
-        self.log = node_log(self.name, log_format or environment.get("ROSCONSOLE_FORMAT") or FORMAT)
-        """The node's own logger: what it is told goes to the console and to /rosout."""
+        self.log = log or node_log(
+            self.name, log_format or environment.get("ROSCONSOLE_FORMAT") or FORMAT
+        )
+        """The node's logger: what it is told goes to the console and to /rosout."""
         self._session = Session(self.log)
         self._calls = Calls(self._session, self._types)
         self._services = Services(self._session, self._types)
         self._topics = Topics(self._session)  # Last: what is latched ends the greeting.
-        self._rosout = Rosout(self.name, self._topics)
-        self.log.addHandler(self._rosout)
+        self._rosout = Rosout(self.name, self._topics) if rosout else None
+        if self._rosout is not None:
+            self.log.addHandler(self._rosout)
         self._loggers = Loggers(self.log, self._services, self.resolve)
         self._connection = Connection(self._hub, self.name, self._session, self.log)
+        self._entered = False
 
     def __repr__(self) -> str:
         return f"<Node {self.name} at {self._hub}>"
@@ -140,16 +151,37 @@ class Node:
 
     @overload
     async def advertise(
-        self, topic: str, type: Callable[P, M], *, queue_size: int = ..., latch: bool = ...
+        self,
+        topic: str,
+        type: Callable[P, M],
+        *,
+        queue_size: int = ...,
+        latch: bool = ...,
+        headers: Mapping[str, str] | None = ...,
+        peers: bool = ...,
     ) -> Publisher[M, P]: ...
 
     @overload
     async def advertise(
-        self, topic: str, type: str, *, queue_size: int = ..., latch: bool = ...
+        self,
+        topic: str,
+        type: str,
+        *,
+        queue_size: int = ...,
+        latch: bool = ...,
+        headers: Mapping[str, str] | None = ...,
+        peers: bool = ...,
     ) -> Publisher[Any, ...]: ...
 
     async def advertise(
-        self, topic: str, type: Any, *, queue_size: int = 10, latch: bool = False
+        self,
+        topic: str,
+        type: Any,
+        *,
+        queue_size: int = 10,
+        latch: bool = False,
+        headers: Mapping[str, str] | None = None,
+        peers: bool = False,
     ) -> Publisher[Any, ...]:
         """Begin to publish on a topic.
 
@@ -161,11 +193,16 @@ class Node:
             queue_size: how many messages are kept while there is no hub.
             latch: whether the hub keeps the last message for those who subscribe later. It is
                 published anew after each reconnection, so listeners may hear it again.
+            headers: what subscribers that ask for headers are told beside each message, which goes
+                before ``callerid`` and ``latching`` of the hub's making. A node has one header for
+                each topic: that of its newest publisher which has any.
+            peers: whether to ask who subscribes, for `Publisher.peers`.
 
         Raises:
-            ValueError: ``queue_size`` is less than 1.
+            ValueError: ``queue_size`` is less than 1, or the headers are no short strings.
         """
         check_queue_size(queue_size)
+        header = check_headers(headers) if headers else None
         topic = self.resolve(topic)
         message_class = self._types.message_class(type)
         name = message_class._type
@@ -176,18 +213,42 @@ class Node:
             latch=latch,
             queue_size=queue_size,
             definition=self._types.definition(name),
+            headers=header,
+            peers=peers or None,
         )
         advertisement = self._topics.advertise(operation)
         return Publisher(self._topics, advertisement, self._types.wire(message_class))
 
     @overload
-    def subscribe(self, topic: str, type: type[M], *, queue_size: int = ...) -> Subscription[M]: ...
+    def subscribe(
+        self,
+        topic: str,
+        type: type[M],
+        *,
+        queue_size: int | None = ...,
+        headers: bool = ...,
+        peers: bool = ...,
+    ) -> Subscription[M]: ...
 
     @overload
-    def subscribe(self, topic: str, type: str, *, queue_size: int = ...) -> Subscription[Any]: ...
+    def subscribe(
+        self,
+        topic: str,
+        type: str,
+        *,
+        queue_size: int | None = ...,
+        headers: bool = ...,
+        peers: bool = ...,
+    ) -> Subscription[Any]: ...
 
     def subscribe(
-        self, topic: str, type: type[Any] | str, *, queue_size: int = 10
+        self,
+        topic: str,
+        type: type[Any] | str,
+        *,
+        queue_size: int | None = 10,
+        headers: bool = False,
+        peers: bool = False,
     ) -> Subscription[Any]:
         """Begin to listen to a topic: ``async for message in node.subscribe(...)``.
 
@@ -196,19 +257,25 @@ class Node:
         Args:
             topic: its name.
             type: a message class, or a type's name such as ``"std_msgs/Int32"``.
-            queue_size: how many messages wait for a slow reader; then the newest ones stay.
+            queue_size: how many messages wait for a slow reader; then the newest ones stay. With
+                None all wait, and only the hub drops any, if the connection is too slow.
+            headers: whether to ask for `Subscription.connection_header`.
+            peers: whether to ask who publishes, for `Subscription.peers`.
 
         Raises:
             ValueError: ``queue_size`` is less than 1.
         """
-        check_queue_size(queue_size)
+        if queue_size is not None:
+            check_queue_size(queue_size)
         topic = self.resolve(topic)
         message_class = self._types.message_class(type)
         operation = Subscribe(
             id=self._session.id("subscribe", topic),
             topic=topic,
             type=message_class._type,
-            queue_length=queue_size,
+            queue_length=queue_size or UNBOUNDED_QUEUE,
+            headers=headers or None,
+            peers=peers or None,
         )
         subscription: Subscription[Any] = Subscription(
             operation,
@@ -250,16 +317,41 @@ class Node:
 
     @overload
     async def service(
-        self, name: str, type: type[Service[Req, Res]], handler: Handler[Req, Res]
+        self,
+        name: str,
+        type: type[Service[Req, Res]],
+        handler: Handler[Req, Res],
+        *,
+        headers: Literal[False] = ...,
     ) -> ServiceServer[Req, Res]: ...
 
     @overload
     async def service(
-        self, name: str, type: str, handler: Handler[Any, Any]
+        self,
+        name: str,
+        type: type[Service[Req, Res]],
+        handler: HeaderHandler[Req, Res],
+        *,
+        headers: Literal[True],
+    ) -> ServiceServer[Req, Res]: ...
+
+    @overload
+    async def service(
+        self, name: str, type: str, handler: Handler[Any, Any], *, headers: Literal[False] = ...
+    ) -> ServiceServer[Any, Any]: ...
+
+    @overload
+    async def service(
+        self, name: str, type: str, handler: HeaderHandler[Any, Any], *, headers: Literal[True]
     ) -> ServiceServer[Any, Any]: ...
 
     async def service(
-        self, name: str, type: type[Service[Any, Any]] | str, handler: Handler[Any, Any]
+        self,
+        name: str,
+        type: type[Service[Any, Any]] | str,
+        handler: Handler[Any, Any] | HeaderHandler[Any, Any],
+        *,
+        headers: bool = False,
     ) -> ServiceServer[Any, Any]:
         """Begin to answer the calls of a service.
 
@@ -275,12 +367,16 @@ class Node:
             handler: is given the request, and returns the response: whole, or its fields as a dict
                 or a tuple, or the value of its only field. It may be async; if it is not, the node
                 does nothing else until it returns.
+            headers: whether the handler is given the caller's header, too, a dict behind the
+                request: ``callerid`` is the caller's node, and what `call` was given as headers is
+                beside it. It is empty with hubs of others.
 
         Raises:
             AlreadyOffered: this node offers the service already. It is a ValueError, too.
             TypeError: the handler is no function.
         """
-        return self._services.serve(self.resolve(name), self._types.service_class(type), handler)
+        service = self._types.service_class(type)
+        return self._services.serve(self.resolve(name), service, handler, headers=headers)
 
     @overload
     async def call(
@@ -290,6 +386,7 @@ class Node:
         request: Req | Mapping[str, Any] | None = ...,
         *,
         timeout: float | None = ...,
+        headers: Mapping[str, str] | None = ...,
     ) -> Res: ...
 
     @overload
@@ -300,6 +397,7 @@ class Node:
         request: Message | Mapping[str, Any] | None = ...,
         *,
         timeout: float | None = ...,
+        headers: Mapping[str, str] | None = ...,
     ) -> Any: ...
 
     async def call(
@@ -309,6 +407,7 @@ class Node:
         request: Any = None,
         *,
         timeout: float | None = None,
+        headers: Mapping[str, str] | None = None,
     ) -> Any:
         """Call a service and return its response. Without a hub it waits until there is one.
 
@@ -318,8 +417,10 @@ class Node:
             request: a message, or a dict of its fields; None for the type's defaults.
             timeout: seconds after which the caller waits no more; the hub is told them, too. With
                 None it is the hub's to give up (``--service-timeout``).
+            headers: what a provider that asks for headers is told beside the request.
 
         Raises:
+            ValueError: the timeout is not above 0, or the headers are no short strings.
             InvalidMessage: a field of the request does not fit the type.
             TypeError: the request is a message of another class.
             UnknownService: nobody offers the service.
@@ -329,7 +430,9 @@ class Node:
         """
         check_timeout(timeout)
         service = self._types.service_class(type)
-        return await self._calls.call(self.resolve(name), service, request, within=timeout)
+        return await self._calls.call(
+            self.resolve(name), service, request, within=timeout, headers=headers
+        )
 
     async def wait_for_service(self, name: str, *, timeout: float | None = None) -> None:
         """Wait until somebody offers a service, on a hub that may not be there yet either.
@@ -455,14 +558,26 @@ class Node:
         await self._session.ended()
 
     async def __aenter__(self) -> Self:
-        if self._rosout.loop is not None:
+        if self._entered:
             raise RuntimeError("a node is entered once")
-        self._rosout.loop = asyncio.get_running_loop()
-        await self._connection.open()
+        self._entered = True
+        if self._rosout is not None:
+            self._rosout.loop = asyncio.get_running_loop()
+        try:
+            await self._connection.open()
+        except BaseException:
+            self._leave_log()
+            raise
         return self
 
     async def __aexit__(self, *error: object) -> None:
         try:
             await self._connection.close()
         finally:
+            self._leave_log()
             await self._session.tasks.finished()
+
+    def _leave_log(self) -> None:
+        """Let a logger that outlives the node be."""
+        if self._rosout is not None:
+            self.log.removeHandler(self._rosout)

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from fibws.errors import NodeError
+from fibws.node.peers import Peers
 from fibws.protocol.operations import Advertise
 
 LIMIT = 1 << 20
@@ -24,6 +25,8 @@ class Advertisement:
     operation: Advertise
     refused: Callable[[NodeError], None] | None = None
     """Is told if the hub does not let this node have the topic."""
+    peers: Peers = field(default_factory=Peers)
+    """Who subscribes, if the operation asks for that."""
     waiting: deque[int] = field(default_factory=deque)
     latched: bytes | None = None
     dropped: int = 0
@@ -54,6 +57,11 @@ class Outbox:
     def connected(self) -> bool:
         """Whether frames leave."""
         return self._connected
+
+    @property
+    def has_room(self) -> bool:
+        """Whether there is room for another message; without a hub there always is."""
+        return self._room.is_set()
 
     def __len__(self) -> int:
         return len(self._frames)

@@ -6,19 +6,28 @@ from typing import Any, Generic, Self, TypeVar, overload
 
 from typing_extensions import ParamSpec
 
+from fibws.errors import NodeError
 from fibws.interfaces import Message
 from fibws.node.outbox import Advertisement
+from fibws.node.peers import Peers
 from fibws.node.topics import Topics
 from fibws.node.wire import Wire
-from fibws.protocol.operations import Publish, encode
+from fibws.protocol.operations import encode_fields
 
 M = TypeVar("M", bound=Message)
 P = ParamSpec("P", default=...)
 """The fields of the messages, as their class takes them; any, if they are not known."""
 
 
+class _ToOne(bytes):
+    """A message for one node alone, which those who come later are not to hear."""
+
+
 class Publisher(Generic[M, P]):
     """Publishes messages of one type on one topic.
+
+    `publish` is three steps, for programs with threads to take one by one: `encode` in any of them,
+    and in the loop `room`, which may be left out, and `send`.
 
     Leave it with `close`, or by ``async with``, to stop publishing before the node does.
     """
@@ -51,6 +60,16 @@ class Publisher(Generic[M, P]):
         """How many of its messages were dropped before they were sent."""
         return self._advertisement.dropped
 
+    @property
+    def fault(self) -> NodeError | None:
+        """Why nobody can hear this publisher: the hub has refused it. Usually None."""
+        return self._advertisement.fault
+
+    @property
+    def peers(self) -> Peers:
+        """The nodes that subscribe to the topic, if `Node.advertise` was told to ask for them."""
+        return self._advertisement.peers
+
     @overload
     async def publish(self, message: M, /) -> None: ...
 
@@ -71,10 +90,61 @@ class Publisher(Generic[M, P]):
             OperationRejected: the hub refused the topic, so that nobody can hear this.
             NodeClosed: the publisher or its node was closed.
         """
-        message = self._wire.write(self._message(fields, named))
-        text = encode(Publish(topic=self.topic, msg=message))
+        text = self._encode(fields, named)
+        await self.room()
+        self.send(text)
+
+    @overload
+    def encode(self, message: M, /) -> bytes: ...
+
+    @overload
+    def encode(self, *fields: P.args, **named: P.kwargs) -> bytes: ...
+
+    def encode(self, *fields: Any, **named: Any) -> bytes:
+        """Check a message, given as to `publish`, and make of it what `send` takes.
+
+        It changes nothing and waits for nothing, and may be called in any thread.
+
+        Raises:
+            InvalidMessage: a field does not fit the type.
+            TypeError: fields both in order and by name, or a message of another class.
+        """
+        return self._encode(fields, named)
+
+    @overload
+    def encode_to(self, node: str, message: M, /) -> bytes: ...
+
+    @overload
+    def encode_to(self, node: str, /, *fields: P.args, **named: P.kwargs) -> bytes: ...
+
+    def encode_to(self, node: str, /, *fields: Any, **named: Any) -> bytes:
+        """As `encode`, for one subscriber: its global name, such as ``peers`` has it.
+
+        If that node does not subscribe, nobody hears the message. It is never latched. Hubs of
+        others send it to all.
+        """
+        return _ToOne(self._encode(fields, named, to=node))
+
+    @property
+    def has_room(self) -> bool:
+        """Whether `room` waits for nothing, in the node's loop."""
+        return self._topics.has_room
+
+    async def room(self) -> None:
+        """Wait while the connection is slower than the program; without a hub for nothing."""
         await self._topics.room()
-        self._topics.publish(self._advertisement, text)
+
+    def send(self, text: bytes) -> None:
+        """Send what `encode` made, in the node's loop, and wait for nothing.
+
+        While there is no `room`, or no hub, the newest ``queue_size`` messages are kept.
+
+        Raises:
+            OperationRejected: the hub refused the topic, so that nobody can hear this.
+            NodeClosed: the publisher or its node was closed.
+        """
+        to_all = not isinstance(text, _ToOne)
+        self._topics.publish(self._advertisement, text, to_all=to_all)
 
     def close(self) -> None:
         """Publish no more. Does nothing when called again."""
@@ -85,6 +155,12 @@ class Publisher(Generic[M, P]):
 
     async def __aexit__(self, *error: object) -> None:
         self.close()
+
+    def _encode(
+        self, fields: tuple[Any, ...], named: dict[str, Any], to: str | None = None
+    ) -> bytes:
+        message = self._wire.write(self._message(fields, named))
+        return encode_fields({"op": "publish", "topic": self.topic, "msg": message, "to": to})
 
     def _message(self, fields: tuple[Any, ...], named: dict[str, Any]) -> Any:
         if fields and named:

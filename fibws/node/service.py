@@ -8,7 +8,7 @@ from collections.abc import Awaitable, Callable, Mapping
 from inspect import isawaitable
 from typing import Any, Generic, Self, TypeAlias
 
-from fibws.errors import InvalidMessage
+from fibws.errors import CallRefused, InvalidMessage
 from fibws.interfaces.bases import Req, Res
 from fibws.node.fault import tell
 from fibws.node.service_type import ServiceType
@@ -31,6 +31,9 @@ Answer: TypeAlias = (
 Handler: TypeAlias = Callable[[Req], Answer[Res] | Awaitable[Answer[Res]]]
 """What answers a request: a plain function or an async one."""
 
+HeaderHandler: TypeAlias = Callable[[Req, dict[str, str]], Answer[Res] | Awaitable[Answer[Res]]]
+"""As `Handler`, but it is given the caller's header, too, whose ``callerid`` is its node."""
+
 
 class ServiceServer(Generic[Req, Res]):
     """Answers the calls of one service, each in a task of its own.
@@ -43,13 +46,13 @@ class ServiceServer(Generic[Req, Res]):
         session: Session,
         operation: AdvertiseService,
         types: ServiceType[Req, Res],
-        handler: Handler[Req, Res],
+        handler: Handler[Req, Res] | HeaderHandler[Req, Res],
         leave: Callable[[ServiceServer[Any, Any]], None],
     ) -> None:
         self._session = session
         self._operation = operation
         self._types = types
-        self._handler = handler
+        self._handler: Callable[..., Any] = handler
         self._leave = leave
         self._tasks = Tasks(session.tasks)
         self._waiting: deque[CallService] = deque()
@@ -151,11 +154,14 @@ class ServiceServer(Generic[Req, Res]):
             self._session.log.error("Service %s was asked wrongly: %s", self.name, error)
             return f"error processing request: {error}", False
         try:
-            answer = self._handler(request)
+            header = (call.header or {},) if self._operation.headers else ()
+            answer = self._handler(request, *header)
             if isawaitable(answer):
                 answer = await answer
         except BrokenPipeError:
             raise
+        except CallRefused as refusal:
+            return sendable(str(refusal)), False
         except Exception as error:
             text = f"{type(error).__name__}: {error}"
             self._session.log.error("Service %s failed: %s", self.name, text, exc_info=error)

@@ -9,7 +9,7 @@ from fibws.errors import AlreadyOffered, OperationRejected
 from fibws.interfaces import Service
 from fibws.interfaces.bases import Req, Res
 from fibws.node.part import Part
-from fibws.node.service import Handler, ServiceServer
+from fibws.node.service import Handler, HeaderHandler, ServiceServer
 from fibws.node.session import Session
 from fibws.node.types import Types
 from fibws.protocol.operations import (
@@ -32,7 +32,12 @@ class Services(Part):
         session.join(self)
 
     def serve(
-        self, name: str, type_: type[Service[Req, Res]], handler: Handler[Req, Res]
+        self,
+        name: str,
+        type_: type[Service[Req, Res]],
+        handler: Handler[Req, Res] | HeaderHandler[Req, Res],
+        *,
+        headers: bool = False,
     ) -> ServiceServer[Req, Res]:
         """Offer a service by its global name; see `Node.service`."""
         self._session.check()
@@ -46,6 +51,7 @@ class Services(Part):
             service=name,
             type=types.name,
             definition=self._types.service_definition(types.name),
+            headers=headers or None,
         )
         server = ServiceServer(self._session, operation, types, handler, self._withdraw)
         self._offered[name] = server

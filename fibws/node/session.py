@@ -20,6 +20,7 @@ from fibws.protocol.operations import (
     CancelActionGoal,
     Fragment,
     Operation,
+    Peers,
     Png,
     Publish,
     Reply,
@@ -45,6 +46,8 @@ class Session:
         self.log = log
         self.tasks = Tasks()
         """What the parts have under way; the node's end cancels it."""
+        self.crowded = False
+        """Whether a reader has no place for another message: it needs a turn before one comes."""
         self._parts: list[Part] = []
         self._fragments = Reassembly(max_size=MAX_SIZE)
         self._operations = 0
@@ -163,7 +166,7 @@ class Session:
 
     def _take(self, reply: Reply) -> None:
         match reply:
-            case Publish() | CallService() | ServiceResponse():
+            case Publish() | Peers() | CallService() | ServiceResponse():
                 self._hand_on(reply)
             case SendActionGoal() | CancelActionGoal() | ActionFeedback() | ActionResult():
                 self._hand_on(reply)

@@ -14,6 +14,7 @@ from fibws.node.session import Session
 from fibws.node.subscription import Subscription
 from fibws.protocol.operations import (
     Advertise,
+    Peers,
     Publish,
     Reply,
     Unadvertise,
@@ -47,24 +48,33 @@ class Topics(Part):
         self._session.say(operation)
         return advertisement
 
+    @property
+    def has_room(self) -> bool:
+        """Whether there is room for another message."""
+        return self._session.outbox.has_room
+
     async def room(self) -> None:
         """Wait until there is room for another message."""
         await self._session.outbox.room()
 
-    def publish(self, advertisement: Advertisement, text: bytes) -> None:
-        """Send a message, already encoded; the caller has waited for room."""
+    def publish(self, advertisement: Advertisement, text: bytes, *, to_all: bool = True) -> None:
+        """Send a message, already encoded.
+
+        Who can wait has waited for `room`; else the newest of the publisher's queue are kept.
+        """
         self._session.check()
         if advertisement.fault is not None:
             tell(advertisement.fault)
         if advertisement.closed:
             raise NodeClosed(f"publish on {advertisement.operation.topic}: it was closed")
-        if advertisement.operation.latch:
+        if advertisement.operation.latch and to_all:
             advertisement.latched = text
         self._session.outbox.put(text, advertisement)
 
     def unadvertise(self, advertisement: Advertisement) -> None:
         """Take a publisher back."""
         advertisement.closed = True
+        advertisement.peers.end()
         self._names = None
         operation = advertisement.operation
         if self._advertisements.pop(str(operation.id), None) is not None:
@@ -110,11 +120,21 @@ class Topics(Part):
                 yield advertisement.latched
 
     def receive(self, reply: Reply) -> bool:
-        """Hand a message to those who listen; it may come late, when nobody does any more."""
-        if not isinstance(reply, Publish):
-            return False
-        for subscription in self._listeners.get(reply.topic, ()):
-            subscription.offer(reply.msg)
+        """Hand on a message, or a word of peers; it may come late, for what is not any more."""
+        match reply:
+            case Publish():
+                for subscription in self._listeners.get(reply.topic, ()):
+                    subscription.offer(reply.msg, reply.header)
+                    if subscription.is_full:
+                        self._session.crowded = True
+            case Peers():
+                id_ = str(reply.id)
+                owner: Advertisement | Subscription[Any] | None
+                owner = self._advertisements.get(id_) or self._subscriptions.get(id_)
+                if owner is not None:
+                    owner.peers.take(reply.nodes)
+            case _:
+                return False
         return True
 
     def refuse(self, id_: str, fault: OperationRejected) -> bool:
@@ -123,6 +143,7 @@ class Topics(Part):
             self._names = None
             advertisement.fault = fault
             advertisement.closed = True
+            advertisement.peers.end()
             if advertisement.refused is not None:
                 advertisement.refused(fault)
             return True
@@ -131,8 +152,17 @@ class Topics(Part):
             return True
         return False
 
+    def lose(self) -> None:
+        """The hub is gone, and with it what it knew of peers."""
+        for advertisement in self._advertisements.values():
+            advertisement.peers.lose()
+        for subscription in self._subscriptions.values():
+            subscription.peers.lose()
+
     def end(self, fault: Exception | None) -> None:
         """Let all readers know."""
+        for advertisement in self._advertisements.values():
+            advertisement.peers.end()
         for subscription in self._subscriptions.values():
             subscription.end(fault)
 

@@ -265,3 +265,18 @@ async def test_who_is_cancelled_leaves_nothing_behind(
     assert len(calls) == 0
     responds(session, call, {"sum": 3})
     assert lines.seen() == []
+
+
+async def test_a_call_says_what_the_caller_says_of_itself(session: Session, calls: Calls) -> None:
+    for headers, said_ in (({"user": "ann"}, {"user": "ann"}), ({}, None), (None, None)):
+        answer = asyncio.create_task(calls.call("/go", Trigger, headers=headers))
+        call = await says(session)
+        assert call.get("headers") == said_
+        responds(session, call, {})
+        await answer
+
+
+async def test_headers_that_cannot_be_are_refused_at_once(session: Session, calls: Calls) -> None:
+    with pytest.raises(ValueError, match="headers are an object of strings"):
+        await calls.call("/go", Trigger, headers={"a=b": "c"})
+    assert said(session) == []

@@ -6,6 +6,7 @@ import asyncio
 import json
 import re
 import socket
+from collections import Counter
 from collections.abc import AsyncIterator
 from contextlib import suppress
 from http import HTTPStatus
@@ -359,17 +360,36 @@ async def test_a_log_that_nobody_reads_is_noticed_when_the_hub_is_found(
         await task
 
 
+async def sends_a_burst(peer: Peer) -> None:
+    """The hub sends the numbers from 0 to 999 in one go."""
+    burst = "".join(
+        json.dumps({"op": "publish", "topic": "/numbers", "msg": {"data": number}}) + "\n"
+        for number in range(1000)
+    ).splitlines()
+    frames = [Frame(Opcode.TEXT, text.encode()).serialize(mask=False) for text in burst]
+    await peer.hears("subscribe")
+    peer.websocket.transport.write(b"".join(frames))
+
+
+async def test_within_a_burst_everything_else_has_its_turns(hub: ScriptedHub) -> None:
+    async with fibws.Node("listener", hub=hub.url) as node:
+        peer = await hub.peer()
+        turns = 0
+        heard: Counter[int] = Counter()
+        node.subscribe("numbers", Int32).hand_to(lambda number: heard.update([turns]))
+        await sends_a_burst(peer)
+        async with asyncio.timeout(5):
+            while heard.total() < 1000:
+                turns += 1
+                await asyncio.sleep(0)
+        assert max(heard.values()) <= 100
+
+
 async def test_a_prompt_reader_gets_all_of_a_burst(hub: ScriptedHub) -> None:
     async with fibws.Node("listener", hub=hub.url) as node:
         peer = await hub.peer()
         numbers = node.subscribe("numbers", Int32, queue_size=10)
-        burst = "".join(
-            json.dumps({"op": "publish", "topic": "/numbers", "msg": {"data": number}}) + "\n"
-            for number in range(1000)
-        ).splitlines()
-        frames = [Frame(Opcode.TEXT, text.encode()).serialize(mask=False) for text in burst]
-        await peer.hears("subscribe")
-        peer.websocket.transport.write(b"".join(frames))
+        await sends_a_burst(peer)
         async with asyncio.timeout(5):
             heard = [(await anext(numbers)).data for _ in range(1000)]
         assert heard == list(range(1000))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import logging
 import re
 import sys
 
@@ -39,6 +40,20 @@ def test_lines_look_as_rospys_and_go_where_rospys_go(capsys: pytest.CaptureFixtu
     assert re.fullmatch(
         r"\[WARN\] \[.*\]: careful\n\[ERROR\] \[.*\]: wrong\n\[FATAL\] \[.*\]: over\n", printed.err
     )
+
+
+def test_the_level_can_be_changed_at_any_time(capsys: pytest.CaptureFixture[str]) -> None:
+    log = node_log("/talker", "${message}")
+    for level in (logging.INFO, logging.DEBUG, logging.WARNING, logging.DEBUG):
+        log.setLevel(level)
+        log.debug("at %d", level)
+    log.disabled = True
+    log.debug("disabled")
+    log.disabled = False
+    logging.disable(logging.DEBUG)
+    log.debug("disabled for all")
+    logging.disable(logging.NOTSET)
+    assert capsys.readouterr().out == "at 10\nat 10\n"
 
 
 def test_the_line_can_be_another(capsys: pytest.CaptureFixture[str]) -> None:

@@ -78,3 +78,11 @@ async def test_what_is_not_there_is_refused(
     said(session)
     assert await change(session, logger, name) == f"error processing request: {text}"
     assert log.level == logging.INFO
+
+
+async def test_a_logger_without_a_level_has_its_parents(session: Session, types: Types) -> None:
+    log = logging.Logger("mine")
+    log.parent = logging.Logger("root", logging.ERROR)
+    Loggers(log, Services(session, types), lambda name: f"/talker/{name[1:]}")
+    said(session)
+    assert await level(session) == "error"

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+import json
 import logging
 import time
+from http import HTTPStatus
 
 import pytest
 
@@ -88,3 +90,57 @@ async def test_a_hub_that_refuses_the_log_is_not_sent_it(hub: ScriptedHub) -> No
         await node.advertise("fibonacci", Int32)
         assert (await peer.hears("subscribe"))["topic"] == "/other"
         assert (await peer.hears("advertise"))["topic"] == "/fibonacci"
+
+
+async def test_a_logger_that_is_given_is_used_as_it_is(
+    hub: ScriptedHub, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log = logging.getLogger("fibws.test_rosout")
+    log.setLevel(logging.DEBUG)
+    own = logging.NullHandler()
+    log.addHandler(own)
+    async with fibws.Node("talker", hub=hub.url, log=log) as node:
+        peer = await hub.peer()
+        assert node.log is log
+        (lambda: log.debug("small", stacklevel=2))()
+        message = await peer.logged()
+        assert (message["level"], message["name"]) == (Log.DEBUG, "/talker")
+        assert (message["msg"], message["function"]) == (
+            "small",
+            "test_a_logger_that_is_given_is_used_as_it_is",
+        )
+        log.setLevel(logging.INFO)
+        log.debug("nobody hears this")
+        log.info("large")
+        assert (await peer.logged())["msg"] == "large"
+        assert log.handlers[0] is own and len(log.handlers) == 2
+    assert log.handlers == [own]
+    log.removeHandler(own)
+    assert capsys.readouterr() == ("", "")
+
+
+async def test_a_logger_that_is_given_is_let_be_by_a_node_that_cannot_begin(
+    hub: ScriptedHub,
+) -> None:
+    log = logging.Logger("mine")
+    hub.refusal = HTTPStatus.FORBIDDEN, "no"
+    with pytest.raises(fibws.HubUnreachable):
+        async with fibws.Node("talker", hub=hub.url, log=log):
+            pass
+    assert log.handlers == []
+
+
+async def test_a_node_may_keep_its_log_to_itself(
+    hub: ScriptedHub, capsys: pytest.CaptureFixture[str]
+) -> None:
+    async with fibws.Node("talker", hub=hub.url, rosout=False) as node:
+        peer = await hub.peer()
+        node.log.info("only here")
+        await node.advertise("numbers", Int32)
+        topics: list[str | None] = []
+        while topics[-1:] != ["/numbers"]:
+            topics.append(json.loads(await peer.websocket.recv()).get("topic"))
+    assert "/rosout" not in topics
+    assert "only here" in capsys.readouterr().out
+    with pytest.raises(RuntimeError, match="a node is entered once"):
+        await node.__aenter__()

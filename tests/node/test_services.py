@@ -119,3 +119,21 @@ async def test_after_the_nodes_end_there_are_none(session: Session, services: Se
     await server.spin()
     with pytest.raises(NodeClosed):
         services.serve("/stay", Trigger, done)
+
+
+async def test_a_handler_may_be_given_the_callers_header(
+    session: Session, services: Services
+) -> None:
+    headers = []
+
+    def note(request: TriggerRequest, header: dict[str, str]) -> tuple[bool, str]:
+        headers.append(header)
+        return True, ""
+
+    services.serve("/go", Trigger, note, headers=True)
+    [advertised] = said(session)
+    assert advertised["headers"] is True
+    for id_, header in (("1", {"callerid": "/caller", "user": "ann"}), ("2", None)):
+        hears(session, "call_service", id=id_, service="/go", args={}, header=header)
+        assert (await says(session))["result"]
+    assert headers == [{"callerid": "/caller", "user": "ann"}, {}]

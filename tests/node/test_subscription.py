@@ -13,13 +13,15 @@ from fibws.node.subscription import Subscription
 from fibws.protocol.operations import Subscribe
 
 
-def subscription(queue_size: int = 10, **changes: Any) -> Subscription[Any]:
+def subscription(
+    queue_size: int | None = 10, *, headers: bool | None = None, **changes: Any
+) -> Subscription[Any]:
     arguments = {
         "build": lambda msg: msg,
         "leave": lambda subscription: None,
         "log": logging.Logger("test"),
     }
-    operation = Subscribe(topic="/t", type="std_msgs/Int32")
+    operation = Subscribe(topic="/t", type="std_msgs/Int32", headers=headers)
     return Subscription(operation, "std_msgs/Int32", queue_size, **{**arguments, **changes})
 
 
@@ -105,3 +107,63 @@ async def test_a_fault_is_raised_each_time() -> None:
     for _ in range(2):
         with pytest.raises(NodeReplaced):
             await anext(numbers)
+
+
+async def test_without_a_queue_size_nothing_makes_way() -> None:
+    numbers = subscription(queue_size=None)
+    for number in range(20_000):
+        numbers.offer(number)
+    numbers.end()
+    assert len(await rest(numbers)) == 20_000
+    assert numbers.dropped == 0
+
+
+async def test_the_header_is_that_of_the_message_that_was_read() -> None:
+    numbers = subscription(headers=True)
+    assert numbers.connection_header == {}
+    numbers.offer(1, {"callerid": "/a"})
+    numbers.offer(2, {"callerid": "/b"})
+    numbers.offer(3)
+    for header in ({"callerid": "/a"}, {"callerid": "/b"}, {}):
+        await anext(numbers)
+        assert numbers.connection_header == header
+
+
+async def test_who_did_not_ask_has_no_header() -> None:
+    numbers = subscription()
+    numbers.offer(1, {"callerid": "/a"})
+    await anext(numbers)
+    assert numbers.connection_header == {}
+
+
+async def test_messages_may_be_handed_to_a_function_as_they_come() -> None:
+    taken: list[object] = []
+
+    def build(msg: object) -> object:
+        if msg == "bad":
+            raise InvalidMessage("bad")
+        return msg
+
+    numbers = subscription(build=build, headers=True)
+
+    def take(message: object) -> None:
+        taken.append((message, numbers.connection_header))
+
+    numbers.hand_to(take)
+    for number in range(20):
+        numbers.offer(number, {"callerid": str(number)})
+    numbers.offer("bad")
+    assert taken == [(number, {"callerid": str(number)}) for number in range(20)]
+    assert numbers.dropped == 0
+    numbers.end()
+    assert await rest(numbers) == []
+
+
+def test_it_is_full_when_the_next_message_drops_one() -> None:
+    numbers, all_ = subscription(queue_size=2), subscription(queue_size=None)
+    seen = []
+    for number in range(3):
+        for each in (numbers, all_):
+            each.offer(number)
+        seen.append((numbers.is_full, numbers.dropped, all_.is_full))
+    assert seen == [(False, 0, False), (True, 0, False), (True, 1, False)]

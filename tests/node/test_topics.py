@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from fibws.errors import NodeClosed, NodeError, OperationRejected
-from fibws.node.outbox import Advertisement
+from fibws.node.outbox import LIMIT, Advertisement
 from fibws.node.session import Session
 from fibws.node.subscription import Subscription
 from fibws.node.topics import Topics
@@ -25,8 +25,12 @@ def topics(session: Session) -> Topics:
     return Topics(session)
 
 
-def advertise(topics: Topics, topic: str, *, latch: bool = False) -> Advertisement:
-    operation = Advertise(id=f"advertise:{topic}", topic=topic, type=INT32, latch=latch)
+def advertise(
+    topics: Topics, topic: str, *, latch: bool = False, peers: bool | None = None
+) -> Advertisement:
+    operation = Advertise(
+        id=f"advertise:{topic}", topic=topic, type=INT32, latch=latch, peers=peers
+    )
     return topics.advertise(operation)
 
 
@@ -167,3 +171,60 @@ def test_what_is_closed_or_over_cannot_publish(session: Session, topics: Topics)
     assert topics.over
     with pytest.raises(NodeClosed, match="the node has ended"):
         topics.publish(open_, b"{}")
+
+
+def test_peers_are_told_to_who_asked_by_the_id(session: Session, topics: Topics) -> None:
+    first, second = advertise(topics, "/a", peers=True), advertise(topics, "/b", peers=True)
+    subscription = subscribe(topics, "/a")
+    hears(session, "peers", id="advertise:/a", topic="/a", nodes=["/listener"])
+    hears(session, "peers", id="subscribe:/a", topic="/a", nodes=["/talker"])
+    hears(session, "peers", id="of none", topic="/a", nodes=["/nobody"])
+    assert [each.peers.names for each in (first, second)] == [["/listener"], []]
+    assert subscription.peers.names == ["/talker"]
+
+
+@pytest.mark.parametrize("end", ["lose", "close", "refuse", "end"])
+def test_peers_go_with_the_hub_or_with_who_asked(
+    session: Session, topics: Topics, end: str
+) -> None:
+    advertisement, subscription = advertise(topics, "/a", peers=True), subscribe(topics, "/a")
+    for id_ in ("advertise:/a", "subscribe:/a"):
+        hears(session, "peers", id=id_, topic="/a", nodes=["/b"])
+    match end:
+        case "lose":
+            session.lose()
+        case "close":
+            topics.unadvertise(advertisement)
+            subscription.close()
+        case "refuse":
+            for id_ in ("advertise:/a", "subscribe:/a"):
+                hears(session, "status", level="error", id=id_, msg="no")
+        case "end":
+            session.end()
+    assert advertisement.peers.names == subscription.peers.names == []
+
+
+def test_a_header_goes_to_the_listeners_with_its_message(session: Session, topics: Topics) -> None:
+    subscription = subscribe(topics, "/a")
+    hears(session, "publish", topic="/a", msg={"data": 1}, header={"callerid": "/b"})
+    hears(session, "publish", topic="/a", msg={"data": 2}, header="none")
+    assert list(subscription._messages) == [({"data": 1}, {"callerid": "/b"}), ({"data": 2}, None)]
+
+
+def test_the_session_hears_when_a_reader_has_no_place_left(
+    session: Session, topics: Topics
+) -> None:
+    subscribe(topics, "/a")
+    for number in range(10):
+        assert not session.crowded
+        hears(session, "publish", topic="/a", msg=number)
+    assert session.crowded
+
+
+def test_there_is_room_until_the_outbox_is_full(session: Session, topics: Topics) -> None:
+    seen = [topics.has_room]
+    session.outbox.put(bytes(LIMIT))
+    seen.append(topics.has_room)
+    session.lose()
+    seen.append(topics.has_room)
+    assert seen == [True, False, True]

@@ -34,8 +34,20 @@ async def program(node: fibws.Node) -> None:
     await named.publish(5, what="ever")
     kept: fibws.Publisher[Int32] = numbers
     await kept.publish(Int32(5))
+    numbers.send(numbers.encode(5))
+    numbers.send(numbers.encode_to("/listener", data=5))
+    numbers.encode("five")  # type: ignore[call-overload]
+    numbers.encode_to("/listener", String("x"))  # type: ignore[call-overload]
+    numbers.encode_to(data=5)  # type: ignore[call-overload]
+    async for names in numbers.peers.changes():
+        assert_type(names, list[str])
+    await node.advertise("numbers", Int32, headers={"user": 5})  # type: ignore[dict-item]
     async for number in node.subscribe("numbers", Int32):
         assert_type(number, Int32)
+    all_ = node.subscribe("numbers", Int32, queue_size=None, headers=True, peers=True)
+    assert_type(all_, fibws.Subscription[Int32])
+    assert_type(all_.connection_header, dict[str, str])
+    all_.hand_to(lambda number: assert_type(number, Int32))
 """
 
 
@@ -66,6 +78,10 @@ def nothing(request: AddTwoIntsRequest) -> None:
     pass
 
 
+def add_for(request: AddTwoIntsRequest, header: dict[str, str]) -> AddTwoIntsResponse:
+    return add(request)
+
+
 async def program(node: fibws.Node) -> None:
     server = await node.service("add", AddTwoInts, add)
     assert_type(server, fibws.ServiceServer[AddTwoIntsRequest, AddTwoIntsResponse])
@@ -76,6 +92,10 @@ async def program(node: fibws.Node) -> None:
     await node.service("add", AddTwoInts, lambda request: {"sum": request.a + request.b})
     await node.service("add", AddTwoInts, nothing)  # type: ignore[arg-type]
     await node.service("add", Trigger, add)  # type: ignore[arg-type]
+    server = await node.service("add", AddTwoInts, add_for, headers=True)
+    await node.service("add", AddTwoInts, add_for)  # type: ignore[arg-type]
+    await node.service("add", AddTwoInts, add, headers=True)  # type: ignore[call-overload]
+    await node.service("add", "rospy_tutorials/AddTwoInts", add_for, headers=True)
     await node.service("add", "rospy_tutorials/AddTwoInts", add)
     assert_type(await node.call("add", AddTwoInts, AddTwoInts.Request(1, 2)), AddTwoIntsResponse)
     assert_type(await node.call("add", AddTwoInts, {"a": 1}), AddTwoIntsResponse)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Self
 
 import pytest
 
 from fibws.errors import InvalidMessage
-from fibws.interfaces import Time
-from fibws.msg.geometry_msgs import Point, PointStamped, Vector3
+from fibws.interfaces import Message, Time
+from fibws.msg.geometry_msgs import Point, PointStamped, Polygon, Vector3
 from fibws.msg.std_msgs import Header
 from fibws.node.types import Types
 
@@ -43,3 +43,55 @@ def test_what_does_not_fit_is_refused_both_ways(types: Types) -> None:
         wire.write({"x": "1"})
     with pytest.raises(InvalidMessage, match="field x"):
         wire.read({"x": "1"})
+
+
+class Handmade(Message):
+    """A message class as rospy has them: no dataclass, and with all that it does made by hand."""
+
+    __slots__ = ("_x", "_y", "connection")
+    _type = "geometry_msgs/Point32"
+
+    def __init__(self, *args: float) -> None:
+        self._x, self._y, *_ = (*args, 0.0, 0.0)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Handmade) and (self._x, self._y) == (other._x, other._y)
+
+    def __repr__(self) -> str:
+        return f"x: {self._x}"
+
+    def to_dict(self) -> dict[str, Any]:
+        return {"x": self._x, "y": self._y}
+
+    @classmethod
+    def from_dict(cls, values: dict[str, Any]) -> Self:
+        return cls(values["x"], values["y"])
+
+
+class HandmadeHeir(Handmade):
+    """A subclass of one, such as numpy_msg makes."""
+
+
+@pytest.mark.parametrize("given", [Handmade(1, 2), HandmadeHeir(1, 2), {"x": 1, "y": 2.0}])
+@pytest.mark.parametrize("class_", [Handmade, HandmadeHeir])
+def test_a_class_may_be_made_by_hand(types: Types, class_: type[Handmade], given: Any) -> None:
+    assert types.message_class(class_) is class_
+    if isinstance(given, Message) and not isinstance(given, class_):
+        with pytest.raises(TypeError, match=r"expected \[geometry_msgs/Point32\]"):
+            types.wire(class_).write(given)
+        return
+    written = types.wire(class_).write(given)
+    assert written == {"x": 1.0, "y": 2.0, "z": 0.0}
+    read = types.wire(class_).read(written)
+    assert type(read) is class_
+    assert read == Handmade(1, 2)
+
+
+def test_what_does_not_fit_in_a_class_made_by_hand_is_refused(types: Types) -> None:
+    with pytest.raises(InvalidMessage, match="field y"):
+        types.wire(Handmade).write(Handmade(1, "2"))  # type: ignore[arg-type]
+
+
+def test_messages_made_by_hand_may_be_in_others(types: Types) -> None:
+    written = types.wire(Polygon).write({"points": [Handmade(1, 2), {"z": 3}]})
+    assert written == {"points": [{"x": 1.0, "y": 2.0, "z": 0.0}, {"x": 0.0, "y": 0.0, "z": 3.0}]}

@@ -327,3 +327,124 @@ async def test_the_users_own_service_reaches_a_hub_that_does_not_know_it(
         with pytest.raises(fibws.InvalidMessage, match="rows"):
             await node.call("mow", "meadow/Mow", {"plot": {"rows": 256}})
         assert (await node.call("mow", "meadow/Mow", {"plot": {"rows": 7}})).hours == 14
+
+
+# What rosbridge does not have
+
+
+async def test_a_message_says_who_published_it(real_hub: Hub) -> None:
+    url = real_hub.url
+    async with fibws.Node("talker", hub=url) as talker, fibws.Node("ear", hub=url) as ear:
+        numbers = await talker.advertise("numbers", Int32, latch=True, headers={"user": "ann"})
+        await numbers.publish(1)
+        asking = ear.subscribe("numbers", Int32, headers=True)
+        plain = ear.subscribe("numbers", Int32)
+        for subscription in (asking, plain):
+            assert (await anext(subscription)).data == 1
+        header = {"callerid": "/talker", "latching": "1", "user": "ann"}
+        assert asking.connection_header == header
+        assert plain.connection_header == {}
+        late = ear.subscribe("/talker/numbers", Int32, headers=True)
+        others = await talker.advertise("~numbers", Int32)
+        await others.publish(2)
+        await anext(late)
+        assert late.connection_header == {"callerid": "/talker", "latching": "0"}
+
+
+async def test_a_handler_is_told_who_calls(real_hub: Hub) -> None:
+    def who(request: object, header: dict[str, str]) -> tuple[bool, str]:
+        return True, f"{header['callerid']} {header.get('user')}"
+
+    url = real_hub.url
+    async with fibws.Node("provider", hub=url) as provider, fibws.Node("caller", hub=url) as caller:
+        await provider.service("who", Trigger, who, headers=True)
+        await caller.wait_for_service("who")
+        answers = [
+            (await caller.call("who", Trigger, headers=headers)).message
+            for headers in (None, {}, {"user": "ann"})
+        ]
+        assert answers == ["/caller None", "/caller None", "/caller ann"]
+        # The hub's own services have no use for headers.
+        await caller.call("/rosapi/statistics", GetStatistics, headers={"user": "ann"})
+
+
+async def test_publishers_and_subscribers_hear_of_each_other(real_hub: Hub) -> None:
+    url = real_hub.url
+    async with fibws.Node("talker", hub=url) as talker:
+        numbers = await talker.advertise("numbers", Int32, peers=True)
+        listeners = numbers.peers.changes()
+        assert await anext(listeners) == []
+        async with fibws.Node("ear", hub=url) as ear:
+            heard = ear.subscribe("numbers", Int32, peers=True)
+            assert await anext(listeners) == ["/ear"]
+            assert numbers.peers.names == ["/ear"]
+            assert await anext(heard.peers.changes()) == ["/talker"]
+            talkers = heard.peers.changes()
+            await anext(talkers)
+            async with fibws.Node("second", hub=url) as second:
+                await second.advertise("numbers", Int32)
+                assert await anext(talkers) == ["/second", "/talker"]
+            assert await anext(talkers) == ["/talker"]
+        assert await anext(listeners) == []
+    with pytest.raises(StopAsyncIteration):
+        await anext(listeners)
+    assert heard.peers.names == []
+
+
+async def test_who_has_just_come_is_greeted_alone(real_hub: Hub) -> None:
+    url = real_hub.url
+    async with fibws.Node("talker", hub=url) as talker, fibws.Node("first", hub=url) as first:
+        numbers = await talker.advertise("numbers", Int32, peers=True, latch=True)
+        greeted: set[str] = set()
+
+        async def greet(most: int) -> None:
+            async for names in numbers.peers.changes():
+                for name in sorted({*names} - greeted):
+                    numbers.send(numbers.encode_to(name, len(greeted)))
+                    greeted.add(name)
+                if len(greeted) == most:
+                    return
+
+        early = first.subscribe("numbers", Int32)
+        await greet(1)
+        async with fibws.Node("second", hub=url) as second:
+            late = second.subscribe("numbers", Int32)
+            await greet(2)
+            await numbers.publish(10)
+            assert [(await anext(early)).data for _ in range(2)] == [0, 10]
+            assert [(await anext(late)).data for _ in range(2)] == [1, 10]
+
+
+async def test_peers_are_known_again_when_the_hub_is_back() -> None:
+    async with Hub(Settings(port=0)) as hub:
+        port = hub.port
+        node = fibws.Node("talker", hub=hub.url)
+        await node.__aenter__()
+        try:
+            numbers = await node.advertise("numbers", Int32, peers=True)
+            node.subscribe("numbers", Int32, peers=True)
+            changes = numbers.peers.changes()
+            while await anext(changes) != ["/talker"]:
+                pass
+            await hub.close()
+            assert await anext(changes) == []
+            async with asyncio.timeout(10), Hub(Settings(port=port)):
+                # That nobody subscribes until the node does, too, is known already.
+                assert await anext(changes) == ["/talker"]
+        finally:
+            await node.__aexit__(None, None, None)
+
+
+async def test_a_queue_without_bounds_loses_nothing(real_hub: Hub) -> None:
+    count = 5000
+    async with fibws.Node("talker", hub=real_hub.url) as node:
+        numbers = await node.advertise("numbers", Int32, queue_size=count)
+        heard = node.subscribe("numbers", Int32, queue_size=None)
+        for number in range(count):
+            numbers.send(numbers.encode(number))
+        last = count - 1
+        got: list[int] = []
+        async with asyncio.timeout(30):
+            while got[-1:] != [last]:
+                got.append((await anext(heard)).data)
+        assert got == list(range(count))

@@ -9,7 +9,7 @@ import logging
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from fibws.errors import InvalidMessage, NodeError, OperationRejected
+from fibws.errors import NodeError, OperationRejected
 from fibws.interfaces import Message
 from fibws.node.actions.actions import Actions
 from fibws.node.session import Session
@@ -147,17 +147,8 @@ class Receiver(Subscription[Message]):
         refused: Callable[[NodeError], None],
     ) -> None:
         super().__init__(operation, str(operation.type), 1, read, topics.unsubscribe, log)
-        self._take = take
         self._refused = refused
-
-    def offer(self, message: Any) -> None:
-        """Take a message off the wire."""
-        try:
-            built = self._build(message)
-        except InvalidMessage as error:
-            self._log.error("Dropped a message on %s: %s", self.topic, error)
-            return
-        self._take(built)
+        self.hand_to(take)
 
     def end(self, fault: Exception | None = None) -> None:
         """Nothing more will come."""

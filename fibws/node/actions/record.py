@@ -43,16 +43,20 @@ class Records:
     """The goals of one server, by actionlib's rules of which are told about and which canceled.
 
     ``now`` is in seconds, of any clock that never goes back.
+
+    Args:
+        kept: the seconds that a goal is told about after its end.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, kept: float = KEPT) -> None:
+        self.kept = kept
         self._records: dict[str, Record] = {}
         self._ended: dict[str, float] = {}
         self._last_cancel = 0
 
     def listed(self, now: float) -> list[Record]:
         """The goals to tell about; those that ended too long ago are forgotten."""
-        while self._ended and next(iter(self._ended.values())) + KEPT < now:
+        while self._ended and next(iter(self._ended.values())) + self.kept < now:
             self._forget_oldest()
         return list(self._records.values())
 
