@@ -241,6 +241,8 @@ class Interfaces:
 
     def _all_packages(self) -> dict[str, Package]:
         if not self._packages:
-            for folder in self._folders:
-                self._packages.update((found.name, found) for found in find_packages(folder))
+            # All at once: in rospy's programs several threads ask.
+            self._packages = {
+                found.name: found for folder in self._folders for found in find_packages(folder)
+            }
         return self._packages

@@ -2,26 +2,12 @@
 
 from __future__ import annotations
 
-import re
 from binascii import a2b_base64
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from fibws.cli.message.typedefs import BYTES, FLOATS, STRINGS, TIMES, Field, Typedefs
-
-LONGEST_LINE = 80
-"""Characters after which YAML breaks a line."""
-_ESCAPES = {
-    **{ord(character): f"\\{character}" for character in '"\\'},
-    **dict(
-        zip(b"\0\a\b\t\n\v\f\r\x1b\x85\xa0", (f"\\{each}" for each in "0abtnvfreN_"), strict=True)
-    ),
-    **{0x2028: "\\L", 0x2029: "\\P"},
-}
-_IN_NEED = re.compile(r"[^ !#-\[\]-~]")
-_NEEDLESS = re.compile(r"[a-z_/][a-z0-9_/]*", re.IGNORECASE)
-# What YAML 1.1 takes for something else than a text.
-_WORDS = frozenset({"y", "n", "yes", "no", "on", "off", "true", "false", "null"})
+from fibws.yamltext import listed, quoted
 
 
 class Style(NamedTuple):
@@ -136,7 +122,7 @@ class _Printing:
         if not found:
             return "[]"
         if field.type in STRINGS:
-            return _texts(found, indent)
+            return listed(found, indent)
         element = Field("", field.type)
         if field.type in self._typedefs or field.type in TIMES or isinstance(found[0], Mapping):
             return "".join(
@@ -161,39 +147,6 @@ class _Printing:
             return f"{what:{width}d}"
         digits = f"{what:.{width}f}"
         return digits[: max(digits.find("."), width)]
-
-
-def quoted(what: str) -> str:
-    """A text as YAML has it between double quotes, in ASCII; an empty one between single quotes."""
-    if not what:
-        return "''"
-    line = f'"{_IN_NEED.sub(_escape, what)}"'
-    if len(line) <= LONGEST_LINE:
-        return line
-    import yaml  # 25 ms, which only those pay who have lines to break
-
-    dumped: str = yaml.safe_dump(what, default_style='"')
-    return dumped.rstrip("\n")
-
-
-def _escape(found: re.Match[str]) -> str:
-    code = ord(found[0])
-    if code in _ESCAPES:
-        return _ESCAPES[code]
-    if code < 0x100:
-        return f"\\x{code:02X}"
-    return f"\\u{code:04X}" if code < 0x10000 else f"\\U{code:08X}"
-
-
-def _texts(what: Sequence[str], indent: str) -> str:
-    """Several texts, a line each, with quotation marks where YAML needs them."""
-    if all(_NEEDLESS.fullmatch(each) and each.lower() not in _WORDS for each in what):
-        lines = [f"- {each}" for each in what]
-    else:
-        import yaml  # 25 ms, but its rules are many
-
-        lines = yaml.safe_dump(list(what), default_flow_style=False).rstrip("\n").split("\n")
-    return "".join(f"\n{indent}{line}" for line in lines)
 
 
 def _guess(name: str, what: Any) -> Field:

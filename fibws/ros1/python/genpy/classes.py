@@ -1,0 +1,113 @@
+"""Makes message and service classes of definitions, one for each type in a process."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from threading import RLock
+from typing import Any
+
+from fibws.errors import InterfaceError
+from fibws.interfaces import Interfaces, MessageDefinition, Service
+from fibws.interfaces.fingerprint import message_md5
+from fibws.interfaces.full_text import write_message
+from fibws.msg import default_interfaces
+from genpy.codec import Codec
+from genpy.member import attribute, make_member
+from genpy.message import Message
+
+_messages: dict[str, type[Message]] = {}
+_services: dict[str, type[Service[Any, Any]]] = {}
+_lock = RLock()
+"""Held while classes are made: callbacks may ask for some at the same time."""
+
+
+def message_class(name: str) -> type[Message]:
+    """The class of a message type, ``std_msgs/Int32``.
+
+    Raises:
+        InterfaceError: there is no such type, or its definition is wrong.
+    """
+    with _lock:
+        if name not in _messages:
+            definition = default_interfaces().message(name)
+            if definition.type not in _messages:
+                _messages[definition.type] = _make(definition, "msg", definition.name)
+            _messages[name] = _messages[definition.type]
+        return _messages[name]
+
+
+def service_class(name: str) -> type[Service[Any, Any]]:
+    """The class of a service type, ``std_srvs/SetBool``; it raises as `message_class` does."""
+    with _lock:
+        if name not in _services:
+            interfaces = default_interfaces()
+            definition = interfaces.service(name)
+            asked = definition.request
+            if asked.text:
+                asked = replace(asked, text=f"{asked.text}\n")  # which parts it from the response
+            request = _make(asked, "srv", definition.name)
+            response = _make(definition.response, "srv", definition.name)
+            _services[name] = type(
+                definition.name,
+                (Service,),
+                {
+                    "__module__": f"{definition.package}.srv._{definition.name}",
+                    "_type": definition.type,
+                    "_md5sum": interfaces.service_md5(definition.type),
+                    "_request_class": request,
+                    "_response_class": response,
+                    "Request": request,
+                    "Response": response,
+                },
+            )
+        return _services[name]
+
+
+def forget() -> None:
+    """Forget all classes, so that those of changed definitions are made anew."""
+    with _lock:
+        _messages.clear()
+        _services.clear()
+
+
+def _make(definition: MessageDefinition, kind: str, module: str) -> type[Message]:
+    """A new class.
+
+    Args:
+        definition: the message's.
+        kind: ``msg`` or ``srv``, after which its package's module is named.
+        module: the type whose module holds it.
+    """
+    interfaces = default_interfaces()
+    members = tuple(
+        make_member(field, message_class(field.type) if field.is_nested else None)
+        for field in definition.fields
+    )
+    constants = {attribute(each.name): each.value for each in definition.constants}
+    for name in (*constants, *(member.attribute for member in members)):
+        if hasattr(Message, name):
+            raise InterfaceError(
+                f"{definition.type} has a field or a constant {name}, which is the name of a method"
+            )
+    namespace: dict[str, Any] = {
+        **constants,
+        "__module__": f"{definition.package}.{kind}._{module}",
+        "__doc__": f"{definition.type}: {_fields(definition) or 'no fields'}",
+        "__slots__": [member.attribute for member in members],
+        "_slot_types": [field.ros1_type for field in definition.fields],
+        "_type": definition.type,
+        "_md5sum": _md5(definition, interfaces),
+        "_has_header": definition.has_sequenced_header,
+        "_full_text": write_message(definition, interfaces.message),
+        "_members": members,
+        "_codec": Codec(definition, interfaces),
+    }
+    return type(definition.name, (Message,), namespace)
+
+
+def _fields(definition: MessageDefinition) -> str:
+    return ", ".join(f"{field.full_type} {field.name}" for field in definition.fields)
+
+
+def _md5(definition: MessageDefinition, interfaces: Interfaces) -> str:
+    return message_md5(definition, interfaces.message, {})

@@ -1,0 +1,240 @@
+"""One field of a message class: what it holds at first, and how its value gets to JSON and back.
+
+What a script may assign is what genpy packs: numpy's numbers for ints, ints for floats, lists,
+tuples and arrays. It becomes what `MessageValidator.validate` takes; what genpy would not pack
+becomes what that refuses.
+"""
+
+from __future__ import annotations
+
+import keyword
+from array import array
+from collections.abc import Callable
+from functools import partial
+from math import nan
+from operator import index
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+
+from fibws.interfaces import base64text, builtin
+from genpy.rostime import SECOND, Duration, Time
+
+if TYPE_CHECKING:
+    from fibws.interfaces.definition import Field
+    from genpy.message import Message
+
+Convert: TypeAlias = Callable[[Any], Any]
+
+RESERVED = frozenset({*keyword.kwlist, "self"})
+"""The names that a field cannot have in Python: it gets a ``_`` behind it there."""
+
+_CODES = {
+    **{"int8": "b", "uint8": "B", "int16": "h", "uint16": "H", "int32": "i", "uint32": "I"},
+    **{"int64": "q", "uint64": "Q", "byte": "b", "char": "B", "bool": "B"},
+    **{"float32": "d", "float64": "d"},  # Validation rounds a float32.
+}
+"""What `array` calls the numbers."""
+
+_DTYPES = {"byte": "int8", "char": "uint8", "bool": "bool"}
+"""What numpy calls those numbers which it calls otherwise."""
+
+
+class Member(NamedTuple):
+    """A field of a message class.
+
+    ``attribute`` and ``name`` are what it is called in Python and in ROS, ``default`` makes what it
+    holds at first. ``write`` makes its value in JSON, and ``read`` what stands for a valid one in
+    Python; ``read_numpy`` does so with numpy's arrays for arrays of numbers.
+    """
+
+    attribute: str
+    name: str
+    default: Callable[[], Any]
+    write: Convert
+    read: Convert
+    read_numpy: Convert
+
+
+def make_member(field: Field, nested: type[Message] | None) -> Member:
+    """The member that stands for a field.
+
+    Args:
+        field: its definition.
+        nested: the class of the messages in it, if it holds any.
+    """
+    write, read = _element(field.type, nested)
+    read_numpy = nested.from_dict_numpy if nested else read
+    default: Callable[[], Any] = partial(_new, field, nested)
+    if field.is_bytes:
+        write, read = _write_bytes, base64text.decode
+        read_numpy = read
+    elif field.array is not None and field.type in _CODES:
+        write = partial(_write_numbers, _CODES[field.type])
+        read = _READ_ALL.get(field.type, tuple)
+        read_numpy = partial(_read_array, _DTYPES.get(field.type, field.type))
+    elif field.array is not None:
+        write, read = partial(_write_all, write), partial(_read_all, read)
+        read_numpy = partial(_read_all, read_numpy)
+    elif nested is not None or field.type in builtin.TIMES:
+        default = _class_of(field, nested)
+    return Member(attribute(field.name), field.name, default, write, read, read_numpy)
+
+
+def attribute(name: str) -> str:
+    """What a field or a constant is called in Python."""
+    return f"{name}_" if name in RESERVED else name
+
+
+def _class_of(field: Field, nested: type[Message] | None) -> Callable[[], Any]:
+    return nested or (Time if field.type == "time" else Duration)
+
+
+def _new(field: Field, nested: type[Message] | None) -> Any:
+    """What the field holds at first, unless that is one message or one time."""
+    if field.array is None:
+        return field.default_value
+    if field.is_bytes:
+        return bytes(map(int, field.default_elements)) if field.default else bytes(field.fixed_size)
+    if nested is None and field.type not in builtin.TIMES:
+        return list(field.default_elements)
+    return [_class_of(field, nested)() for _ in range(field.fixed_size)]
+
+
+def _element(type_: str, nested: type[Message] | None) -> tuple[Convert, Convert]:
+    """How one value of the type becomes JSON, and how it comes from it."""
+    if nested is not None:
+        return nested.dict_of, nested.from_dict
+    return _ELEMENTS.get(type_, (_write_int, _same))
+
+
+def _same(value: Any) -> Any:
+    return value
+
+
+def refused(value: Any) -> Any:
+    """What stands for a value that validation would take although genpy does not.
+
+    Only its class's name counts, by which validation calls it.
+    """
+    return type(type(value).__name__, (), {})()
+
+
+def _write_int(value: Any) -> Any:
+    if type(value) is int:
+        return value
+    try:
+        return int(index(value))
+    except TypeError:
+        return value
+
+
+def _write_bool(value: Any) -> Any:
+    if type(value) is bool:
+        return value
+    try:
+        return bool(index(value))
+    except TypeError:  # numpy's bools are no numbers
+        return value.item() if hasattr(value, "item") else value
+
+
+def _write_float(value: Any) -> Any:
+    if type(value) is float:
+        return value
+    if not hasattr(value, "__float__") and not hasattr(value, "__index__"):
+        return refused(value)
+    try:
+        return float(value)
+    except (TypeError, ValueError, OverflowError):
+        return value
+
+
+def _read_float(value: float | None) -> float:
+    return nan if value is None else value
+
+
+def _read_floats(values: list[float | None]) -> tuple[float, ...]:
+    return tuple([nan if value is None else value for value in values])
+
+
+def _write_text(value: Any) -> Any:
+    return str(value) if isinstance(value, str) else value
+
+
+def _write_time(value: Any) -> Any:
+    try:
+        return {"secs": _write_int(value.secs), "nsecs": _write_int(value.nsecs)}
+    except AttributeError:
+        return refused(value)
+
+
+def _read_time(kind: type[Time | Duration], value: dict[str, int]) -> Time | Duration:
+    time = kind.__new__(kind)
+    time.secs, time.nsecs = value["secs"], value["nsecs"]
+    if time.nsecs >= SECOND or time.nsecs < 0:
+        time.canon()
+    return time
+
+
+def _write_bytes(value: Any) -> Any:
+    """Bytes as base64; also those of a list, a tuple or an array of small integers."""
+    try:
+        data = bytes(value if isinstance(value, (list, tuple)) else _view(value))
+    except (TypeError, ValueError):
+        return value if isinstance(value, (list, tuple)) else refused(value)
+    return base64text.encode(data)
+
+
+def _view(value: Any) -> memoryview:
+    view = memoryview(value)
+    if view.format not in ("B", "c"):
+        raise TypeError("the bytes of other arrays are not their elements")
+    return view
+
+
+def _write_numbers(code: str, values: Any) -> Any:
+    """An array of numbers, whatever holds them."""
+    if hasattr(values, "tolist"):
+        values = values.tolist()
+    if isinstance(values, (str, bytes, bytearray, dict)):
+        return refused(values)
+    try:
+        numbers = array(code, values).tolist()
+    except (TypeError, ValueError, OverflowError):
+        if not isinstance(values, (list, tuple)):
+            return refused(values)
+        return [refused(value) if value is None else value for value in values]
+    return numbers
+
+
+def _read_array(dtype: str, values: list[Any]) -> Any:
+    import numpy
+
+    return numpy.array(values, dtype=dtype)
+
+
+def _write_all(write: Convert, values: Any) -> Any:
+    if isinstance(values, (str, bytes, dict)) or not hasattr(values, "__iter__"):
+        return refused(values)
+    return [write(value) for value in values]
+
+
+def _read_all(read: Convert, values: list[Any]) -> list[Any]:
+    return [read(value) for value in values]
+
+
+_ELEMENTS: dict[str, tuple[Convert, Convert]] = {
+    "bool": (_write_bool, _same),
+    "string": (_write_text, _same),
+    "wstring": (_write_text, _same),
+    "float32": (_write_float, _read_float),
+    "float64": (_write_float, _read_float),
+    "time": (_write_time, partial(_read_time, Time)),
+    "duration": (_write_time, partial(_read_time, Duration)),
+}
+"""How a value of a builtin type that is no integer becomes JSON, and how it comes from it."""
+
+_READ_ALL: dict[str, Convert] = {
+    "bool": list,
+    "float32": _read_floats,
+    "float64": _read_floats,
+}
+"""How an array of numbers that are no integers comes from JSON."""

@@ -1,0 +1,210 @@
+"""The base of message classes, and what else a script finds in genpy.message."""
+
+from __future__ import annotations
+
+import struct
+from typing import TYPE_CHECKING, Any, BinaryIO, ClassVar, Self
+
+from fibws.errors import InvalidMessage
+from fibws.interfaces import Message as GraphMessage
+from genpy.checking import check_type
+from genpy.errors import DeserializationError, MessageException, SerializationError
+from genpy.filling import fill_message_args, get_printable_message_args
+from genpy.lookup import get_message_class, get_service_class
+from genpy.member import Member, refused
+from genpy.rostime import Duration, Time, TVal
+from genpy.text import strify_message
+
+if TYPE_CHECKING:
+    from genpy.codec import Codec
+
+__all__ = [
+    "DeserializationError",
+    "Duration",
+    "Message",
+    "MessageException",
+    "SerializationError",
+    "TVal",
+    "Time",
+    "check_type",
+    "fill_message_args",
+    "get_message_class",
+    "get_printable_message_args",
+    "get_service_class",
+    "strify_message",
+    "struct_I",
+]
+
+struct_I = struct.Struct("<I")
+"""What packs a length, as ROS 1 writes it."""
+
+
+class Message(GraphMessage):
+    """A message; its classes are called ``Int32(5)`` or ``Int32(data=5)``.
+
+    A field that is not given, or given as None, has its default.
+
+    Raises:
+        TypeError: both positional and named fields, or some positional ones but not all.
+        AttributeError: there is no such field.
+    """
+
+    __slots__ = ["_connection_header"]
+    _slot_types: ClassVar[list[str]] = []
+    _type: ClassVar[str] = ""
+    _md5sum: ClassVar[str] = ""
+    _has_header: ClassVar[bool] = False
+    _full_text: ClassVar[str] = ""
+    _members: ClassVar[tuple[Member, ...]] = ()
+    _codec: ClassVar[Codec]
+
+    _connection_header: dict[str, str]
+
+    if TYPE_CHECKING:  # The fields are known from the definition alone.
+
+        def __getattr__(self, name: str) -> Any: ...
+        def __setattr__(self, name: str, value: Any) -> None: ...
+
+    def __init__(self, *args: Any, **kwds: Any) -> None:
+        if args or kwds:
+            self._assign(args, kwds)
+            return
+        for attribute, _, default, _, _, _ in self._members:
+            setattr(self, attribute, default())
+
+    def _assign(self, args: tuple[Any, ...], kwds: dict[str, Any]) -> None:
+        names: Any = self.__slots__
+        if args and kwds:
+            raise TypeError("Message constructor may only use args OR keywords, not both")
+        if args and len(args) != len(names):
+            raise TypeError(
+                f"Invalid number of arguments, args should be {names!s} args are{args!s}"
+            )
+        given = dict(zip(names, args, strict=True)) if args else kwds
+        for name in given:
+            if name not in names:
+                raise AttributeError(f"{name} is not an attribute of {type(self).__name__}")
+        for attribute, _, default, _, _, _ in self._members:
+            value = given.get(attribute)
+            setattr(self, attribute, default() if value is None else value)
+
+    def to_dict(self) -> dict[str, Any]:
+        """The message as JSON has it; what genpy could not pack becomes what validation refuses."""
+        return {
+            name: write(getattr(self, attribute))
+            for attribute, name, _, write, _, _ in self._members
+        }
+
+    @classmethod
+    def dict_of(cls, value: Any) -> Any:
+        """As `to_dict`, of anything that has all the fields of this class."""
+        try:
+            return {
+                name: write(getattr(value, attribute))
+                for attribute, name, _, write, _, _ in cls._members
+            }
+        except AttributeError:
+            return refused(value)
+
+    @classmethod
+    def from_dict(cls, values: dict[str, Any]) -> Self:
+        """The message that a valid dict with every field in it stands for; None becomes NaN."""
+        message = cls.__new__(cls)
+        for attribute, name, _, _, read, _ in cls._members:
+            setattr(message, attribute, read(values[name]))
+        return message
+
+    @classmethod
+    def from_dict_numpy(cls, values: dict[str, Any]) -> Self:
+        """As `from_dict`, with numpy's arrays for arrays of numbers."""
+        message = cls.__new__(cls)
+        for attribute, name, _, _, _, read in cls._members:
+            setattr(message, attribute, read(values[name]))
+        return message
+
+    def serialize(self, buff: BinaryIO) -> None:
+        """Write the message to a file in ROS 1's bytes.
+
+        Raises:
+            SerializationError: a value does not fit its field.
+        """
+        try:
+            data = self._codec.serialize(self.to_dict())
+        except InvalidMessage as error:
+            self._check_types(error)
+            raise SerializationError(str(error)) from None
+        buff.write(data)
+
+    def deserialize(self, str: bytes) -> Self:
+        """Take over what ROS 1's bytes say; it returns the message itself.
+
+        Raises:
+            DeserializationError: they are no such message.
+        """
+        return self._take(self.from_dict(self._values(str)))
+
+    def serialize_numpy(self, buff: BinaryIO, numpy: Any) -> None:
+        """As `serialize`, which takes numpy's arrays as well."""
+        self.serialize(buff)
+
+    def deserialize_numpy(self, str: bytes, numpy: Any) -> Self:
+        """As `deserialize`, with numpy's arrays for arrays of numbers."""
+        return self._take(self.from_dict_numpy(self._values(str)))
+
+    def _values(self, data: bytes) -> dict[str, Any]:
+        try:
+            return self._codec.deserialize(bytes(data))
+        except InvalidMessage as error:
+            raise DeserializationError(str(error)) from None
+
+    def _take(self, other: Self) -> Self:
+        for member in self._members:
+            setattr(self, member.attribute, getattr(other, member.attribute))
+        return self
+
+    def _get_types(self) -> list[str]:
+        return self._slot_types
+
+    def _check_types(self, exc: Exception | None = None) -> None:
+        """Find the field whose value does not fit.
+
+        Args:
+            exc: what shows that there is one.
+
+        Raises:
+            SerializationError: about that field; about ``exc`` if there is no such field.
+        """
+        for name, type_ in zip(self.__slots__, self._get_types(), strict=False):
+            check_type(name, type_, getattr(self, name))
+        if exc:
+            raise SerializationError(str(exc))
+
+    def __getstate__(self) -> list[Any]:
+        return [getattr(self, name) for name in self.__slots__]
+
+    def __setstate__(self, state: list[Any]) -> None:
+        for name, value in zip(self.__slots__, state, strict=False):
+            setattr(self, name, value)
+
+    def __repr__(self) -> str:
+        return strify_message(self)
+
+    def __str__(self) -> str:
+        return strify_message(self)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, type(self)):
+            return False
+        return all(
+            _are_equal(getattr(self, name, None), getattr(other, name, None))
+            for name in self.__slots__
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+def _are_equal(one: Any, other: Any) -> bool:
+    """Whether two values are equal; a list and a tuple may be."""
+    if isinstance(one, (list, tuple)) and isinstance(other, (list, tuple)):
+        return tuple(one) == tuple(other)
+    return bool(one == other)

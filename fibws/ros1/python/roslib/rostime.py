@@ -1,0 +1,5 @@
+"""The old place of genpy's times."""
+
+from genpy.rostime import Duration, Time, TVal
+
+__all__ = ["Duration", "TVal", "Time"]

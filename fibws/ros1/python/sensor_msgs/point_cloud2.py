@@ -1,0 +1,110 @@
+"""Point clouds made of points, and points read from them."""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections import namedtuple
+from collections.abc import Iterable, Iterator, Sequence
+from struct import Struct
+from typing import Any
+
+from genpy.classes import message_class
+
+PointCloud2 = message_class("sensor_msgs/PointCloud2")
+PointField = message_class("sensor_msgs/PointField")
+
+_LETTERS = {1: "b", 2: "B", 3: "h", 4: "H", 5: "i", 6: "I", 7: "f", 8: "d"}
+"""What `struct` calls the types of a PointField."""
+
+
+def read_points(
+    cloud: Any,
+    field_names: Sequence[str] | None = None,
+    skip_nans: bool = False,
+    uvs: Iterable[tuple[int, int]] = (),
+) -> Iterator[tuple[Any, ...]]:
+    """The points of a cloud, one after the other, each with its fields in the order of their bytes.
+
+    Args:
+        cloud: a sensor_msgs/PointCloud2.
+        field_names: the fields to read, if not all.
+        skip_nans: leave out points with NaN in one of these.
+        uvs: columns and rows of the points to read, if not all.
+    """
+    assert getattr(cloud, "_type", None) == "sensor_msgs/PointCloud2", (
+        "cloud is not a sensor_msgs.msg.PointCloud2"
+    )
+    fields = _in_order(cloud.fields, field_names)
+    unpack = _layout(cloud.is_bigendian, fields).unpack_from
+    data = cloud.data if isinstance(cloud.data, bytes) else bytes(cloud.data)
+    rows, columns = range(cloud.height), range(cloud.width)
+    for u, v in uvs or ((column, row) for row in rows for column in columns):
+        point = unpack(data, cloud.row_step * v + cloud.point_step * u)
+        if not (skip_nans and any(map(math.isnan, point))):
+            yield point
+
+
+def read_points_list(
+    cloud: Any,
+    field_names: Sequence[str] | None = None,
+    skip_nans: bool = False,
+    uvs: Iterable[tuple[int, int]] = (),
+) -> list[Any]:
+    """The points of a cloud as a list of named tuples; its arguments are those of `read_points`."""
+    points = list(read_points(cloud, field_names, skip_nans, uvs))
+    names = [field.name for field in _in_order(cloud.fields, field_names)]
+    make: Any = namedtuple  # Type checkers want to see the names.
+    return list(map(make("Point", names)._make, points))
+
+
+def create_cloud(header: Any, fields: Sequence[Any], points: Sequence[Sequence[float]]) -> Any:
+    """A cloud of one row.
+
+    Args:
+        header: its std_msgs/Header.
+        fields: a sensor_msgs/PointField for each number of a point.
+        points: the numbers of each point, in the order of their bytes.
+
+    Returns:
+        The sensor_msgs/PointCloud2.
+    """
+    layout = _layout(False, _in_order(fields, None))
+    size = layout.size
+    data = b"".join(layout.pack(*point) for point in points)
+    return PointCloud2(
+        header=header,
+        height=1,
+        width=len(points),
+        is_dense=False,
+        is_bigendian=False,
+        fields=fields,
+        point_step=size,
+        row_step=size * len(points),
+        data=data,
+    )
+
+
+def create_cloud_xyz32(header: Any, points: Sequence[Sequence[float]]) -> Any:
+    """A cloud of one row, whose points have x, y and z as float32; as `create_cloud`."""
+    fields = [PointField(name, 4 * index, 7, 1) for index, name in enumerate("xyz")]
+    return create_cloud(header, fields, points)
+
+
+def _in_order(fields: Iterable[Any], names: Sequence[str] | None) -> list[Any]:
+    """The fields of those names, or all, in the order of their bytes."""
+    wanted = [field for field in fields if names is None or field.name in names]
+    return sorted(wanted, key=lambda field: field.offset)
+
+
+def _layout(is_bigendian: bool, fields: Iterable[Any]) -> Struct:
+    """What packs the fields of one point; what lies between them is skipped."""
+    pieces, offset = [">" if is_bigendian else "<"], 0
+    for field in fields:
+        if field.datatype not in _LETTERS:
+            print(f"Skipping unknown PointField datatype [{field.datatype}]", file=sys.stderr)
+            continue
+        gap, number = max(field.offset - offset, 0), Struct(f"<{_LETTERS[field.datatype]}")
+        pieces.append(f"{gap}x{field.count}{_LETTERS[field.datatype]}")
+        offset += gap + field.count * number.size
+    return Struct("".join(pieces))

@@ -1,0 +1,210 @@
+"""Messages are made, compared, copied and packed as genpy's are."""
+
+from __future__ import annotations
+
+import array
+import math
+import pickle
+from io import BytesIO
+from typing import Any
+
+import pytest
+from genpy import Duration, Message, Time
+from genpy.classes import message_class
+
+import fibws
+from fibws.interfaces import Validators
+from fibws.msg import default_interfaces
+
+from .conftest import Agree
+
+TYPES = [
+    *("std_msgs/Header", "std_msgs/Empty", "std_msgs/String", "std_msgs/Bool", "std_msgs/Int32"),
+    *("std_msgs/UInt8MultiArray", "std_msgs/Float32", "std_msgs/Time", "std_msgs/Float64"),
+    *("geometry_msgs/PoseStamped", "geometry_msgs/Point", "geometry_msgs/Vector3"),
+    *("sensor_msgs/Image", "sensor_msgs/LaserScan", "nav_msgs/Odometry", "rosgraph_msgs/Log"),
+    *("std_msgs/UInt8", "geometry_msgs/Point32", "geometry_msgs/Polygon", "geometry_msgs/Twist"),
+]
+VALIDATORS = Validators(default_interfaces(), now=int)
+
+
+def make(type_: str, *args: Any, **fields: Any) -> Any:
+    return message_class(type_)(*args, **fields)
+
+
+def sent(message: Message) -> Any:
+    """The message as a subscriber gets it."""
+    return type(message).from_dict(VALIDATORS.of(message._type).validate(message.to_dict()))
+
+
+@pytest.mark.parametrize(
+    "expression",
+    [
+        "M('std_msgs/Int32', 5).data",
+        "M('std_msgs/Int32', data=5).data",
+        "M('std_msgs/Int32', None).data",
+        "M('std_msgs/Int32', data=None).data",
+        "M('std_msgs/Int32', 1, 2)",
+        "M('std_msgs/Int32', 1, data=2)",
+        "M('std_msgs/Int32', value=2)",
+        "M('std_msgs/Int32', value=2, other=3)",
+        "M('std_msgs/Empty', 1)",
+        "M('std_msgs/Empty')",
+        "M('geometry_msgs/Point', 1, 2)",
+        "M('geometry_msgs/Point', 1, 2, 3)",
+        "M('geometry_msgs/Point', 1, None, 3)",
+        "M('geometry_msgs/Point', x=1)",
+        "M('geometry_msgs/PoseStamped', None, None)",
+        "M('std_msgs/Header', 1, Time(2), 'map') == M('std_msgs/Header', 1, Time(2), 'map')",
+        "M('std_msgs/Header', 1, Time(2), 'map') != M('std_msgs/Header', 1, Time(2), 'odom')",
+        "M('geometry_msgs/Point') == M('geometry_msgs/Vector3')",
+        "M('sensor_msgs/LaserScan', ranges=[1.0]) == M('sensor_msgs/LaserScan', ranges=(1.0,))",
+        "M('std_msgs/Int32') == 0",
+        "M('std_msgs/Empty') == M('std_msgs/Empty')",
+        "{M('std_msgs/Int32')}",
+        "bool(M('std_msgs/Empty'))",
+        "M('std_msgs/Header')._get_types()",
+        "M('std_msgs/Header')._connection_header",
+        "set(M('std_msgs/Header'), _connection_header={'a': 'b'})._connection_header",
+        "copied(M('std_msgs/Header', 1, Time(2), 'map'))",
+        "M('std_msgs/Header').__getstate__()",
+        "M('rosgraph_msgs/Log').INFO",
+        "C('std_msgs/String').__name__",
+        "M('geometry_msgs/Twist').linear is M('geometry_msgs/Twist').linear",
+    ],
+)
+def test_messages_do_what_genpys_do(agree: Agree, expression: str) -> None:
+    agree(expression, *TYPES)
+
+
+@pytest.mark.parametrize("name", ["dta", "data_", "_data"])
+def test_a_field_that_is_not_there_cannot_be_set(name: str) -> None:
+    with pytest.raises(AttributeError, match=f"'Int32' object has no attribute '{name}'"):
+        setattr(make("std_msgs/Int32"), name, 1)
+
+
+@pytest.mark.parametrize(
+    "expression",
+    [
+        "packed(M('std_msgs/Int32', True))",
+        "packed(M('std_msgs/Int32', 'five'))",
+        "packed(M('std_msgs/Int32', 1.0))",
+        "packed(M('std_msgs/Int32', 2**31))",
+        "packed(M('std_msgs/UInt8', 256))",
+        "packed(M('std_msgs/UInt8', -1))",
+        "packed(M('std_msgs/Bool', 1))",
+        "packed(M('std_msgs/Bool', 'yes'))",
+        "packed(M('std_msgs/Float64', 1))",
+        "packed(M('std_msgs/Float64', True))",
+        "packed(M('std_msgs/Float64', 'x'))",
+        "packed(set(M('std_msgs/Float64'), data=None))",
+        "packed(M('std_msgs/String', 5))",
+        "packed(M('std_msgs/String', 'grüße'))",
+        "packed(set(M('std_msgs/String'), data=None))",
+        "packed(M('geometry_msgs/Point', 1, 2, [3]))",
+        "packed(M('geometry_msgs/Twist', linear=M('geometry_msgs/Point', 1, 2, 3)))",
+        "packed(M('sensor_msgs/LaserScan', ranges=[1, 2.5, True]))",
+        "packed(M('sensor_msgs/LaserScan', ranges=(1, 2)))",
+        "packed(M('sensor_msgs/LaserScan', ranges=['a']))",
+        "packed(M('sensor_msgs/LaserScan', ranges=[None]))",
+        "packed(M('sensor_msgs/LaserScan', ranges=5))",
+        "packed(M('sensor_msgs/LaserScan', ranges='abc'))",
+        "packed(M('sensor_msgs/Image', data=[1, 2, 255]))",
+        "packed(M('sensor_msgs/Image', data=(1, 2, 255)))",
+        "packed(M('sensor_msgs/Image', data=bytearray(b'abc')))",
+        "packed(M('sensor_msgs/Image', data=[1, 2, 256]))",
+        "packed(M('sensor_msgs/Image', data=[1, 'a']))",
+        "packed(M('geometry_msgs/Polygon', points=(M('geometry_msgs/Point32', 1, 2, 3),)))",
+        "packed(M('geometry_msgs/Polygon', points=[M('geometry_msgs/Point', 1, 2, 3)]))",
+        "packed(M('nav_msgs/Odometry', child_frame_id='base'))",
+        "packed(set(M('std_msgs/Int32'), data='a'))",
+        "M('std_msgs/Int32', 'a')._check_types()",
+        "M('std_msgs/Int32', 1)._check_types()",
+        "M('std_msgs/Int32', 1)._check_types(ValueError('of this'))",
+    ],
+)
+def test_values_are_packed_or_refused_as_with_genpy(agree: Agree, expression: str) -> None:
+    agree(expression, *TYPES)
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        make("geometry_msgs/Twist", linear=5),
+        make("geometry_msgs/Twist", linear={"x": 1.0}),
+        make("std_msgs/Header", stamp=1.5),
+        make("std_msgs/Header", stamp="now"),
+        make("std_msgs/Header", stamp={"secs": 1, "nsecs": 2}),
+        make("sensor_msgs/Image", data="AAAA"),
+        make("rosgraph_msgs/Log", topics="abc"),
+        make("geometry_msgs/Polygon", points=5),
+        make("sensor_msgs/LaserScan", ranges={1.0: 2.0}),
+    ],
+)
+def test_what_json_could_mean_otherwise_is_refused(message: Message) -> None:
+    with pytest.raises(fibws.InvalidMessage):
+        sent(message)
+
+
+def test_a_field_of_a_wrong_class_is_named() -> None:
+    with pytest.raises(Exception, match=r"field header.stamp must be of type Time"):
+        message = make("geometry_msgs/PoseStamped")
+        message.header.stamp = 1.5
+        message.serialize(BytesIO())
+
+
+@pytest.mark.parametrize(
+    ("type_", "given", "heard"),
+    [
+        ("sensor_msgs/LaserScan", {"ranges": [1, 2.5]}, {"ranges": (1.0, 2.5)}),
+        ("sensor_msgs/LaserScan", {"ranges": array.array("f", [1, 2])}, {"ranges": (1.0, 2.0)}),
+        ("sensor_msgs/LaserScan", {"ranges": range(2)}, {"ranges": (0.0, 1.0)}),
+        ("sensor_msgs/Image", {"data": [1, 2]}, {"data": b"\1\2"}),
+        ("sensor_msgs/Image", {"data": array.array("B", [1, 2])}, {"data": b"\1\2"}),
+        ("sensor_msgs/Image", {"data": memoryview(b"ab")}, {"data": b"ab"}),
+        ("std_msgs/Time", {"data": Time(5, 6)}, {"data": Time(5, 6)}),
+        ("std_msgs/Duration", {"data": Duration(-5, 6)}, {"data": Duration(-5, 6)}),
+        ("rosgraph_msgs/Log", {"topics": ("/a", "/b")}, {"topics": ["/a", "/b"]}),
+    ],
+)
+def test_a_message_is_heard_as_genpy_unpacks_it(
+    type_: str, given: dict[str, Any], heard: dict[str, Any]
+) -> None:
+    message = sent(make(type_, **given))
+    for name, value in heard.items():
+        assert getattr(message, name) == value
+        assert type(getattr(message, name)) is type(value)
+
+
+def test_what_json_has_no_number_for_is_heard_as_nan() -> None:
+    type_ = message_class("sensor_msgs/LaserScan")
+    given = {"ranges": [1, None], "scan_time": None}
+    message: Any = type_.from_dict(VALIDATORS.of(type_._type).validate(given))
+    assert message.ranges[0] == 1
+    assert math.isnan(message.ranges[1])
+    assert math.isnan(message.scan_time)
+
+
+def test_whole_seconds_in_what_is_heard_are_carried_over() -> None:
+    header = message_class("std_msgs/Header")
+    message = header.from_dict({"seq": 0, "stamp": {"secs": 1, "nsecs": 2 * 10**9}, "frame_id": ""})
+    assert message.stamp == Time(3, 0)
+
+
+def test_messages_can_be_pickled() -> None:
+    message = make("geometry_msgs/PoseStamped")
+    message.header.frame_id, message.header.stamp = "map", Time(1, 2)
+    again = pickle.loads(pickle.dumps(message))
+    assert again == message
+    assert type(again) is type(message)
+
+
+def test_bytes_that_are_no_message_are_refused() -> None:
+    with pytest.raises(Exception, match=r"These bytes are no std_msgs/Int32: 4 bytes are needed"):
+        make("std_msgs/Int32").deserialize(b"\0\0\0")
+
+
+def test_unpacking_changes_the_message_itself() -> None:
+    message = make("std_msgs/Int32")
+    assert message.deserialize(b"\5\0\0\0") is message
+    assert message.data == 5

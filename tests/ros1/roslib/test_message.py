@@ -1,0 +1,31 @@
+"""What was once in roslib is found there still."""
+
+from __future__ import annotations
+
+import genpy.message
+import pytest
+import roslib
+
+
+def test_messages_are_found_by_name() -> None:
+    assert roslib.message.get_message_class("std_msgs/Int32")(5).data == 5
+    assert roslib.message.get_service_class("std_srvs/Empty")._type == "std_srvs/Empty"
+    assert roslib.message.Message is genpy.message.Message
+    assert issubclass(roslib.message.SerializationError, roslib.message.ROSMessageException)
+    assert roslib.rostime.Time(1).to_sec() == 1.0
+
+
+def test_a_manifest_needs_not_be_loaded() -> None:
+    roslib.load_manifest("whatever")
+
+
+def test_a_script_may_say_that_it_runs_in_a_shell() -> None:
+    assert not roslib.is_interactive()
+    roslib.set_interactive(True)
+    assert roslib.is_interactive()
+    roslib.set_interactive(False)
+
+
+def test_other_names_are_not_there() -> None:
+    with pytest.raises(AttributeError, match="module 'roslib' has no attribute 'rosenv'"):
+        _ = roslib.rosenv
