@@ -20,6 +20,11 @@ FibwsError
 ├── ParameterError         what cannot be done with a parameter
 │   ├── ParameterNotSet        there is no such parameter
 │   └── ParametersFull         there is no room for so much
+├── WorkspaceError         something is wrong with a workspace, or with a package in it
+│   ├── PackageNotFound        no package of this name is on the path
+│   ├── ExecutableNotFound     the package has no such program, or it cannot be run
+│   └── PackageFileError       a package.xml or a CMakeLists.txt that says what cannot be
+├── LaunchError            a launch file that says what cannot be
 ├── HubError               the hub cannot start or go on
 └── NodeError              what a node was asked for was in vain, or it cannot go on
     ├── InvalidAddress         what should say where the hub is does not
@@ -32,6 +37,7 @@ FibwsError
     │   ├── UnknownService         nobody offers it
     │   ├── ServiceTimeout         there was no answer in time
     │   └── ServiceLost            the connection broke before there was an answer
+    ├── CallRefused            what a service's handler raises to choose its caller's text
     ├── ActionError            a goal did not succeed
     ├── WaitTimeout            what was waited for did not come in time
     ├── NodeReplaced           another node took this node's name
@@ -199,6 +205,56 @@ class ParametersFull(ParameterError):
         )
 
 
+class WorkspaceError(FibwsError):
+    """Something is wrong with a workspace, or with a package in it; the text says what."""
+
+
+class PackageNotFound(WorkspaceError, LookupError):
+    """No package of this name is on the path; ``hint`` says what was missed, as far as known."""
+
+    def __init__(self, name: str, hint: str = "") -> None:
+        self.name = name
+        self.hint = hint
+        super().__init__(f"package {name!r} not found{': ' if hint else ''}{hint}")
+
+
+class ExecutableNotFound(WorkspaceError, LookupError):
+    """The package has no such program, or none that can be run; ``hint`` says more."""
+
+    def __init__(self, package: str, name: str, hint: str) -> None:
+        self.package = package
+        self.name = name
+        self.hint = hint
+        super().__init__(f"no executable {name!r} in package {package!r}: {hint}")
+
+
+class PackageFileError(WorkspaceError, ValueError):
+    """A package.xml or a CMakeLists.txt that does not parse, or says what cannot be."""
+
+    def __init__(self, source: str, line: int, fault: str) -> None:
+        self.source = source
+        self.line = line
+        self.fault = fault
+        super().__init__(f"{source}, line {line}: {fault}")
+
+
+class LaunchError(FibwsError, ValueError):
+    """A launch file that says what cannot be; ``file`` and ``line`` tell where.
+
+    ``files`` are those that include it, the nearest first, each with the line of its <include>.
+    """
+
+    def __init__(
+        self, file: str, line: int, fault: str, files: tuple[tuple[str, int], ...] = ()
+    ) -> None:
+        self.file = file
+        self.line = line
+        self.fault = fault
+        self.files = files
+        above = "".join(f", included from {file}:{line}" for file, line in files)
+        super().__init__(f"{file}:{line}: {fault}{above}")
+
+
 class HubError(FibwsError):
     """The hub cannot start or go on."""
 
@@ -276,6 +332,10 @@ class ServiceLost(ServiceError):
 
     def __init__(self, service: str) -> None:
         super().__init__(service, "the connection to the hub was lost")
+
+
+class CallRefused(NodeError):
+    """What a service's handler raises to fail a call with exactly this text, and no line in the log."""
 
 
 class ActionError(NodeError):

@@ -1,0 +1,243 @@
+"""``fibws workspace``: what catkin_init_workspace and catkin_make are."""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+from shlex import quote
+from typing import TYPE_CHECKING
+
+import click
+
+from fibws.cli.output import visible
+from fibws.cli.tool import SETTINGS
+from fibws.errors import WorkspaceError
+
+if TYPE_CHECKING:
+    from fibws.workspace.build import Plan, Workspace
+    from fibws.workspace.source import Source
+
+RULE = "~" * 50
+KINDS = {"msg": "message", "srv": "service", "action": "action"}
+_JOBS = re.compile(r"-[jl]\d*(\.\d+)?|--jobs(=\d+)?|--load-average(=[\d.]+)?|-k|VERBOSE=\d")
+_WHITELIST = "-DCATKIN_WHITELIST_PACKAGES="
+_SPACES = re.compile(r"--(source|build)(=.*)?|-DCATKIN_DEVEL_PREFIX=.*")
+
+
+@click.group(context_settings=SETTINGS)
+def command() -> None:
+    """Begin and build workspaces of packages, as catkin does.
+
+    \b
+      mkdir -p ros_workspace/src
+      cd ros_workspace/src
+      fibws workspace init            catkin_init_workspace
+      fibws pkg create fibonacci std_msgs rospy
+      cd ..
+      fibws workspace make            catkin_make
+      source devel/setup.bash
+    """
+
+
+@command.command("init")
+@click.argument("folder", type=click.Path(path_type=Path), default=".")
+def init(folder: Path) -> None:
+    """Mark FOLDER, the src/ of a workspace, or else this one, as catkin_init_workspace does."""
+    from fibws.workspace import place
+
+    path = place.initialize(Path(os.path.normpath(place.here() / folder)))
+    click.echo(f"Created file {visible(str(path))}")
+    if path.parent.name != place.SOURCE:
+        click.echo("Note: catkin_make looks for packages in src/, and this folder is not called so")
+
+
+class _Make(click.Command):
+    """Takes catkin_make's options, some of which take all words up to the next option."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        return super().parse_args(ctx, _plain(args))
+
+
+@command.command("make", cls=_Make)
+@click.option(
+    "-C",
+    "--directory",
+    "folder",
+    metavar="FOLDER",
+    type=click.Path(path_type=Path),
+    default=".",
+    help="The workspace, if it is not this folder.",
+)
+@click.option(
+    "--pkg",
+    "packages",
+    metavar="PACKAGE...",
+    multiple=True,
+    help="Build these packages alone.",
+)
+@click.option(
+    "--only-pkg-with-deps",
+    "with_depends",
+    metavar="PACKAGE...",
+    multiple=True,
+    help="Build these packages alone, and those in the workspace that they depend on.",
+)
+@click.option("--force-cmake", is_flag=True, hidden=True)
+@click.option("--no-color", is_flag=True, help="Print without colours.")
+@click.argument("targets", metavar="[clean]", nargs=-1)
+@click.pass_context
+def make(
+    context: click.Context,
+    folder: Path,
+    packages: tuple[str, ...],
+    with_depends: tuple[str, ...],
+    force_cmake: bool,
+    no_color: bool,
+    targets: tuple[str, ...],
+) -> None:
+    """Build the workspace that this folder is, as catkin_make does.
+
+    \b
+      fibws workspace make && source devel/setup.bash
+      fibws workspace make clean      take out what was built
+
+    It checks the packages in src/, compiles their messages, services and actions, and writes
+    devel/, which has the files to be sourced. What is written in C++ is not built. Options for
+    CMake and make (-D, -j, --cmake-args ...) are read past.
+    """
+    from fibws.workspace import place
+    from fibws.workspace.build import Workspace
+
+    if no_color:
+        context.color = False
+    _check_targets(targets)
+    base = Path(os.path.normpath(place.here() / folder))
+    place.check(base)
+    workspace = Workspace(base)
+    if "clean" in targets:
+        workspace.clean()
+        click.echo(f"Took out of {visible(str(workspace.devel))} what was built")
+        return
+    _print_spaces(workspace)
+    if not os.path.lexists(workspace.source / place.LISTS):
+        click.echo(f"Created file {visible(str(place.initialize(workspace.source)))}")
+    plan = workspace.plan([*packages, *with_depends], with_depends=bool(with_depends))
+    _print_packages(plan)
+    workspace.make(plan)
+    # From here the files are best told by the paths that an editor can be given.
+    prefix = f"{base}{os.sep}" if base == place.here() else "\0"
+    for warning in plan.warnings:
+        text = visible(warning.replace(prefix, ""))
+        click.secho(f"Warning: {text}", fg="yellow", err=True)
+    for fault in plan.faults:
+        text = visible(str(fault).replace(prefix, ""))
+        click.secho(f"Error: {text}", fg="red", err=True)
+    if plan.faults:
+        count = len(plan.faults)
+        raise click.ClickException(
+            f"nothing was built, for {_counted(count, 'thing is', 'things are')} wrong"
+        )
+    for source in plan.built:
+        click.echo(f"{source.name}: {_made(source)}")
+    _print_next(workspace, plan)
+
+
+def _plain(args: list[str]) -> list[str]:
+    """The words without those for CMake and make; an option stands before each of its values."""
+    plain: list[str] = []
+    many = ""
+    skip_number = False
+    for word in args:
+        if word in ("--cmake-args", "--make-args"):
+            break
+        if skip_number and re.fullmatch(r"[\d.]+", word):
+            continue
+        skip_number = word in ("-j", "-l", "--jobs", "--load-average")
+        if _SPACES.fullmatch(word):
+            raise WorkspaceError(f"{word}: the spaces of a workspace are src/ and devel/ here")
+        if word.startswith(_WHITELIST):
+            for name in word.removeprefix(_WHITELIST).split(";"):
+                plain += ["--only-pkg-with-deps", name] if name else []
+        elif word in ("--pkg", "--only-pkg-with-deps"):
+            many = word
+        elif word.startswith(("-D", "-G", "--use-")) or _JOBS.fullmatch(word):
+            many = ""
+        elif many and not word.startswith("-"):
+            plain += [many, word]
+        else:
+            many = ""
+            plain.append(word)
+    return [*plain, many] if many and many not in plain else plain
+
+
+def _check_targets(targets: tuple[str, ...]) -> None:
+    for target in targets:
+        if target in ("clean", "all"):
+            continue
+        if target == "install":
+            text = "there is no install space here: devel/ has all of it. source devel/setup.bash"
+            raise WorkspaceError(text)
+        if target in ("test", "tests", "run_tests"):
+            raise WorkspaceError(f"{target}: run the tests of packages by python3 -m pytest src")
+        raise WorkspaceError(f"there is no target {target}; there is clean")
+
+
+def _print_spaces(workspace: Workspace) -> None:
+    for what, path in (
+        ("Base path", workspace.folder),
+        ("Source space", workspace.source),
+        ("Build space", workspace.build),
+        ("Devel space", workspace.devel),
+    ):
+        click.echo(f"{what}: {visible(str(path))}")
+
+
+def _print_packages(plan: Plan) -> None:
+    if not plan.sources:
+        return
+    count = _counted(len(plan.built), "package", "packages")
+    click.echo(RULE)
+    click.echo(f"~~  traversing {count} in topological order:")
+    for source in plan.built:
+        click.echo(f"~~  - {source.name}")
+    click.echo(RULE)
+
+
+def _print_next(workspace: Workspace, plan: Plan) -> None:
+    """Say what to type now."""
+    from fibws.workspace import place
+    from fibws.workspace.packages import PATH
+
+    inside = workspace.folder == place.here()
+    if not plan.sources and not plan.faults:
+        where = "src" if inside else str(workspace.source)
+        click.echo(
+            f"There is no package yet. Next: cd {quote(where)} && "
+            f"catkin_create_pkg NAME std_msgs rospy"
+        )
+    if str(workspace.source) in os.environ.get(PATH, "").split(os.pathsep):
+        click.echo("Done; this shell has the workspace already.")
+        return
+    devel = Path(place.DEVEL) if inside else workspace.devel
+    if os.name == "nt":
+        click.echo(f"Next: . {devel / 'setup.ps1'}    (cmd: call {devel / 'setup.bat'})")
+        return
+    shell = "zsh" if Path(os.environ.get("SHELL", "")).name == "zsh" else "bash"
+    click.echo(f"Next: source {quote(str(devel / f'setup.{shell}'))}")
+
+
+def _made(source: Source) -> str:
+    recipe = source.recipe
+    parts = [
+        _counted(len(files), KINDS[kind], f"{KINDS[kind]}s")
+        for kind, files in recipe.definitions.items()
+        if files
+    ]
+    parts += [visible(each.path.name) for each in recipe.programs]
+    parts += ["Python modules"] if recipe.python_setup is not None else []
+    return ", ".join(parts) or "nothing to build"
+
+
+def _counted(count: int, one: str, many: str) -> str:
+    return f"{count} {one if count == 1 else many}"

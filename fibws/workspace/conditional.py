@@ -1,0 +1,126 @@
+"""The conditions of CMake's ``if()``, as far as recipes of packages use them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Mapping
+from pathlib import Path
+
+from fibws.workspace.cmake import split
+
+_FALSE = {"", "0", "OFF", "NO", "FALSE", "N", "IGNORE", "NOTFOUND"}
+_TRUE = {"1", "ON", "YES", "TRUE", "Y"}
+_DEEPEST = 20
+
+
+def holds(
+    words: list[str],
+    variables: Mapping[str, str],
+    targets: Collection[str] = (),
+    commands: Collection[str] = (),
+) -> bool:
+    """Whether a condition is met; one that is not understood is not.
+
+    Args:
+        words: the arguments of ``if()``.
+        variables: what they stand for.
+        targets: the targets that there are.
+        commands: the functions and macros that there are, in lower case.
+    """
+    if sum(word in ("(", "NOT") for word in words) > _DEEPEST:
+        return False
+    return _Condition([*words], variables, targets, commands).holds()
+
+
+class _Condition:
+    """The words of an ``if()``."""
+
+    def __init__(
+        self,
+        words: list[str],
+        variables: Mapping[str, str],
+        targets: Collection[str],
+        commands: Collection[str],
+    ) -> None:
+        self._words = words
+        self._variables = variables
+        self._targets = targets
+        self._commands = commands
+
+    def holds(self) -> bool:
+        value = self._both()
+        while self._take("OR"):
+            value = self._both() or value
+        return value and not self._words
+
+    def _both(self) -> bool:
+        value = self._one()
+        while self._take("AND"):
+            value = self._one() and value
+        return value
+
+    def _one(self) -> bool:
+        if self._take("NOT"):
+            return not self._one()
+        if self._take("("):
+            value = self._both()
+            while self._take("OR"):
+                value = self._both() or value
+            self._take(")")
+            return value
+        if self._take("DEFINED"):
+            return self._next() in self._variables
+        if self._take("TARGET"):
+            return self._next() in self._targets
+        if self._take("EXISTS"):
+            return Path(self._next()).exists()
+        if self._take("IS_DIRECTORY"):
+            return Path(self._next()).is_dir()
+        if self._take("COMMAND"):
+            return self._next().lower() in self._commands
+        left = self._next()
+        for operator in ("STREQUAL", "EQUAL", "VERSION_EQUAL"):
+            if self._take(operator):
+                return self._text(left) == self._text(self._next())
+        for operator, wanted in (("LESS", {-1}), ("GREATER", {1})):
+            for suffix, others in (("", set[int]()), ("_EQUAL", {0})):
+                for prefix in ("", "VERSION_"):
+                    if self._take(f"{prefix}{operator}{suffix}"):
+                        return self._compare(left, self._next()) in wanted | others
+        if self._take("IN_LIST"):
+            return self._text(left) in split(self._variables.get(self._next(), ""))
+        if self._take("MATCHES"):
+            try:
+                return re.search(self._next(), self._text(left)) is not None
+            except re.error:
+                return False
+        return self._truth(left)
+
+    def _compare(self, left: str, right: str) -> int:
+        parts = [
+            [int(part) if part.isdigit() else 0 for part in self._text(each).split(".")]
+            for each in (left, right)
+        ]
+        return (parts[0] > parts[1]) - (parts[0] < parts[1])
+
+    def _text(self, word: str) -> str:
+        return self._variables.get(word, word)
+
+    def _next(self) -> str:
+        return self._words.pop(0) if self._words else ""
+
+    def _take(self, word: str) -> bool:
+        if self._words[:1] == [word]:
+            self._words.pop(0)
+            return True
+        return False
+
+    def _truth(self, text: str) -> bool:
+        """What a word is worth as a condition: a constant, or a variable that is set to one."""
+        upper = text.upper()
+        if upper in _TRUE or re.fullmatch(r"-?[0-9.]*[1-9][0-9.]*", text):
+            return True
+        if upper in _FALSE or upper.endswith("-NOTFOUND"):
+            return False
+        value = self._variables.get(text, "").upper()
+        return value not in _FALSE and not value.endswith("-NOTFOUND")

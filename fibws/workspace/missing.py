@@ -1,0 +1,87 @@
+"""What a person has missed who asks for a package or a program that is not found."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from fibws.workspace.near import nearest
+from fibws.workspace.place import around
+from fibws.workspace.programs import find_files, looks_like_program
+
+if TYPE_CHECKING:
+    from fibws.workspace.packages import Package, Packages
+
+
+def package(name: str, program: str, packages: Packages, here: Path | None) -> str:
+    """The end of the error's text when there is no package ``name``; empty if nothing is known.
+
+    Args:
+        name: what was asked for.
+        program: the program in it that was to be run, if any.
+        packages: all that there are.
+        here: the folder that the person is in.
+    """
+    if program and (having := [each.name for each in packages.having(program)]):
+        return f"{having[0]} has it: rosrun {having[0]} {program}"
+    if here is not None and (hint := _not_sourced(name, program, packages, here)):
+        return hint
+    if near := nearest(name, packages.names()):
+        return f"did you mean {near}?"
+    if not packages.has_workspace:
+        return "no workspace is known in this shell: source WORKSPACE/devel/setup.bash"
+    return ""
+
+
+def program(package: Package, name: str, packages: Packages) -> str:
+    """The end of the error's text when there is no program ``name`` in a package."""
+    meant = [path for path in find_files(package.folder, name) if looks_like_program(path)]
+    if meant:
+        return f"it is there, but not executable: chmod +x {quoted(meant[0])}"
+    if any(find_files(package.folder, name)):
+        return "it is there, but no program"
+    if others := [each.name for each in packages.having(name) if each.name != package.name]:
+        return f"{others[0]} has it: rosrun {others[0]} {name}"
+    known = packages.programs(package)
+    if near := nearest(name, known):
+        return f"did you mean {near}?"
+    idle = sorted({path.name for path in find_files(package.folder) if path.suffix == ".py"})
+    if near := nearest(name, idle):
+        path = next(find_files(package.folder, near))
+        return f"did you mean {near}? It is not executable: chmod +x {quoted(path)}"
+    if known:
+        return f"it has {', '.join(known[:10])}"
+    return f"there is no program at all in {package.folder}"
+
+
+def several(package: Package, found: Sequence[Path]) -> str:
+    """The end of the error's text when a package has several programs of one name."""
+    names = [path.relative_to(package.folder).as_posix() for path in found]
+    return f"there are {len(names)}, write which one: {', '.join(names)}"
+
+
+def quoted(path: Path) -> str:
+    """A path as one word of a shell."""
+    return shlex.quote(str(path))
+
+
+def _not_sourced(name: str, program: str, packages: Packages, here: Path) -> str:
+    """What to do if the workspace that the person is in has the package, or the program."""
+    workspace = around(here)
+    if workspace is None:
+        return ""
+    known = packages.in_workspace(workspace)
+    having = [each.name for each in known.having(program)] if program else []
+    if name in known.names() and not known.find(name).is_standard:
+        what = "it is"
+    elif having:
+        what = f"{having[0]} has it, which is"
+    else:
+        return ""
+    setup = f"source {quoted(workspace / 'devel' / 'setup.bash')}"
+    if not (workspace / "devel" / "setup.bash").is_file():
+        built = f"cd {quoted(workspace)} && catkin_make && {setup}"
+        return f"{what} in the workspace {workspace}, which is not built: {built}"
+    return f"{what} in the workspace {workspace}, which this shell does not know: {setup}"

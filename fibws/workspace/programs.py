@@ -1,0 +1,49 @@
+"""The programs in a folder, by the rules of rosrun."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+_RUN_BY_WINDOWS = {".py", ".exe", ".bat", ".cmd", ".ps1"}
+_NO_PROGRAMS = {".git", ".svn", ".hg", "__pycache__"}
+
+
+def is_executable(path: Path) -> bool:
+    """Whether a file is marked as a program; Windows knows that by its name or its first line."""
+    if not path.is_file():
+        return False
+    if os.name != "nt":
+        return os.access(path, os.X_OK)
+    return path.suffix.lower() in _RUN_BY_WINDOWS or has_shebang(path)
+
+
+def has_shebang(path: Path) -> bool:
+    """Whether the first line says which program runs the file."""
+    try:
+        with path.open("rb") as file:
+            return file.read(2) == b"#!"
+    except OSError:
+        return False
+
+
+def looks_like_program(path: Path) -> bool:
+    """Whether a file was most likely meant to be one."""
+    return is_executable(path) or path.suffix == ".py" or has_shebang(path)
+
+
+def find_files(folder: Path, name: str = "") -> Iterator[Path]:
+    """The files below ``folder``, or those of them that ``name`` is the end of.
+
+    Args:
+        folder: where to look; nothing is found where there is none.
+        name: a file's name, perhaps with folders before it, as in ``scripts/talker.py``.
+    """
+    wanted = tuple(name.replace("\\", "/").split("/")) if name else ()
+    for root, folders, files in os.walk(folder):
+        folders[:] = sorted(each for each in folders if each not in _NO_PROGRAMS)
+        for file in sorted(files):
+            path = Path(root, file)
+            if not wanted or path.relative_to(folder).parts[-len(wanted) :] == wanted:
+                yield path
