@@ -19,7 +19,16 @@ COMMANDS = {
         "fibws.cli.demo", "Run the first tutorial: a hub, a broadcaster, a listener.", BEGIN
     ),
     "hub": Command("fibws.hub.__main__", "Run a hub that nodes and web pages meet at.", BEGIN),
+    "core": Command("fibws.cli.core", "Run a hub as roscore does: one for all nodes.", BEGIN),
+    "setup": Command("fibws.cli.setup", "Give a shell roscore, rosrun, rospy ...", BEGIN),
+    "run": Command("fibws.cli.run", "Run a package's program, or a rospy script.", BEGIN),
+    "workspace": Command(
+        "fibws.cli.workspace", "Begin and build a workspace of packages: catkin_make.", BEGIN
+    ),
+    "pkg": Command("fibws.cli.pkg", "Make packages, and find them: catkin_create_pkg.", BEGIN),
+    "launch": Command("fibws.cli.launch", "Run the nodes that launch files tell of.", BEGIN),
     "doctor": Command("fibws.cli.doctor", "Look for what is wrong with this setup.", BEGIN),
+    "open": Command("fibws.cli.open", "Open the hub's page in a browser, as rqt does.", LOOK),
     "graph": Command("fibws.cli.graph", "Draw who publishes what to whom.", LOOK),
     "top": Command("fibws.cli.top", "Show the rates of topics and how clients keep up.", LOOK),
     "log": Command("fibws.cli.log", "Show what the nodes log.", LOOK),

@@ -68,6 +68,10 @@ class Terminal:
         """End the program, if it has not ended, and the terminal."""
         self.process.kill()
         self.process.wait()
+        self.hang_up()
+
+    def hang_up(self) -> None:
+        """End the terminal alone."""
         os.close(self._master)
         os.close(self._slave)
 

@@ -1,0 +1,92 @@
+"""``fibws open``: the hub's page in a browser, where rqt would have a window."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator, Sequence
+from urllib.parse import quote, urlsplit
+
+import click
+
+from fibws.cli import complete, output
+from fibws.cli.hint import hint
+from fibws.cli.link import Link
+from fibws.cli.message.paths import splits
+from fibws.cli.tool import linked
+from fibws.errors import InvalidName
+
+PARTS = ("graph", "topics", "plot", "services", "console", "parameters")
+WITH_NAMES = {"topics", "plot", "services"}
+DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")
+"""Without any of these variables a Linux has no browser but for one in the terminal, in its way."""
+
+
+@click.command(context_settings={"ignore_unknown_options": True})
+@click.argument("words", metavar="[PART] [NAME]...", nargs=-1, shell_complete=complete.topics)
+@linked("open")
+def command(link: Link, words: tuple[str, ...]) -> None:
+    """Open the hub's page in a browser, and print its address; without a browser, only that.
+
+    \b
+      fibws open                        the graph, live; rqt does the same
+      fibws open plot /fibonacci/data   numbers over time; rqt_plot
+      fibws open topics /fibonacci      echo, plot, publish
+      fibws open services /add_two_ints
+      fibws open console                what the nodes log; rqt_console
+      fibws open parameters
+
+    Options of rqt's own are read past.
+    """
+    # As a node of a launch file it is given names to be remapped.
+    words = tuple(word for word in words if not word.startswith("-") and ":=" not in word)
+    part, *names = words or ("graph",)
+    part = part.removeprefix("rqt_")
+    if part == "gui":
+        part = "graph"
+    if part.startswith("/"):
+        part, names = "topics", [part, *names]
+    if part not in PARTS:
+        known = f"There are {', '.join(PARTS)}."
+        raise click.UsageError(f"The page has no {part!r}{hint(part, PARTS) or '.'} {known}")
+    if names and part not in WITH_NAMES:
+        raise click.UsageError(f"{part} takes no names, such as {names[0]!r}.")
+    for address in addresses(link, part, names):
+        output.line(address)
+        _open(address)
+
+
+def addresses(link: Link, part: str, names: Sequence[str]) -> Iterator[str]:
+    """The addresses that show a part of the page, one for each of the things named."""
+    page = urlsplit(link.url)
+    base = f"{'https' if page.scheme == 'wss' else 'http'}://{page.netloc}/"
+    tab, *more = ("topics", "plot") if part == "plot" else (part,)
+    found = list(dict.fromkeys(_names(link, part, names)))
+    if not found:
+        yield f"{base}#/{tab}"
+    for name in found:
+        yield f"{base}#/{'/'.join([tab, quote(name, safe=''), *more])}"
+
+
+def _names(link: Link, part: str, names: Sequence[str]) -> Iterator[str]:
+    topics = link.call("/rosapi/topics")["topics"] if part == "plot" and names else []
+    for name in names:
+        try:
+            # rqt_plot takes /turtle1/pose/x:y, too, and elements of arrays.
+            wanted = link.resolve(name.partition(":")[0].partition("[")[0].rstrip("/"))
+        except InvalidName as error:
+            raise click.UsageError(str(error)) from None
+        topic = next((topic for topic, _ in splits(wanted, topics)), wanted)
+        if part == "plot" and topic not in topics:
+            click.echo(f"WARNING: topic [{topic}] does not appear to be published yet", err=True)
+        yield topic
+
+
+def _open(address: str) -> None:
+    if os.environ.get("SSH_CONNECTION") and "BROWSER" not in os.environ:
+        return  # It would open where nobody sits.
+    if sys.platform not in ("win32", "darwin") and not any(map(os.environ.get, DISPLAYS)):
+        return
+    import webbrowser  # 20 ms
+
+    webbrowser.open(address)
