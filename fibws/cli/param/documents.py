@@ -79,7 +79,7 @@ def value(word: str) -> Any:
     import yaml
 
     try:
-        return yaml.load(word, _loader())
+        return yaml.load(word, loader())
     except yaml.YAMLError as error:
         raise click.UsageError(f"This is no YAML: {reading.fault(error)}: {word!r}") from None
     except reading.FAULTS as error:
@@ -100,7 +100,7 @@ def parameters(text: str, namespace: str) -> list[tuple[str, str]]:
 
     found = []
     try:
-        for document in yaml.load_all(text, _loader()):
+        for document in yaml.load_all(text, loader()):
             above = namespace
             if isinstance(document, dict) and isinstance(document.get(NAMESPACE), str):
                 inner = document.pop(NAMESPACE)
@@ -164,7 +164,7 @@ def _refuse(value: object) -> None:
     raise ValueError(f"{value} is a {kind} to YAML: put it between quotation marks to be a text")
 
 
-def _loader() -> type[yaml.SafeLoader]:
+def loader() -> type[yaml.SafeLoader]:
     """YAML as rosparam reads it: with angles."""
     import yaml
 

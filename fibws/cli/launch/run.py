@@ -1,0 +1,172 @@
+"""A launch that runs: the hub, the parameters, the nodes."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import time
+from dataclasses import dataclass
+from urllib.parse import urlsplit
+
+import click
+
+from fibws.cli import output
+from fibws.cli.ending import end_line
+from fibws.cli.launch.parameters import prepare
+from fibws.cli.link import Link
+from fibws.errors import LaunchError, NoHub
+from fibws.launch.command import is_there, log_folder, start_of
+from fibws.launch.hub import start_hub
+from fibws.launch.model import Launch, Node
+from fibws.launch.runner import WAIT_INTERRUPT, WAIT_TERMINATE, Runner
+from fibws.launch.screen import Screen
+from fibws.workspace.packages import Packages
+
+HERE = ("127.0.0.1", "::1", "localhost")
+TOOL = "launch"
+RETRY = 0.2
+"""Seconds between two looks for a hub that is waited for."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """How to run.
+
+    Attributes:
+        port: of the hub that is started if there is none; 0 for a free one.
+        output: ``screen`` or ``log``, whatever the nodes say; None for what they say.
+        wait: whether to wait for a hub rather than start one.
+    """
+
+    port: int | None = None
+    output: str | None = None
+    wait: bool = False
+    wait_interrupt: float = WAIT_INTERRUPT
+    wait_terminate: float = WAIT_TERMINATE
+
+
+def run(launch: Launch, packages: Packages, url: str, options: Options) -> int:
+    """Run what was read until all has ended, or somebody has had enough of it.
+
+    Args:
+        launch: what was read.
+        packages: those that are known.
+        url: the hub's; if none is there, and that is this machine, one is started.
+        options: how to run.
+
+    Returns:
+        The exit code: 1 if something has failed, else 0.
+
+    Raises:
+        FibwsError: the hub cannot be started, will not have a parameter, or is gone.
+        BrokenPipeError: nobody reads any more what is printed.
+    """
+    return asyncio.run(_Launch(launch, packages, url, options).run())
+
+
+class _Launch:
+    """One run."""
+
+    def __init__(self, launch: Launch, packages: Packages, url: str, options: Options) -> None:
+        self._launch = launch
+        self._packages = packages
+        self._url = url
+        self._options = options
+        self._is_read = True
+        folder = log_folder(os.environ) / f"{time.strftime('%Y-%m-%d_%H-%M-%S')}-{os.getpid()}"
+        self._folder = folder
+        self._screen = Screen(self._write, colours=output.has_colours())
+        self._runner = Runner(
+            self._screen,
+            folder,
+            wait_interrupt=options.wait_interrupt,
+            wait_terminate=options.wait_terminate,
+        )
+
+    async def run(self) -> int:
+        self._runner.obey_signals(end_line)
+        try:
+            await self._find_hub()
+            if self._runner.is_told:
+                return 0
+            self._screen.say(f"FIBWS_HUB={self._url}", bold=True)
+            self._screen.say("")
+            with Link(TOOL, self._url) as link:
+                prepare(link, self._launch, self._screen.complain)
+            await self._start_nodes()
+            await self._runner.run()
+        finally:
+            await self._runner.shut_down()
+        if not self._is_read:
+            raise BrokenPipeError
+        self._screen.say("done", bold=True)
+        return 1 if self._runner.has_failed else 0
+
+    async def _find_hub(self) -> None:
+        if self._options.port != 0 and await self._is_there():
+            return
+        host = urlsplit(self._url).hostname or ""
+        if self._runner.is_told:
+            return
+        if host not in HERE:
+            raise NoHub(self._url, "nothing answers")
+        port = self._options.port
+        if port is None:
+            port = urlsplit(self._url).port or 80
+        self._screen.say("auto-starting new hub")
+        job, self._url = await start_hub(host, port, self._folder)
+        self._runner.add(job)
+        process = job.process
+        self._screen.say(f"process[{process.name}]: started with pid [{process.pid}]", bold=True)
+        self._screen.say(f"open {self._url.replace('ws:', 'http:')}/ in a browser to look at it")
+
+    async def _is_there(self) -> bool:
+        """Whether a hub answers, which is waited for if that is wanted."""
+        is_told = False
+        while True:
+            try:
+                Link(TOOL, self._url).close()
+                return True
+            except NoHub:
+                if not self._options.wait or self._runner.is_told:
+                    return False
+            if not is_told:
+                self._screen.say("no hub is running yet, will wait for it to start")
+                is_told = True
+            await asyncio.sleep(RETRY)
+
+    async def _start_nodes(self) -> None:
+        nodes = [node for node in self._launch.nodes if not node.is_test]
+        if not nodes:
+            self._screen.say("No processes to monitor", bold=True)
+        if any(self._is_shown(node) is False for node in nodes):
+            self._screen.say(f"... logging to {self._folder}")
+        for node in nodes:
+            if self._runner.is_told:
+                return
+            if is_there(node, self._packages):
+                self._screen.say(f"[{node.name}] the hub is {node.package} already: nothing to do")
+                continue
+            try:
+                start = start_of(node, self._packages, self._url, os.environ)
+            except LaunchError as error:
+                self._screen.complain(
+                    f"ERROR: cannot launch node of type [{node.package}/{node.type}]: {error}"
+                )
+                self._runner.fail(node)
+                continue
+            await self._runner.start_node(node, start, screen=self._is_shown(node))
+
+    def _is_shown(self, node: Node) -> bool:
+        return node.screen if self._options.output is None else self._options.output == "screen"
+
+    def _write(self, line: str, is_error: bool) -> None:
+        if not self._is_read:
+            return
+        text = line.encode(output.encoding(), "backslashreplace").decode(output.encoding())
+        try:
+            # Else click would take out of a text what it thinks is a style.
+            click.echo(text, err=is_error, color=True)
+        except OSError:  # A pipe that is closed, or a terminal: nodes must not be left over.
+            self._is_read = False
+            self._runner.stop()

@@ -1,0 +1,93 @@
+"""Which launch files the words of a command line name."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from difflib import get_close_matches
+from pathlib import Path
+
+from fibws.errors import PackageNotFound, WorkspaceError
+from fibws.launch.surroundings import SHARE
+from fibws.workspace.packages import Packages
+from fibws.workspace.programs import find_files
+
+SUFFIXES = (".launch", ".xml", ".test")
+DASH = "-"
+"""Stands for what comes in by a pipe."""
+
+
+def named(words: Sequence[str], packages: Packages) -> list[str]:
+    """The paths of the files that words name: PACKAGE FILE, or FILE, then others.
+
+    Raises:
+        WorkspaceError: one of them is no file; the text says what is near.
+    """
+    first, *others = words
+    is_file = first == DASH or Path(first).is_file()
+    if others and (first in packages.names() or not is_file):
+        return [str(_in_package(first, others[0], packages)), *map(_checked, others[1:])]
+    if not is_file:
+        raise _no_file(first, packages)
+    return [_checked(word) for word in words]
+
+
+def launch_files(folder: Path) -> list[Path]:
+    """The launch files in a package's folder."""
+    return [path for path in find_files(folder) if path.suffix in SUFFIXES[:1]]
+
+
+def _in_package(package: str, file: str, packages: Packages) -> Path:
+    folder = _folder(package, file, packages)
+    found = list(find_files(folder, file))
+    if len(found) == 1:
+        return found[0]
+    if found:
+        paths = ", ".join(path.relative_to(folder).as_posix() for path in found)
+        raise WorkspaceError(f"there are {len(found)} files {file} in {package}: write {paths}")
+    known = [path.name for path in launch_files(folder)]
+    raise WorkspaceError(
+        f"there is no launch file {file!r} in package {package!r}: {_have(file, known)}"
+    )
+
+
+def _folder(package: str, file: str, packages: Packages) -> Path:
+    try:
+        return packages.find(package).folder
+    except PackageNotFound as error:
+        if package.isidentifier() and (SHARE / package).is_dir():
+            return SHARE / package
+        if Path(package).suffix in SUFFIXES or "/" in package:
+            raise WorkspaceError(f"there is no file {package}") from None
+        having = [
+            each.name
+            for each in packages
+            if not each.is_standard and any(find_files(each.folder, file))
+        ]
+        if having:
+            hint = f"{having[0]} has {file}: roslaunch {having[0]} {file}"
+            raise PackageNotFound(package, hint) from None
+        raise error
+
+
+def _no_file(word: str, packages: Packages) -> WorkspaceError:
+    if word in packages.names():
+        known = [path.name for path in launch_files(packages.find(word).folder)]
+        return WorkspaceError(
+            f"{word} is a package: name a launch file of it, too; {_have('', known)}"
+        )
+    beside = [path.name for path in Path(word).parent.glob("*") if path.suffix in SUFFIXES]
+    near = get_close_matches(Path(word).name, beside, 1)
+    return WorkspaceError(f"there is no file {word}{f'; did you mean {near[0]}?' if near else ''}")
+
+
+def _checked(word: str) -> str:
+    if word != DASH and not Path(word).is_file():
+        raise WorkspaceError(f"there is no file {word}")
+    return word
+
+
+def _have(name: str, known: list[str]) -> str:
+    near = get_close_matches(name, known, 1)
+    if near:
+        return f"did you mean {near[0]}?"
+    return f"it has {', '.join(known)}" if known else "it has none"
