@@ -10,6 +10,7 @@ import threading
 from collections.abc import Callable, Coroutine
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from rospy.answer import Answer
 from rospy.exceptions import ROSException, ROSInterruptException
 
 if TYPE_CHECKING:
@@ -19,9 +20,6 @@ if TYPE_CHECKING:
     import fibws
 
 T = TypeVar("T")
-
-UNINTERRUPTED = 0.5
-"""Seconds for which the main thread waits without a look at signals, which Windows needs."""
 
 
 class Background:
@@ -36,7 +34,7 @@ class Background:
 
     @property
     def running(self) -> bool:
-        """Whether there is a node."""
+        """Whether there is a node, or was one."""
         return self._node is not None
 
     @property
@@ -53,7 +51,7 @@ class Background:
         return self._node
 
     def start(
-        self, make_node: Callable[[], fibws.Node], ended: Callable[[BaseException], None]
+        self, make_node: Callable[[], fibws.Node], ended: Callable[[Exception], None]
     ) -> None:
         """Start the node and wait until its hub answers, however long that takes.
 
@@ -65,14 +63,12 @@ class Background:
             ROSInterruptException: it was stopped meanwhile.
             Exception: what makes the node raises, and what it raises when it is entered.
         """
-        from concurrent.futures import Future
-
-        ready: Future[None] = Future()
+        ready: Answer[None] = Answer()
         self._thread = threading.Thread(
             target=self._run, args=(make_node, ended, ready), name="rospy", daemon=True
         )
         self._thread.start()
-        self._result(ready, None)
+        ready.result(self._alive)
 
     def call(self, coroutine: Coroutine[Any, Any, T], timeout: float | None = None) -> T:
         """Run a coroutine in the node's loop and wait for its result, in any other thread.
@@ -84,7 +80,15 @@ class Background:
             ROSInterruptException: the node has ended.
             TimeoutError: it took too long.
         """
-        return self._result(self.begin(coroutine), timeout)
+        answer: Answer[T] = Answer()
+        if not self.soon(answer.pursue, coroutine):
+            coroutine.close()
+            raise ROSInterruptException("rospy shutdown")
+        try:
+            return answer.result(self._alive, timeout)
+        except TimeoutError:
+            self.soon(answer.cancel)
+            raise
 
     def begin(self, coroutine: Coroutine[Any, Any, T]) -> Future[T]:
         """Start a coroutine in the node's loop, from any other thread.
@@ -116,57 +120,43 @@ class Background:
         """End the node, which sends what still waits; called again, it only waits for that.
 
         Args:
-            timeout: the most seconds to wait for its end.
+            timeout: the most seconds to wait for its end; with 0 it ends by itself.
         """
         self._stopped = True
         if self._stop is not None:
             self.soon(self._stop.set)
-        if self._thread is not None and self._thread is not threading.current_thread():
-            self._thread.join(timeout)
+        thread = self._thread
+        if timeout and thread is not None and thread is not threading.current_thread():
+            thread.join(timeout)
 
-    def _result(self, future: Future[T], timeout: float | None) -> T:
-        from concurrent.futures import CancelledError
-        from concurrent.futures import TimeoutError as NotYet
-        from time import monotonic
-
-        end = None if timeout is None else monotonic() + timeout
-        try:
-            while True:
-                left = UNINTERRUPTED if end is None else min(UNINTERRUPTED, end - monotonic())
-                try:
-                    return future.result(max(left, 0))
-                except NotYet:
-                    if future.done():
-                        raise  # It is the coroutine's own.
-                    if end is not None and monotonic() >= end:
-                        future.cancel()
-                        raise TimeoutError from None
-                    if self._thread is None or not self._thread.is_alive():
-                        raise ROSInterruptException("rospy shutdown") from None
-        except CancelledError:
-            raise ROSInterruptException("rospy shutdown") from None
+    def _alive(self) -> bool:
+        return self._thread is not None and self._thread.is_alive()
 
     def _run(
         self,
         make_node: Callable[[], fibws.Node],
-        ended: Callable[[BaseException], None],
-        ready: Future[None],
+        ended: Callable[[Exception], None],
+        ready: Answer[None],
     ) -> None:
         import asyncio
 
+        # Not asyncio.run(), which starts a thread at its end: at the interpreter's that fails.
+        loop = asyncio.new_event_loop()
         try:
-            asyncio.run(self._live(make_node, ended, ready))
+            loop.run_until_complete(self._live(make_node, ended, ready))
         except BaseException as error:
-            if not ready.done():
-                ready.set_exception(error)
-            else:
+            if ready.done:
                 raise
+            ready.fail(error)
+        finally:
+            loop.run_until_complete(_cancel_all())
+            loop.close()
 
     async def _live(
         self,
         make_node: Callable[[], fibws.Node],
-        ended: Callable[[BaseException], None],
-        ready: Future[None],
+        ended: Callable[[Exception], None],
+        ready: Answer[None],
     ) -> None:
         import asyncio
 
@@ -185,12 +175,23 @@ class Background:
         entering.result()
         try:
             self._node = node
-            ready.set_result(None)
+            ready.succeed(None)
             spinning = asyncio.create_task(node.spin())
             await asyncio.wait({stop, spinning}, return_when=asyncio.FIRST_COMPLETED)
-            if spinning.done() and (fault := spinning.exception()) is not None:
+            fault = spinning.exception() if spinning.done() else None
+            if isinstance(fault, Exception):
                 threading.Thread(target=ended, args=(fault,), name="rospy's end").start()
-            await stop
+                await stop
             spinning.cancel()
         finally:
             await node.__aexit__(None, None, None)
+
+
+async def _cancel_all() -> None:
+    """Cancel what else the loop does, and see it end."""
+    import asyncio
+
+    others = asyncio.all_tasks() - {asyncio.current_task()}
+    for task in others:
+        task.cancel()
+    await asyncio.gather(*others, return_exceptions=True)

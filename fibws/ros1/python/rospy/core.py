@@ -6,36 +6,70 @@ import atexit
 import signal
 import sys
 import threading
-import traceback
 from collections.abc import Callable
 from types import FrameType
 from typing import Any
 
 from rospy.background import Background
+from rospy.bell import Bell
+from rospy.exceptions import ROSInterruptException
+from rospy.names import get_caller_id
+
+__all__ = [
+    "add_client_shutdown_hook",
+    "add_preshutdown_hook",
+    "add_shutdown_hook",
+    "background",
+    "bell",
+    "get_caller_id",
+    "get_node_uri",
+    "is_initialized",
+    "is_shutdown",
+    "is_shutdown_requested",
+    "on_start",
+    "register_signals",
+    "signal_shutdown",
+    "started",
+    "wait_for_shutdown",
+]
 
 background = Background()
 """The node, on its loop."""
 
+bell = Bell()
+"""Rings when the node ends, and when simulated time has changed."""
+
 _lock = threading.RLock()
+_initialized = False
 _shutting_down = False
-_shutdown = threading.Event()
-_hooks: list[Callable[[], object]] = []
+_shutdown = False
+_starters: list[Callable[[], object]] = []
+_client_hooks: list[Callable[[], object]] = []
+_early_hooks: list[Callable[[str], object]] = []
+_late_hooks: list[Callable[[str], object]] = []
 _earlier_handlers: dict[int, Any] = {}
 
 
 def is_initialized() -> bool:
     """Whether `init_node` was called and has found its hub."""
-    return background.running
+    return _initialized
 
 
 def is_shutdown() -> bool:
     """Whether the node has ended."""
-    return _shutdown.is_set()
+    return _shutdown
 
 
 def is_shutdown_requested() -> bool:
     """Whether the node has ended, or is about to."""
     return _shutting_down
+
+
+def get_node_uri() -> str | None:
+    """Where the node is on its hub; None before `init_node`."""
+    if not background.running:
+        return None
+    return f"{background.node.hub.rstrip('/')}/?node={background.node.name}"
 
 
 def wait_for_shutdown(timeout: float | None = None) -> bool:
@@ -44,16 +78,73 @@ def wait_for_shutdown(timeout: float | None = None) -> bool:
     Args:
         timeout: the most seconds to wait.
     """
-    return _shutdown.wait(timeout)
+    return bell.wait(is_shutdown, timeout)
+
+
+def on_start(function: Callable[[], object]) -> None:
+    """Have a function called when the node runs: at once if it does, else by `init_node`.
+
+    Those that wait for `init_node` are called in its thread, in the order in which they came here.
+    """
+    with _lock:
+        if not background.running:
+            _starters.append(function)
+            return
+    function()
+
+
+def started() -> None:
+    """Call what waits for the node to run, since it does."""
+    global _initialized
+    _initialized = True
+    while True:
+        with _lock:
+            if not _starters:
+                return
+            function = _starters.pop(0)
+        function()
 
 
 def add_client_shutdown_hook(hook: Callable[[], object]) -> None:
-    """Have a function called when the node is about to end, while it can still publish."""
+    """Have a function called when the node is about to end, while it can still publish.
+
+    Raises:
+        TypeError: it is none.
+    """
+    if not _keep(hook, _client_hooks):
+        hook()
+
+
+def add_preshutdown_hook(hook: Callable[[str], object]) -> None:
+    """Have a function called with the reason of the node's end, after those of the client.
+
+    Raises:
+        TypeError: it is none.
+    """
+    if not _keep(hook, _early_hooks):
+        hook("already shutdown")
+
+
+def add_shutdown_hook(hook: Callable[[str], object]) -> None:
+    """Have a function called with the reason of the node's end, when `is_shutdown` says so.
+
+    Raises:
+        TypeError: it is none.
+    """
+    if not _keep(hook, _late_hooks):
+        hook("already shutdown")
+
+
+def _keep(hook: Callable[..., object], hooks: list[Callable[..., object]]) -> bool:
+    """Keep a hook for later; false if it is too late for that."""
+    if not callable(hook):
+        raise TypeError(
+            f"shutdown hook [{hook}] must be a function or callable object: {type(hook)}"
+        )
     with _lock:
-        if not _shutting_down:
-            _hooks.append(hook)
-            return
-    hook()
+        if not _shutdown:
+            hooks.append(hook)
+        return not _shutdown
 
 
 def signal_shutdown(reason: str) -> None:
@@ -61,31 +152,62 @@ def signal_shutdown(reason: str) -> None:
 
     Called again, it does nothing.
     """
-    global _shutting_down
+    if _begin_end(reason):
+        background.stop()
+
+
+def _begin_end(reason: str) -> bool:
+    """Do all but wait for the node's end; false if somebody else does."""
+    global _shutting_down, _shutdown
     with _lock:
         if _shutting_down:
-            return
+            return False
         _shutting_down = True
-        hooks = list(_hooks)
-    for hook in hooks:
+    _call_all(_client_hooks)
+    _call_all(_early_hooks, reason)
+    _shutdown = True
+    bell.ring()
+    _call_all(_late_hooks, reason)
+    background.stop(timeout=0)
+    return True
+
+
+def _call_all(hooks: list[Callable[..., object]], *arguments: str) -> None:
+    """Call each hook once, also one that comes meanwhile."""
+    while hooks:
+        hook = hooks.pop(0)
         try:
-            hook()
+            hook(*arguments)
         except Exception:
-            sys.stderr.write(f"signal_shutdown hook error[{hook}]\n")
+            import traceback
+
             traceback.print_exc()
-    _shutdown.set()
-    background.stop()
 
 
 def register_signals() -> None:
-    """Have Ctrl-C and SIGTERM end the node; to be called in the main thread."""
+    """Have Ctrl-C and SIGTERM end the node; to be called in the main thread.
+
+    What a thread raises then because it was woken up is not shown, and the exit code is 0: the
+    program's end is no fault.
+
+    Raises:
+        ValueError: this is another thread.
+    """
     for number in (signal.SIGINT, signal.SIGTERM):
-        _earlier_handlers[number] = signal.signal(number, _on_signal)
+        earlier = signal.signal(number, _on_signal)
+        _earlier_handlers[number] = signal.SIG_DFL if earlier is None else earlier
+    _hush()
 
 
 def _on_signal(number: int, frame: FrameType | None) -> None:
-    signal_shutdown(f"signal-{number}")
+    """End the node, as what runs in the main thread just now will notice.
+
+    The node's end is not waited for here: the main thread may hold what the node still needs.
+    """
     earlier = _earlier_handlers.get(number)
+    for each, handler in _earlier_handlers.items():
+        signal.signal(each, handler)  # Who asks twice is in a hurry.
+    _begin_end(f"signal-{number}")
     if callable(earlier):
         try:
             earlier(number, frame)
@@ -93,8 +215,24 @@ def _on_signal(number: int, frame: FrameType | None) -> None:
             pass
 
 
+def _hush() -> None:
+    show, show_in_thread = sys.excepthook, threading.excepthook
+
+    def excepthook(kind: type[BaseException], error: BaseException, traceback: Any) -> None:
+        if _shutdown and issubclass(kind, ROSInterruptException):
+            raise SystemExit(0)  # From here it is the program's exit code.
+        show(kind, error, traceback)
+
+    def thread_excepthook(arguments: threading.ExceptHookArgs) -> None:
+        if not (_shutdown and issubclass(arguments.exc_type, ROSInterruptException)):
+            show_in_thread(arguments)
+
+    sys.excepthook, threading.excepthook = excepthook, thread_excepthook
+
+
 def _on_exit() -> None:
     signal_shutdown("atexit")
+    background.stop()
 
 
 atexit.register(_on_exit)

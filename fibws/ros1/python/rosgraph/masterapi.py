@@ -1,0 +1,186 @@
+"""What ROS's master is asked, asked of the hub."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from fibws.errors import FibwsError, HubUnreachable, ServiceError
+from rosgraph.names import GLOBALNS, get_ros_namespace, ns_join, resolve_name
+
+
+class MasterException(Exception):
+    """The base of what the master answers in vain."""
+
+
+class MasterFailure(MasterException):
+    """It could not do what it was asked for."""
+
+
+class MasterError(MasterException):
+    """It was asked for what is not there, or wrongly."""
+
+
+Error = MasterError
+Failure = MasterFailure
+ROSMasterException = MasterException
+
+
+def is_online(master_uri: str | None = None) -> bool:
+    """Whether there is a hub."""
+    return Master("rosgraph", master_uri).is_online()
+
+
+class Master:
+    """Asks the hub, over a connection that is made for each question.
+
+    Names are global, or else relative to the namespace of ``caller_id``.
+
+    Args:
+        caller_id: the name of who asks.
+        master_uri: has no effect: the hub is where $FIBWS_HUB says.
+
+    Raises:
+        OSError: there is no hub.
+        MasterError: what is asked about is not there.
+        MasterFailure: the hub refuses.
+    """
+
+    def __init__(self, caller_id: str, master_uri: str | None = None) -> None:
+        self.caller_id = ns_join(get_ros_namespace(), caller_id)
+        self.master_uri = master_uri
+
+    def is_online(self) -> bool:
+        """Whether there is a hub."""
+        try:
+            self.getPid()
+        except (MasterException, OSError):
+            return False
+        return True
+
+    def getPid(self) -> int:
+        """0: the hub does not tell; but it answers."""
+        self.ask("get_time")
+        return 0
+
+    def getUri(self) -> str:
+        """The hub's address."""
+        from fibws.cli.link import Link  # It takes its time to load, and nodes never ask so.
+
+        try:
+            with Link("rosgraph") as link:
+                return link.url
+        except FibwsError as error:
+            raise ConnectionRefusedError(str(error)) from None
+
+    def getParam(self, key: str) -> Any:
+        """The value of a parameter, or of a namespace as a dict."""
+        name = self._global(key)
+        value = json.loads(self.ask("get_param", name=name, default="null")["value"])
+        if value is None:
+            raise MasterError(f"Parameter [{name}] is not set")
+        return value
+
+    def setParam(self, key: str, value: Any) -> int:
+        """Set a parameter; 0."""
+        self.ask("set_param", name=self._global(key), value=json.dumps(value, allow_nan=False))
+        return 0
+
+    def hasParam(self, key: str) -> bool:
+        """Whether there is such a parameter."""
+        return bool(self.ask("has_param", name=self._global(key))["exists"])
+
+    def deleteParam(self, key: str) -> int:
+        """Delete a parameter; 0."""
+        name = self._global(key)
+        if name == GLOBALNS:
+            raise MasterError("cannot delete root of parameter tree")
+        if not self.hasParam(name):
+            raise MasterError(f"parameter [{name}] is not set")
+        self.ask("delete_param", name=name)
+        return 0
+
+    def searchParam(self, key: str) -> str:
+        """The global name of the parameter of that name that is nearest to who asks."""
+        name = self.ask("search_param", name=key)["global_name"]
+        if not name:
+            raise MasterError(f"Cannot find parameter [{key}] in an upwards search")
+        return str(name)
+
+    def getParamNames(self) -> list[str]:
+        """The names of all parameters."""
+        return list(self.ask("get_param_names")["names"])
+
+    def lookupNode(self, node_name: str) -> str:
+        """The URI of a node."""
+        name = self._global(node_name)
+        for node in self.ask("graph")["nodes"]:
+            if node["name"] == name:
+                return _uri(node)
+        raise MasterError(f"unknown node [{name}]")
+
+    def lookupService(self, service: str) -> str:
+        """The URI of the node that offers a service."""
+        name = self._global(service)
+        graph = self.ask("graph")
+        nodes = {each["name"]: each for each in graph["nodes"]}
+        for each in graph["services"]:
+            if each["name"] == name:
+                return _uri(nodes[each["node"]]).replace("http:", "rosrpc:")
+        raise MasterError("no provider")
+
+    def getPublishedTopics(self, subgraph: str) -> list[list[str]]:
+        """The topics in a namespace that somebody publishes, as pairs of name and type."""
+        above = f"{subgraph.rstrip('/')}/"
+        return [
+            [topic["name"], topic["type"]]
+            for topic in self.ask("graph")["topics"]
+            if topic["publishers"] and topic["type"] and topic["name"].startswith(above)
+        ]
+
+    def getTopicTypes(self) -> list[list[str]]:
+        """All topics whose type is known, as pairs of name and type."""
+        topics = self.ask("graph")["topics"]
+        return [[topic["name"], topic["type"]] for topic in topics if topic["type"]]
+
+    def getSystemState(self) -> list[list[list[Any]]]:
+        """Who publishes, who subscribes, who offers services: each as pairs of name and nodes."""
+        graph = self.ask("graph")
+        services = [[each["name"], [each["node"]]] for each in graph["services"]]
+        topics = graph["topics"]
+        return [_nodes(topics, "publishers"), _nodes(topics, "subscriptions"), services]
+
+    def ask(self, service: str, /, **request: Any) -> dict[str, Any]:
+        """Call ``/rosapi/<service>`` with a request of these fields.
+
+        Raises:
+            OSError: there is no hub.
+            MasterFailure: it refuses.
+        """
+        from fibws.cli.link import Link  # As for the URI.
+
+        try:
+            with Link("rosgraph") as link:
+                return link.call(f"/rosapi/{service}", request)
+        except HubUnreachable as error:
+            raise ConnectionRefusedError(str(error)) from None
+        except ServiceError as error:
+            raise MasterFailure(error.text) from None
+        except FibwsError as error:
+            raise MasterFailure(str(error)) from None
+
+    def _global(self, name: str) -> str:
+        return resolve_name(name, self.caller_id)
+
+
+def _nodes(topics: list[dict[str, Any]], key: str) -> list[list[Any]]:
+    """The nodes of each topic that has some."""
+    return [
+        [topic["name"], list(dict.fromkeys(each["node"] for each in topic[key]))]
+        for topic in topics
+        if topic[key]
+    ]
+
+
+def _uri(node: dict[str, Any]) -> str:
+    return f"http://{node['address'] or '127.0.0.1'}/"

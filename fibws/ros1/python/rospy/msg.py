@@ -1,0 +1,48 @@
+"""Messages of any type, unopened; and what a script finds in rospy.msg besides."""
+
+from __future__ import annotations
+
+from typing import Any, BinaryIO, ClassVar, Self
+
+from genpy.message import Message
+
+from rospy.arguments import args_kwds_to_message
+from rospy.exceptions import ROSException
+
+__all__ = ["AnyMsg", "args_kwds_to_message"]
+
+
+class AnyMsg(Message):
+    """A message of any type, in ROS 1's bytes: ``_buff``, which is None at first.
+
+    Raises:
+        ROSException: it is given a field.
+    """
+
+    __slots__ = ["_buff"]
+    _type: ClassVar[str] = "*"
+    _md5sum: ClassVar[str] = "*"
+    _has_header: ClassVar[bool] = False
+    _full_text: ClassVar[str] = ""
+
+    _buff: bytes | None
+
+    def __init__(self, *args: Any) -> None:
+        if args:
+            raise ROSException("AnyMsg does not accept arguments")
+        self._buff = None
+
+    def serialize(self, buff: BinaryIO) -> None:
+        """Write the bytes to a file.
+
+        Raises:
+            ROSException: there are none.
+        """
+        if self._buff is None:
+            raise ROSException("AnyMsg is not initialized")
+        buff.write(self._buff)
+
+    def deserialize(self, str: bytes) -> Self:
+        """Take the bytes; it returns the message itself."""
+        self._buff = str
+        return self

@@ -1,0 +1,126 @@
+"""The hub in the place of ROS's master, as `rospy.get_master` gives it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from rosgraph.masterapi import Master, MasterError, MasterFailure
+
+from rospy import core, names
+from rospy.exceptions import ROSException
+
+TYPES = {
+    "delete_param": "rosapi/DeleteParam",
+    "get_param": "rosapi/GetParam",
+    "get_param_names": "rosapi/GetParamNames",
+    "get_time": "rosapi/GetTime",
+    "graph": "fibws_msgs/GetGraph",
+    "has_param": "rosapi/HasParam",
+    "search_param": "rosapi/SearchParam",
+    "set_param": "rosapi/SetParam",
+}
+"""The services of the hub that are called here, with their types."""
+
+_CODES = {MasterError: -1, MasterFailure: 0}
+
+
+class MasterProxy:
+    """Asks the hub, and is the parameters as a dict.
+
+    What `rosgraph.Master` has is here, too, but with names that are resolved as the node's, and it
+    returns as the master did: 1, a text and the value; or -1 or 0, what is wrong, and 0.
+
+    Args:
+        uri: has no effect: the hub is where $FIBWS_HUB says.
+    """
+
+    def __init__(self, uri: str | None = None) -> None:
+        self.target = _Master(names.get_name(), uri)
+
+    def __getattr__(self, key: str) -> Callable[..., tuple[int, str, Any]]:
+        method = getattr(self.target, key)
+
+        def ask(*arguments: Any) -> tuple[int, str, Any]:
+            try:
+                resolved = [names.resolve_name(name) for name in arguments[:1]]
+                return 1, "", method(*resolved, *arguments[1:])
+            except (MasterError, MasterFailure) as error:
+                return _CODES[type(error)], str(error), 0
+
+        return ask
+
+    def __getitem__(self, key: str) -> Any:
+        try:
+            return self.target.getParam(names.resolve_name(key))
+        except MasterError:
+            raise KeyError(key) from None
+
+    def __setitem__(self, key: str, val: Any) -> None:
+        _check(val)
+        try:
+            self.target.setParam(names.resolve_name(key), val)
+        except MasterFailure as error:
+            raise ROSException(f"cannot set parameter: {error}") from None
+
+    def __delitem__(self, key: str) -> None:
+        try:
+            self.target.deleteParam(names.resolve_name(key))
+        except MasterError:
+            raise KeyError(key) from None
+        except MasterFailure as error:
+            raise ROSException(f"cannot delete parameter: {error}") from None
+
+    def __contains__(self, key: str) -> bool:
+        return self.target.hasParam(names.resolve_name(key))
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.target.getParamNames())
+
+    def search_param(self, key: str) -> str | None:
+        """The global name of the nearest parameter of that name, if there is one.
+
+        Raises:
+            ROSException: that is no name to look for.
+        """
+        try:
+            return self.target.searchParam(names.get_mappings().get(key, key))
+        except MasterError:
+            return None
+        except MasterFailure as error:
+            raise ROSException(f"cannot search for parameter: {error}") from None
+
+
+class _Master(Master):
+    """Asks by way of the process's node, if there is one."""
+
+    def ask(self, service: str, /, **request: Any) -> dict[str, Any]:
+        if not core.background.running:
+            return super().ask(service, **request)
+        from fibws.errors import ServiceError, ServiceLost
+
+        node = core.background.node
+        while True:
+            call = node.call(f"/rosapi/{service}", TYPES[service], request)
+            try:
+                response = core.background.call(call)
+            except ServiceLost:
+                continue  # The next call waits until the hub is back; to ask twice does no harm.
+            except ServiceError as error:
+                raise MasterFailure(error.text) from None
+            fields: dict[str, Any] = response.to_dict()
+            return fields
+
+
+def _check(value: Any) -> None:
+    """Raise TypeError if a parameter cannot have a value that Python's JSON can write."""
+    if value is None:
+        raise TypeError("a parameter cannot be None; delete_param() makes it unset")
+    if isinstance(value, dict):
+        for key, each in value.items():
+            if not isinstance(key, str):
+                raise TypeError(f"a key in a parameter's dict is a string, not {key!r}")
+            _check(each)
+    elif isinstance(value, list | tuple):
+        for each in value:
+            _check(each)

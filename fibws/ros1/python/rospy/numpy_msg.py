@@ -1,0 +1,38 @@
+"""Message classes whose arrays of numbers are numpy's.
+
+rospy.Subscriber("floats", numpy_msg(Floats), callback)
+"""
+
+from __future__ import annotations
+
+from typing import Any, Self
+
+import numpy
+from genpy.message import Message
+
+_classes: dict[type[Message], type[Message]] = {}
+
+
+class _Numpy(Message):
+    """What such classes do otherwise."""
+
+    __slots__ = ()
+
+    @classmethod
+    def from_dict(cls, values: dict[str, Any]) -> Self:
+        """As others, with numpy's arrays for arrays of numbers."""
+        return cls.from_dict_numpy(values)
+
+    def deserialize(self, str: bytes) -> Self:
+        """As others, with numpy's arrays for arrays of numbers."""
+        return self.deserialize_numpy(str, numpy)
+
+
+def numpy_msg(msg_type: type[Message]) -> type[Message]:
+    """The class of a type's messages with numpy's arrays, one for each class in a process."""
+    if msg_type not in _classes:
+        name = f"Numpy_{msg_type._type.replace('/', '__')}"
+        _classes[msg_type] = type(
+            name, (_Numpy, msg_type), {"__slots__": msg_type.__slots__, "__module__": __name__}
+        )
+    return _classes[msg_type]

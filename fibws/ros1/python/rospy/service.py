@@ -1,0 +1,201 @@
+"""Answering the calls of a service."""
+
+from __future__ import annotations
+
+import threading
+import traceback
+import warnings
+from collections.abc import Callable
+from types import TracebackType
+from typing import TYPE_CHECKING, Any
+
+from rosgraph.names import is_legal_name
+
+from rospy import core, names
+
+if TYPE_CHECKING:
+    import asyncio
+
+    from genpy import Message
+
+    import fibws
+
+DEFAULT_BUFF_SIZE = 65536
+"""Bytes that rospy reads at once from a socket; here they mean nothing."""
+
+_offered: dict[str, Service] = {}
+_lock = threading.RLock()
+
+
+class ServiceException(Exception):
+    """A service was called in vain, or cannot be offered."""
+
+
+class ServiceEnd:
+    """What both ends of a service know of it."""
+
+    def __init__(self, name: str, service_class: Any) -> None:
+        self.resolved_name = names.resolve_name(name)
+        self.service_class = service_class
+        self.request_class: type[Message] = service_class._request_class
+        self.response_class: type[Message] = service_class._response_class
+
+
+class Service(ServiceEnd):
+    """Answers the calls of a service, each in a thread of its own.
+
+    Args:
+        name: its name.
+        service_class: its class.
+        handler: is given the request, and returns the response: whole, or its fields as a dict, a
+            tuple or a list, or the value of its only field.
+        buff_size: has no effect.
+        error_handler: is told what the handler has raised: the exception, its class, and the
+            traceback. The log is, if it is left out.
+
+    Raises:
+        ValueError: the name is none.
+        ServiceException: this node offers a service of the name already.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        service_class: Any,
+        handler: Callable[[Any], Any],
+        buff_size: int = DEFAULT_BUFF_SIZE,
+        error_handler: Callable[..., object] | None = None,
+    ) -> None:
+        super().__init__(name, service_class)
+        if not name or not isinstance(name, str):
+            raise ValueError("service name is not a non-empty string")
+        if not is_legal_name(name):
+            warnings.warn(
+                f"'{name}' is not a legal ROS graph resource name. "
+                "This may cause problems with other ROS tools",
+                stacklevel=2,
+            )
+        self.handler = handler
+        self.error_handler = error_handler or _log_error
+        self.buff_size = buff_size
+        self.done = False
+        self._server: fibws.ServiceServer[Any, Any] | None = None
+        with _lock:
+            if self.resolved_name in _offered:
+                raise ServiceException(f"service [{self.resolved_name}] already registered")
+            _offered[self.resolved_name] = self
+        core.on_start(self._register)
+
+    def shutdown(self, reason: str = "") -> None:
+        """Answer no more calls; what is being answered still is.
+
+        Args:
+            reason: has no effect.
+        """
+        with _lock:
+            if _offered.get(self.resolved_name) is self:
+                del _offered[self.resolved_name]
+        self.done = True
+        core.bell.ring()
+        core.background.soon(self._close)
+
+    def spin(self) -> None:
+        """Wait until the service or the node ends."""
+        try:
+            core.bell.wait(lambda: self.done or core.is_shutdown())
+        except KeyboardInterrupt:
+            pass
+
+    def _register(self) -> None:
+        if not self.done:
+            core.background.call(self._offer())
+
+    async def _offer(self) -> None:
+        node = core.background.node
+        self._server = await node.service(
+            self.resolved_name, self.service_class, self._answer, headers=True
+        )
+
+    def _close(self) -> None:
+        if self._server is not None:
+            self._server.close()
+
+    async def _answer(self, request: Any, header: dict[str, str]) -> Any:
+        """Have a thread answer a call: the handler may wait for whatever it likes."""
+        import asyncio
+
+        request._connection_header = {
+            "service": self.resolved_name,
+            "md5sum": self.service_class._md5sum,
+            **header,
+        }
+        answer: asyncio.Future[Any] = asyncio.get_running_loop().create_future()
+        thread = threading.Thread(
+            target=self._handle,
+            args=(request, answer),
+            name=self.resolved_name,
+            daemon=True,
+        )
+        thread.start()
+        return await answer
+
+    def _handle(self, request: Any, answer: asyncio.Future[Any]) -> None:
+        from fibws.errors import CallRefused
+
+        outcome: Any
+        outcome = CallRefused("error processing request: its thread has ended")
+        try:
+            response = convert_return_to_response(self.handler(request), self.response_class)
+            response._check_types()
+            outcome = response
+        except ServiceException as error:
+            outcome = CallRefused(f"service cannot process request: {error}")
+        except Exception as error:
+            outcome = CallRefused(f"error processing request: {error}")
+            if not core.is_shutdown():
+                self.error_handler(error, type(error), error, error.__traceback__)
+        finally:
+            core.background.soon(_settle, answer, outcome)
+
+
+def _log_error(
+    error: Exception, kind: type[Exception], value: Exception, tb: TracebackType | None
+) -> None:
+    """Log what a handler has raised."""
+    from rospy import logerr
+
+    logerr(f"Error processing request: {error}\n{traceback.format_exception(kind, value, tb)}")
+
+
+def _settle(answer: asyncio.Future[Any], outcome: Any) -> None:
+    if answer.done():
+        return
+    if isinstance(outcome, Exception):
+        answer.set_exception(outcome)
+    else:
+        answer.set_result(outcome)
+
+
+def convert_return_to_response(response: Any, response_class: type[Message]) -> Message:
+    """What a handler returned, as a response.
+
+    Raises:
+        ServiceException: it is none.
+    """
+    from genpy import Message
+
+    if isinstance(response, Message) and response._type == response_class._type:
+        return response
+    if response is None:
+        raise ServiceException("service handler returned None")
+    if type(response) is dict:
+        try:
+            return response_class(**response)
+        except AttributeError as error:
+            raise ServiceException(f"handler returned invalid value: {error}") from None
+    several = type(response) in (list, tuple)
+    try:
+        return response_class(*(response if several else (response,)))
+    except TypeError as error:
+        fault = "wrong number of values" if several else "invalid value"
+        raise ServiceException(f"handler returned {fault}: {error}") from None

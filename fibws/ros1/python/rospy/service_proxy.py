@@ -1,0 +1,184 @@
+"""Calling a service."""
+
+from __future__ import annotations
+
+from time import monotonic, sleep
+from typing import TYPE_CHECKING, Any
+
+from rospy import core, names
+from rospy.arguments import args_kwds_to_message, serialized
+from rospy.exceptions import ROSException, ROSInterruptException
+from rospy.service import ServiceEnd, ServiceException
+
+if TYPE_CHECKING:
+    from genpy import Message
+
+    from rospy.rostime import Duration
+
+LOOK = 0.3
+"""Seconds between two looks for a service, by programs that are no node."""
+
+
+class ServiceProxy(ServiceEnd):
+    """Calls a service, as a function of its request or of the request's fields.
+
+    It does so in programs that have not called `init_node`, too.
+
+    Args:
+        name: its name.
+        service_class: its class.
+        persistent: has no effect but for the header that says so.
+        headers: what the service's handler finds in the request's ``_connection_header``.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        service_class: Any,
+        persistent: bool = False,
+        headers: dict[str, str] | None = None,
+    ) -> None:
+        super().__init__(name, service_class)
+        self.persistent = persistent
+        self._headers = {name: str(value) for name, value in (headers or {}).items()}
+        if persistent:
+            self._headers["persistent"] = "1"
+
+    def wait_for_service(self, timeout: float | Duration | None = None) -> None:
+        """Wait until somebody offers the service; see `wait_for_service`."""
+        wait_for_service(self.resolved_name, timeout)
+
+    def __call__(self, *args: Any, **kwds: Any) -> Any:
+        """Call the service; see `call`."""
+        return self.call(*args, **kwds)
+
+    def call(self, *args: Any, **kwds: Any) -> Any:
+        """Call the service with a request, or with its fields in order or by name.
+
+        Raises:
+            ServiceException: nobody offers it, or it failed.
+            TypeError: fields both in order and by name, or a message of another class.
+            genpy.SerializationError: a field does not fit the type.
+            ROSInterruptException: the node ends.
+        """
+        from genpy import Message
+
+        request = args_kwds_to_message(self.request_class, args, kwds)
+        if not isinstance(request, Message):
+            raise TypeError("request object is not a valid request message instance")
+        if request._type != self.request_class._type:
+            raise TypeError(
+                f"request object type [{type(request)}] "
+                f"does not match service type [{self.request_class}]"
+            )
+        response = self._answer(request)
+        response._connection_header = {
+            "service": self.resolved_name,
+            "type": self.service_class._type,
+            "md5sum": self.service_class._md5sum,
+        }
+        return response
+
+    def close(self) -> None:
+        """Has no effect: there is no connection of the proxy's own."""
+
+    def _answer(self, request: Message) -> Any:
+        from fibws.errors import (
+            HubLost,
+            HubUnreachable,
+            InvalidMessage,
+            ServiceError,
+            ServiceLost,
+            ServiceTimeout,
+            UnknownService,
+        )
+
+        try:
+            return self._ask(request)
+        except ROSInterruptException:
+            raise ROSInterruptException("node shutdown interrupted service call") from None
+        except HubUnreachable:
+            raise ServiceException("unable to contact master") from None
+        except UnknownService:
+            raise ServiceException(f"service [{self.resolved_name}] unavailable") from None
+        except (ServiceLost, ServiceTimeout, HubLost) as error:
+            raise ServiceException(f"transport error completing service call: {error}") from None
+        except ServiceError as error:
+            if error.text.startswith(f"service [{self.resolved_name}] unavailable: "):
+                text = f"transport error completing service call: {error.text}"
+            else:
+                said = str(error.text.encode())
+                text = f"service [{self.resolved_name}] responded with an error: {said}"
+            raise ServiceException(text) from None
+        except InvalidMessage as error:
+            request._check_types(error)
+            raise
+
+    def _ask(self, request: Message) -> Any:
+        if core.background.running:
+            node = core.background.node
+            return core.background.call(
+                node.call(self.resolved_name, self.service_class, request, headers=self._headers)
+            )
+        from fibws.cli.link import Link
+
+        with Link("unnamed") as link:
+            serialized(request)  # It checks the fields, for which there is no node.
+            values = link.call(self.resolved_name, request.to_dict(), timeout=0)
+        return self.response_class.from_dict(values)
+
+
+def wait_for_service(service: str, timeout: float | Duration | None = None) -> None:
+    """Wait until somebody offers a service; programs that are no node may do so, too.
+
+    Args:
+        service: its name.
+        timeout: the most seconds to wait, or a `Duration`; None for ever.
+
+    Raises:
+        ValueError: the timeout is 0.
+        ROSException: it has passed.
+        ROSInterruptException: the node ends.
+    """
+    from fibws.errors import WaitTimeout
+
+    seconds = timeout if timeout is None or isinstance(timeout, float | int) else timeout.to_sec()
+    if seconds == 0:
+        raise ValueError("timeout must be non-zero")
+    resolved = names.resolve_name(service)
+    try:
+        if seconds is not None and seconds < 0:
+            raise WaitTimeout
+        if core.background.running:
+            node = core.background.node
+            core.background.call(node.wait_for_service(resolved, timeout=seconds))
+        else:
+            _look_for(resolved, seconds)
+    except WaitTimeout:
+        raise ROSException(f"timeout exceeded while waiting for service {resolved}") from None
+
+
+def _look_for(service: str, timeout: float | None) -> None:
+    """Look for a service again and again, or raise `WaitTimeout`."""
+    from fibws.cli.link import Link
+    from fibws.errors import HubLost, HubUnreachable, ServiceError, WaitTimeout
+
+    end = None if timeout is None else monotonic() + timeout
+    has_warned = False
+    while True:
+        try:
+            with Link("unnamed") as link:
+                if link.call("/rosapi/service_type", {"service": service})["type"]:
+                    return
+        except (HubUnreachable, HubLost) as error:
+            if not has_warned:
+                from rospy import logwarn
+
+                has_warned = True
+                logwarn(f"wait_for_service({service}): {error}; will keep trying")
+        except ServiceError:
+            pass  # The hub is about to end.
+        left = LOOK if end is None else min(LOOK, end - monotonic())
+        if left <= 0:
+            raise WaitTimeout
+        sleep(left)

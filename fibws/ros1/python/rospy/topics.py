@@ -1,0 +1,262 @@
+"""Publishers and subscribers, as programs have them."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+
+from rosgraph.names import is_legal_name
+
+from rospy import core, names
+from rospy.arguments import args_kwds_to_message
+from rospy.exceptions import ROSException, ROSInterruptException
+from rospy.publication import Publication
+from rospy.shared import Shared
+from rospy.subscription import Subscription
+
+if TYPE_CHECKING:
+    from genpy import Message
+
+    from rospy.rostime import Duration
+
+DEFAULT_BUFF_SIZE = 65536
+"""Bytes that rospy reads at once from a socket; here they mean nothing."""
+
+S = TypeVar("S", Publication, Subscription)
+
+_publications = Shared(Publication)
+_subscriptions = Shared(Subscription)
+
+
+class Topic(Generic[S]):
+    """What `Publisher` and `Subscriber` have in common.
+
+    Attributes:
+        resolved_name: the topic's global name; None after `unregister`, as those that follow.
+        type: the type's name, such as ``std_msgs/String``.
+        md5sum: the fingerprint of the type's definition.
+        data_class: the class of the messages.
+        impl: what all of its kind share in the process.
+    """
+
+    def __init__(self, name: str, data_class: type[Message], shared: Shared[S]) -> None:
+        _check(name, data_class)
+        if core.is_initialized():
+            resolved = names.resolve_name(name)
+        else:
+            resolved = names.resolve_name_without_node_name(name)
+        self.name = resolved
+        self.resolved_name: str | None = resolved
+        self.data_class: type[Message] | None = data_class
+        self.type: str | None = data_class._type
+        self.md5sum: str | None = data_class._md5sum
+        self._shared: Shared[S] = shared
+        self.impl: S | None = shared.acquire(resolved, data_class)
+
+    def get_num_connections(self) -> int:
+        """How many nodes are at the other side of the topic.
+
+        Raises:
+            ROSException: it was unregistered.
+        """
+        if self.impl is None:
+            raise ROSException("get_num_connections() of an unregistered() handle")
+        return self.impl.get_num_connections()
+
+    def unregister(self) -> None:
+        """Leave the topic; called again, it does nothing."""
+        impl, self.impl = self.impl, None
+        if impl is not None:
+            self.resolved_name = self.type = self.md5sum = self.data_class = None
+            self._shared.release(impl)
+
+
+class Subscriber(Topic[Subscription]):
+    """Has a function called with each message of a topic, in a thread of the topic's own.
+
+    Args:
+        name: the topic's name.
+        data_class: the class of its messages, or `AnyMsg` for whatever comes.
+        callback: is given the message, and ``callback_args`` if that is not None.
+        callback_args: whatever the callback needs beside the message.
+        queue_size: how many messages wait for slow callbacks; then the newest ones stay. With None
+            they all do, up to a bound that is there for the memory's sake.
+        buff_size: has no effect.
+        tcp_nodelay: has no effect.
+
+    Raises:
+        ValueError: the name or the class is none.
+        ROSException: the queue size is none.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        data_class: type[Message],
+        callback: Callable[..., object] | None = None,
+        callback_args: Any = None,
+        queue_size: int | None = None,
+        buff_size: int = DEFAULT_BUFF_SIZE,
+        tcp_nodelay: bool = False,
+    ) -> None:
+        super().__init__(name, data_class, _subscriptions)
+        self.callback = callback
+        self.callback_args = callback_args
+        impl = self.impl
+        assert impl is not None
+        if queue_size is not None:
+            impl.set_queue_size(queue_size)
+        if callback is not None:
+            impl.add_callback(callback, callback_args)
+        core.on_start(impl.register)
+
+    def unregister(self) -> None:
+        """Have the callback called no more; called again, it does nothing."""
+        if self.impl is not None and self.callback is not None:
+            self.impl.remove_callback(self.callback, self.callback_args)
+        self.callback = self.callback_args = None
+        super().unregister()
+
+
+class SubscribeListener:
+    """Is told who subscribes to a `Publisher`'s topic; programs override what they care for."""
+
+    def peer_subscribe(
+        self,
+        topic_name: str,
+        topic_publish: Callable[[Any], None],
+        peer_publish: Callable[[Any], None],
+    ) -> None:
+        """A node has subscribed.
+
+        Args:
+            topic_name: the topic's global name.
+            topic_publish: publishes a message to all subscribers.
+            peer_publish: publishes a message to that node alone.
+        """
+
+    def peer_unsubscribe(self, topic_name: str, num_peers: int) -> None:
+        """A node has unsubscribed.
+
+        Args:
+            topic_name: the topic's global name.
+            num_peers: how many subscribers are left.
+        """
+
+
+class Publisher(Topic[Publication]):
+    """Publishes messages on a topic.
+
+    Args:
+        name: the topic's name.
+        data_class: the class of its messages.
+        subscriber_listener: is told who subscribes.
+        tcp_nodelay: has no effect.
+        latch: whether the last message is kept for those who subscribe later.
+        headers: what subscribers find in the ``_connection_header`` of the messages.
+        queue_size: how many messages are kept while the network is slow; then the newest ones stay.
+            With None `publish` waits for the network.
+
+    Raises:
+        ValueError: the name or the class is none.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        data_class: type[Message],
+        subscriber_listener: SubscribeListener | None = None,
+        tcp_nodelay: bool = False,
+        latch: bool = False,
+        headers: dict[str, str] | None = None,
+        queue_size: int | None = None,
+    ) -> None:
+        super().__init__(name, data_class, _publications)
+        impl = self.impl
+        assert impl is not None
+        if subscriber_listener:
+            impl.listeners.append(subscriber_listener)
+        impl.latch = impl.latch or latch
+        impl.headers.update(headers or {})
+        if queue_size is not None:
+            impl.queue_size = queue_size
+        else:
+            warnings.warn(
+                "The publisher should be created with an explicit keyword argument 'queue_size'. "
+                "Please see http://wiki.ros.org/rospy/Overview/Publishers%20and%20Subscribers "
+                "for more information.",
+                SyntaxWarning,
+                stacklevel=2,
+            )
+        core.on_start(impl.register)
+
+    def publish(self, *args: Any, **kwds: Any) -> None:
+        """Publish a message, or one that is made of its fields, in order or by name.
+
+        Raises:
+            ROSException: there is no node yet, or the publisher was unregistered.
+            ROSSerializationException: a field does not fit the type.
+            TypeError: fields both in order and by name, or a message of another class.
+        """
+        if self.impl is None or self.data_class is None:
+            raise ROSException("publish() to an unregistered() handle")
+        if not core.is_initialized():
+            raise ROSException(
+                "ROS node has not been initialized yet. Please call init_node() first"
+            )
+        self.impl.publish(args_kwds_to_message(self.data_class, args, kwds))
+
+
+def wait_for_message(
+    topic: str, topic_type: type[Message], timeout: float | Duration | None = None
+) -> Any:
+    """Wait for one message of a topic.
+
+    Args:
+        topic: its name.
+        topic_type: the class of its messages.
+        timeout: the most seconds to wait, or a `Duration`; None for ever.
+
+    Raises:
+        ROSException: they have passed.
+        ROSInterruptException: the node ends.
+    """
+    messages: list[Message] = []
+
+    def take(message: Message) -> None:
+        messages.append(message)
+        core.bell.ring()
+
+    seconds = timeout if timeout is None or isinstance(timeout, float | int) else timeout.to_sec()
+    subscriber = Subscriber(topic, topic_type, take)
+    try:
+        core.bell.wait(lambda: bool(messages) or core.is_shutdown(), seconds)
+    finally:
+        subscriber.unregister()
+    if core.is_shutdown():
+        raise ROSInterruptException("rospy shutdown")
+    if not messages:
+        raise ROSException(f"timeout exceeded while waiting for message on topic {topic}")
+    return messages[0]
+
+
+def _check(name: object, data_class: object) -> None:
+    """Raise ValueError unless these name a topic and its type."""
+    from genpy import Message
+
+    if not isinstance(name, str) or not name:
+        raise ValueError("topic name is not a non-empty string")
+    if data_class is None:
+        raise ValueError("topic parameter 'data_class' is not initialized")
+    if not isinstance(data_class, type):
+        raise ValueError(f"data_class [{data_class}] is not a class")
+    if not issubclass(data_class, Message):
+        kind = data_class.__class__.__name__
+        raise ValueError(f"data_class [{kind}] is not a message data class")
+    if not is_legal_name(name):
+        warnings.warn(
+            f"'{name}' is not a legal ROS graph resource name. "
+            "This may cause problems with other ROS tools",
+            stacklevel=4,
+        )

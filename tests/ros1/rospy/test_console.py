@@ -1,0 +1,147 @@
+"""A node's log on the console."""
+
+from __future__ import annotations
+
+import io
+import logging
+import re
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import genpy
+import pytest
+from rospy import console, rostime
+
+
+@pytest.fixture
+def simulated() -> Iterator[None]:
+    """It is five seconds past the beginning of a simulated time."""
+    rostime.set_rostime_initialized(True)
+    rostime.set_rostime(genpy.Time(5))
+    yield
+    rostime.switch_to_wallclock()
+    rostime.set_rostime_initialized(False)
+
+
+class Terminal(io.StringIO):
+    """A stream that is one."""
+
+    encoding = "ascii"
+
+    def isatty(self) -> bool:
+        return True
+
+
+def record(level: int = logging.INFO, text: str = "hello %s", *args: object) -> logging.LogRecord:
+    return logging.LogRecord("rosout", level, "/a/talker.py", 12, text, args, None, "Talker.run")
+
+
+@pytest.mark.parametrize(
+    ("template", "line"),
+    [
+        ("[${severity}]: ${message}", "[INFO]: hello you"),
+        ("${node} ${logger}", "/unnamed rosout"),
+        ("${file}:${line} ${function}", "/a/talker.py:12 Talker.run"),
+        ("${unknown} ${message:x} $", "${unknown} ${message:x} $"),
+        ("${time:then} ${walltime:now}", "then now"),
+    ],
+)
+def test_a_template_has_tags(template: str, line: str) -> None:
+    assert console.line_of(record(logging.INFO, "hello %s", "you"), template) == line
+
+
+def test_a_line_has_the_time() -> None:
+    line = console.line_of(record(), console.FORMAT)
+    assert re.fullmatch(r"\[INFO\] \[\d{10}\.\d{6}\]: hello %s", line)
+    assert console.line_of(record(), "${thread}").isdigit()
+
+
+@pytest.mark.usefixtures("simulated")
+def test_a_line_has_the_simulated_time_as_well() -> None:
+    assert re.fullmatch(r"\d{10}\.\d{6}, 5\.000000", console.line_of(record(), "${time}"))
+    assert console.line_of(record(), "${time:then}") == "then, 5.000000"
+    assert re.fullmatch(r"\d{10}\.\d{6}", console.line_of(record(), "${walltime}"))
+
+
+@pytest.mark.parametrize(
+    ("level", "severity"),
+    [(10, "DEBUG"), (20, "INFO"), (30, "WARN"), (40, "ERROR"), (50, "FATAL"), (25, "Level 25")],
+)
+def test_a_level_has_ross_name(level: int, severity: str) -> None:
+    assert console.line_of(record(level), "${severity}") == severity
+
+
+def test_warnings_go_to_standard_error_and_the_rest_to_the_output(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ROSCONSOLE_FORMAT", "${message}")
+    handler = console.Console()
+    handler.emit(record(logging.INFO, "news"))
+    handler.emit(record(logging.WARNING, "trouble"))
+    out, err = capsys.readouterr()
+    assert (out, err) == ("news\n", "trouble\n")
+
+
+@pytest.mark.parametrize(
+    ("level", "line"),
+    [
+        (logging.DEBUG, "\033[32mx\033[0m\n"),
+        (logging.INFO, "x\n"),
+        (logging.WARNING, "\033[33mx\033[0m\n"),
+        (logging.ERROR, "\033[31mx\033[0m\n"),
+        (logging.CRITICAL, "\033[31mx\033[0m\n"),
+    ],
+)
+def test_a_terminal_shows_colours(level: int, line: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = Terminal()
+    monkeypatch.setenv("ROSCONSOLE_FORMAT", "${message}")
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    monkeypatch.setattr(sys, "stdout", terminal)
+    monkeypatch.setattr(sys, "stderr", terminal)
+    console.Console().emit(record(level, "x"))
+    assert terminal.getvalue() == line
+
+
+def test_who_wants_no_colours_gets_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = Terminal()
+    monkeypatch.setenv("ROSCONSOLE_FORMAT", "${message}")
+    monkeypatch.setenv("NO_COLOR", "1")
+    monkeypatch.setattr(sys, "stderr", terminal)
+    console.Console().emit(record(logging.ERROR, "x"))
+    assert terminal.getvalue() == "x\n"
+
+
+def test_what_a_stream_cannot_write_is_told_otherwise(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = Terminal()
+    monkeypatch.setenv("ROSCONSOLE_FORMAT", "${message}")
+    monkeypatch.setattr(sys, "stdout", terminal)
+    console.Console().emit(record(logging.INFO, "ä"))
+    assert terminal.getvalue() == "\\xe4\n"
+
+
+def test_a_reader_who_has_left_is_for_the_program_to_know(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Closed(Terminal):
+        def write(self, text: str, /) -> int:
+            raise BrokenPipeError
+
+    monkeypatch.setattr(sys, "stdout", Closed())
+    with pytest.raises(BrokenPipeError):
+        console.Console().emit(record())
+
+
+def test_a_line_that_cannot_be_made_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    console.Console().emit(record(logging.INFO, "%d", "no number"))
+    assert "%d format" in capsys.readouterr().err
+
+
+def test_a_file_has_what_is_logged(tmp_path: Path) -> None:
+    path = tmp_path / "node.log"
+    handler = console.log_file(str(path))
+    assert not path.exists()
+    handler.emit(record())
+    handler.close()
+    assert re.fullmatch(
+        r"\[rosout\]\[INFO\] \d{4}-\d\d-\d\d \d\d:\d\d:\d\d,\d{3}: hello %s\n",
+        path.read_text("utf-8"),
+    )

@@ -1,0 +1,166 @@
+"""What a program logs, and how often."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import genpy
+import pytest
+import rospy
+from rospy import log, rostime
+
+LEVELS = {"debug": 10, "info": 20, "warn": 30, "err": 40, "fatal": 50}
+
+
+class Records(logging.Handler):
+    """Keeps what is logged."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.kept: list[logging.LogRecord] = []
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self.kept.append(record)
+
+    @property
+    def texts(self) -> list[str]:
+        return [record.getMessage() for record in self.kept]
+
+
+@pytest.fixture
+def records(monkeypatch: pytest.MonkeyPatch) -> Iterator[Records]:
+    """What is logged in the test, which remembers no line of another one."""
+    monkeypatch.setattr(log, "_places", set())
+    monkeypatch.setattr(log, "_times", {})
+    monkeypatch.setattr(log, "_texts", {})
+    handler, logger = Records(), logging.getLogger("rosout")
+    logger.addHandler(handler)
+    logger.setLevel(logging.DEBUG)
+    logger.propagate = False
+    yield handler
+    logger.removeHandler(handler)
+    logger.setLevel(logging.NOTSET)
+    logger.propagate = True
+
+
+@pytest.fixture
+def clock() -> Iterator[Callable[[float], None]]:
+    """Sets the time, which is simulated and 0 at first."""
+    rostime.set_rostime_initialized(True)
+
+    def set_time(seconds: float) -> None:
+        rostime.set_rostime(genpy.Time(seconds))
+
+    set_time(0)
+    yield set_time
+    rostime.switch_to_wallclock()
+    rostime.set_rostime_initialized(False)
+
+
+@pytest.mark.parametrize("name", LEVELS)
+def test_a_line_has_its_level_and_its_place(records: Records, name: str) -> None:
+    getattr(rospy, f"log{name}")("%s and %d", "one", 2)
+    (record,) = records.kept
+    assert record.getMessage() == "one and 2"
+    assert record.levelno == LEVELS[name]
+    assert record.name == "rosout"
+    assert Path(record.pathname) == Path(__file__)
+    assert record.funcName == "test_a_line_has_its_level_and_its_place"
+
+
+def test_a_method_is_told_with_its_class(records: Records) -> None:
+    class Talker:
+        def talk(self) -> None:
+            rospy.loginfo("hello")
+
+    Talker().talk()
+    assert records.kept[0].funcName == "Talker.talk"
+
+
+def test_a_line_may_be_anothers(records: Records) -> None:
+    rospy.loginfo("hello", logger_name="wheels")
+    assert records.kept[0].name == "rosout.wheels"
+
+
+def test_a_line_may_be_anything(records: Records) -> None:
+    rospy.loginfo({"a": 1})
+    rospy.logout("100%")
+    assert records.texts == ["{'a': 1}", "100%"]
+
+
+@pytest.mark.parametrize("how", ["it is handled", "it is given", "it is given in parts"])
+def test_a_line_may_show_an_exception(records: Records, how: str) -> None:
+    try:
+        raise ValueError("no good")
+    except ValueError as error:
+        parts = type(error), error, error.__traceback__
+        given: Any = {"it is handled": True, "it is given": error}.get(how, parts)
+        rospy.logerr("failed", exc_info=given)
+    assert records.kept[0].exc_info is not None
+    assert isinstance(records.kept[0].exc_info[1], ValueError)
+
+
+def test_below_the_level_nothing_is_logged(records: Records) -> None:
+    logging.getLogger("rosout").setLevel(logging.WARNING)
+    rospy.loginfo("hello")
+    rospy.logwarn("careful")
+    assert records.texts == ["careful"]
+
+
+@pytest.mark.parametrize("name", LEVELS)
+def test_once_is_once_in_each_place(records: Records, name: str) -> None:
+    once = getattr(rospy, f"log{name}_once")
+    for number in range(3):
+        once("one %d", number)
+    once("two")
+    assert records.texts == ["one 0", "two"]
+    assert {record.levelno for record in records.kept} == {LEVELS[name]}
+
+
+@pytest.mark.parametrize("name", LEVELS)
+def test_a_throttled_line_waits_for_its_period(
+    records: Records, clock: Callable[[float], None], name: str
+) -> None:
+    throttled = getattr(rospy, f"log{name}_throttle")
+    for seconds in 0, 1, 2, 2.5, 5:
+        clock(seconds)
+        throttled(2, "at %s", seconds)
+    assert records.texts == ["at 0", "at 2.5", "at 5"]
+    assert {record.levelno for record in records.kept} == {LEVELS[name]}
+
+
+def test_a_period_of_nothing_throttles_nothing(
+    records: Records, clock: Callable[[float], None]
+) -> None:
+    for _ in range(3):
+        rospy.loginfo_throttle(0, "again")
+    assert len(records.kept) == 3
+
+
+def test_time_that_goes_back_ends_the_throttling(
+    records: Records, clock: Callable[[float], None]
+) -> None:
+    for seconds in 100, 5, 6:
+        clock(seconds)
+        rospy.loginfo_throttle(10, "at %s", seconds)
+    assert records.texts == ["at 100", "at 5"]
+
+
+@pytest.mark.parametrize("name", LEVELS)
+def test_an_identical_line_waits_for_its_period(
+    records: Records, clock: Callable[[float], None], name: str
+) -> None:
+    throttled = getattr(rospy, f"log{name}_throttle_identical")
+    for seconds, text in (0, "a"), (1, "a"), (2, "b"), (3, "b"), (20, "b"):
+        clock(seconds)
+        throttled(10, text)
+    assert records.texts == ["a", "b", "b"]
+    assert {record.levelno for record in records.kept} == {LEVELS[name]}
+
+
+def test_the_levels_are_those_of_rosgraph_msgs() -> None:
+    assert (rospy.DEBUG, rospy.INFO, rospy.WARN, rospy.ERROR, rospy.FATAL) == (1, 2, 4, 8, 16)
+    assert list(log.PYTHON_LEVELS.values()) == list(LEVELS.values())

@@ -1,0 +1,216 @@
+"""What all publishers of a topic share: its registration, numbers, checks and listeners."""
+
+from __future__ import annotations
+
+import asyncio
+
+import fibws
+from ros1.rospy.programs import world
+
+
+async def test_a_peer_is_told_alone() -> None:
+    async with world() as it:
+        program = await it.start("""
+            import rospy
+            from std_msgs.msg import String
+
+            class Listener(rospy.SubscribeListener):
+                def peer_subscribe(self, topic_name, topic_publish, peer_publish):
+                    print("came to", topic_name, flush=True)
+                    peer_publish(String("welcome"))
+                    topic_publish(String("somebody came"))
+
+                def peer_unsubscribe(self, topic_name, num_peers):
+                    print("left", topic_name, num_peers, flush=True)
+
+            rospy.init_node("talker")
+            publisher = rospy.Publisher("chatter", String, Listener(), queue_size=10)
+            print("ready")
+            rospy.spin()
+        """)
+        assert await program.says() == "ready"
+        async with (
+            fibws.Node("first", hub=it.hub.url) as first,
+            fibws.Node("second", hub=it.hub.url) as second,
+        ):
+            early = first.subscribe("chatter", "std_msgs/String")
+            assert await program.says() == "came to /chatter"
+            late = second.subscribe("chatter", "std_msgs/String")
+            assert await program.says() == "came to /chatter"
+            async with asyncio.timeout(5):
+                assert [(await anext(early)).data for _ in range(3)] == [
+                    "welcome",
+                    "somebody came",
+                    "somebody came",
+                ]
+                assert [(await anext(late)).data for _ in range(2)] == ["welcome", "somebody came"]
+            late.close()
+            assert await program.says() == "left /chatter 1"
+            early.close()
+            assert await program.says() == "left /chatter 0"
+        program.interrupt()
+        assert await program.ends() == []
+
+
+async def test_a_fault_of_a_listener_is_logged() -> None:
+    async with world() as it:
+        program = await it.start("""
+            import rospy
+            from rosgraph_msgs.msg import Log
+            from std_msgs.msg import String
+
+            class Listener(rospy.SubscribeListener):
+                def peer_subscribe(self, topic_name, topic_publish, peer_publish):
+                    raise ValueError("not you")
+
+            rospy.init_node("talker")
+            log = rospy.Subscriber("rosout", Log, lambda line: print(line.msg, flush=True))
+            while not log.get_num_connections():
+                rospy.sleep(0.01)
+            rospy.Publisher("chatter", String, Listener(), queue_size=10)
+            rospy.Subscriber("chatter", String, print)
+            rospy.spin()
+        """)
+        assert (await program.says()).startswith("bad callback: <bound method Listener.peer_subs")
+        while await program.says() != "ValueError: not you":
+            pass
+        program.interrupt()
+        await program.ends()
+
+
+async def test_what_is_wrong_is_told_once_somebody_listens() -> None:
+    async with world() as it, fibws.Node("listener", hub=it.hub.url) as node:
+        program = await it.start("""
+            import rospy
+            from std_msgs.msg import Int8
+
+            rospy.init_node("talker")
+            publisher = rospy.Publisher("number", Int8, queue_size=10)
+            publisher.publish(200)
+            print("nobody minded")
+            while not publisher.get_num_connections():
+                rospy.sleep(0.01)
+            for wrong in (200, "one", 1.5, None):
+                try:
+                    publisher.publish(wrong)
+                    print("all right")
+                except rospy.ROSSerializationException as fault:
+                    print(fault)
+        """)
+        assert await program.says() == "nobody minded"
+        async with node.subscribe("number", "std_msgs/Int8"):
+            assert await program.ends() == [
+                "field data exceeds specified width [int8]",
+                "field data must be an integer type",
+                "field data must be an integer type",
+                "all right",
+            ]
+
+
+async def test_headers_are_numbered_from_the_first_that_is_heard() -> None:
+    async with world() as it, fibws.Node("listener", hub=it.hub.url) as node:
+        program = await it.start("""
+            import rospy
+            from rospy_tutorials.msg import HeaderString
+
+            rospy.init_node("talker")
+            publisher = rospy.Publisher("chatter", HeaderString, queue_size=10)
+            message = HeaderString()
+            publisher.publish(message)
+            print("not heard:", message.header.seq)
+            while not publisher.get_num_connections():
+                rospy.sleep(0.01)
+            for _ in range(3):
+                publisher.publish(message)
+            print("heard:", message.header.seq)
+        """)
+        assert await program.says() == "not heard: 0"
+        async with node.subscribe("chatter", "rospy_tutorials/HeaderString") as chatter:
+            assert await program.ends() == ["heard: 3"]
+            async with asyncio.timeout(5):
+                first, second, third = [(await anext(chatter)).header.seq for _ in range(3)]
+            assert [second - first, third - second] == [1, 1]
+
+
+async def test_a_later_publisher_may_latch_and_bring_headers() -> None:
+    async with world() as it, fibws.Node("listener", hub=it.hub.url) as node:
+        program = await it.start("""
+            import rospy
+            from std_msgs.msg import String
+
+            rospy.init_node("talker")
+            first = rospy.Publisher("chatter", String, queue_size=10)
+            first.publish("before")
+            headers = {"a": "b"}
+            second = rospy.Publisher("chatter", String, latch=True, headers=headers, queue_size=9)
+            first.publish("kept")
+            heard = rospy.wait_for_message("chatter", String)
+            print(heard.data, heard._connection_header["latching"])
+            rospy.spin()
+        """)
+        assert await program.says() == "kept 1"
+        async with node.subscribe("chatter", "std_msgs/String", headers=True) as chatter:
+            async with asyncio.timeout(5):
+                assert (await anext(chatter)).data == "kept"
+            assert chatter.connection_header == {"callerid": "/talker", "latching": "1", "a": "b"}
+        assert await node.graph.publishers("chatter") == ["/talker"]
+        program.interrupt()
+        assert await program.ends() == []
+
+
+async def test_whatever_was_heard_is_passed_on_unopened() -> None:
+    async with world() as it, fibws.Node("node", hub=it.hub.url) as node:
+        relay = await it.start("""
+            import rospy
+            from std_msgs.msg import String
+
+            rospy.init_node("relay")
+            anything = rospy.Publisher("anything", rospy.AnyMsg, queue_size=10)
+            typed = rospy.Publisher("typed", String, queue_size=10)
+
+            def hear(message):
+                print(message._buff.hex(), message._connection_header["type"], flush=True)
+                anything.publish(message)
+                typed.publish(message)
+
+            rospy.Subscriber("chatter", rospy.AnyMsg, hear)
+            try:
+                anything.publish(rospy.AnyMsg())
+            except rospy.ROSException as fault:
+                print(fault)
+            rospy.spin()
+        """)
+        assert (await relay.says()).startswith("the type of what is published on /anything is not")
+        chatter = await node.advertise("chatter", "std_msgs/String", latch=True, peers=True)
+        typed = node.subscribe("typed", "std_msgs/String")
+        await chatter.publish("hi")
+        assert await relay.says() == "020000006869 std_msgs/String"
+        async with asyncio.timeout(5):
+            assert (await anext(typed)).data == "hi"
+        assert await node.graph.topic_type("anything") == "std_msgs/String"
+        relay.interrupt()
+        assert await relay.ends() == []
+
+
+async def test_a_topic_of_another_type_is_logged_once() -> None:
+    async with world() as it, fibws.Node("node", hub=it.hub.url) as node:
+        await (await node.advertise("chatter", "std_msgs/Int32")).publish(5)
+        program = await it.start("""
+            import rospy
+            from rosgraph_msgs.msg import Log
+            from std_msgs.msg import String
+
+            rospy.init_node("talker")
+            log = rospy.Subscriber("rosout", Log, lambda line: print(line.msg, flush=True))
+            while not log.get_num_connections():
+                rospy.sleep(0.01)
+            publisher = rospy.Publisher("chatter", String, queue_size=10)
+            for _ in range(10):
+                publisher.publish("hello")
+            rospy.spin()
+        """)
+        while not (text := await program.says()).startswith("unable to publish on /chatter"):
+            pass
+        assert "Tried to register topic /chatter with type std_msgs/String" in text
+        program.interrupt()
+        assert not [line for line in await program.ends() if line.startswith("unable")]

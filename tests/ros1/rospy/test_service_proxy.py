@@ -1,0 +1,167 @@
+"""Services are called by programs that are nodes, and by those that are none."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Any
+
+import pytest
+from rospy.service_proxy import wait_for_service
+
+import fibws
+from ros1.rospy.programs import world
+
+NODE = "import rospy; rospy.init_node('caller')\n"
+NO_NODE = "import rospy\n"
+
+
+async def serve(node: fibws.Node) -> None:
+    def add(request: Any, header: dict[str, str]) -> int:
+        if request.a == 13:
+            raise ValueError(f"no {request.a}")
+        return int(request.a + request.b)
+
+    await node.service("add", "rospy_tutorials/AddTwoInts", add, headers=True)
+
+
+@pytest.mark.parametrize("beginning", [NODE, NO_NODE], ids=["a node", "no node"])
+async def test_a_service_is_called_in_all_ways(beginning: str) -> None:
+    async with world() as it, fibws.Node("server", hub=it.hub.url) as node:
+        await serve(node)
+        assert await it.run(
+            beginning
+            + """
+from rospy_tutorials.srv import AddTwoInts, AddTwoIntsRequest
+
+rospy.wait_for_service("add", rospy.Duration(10))
+add = rospy.ServiceProxy("add", AddTwoInts, persistent=True)
+add.wait_for_service(timeout=10)
+print(add(1, 2).sum, add(a=3).sum, add.call(AddTwoIntsRequest(4, 5)).sum, add().sum)
+print(add()._connection_header["service"])
+for arguments in ((13, 0), ("one", 2), (AddTwoIntsRequest,), (1, 2, 3)):
+    try:
+        print(add(*arguments))
+    except Exception as fault:
+        print(type(fault).__name__, fault)
+add.close()
+for call in (lambda: rospy.ServiceProxy("none", AddTwoInts)(1, 2), lambda: add(1, b=2)):
+    try:
+        print(call())
+    except Exception as fault:
+        print(type(fault).__name__, fault)
+"""
+        ) == [
+            "3 3 9 0",
+            "/add",
+            "ServiceException service [/add] responded with an error: "
+            "b'error processing request: no 13'",
+            "SerializationError field a must be an integer type",
+            "TypeError request object is not a valid request message instance",
+            "TypeError Invalid number of arguments, args should be ['a', 'b'] args are(1, 2, 3)",
+            "ServiceException service [/none] unavailable",
+            "TypeError publish() can be called with arguments or keywords, but not both.",
+        ]
+
+
+@pytest.mark.parametrize("beginning", [NODE, NO_NODE], ids=["a node", "no node"])
+async def test_who_waits_in_vain_is_told(beginning: str) -> None:
+    async with world() as it:
+        assert (
+            await it.run(
+                beginning
+                + """
+for timeout in (0.05, rospy.Duration(0.05), -1):
+    try:
+        rospy.wait_for_service("never", timeout)
+    except rospy.ROSException as fault:
+        print(fault)
+"""
+            )
+            == ["timeout exceeded while waiting for service /never"] * 3
+        )
+
+
+def test_one_cannot_wait_for_no_time() -> None:
+    with pytest.raises(ValueError, match="timeout must be non-zero"):
+        wait_for_service("add", 0)
+
+
+async def test_a_service_may_come_later() -> None:
+    async with world() as it, fibws.Node("server", hub=it.hub.url) as node:
+        program = await it.start("""
+            import rospy
+            print("ready")
+            rospy.wait_for_service("add")
+            print("there it is")
+        """)
+        assert await program.says() == "ready"
+        await serve(node)
+        assert await program.ends() == ["there it is"]
+
+
+CALL = """
+from std_srvs.srv import Empty
+rospy.wait_for_service("slow")
+print("calling")
+try:
+    rospy.ServiceProxy("slow", Empty, headers={"number": 5})()
+except (rospy.ServiceException, rospy.ROSInterruptException) as fault:
+    print(type(fault).__name__, fault)
+"""
+
+
+async def test_the_end_of_the_node_ends_a_call() -> None:
+    async with world() as it, fibws.Node("server", hub=it.hub.url) as node:
+        headers: asyncio.Queue[dict[str, str]] = asyncio.Queue()
+
+        async def slow(request: Any, header: dict[str, str]) -> None:
+            headers.put_nowait(header)
+            await asyncio.Event().wait()
+
+        await node.service("slow", "std_srvs/Empty", slow, headers=True)
+        program = await it.start(NODE + CALL)
+        assert await program.says() == "calling"
+        async with asyncio.timeout(20):
+            assert await headers.get() == {"callerid": "/caller", "number": "5"}
+        program.interrupt()
+        fault = "node shutdown interrupted service call"
+        assert await program.ends() == [f"ROSInterruptException {fault}"]
+
+
+@pytest.mark.parametrize("beginning", [NODE, NO_NODE], ids=["a node", "no node"])
+async def test_a_server_that_leaves_is_a_transport_error(beginning: str) -> None:
+    async with world() as it:
+        called = asyncio.Event()
+
+        async def slow(request: Any) -> None:
+            called.set()
+            await asyncio.Event().wait()
+
+        async with fibws.Node("server", hub=it.hub.url) as node:
+            await node.service("slow", "std_srvs/Empty", slow)
+            program = await it.start(beginning + CALL)
+            async with asyncio.timeout(20):
+                await called.wait()
+        assert await program.ends() == [
+            "calling",
+            "ServiceException transport error completing service call: "
+            "service [/slow] unavailable: /server has left",
+        ]
+
+
+async def test_without_a_hub_there_is_no_service() -> None:
+    async with world() as it:
+        assert await it.run("""
+            import os, rospy
+            from std_srvs.srv import Empty
+
+            os.environ["FIBWS_HUB"] = "127.0.0.1:1"
+            try:
+                rospy.ServiceProxy("add", Empty)()
+            except rospy.ServiceException as fault:
+                print(fault)
+            try:
+                rospy.wait_for_service("add", 0.01)
+            except rospy.ROSException as fault:
+                print(fault)
+        """) == ["unable to contact master", "timeout exceeded while waiting for service /add"]

@@ -1,0 +1,199 @@
+"""What programs do with publishers and subscribers."""
+
+from __future__ import annotations
+
+import warnings
+from functools import partial
+from typing import Any
+
+import pytest
+from rospy import core
+from rospy.exceptions import ROSException
+from rospy.topics import Publisher, SubscribeListener, Subscriber
+from std_msgs.msg import Int32, String
+
+import fibws
+from ros1.rospy.programs import world
+
+
+async def test_a_message_goes_from_one_program_to_another() -> None:
+    async with world() as it:
+        listener = await it.start("""
+            import rospy
+            from std_msgs.msg import String
+
+            def hear(message, number):
+                print(message.data, number)
+                if message.data == "last":
+                    rospy.signal_shutdown("done")
+
+            rospy.Subscriber("chatter", String, hear, 7)
+            rospy.init_node("listener")
+            print("ready")
+            rospy.spin()
+        """)
+        assert await listener.says() == "ready"
+        await it.run("""
+            import rospy
+            from std_msgs.msg import String
+
+            early = rospy.Publisher("chatter", String, queue_size=10)
+            rospy.init_node("talker")
+            while not early.get_num_connections():
+                rospy.sleep(0.01)
+            early.publish("by order")
+            early.publish(data="by name")
+            rospy.Publisher("chatter", String, queue_size=10).publish(String("whole"))
+            rospy.on_shutdown(lambda: early.publish("last"))
+        """)
+        assert await listener.ends() == ["by order 7", "by name 7", "whole 7", "last 7"]
+
+
+async def test_subscribers_of_a_topic_share_a_connection_and_a_thread() -> None:
+    async with world() as it, fibws.Node("talker", hub=it.hub.url) as node:
+        chatter = await node.advertise("chatter", "std_msgs/String", latch=True)
+        await chatter.publish("kept")
+        program = await it.start("""
+            import rospy, threading
+            from std_msgs.msg import String
+
+            rospy.init_node("listener")
+
+            def hear(message, name):
+                print(name, message.data, threading.current_thread().name, flush=True)
+
+            first = rospy.Subscriber("chatter", String, hear, "first")
+            rospy.wait_for_message("chatter", String)
+            second = rospy.Subscriber("chatter", String, hear, "second")
+            rospy.spin()
+        """)
+        assert await program.says() == "first kept /chatter"
+        assert await program.says() == "second kept MainThread", "what is latched comes at once"
+        assert await node.graph.subscribers("chatter") == ["/listener"]
+        await chatter.publish("both")
+        assert [await program.says(), await program.says()] == [
+            "first both /chatter",
+            "second both /chatter",
+        ]
+        program.interrupt()
+        assert await program.ends() == []
+
+
+async def test_what_is_unregistered_hears_no_more_and_publishes_no_more() -> None:
+    async with world() as it:
+        assert await it.run("""
+            import rospy, threading
+            from std_msgs.msg import String
+
+            heard = threading.Event()
+
+            def hear(message):
+                print("heard", message.data)
+                heard.set()
+
+            rospy.init_node("node")
+            publisher = rospy.Publisher("chatter", String, queue_size=10)
+            gone = rospy.Subscriber("chatter", String, lambda message: print("gone heard it"))
+            rospy.Subscriber("chatter", String, hear)
+            gone.unregister()
+            gone.unregister()
+            while not publisher.get_num_connections():
+                rospy.sleep(0.01)
+            publisher.publish("something")
+            heard.wait(10)
+            publisher.unregister()
+            print(publisher.resolved_name, publisher.type, publisher.name)
+            try:
+                publisher.publish("more")
+            except rospy.ROSException as fault:
+                print(fault)
+        """) == ["heard something", "None None /chatter", "publish() to an unregistered() handle"]
+
+
+async def test_who_waits_for_a_message_gets_one_or_is_told() -> None:
+    async with world() as it, fibws.Node("talker", hub=it.hub.url) as node:
+        await (await node.advertise("chatter", "std_msgs/String", latch=True)).publish("hello")
+        assert await it.run("""
+            import rospy
+            from std_msgs.msg import String
+
+            rospy.init_node("node")
+            print(rospy.wait_for_message("chatter", String, timeout=rospy.Duration(10)).data)
+            try:
+                rospy.wait_for_message("silence", String, timeout=0.05)
+            except rospy.ROSException as fault:
+                print(fault)
+        """) == ["hello", "timeout exceeded while waiting for message on topic silence"]
+
+
+async def test_the_end_of_the_node_ends_the_wait_for_a_message() -> None:
+    async with world() as it:
+        program = await it.start("""
+            import rospy
+            from std_msgs.msg import String
+
+            rospy.init_node("node")
+            print("ready")
+            try:
+                rospy.wait_for_message("silence", String)
+            except rospy.ROSInterruptException as fault:
+                print(fault)
+        """)
+        assert await program.says() == "ready"
+        program.interrupt()
+        assert await program.ends() == ["rospy shutdown"]
+
+
+@pytest.mark.parametrize(
+    ("name", "data_class", "fault"),
+    [
+        ("", String, "topic name is not a non-empty string"),
+        (5, String, "topic name is not a non-empty string"),
+        ("x", None, "topic parameter 'data_class' is not initialized"),
+        ("x", "std_msgs/String", "data_class [std_msgs/String] is not a class"),
+        ("x", int, "data_class [type] is not a message data class"),
+        ("~x", String, "~name topics cannot be created before init_node() has been called"),
+    ],
+)
+@pytest.mark.parametrize("make", [Subscriber, partial(Publisher, queue_size=1)])
+def test_a_topic_needs_a_name_and_a_class(
+    make: Any, name: Any, data_class: Any, fault: str
+) -> None:
+    with pytest.raises(ValueError) as raised:
+        make(name, data_class)
+    assert str(raised.value) == fault
+
+
+def test_a_publisher_needs_a_queue_size_and_a_node() -> None:
+    with pytest.warns(SyntaxWarning, match="explicit keyword argument 'queue_size'") as warned:
+        publisher = Publisher("chatter", String)
+    assert warned[0].filename == __file__
+    assert not core.is_initialized()
+    with pytest.raises(ROSException) as raised:
+        publisher.publish("too early")
+    assert str(raised.value).startswith("ROS node has not been initialized yet.")
+    assert publisher.get_num_connections() == 0
+    publisher.unregister()
+    with pytest.raises(ROSException):
+        publisher.get_num_connections()
+
+
+def test_a_name_that_ros_does_not_allow_is_warned_of() -> None:
+    with warnings.catch_warnings(record=True) as warned:
+        warnings.simplefilter("always")
+        Subscriber("no name", Int32).unregister()
+    assert [str(each.message)[:60] for each in warned] == [
+        "'no name' is not a legal ROS graph resource name. This may c"
+    ]
+
+
+@pytest.mark.parametrize("size", [0, 1.5, "1"])
+def test_a_queue_has_a_size(size: Any) -> None:
+    with pytest.raises(ROSException, match="queue size"):
+        Subscriber("chatter", String, queue_size=size)
+
+
+def test_a_listener_may_leave_out_what_it_does_not_care_for() -> None:
+    listener = SubscribeListener()
+    listener.peer_subscribe("/chatter", print, print)
+    listener.peer_unsubscribe("/chatter", 0)
