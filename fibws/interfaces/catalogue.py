@@ -216,8 +216,8 @@ class Interfaces:
         path = self._names(package, kind).get(short)
         if path is None:
             raise UnknownType(kind, package, short, self._nearest(name, kind))
-        # A comment in Latin-1 does no harm.
-        return path.read_text("utf-8", errors="replace"), package, short, str(path)
+        # Windows' editors begin a file with a mark; a comment in Latin-1 does no harm.
+        return path.read_text("utf-8-sig", errors="replace"), package, short, str(path)
 
     def _nearest(self, name: str, kind: Kind) -> str | None:
         package, _, short = name.partition("/")

@@ -213,3 +213,8 @@ def test_a_message_that_would_fill_the_memory_is_refused(tmp_path: Path, array: 
     write(tmp_path, my_msgs__msg__T40="int32 x")
     with pytest.raises(DefinitionError, match="the message becomes too large"):
         Interfaces([tmp_path]).message("my_msgs/T0")
+
+
+def test_the_mark_that_windows_begins_a_file_with_is_no_part_of_it(tmp_path: Path) -> None:
+    write(tmp_path, my_msgs__msg__Mine="\ufeffint32 x\r\n")
+    assert Interfaces([tmp_path]).message("my_msgs/Mine").fields == (Field("x", "int32"),)

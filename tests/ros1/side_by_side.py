@@ -28,7 +28,7 @@ ROSCORE = "/usr/bin/roscore"
 GENERATORS = Path("/usr/lib/genpy")
 DEFINITIONS = Path(fibws.__file__).parent / "interfaces" / "definitions"
 
-MODULES = "numpy, rospy, rosgraph, std_msgs, geometry_msgs, sensor_msgs, actionlib, message_filters, genpy"
+MODULES = "numpy, rospy, std_msgs, sensor_msgs, actionlib, message_filters, genpy"
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -105,9 +106,8 @@ def ros(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
 @pytest.mark.parametrize("name", SCENARIOS)
 async def test_a_scenario_goes_as_in_ros(ros: World, name: str) -> None:
     parts = SCENARIOS[name]
-    expected = await ros.play(*parts)
     async with our_ros() as ours:
-        found = await ours.play(*parts)
+        expected, found = await asyncio.gather(ros.play(*parts), ours.play(*parts))
     assert _named(parts, found) == _named(parts, expected)
 
 

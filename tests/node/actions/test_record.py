@@ -85,6 +85,14 @@ def test_a_goal_is_told_about_for_a_while_after_its_end() -> None:
     assert added(records, "a") is not a
 
 
+def test_how_long_that_is_may_be_said() -> None:
+    records = Records(kept=1)
+    records.ended(added(records, "a"), now=10)
+    assert ids(records.listed(now=11)) == ["a"]
+    records.kept = 0.5
+    assert records.listed(now=11) == []
+
+
 def test_goals_that_have_ended_do_not_fill_the_memory() -> None:
     records = Records()
     running = added(records, "running")

@@ -73,7 +73,7 @@ pose.header.frame_id = "map"
 pose.pose.position = Point(1.5, -2, 1e-9)
 print(pose)
 print(PoseStamped._type, PoseStamped._md5sum, PoseStamped.__slots__, PoseStamped._slot_types)
-print(PoseStamped._has_header, Pose._has_header, len(PoseStamped._full_text))
+print(PoseStamped._has_header, Pose._has_header, PoseStamped._full_text.count('MSG: '))
 small = rospy.Publisher("small", Int8, queue_size=1)
 attempt(small, 200)
 attempt(small, 1.5)

@@ -6,7 +6,7 @@ from rosgraph_msgs.msg import Log
 
 
 def callback(log):
-    if log.name == '/logs' and 'ervice' not in log.msg:
+    if log.name == '/logs' and (log.level > Log.DEBUG or log.msg.startswith('debug')):
         print(log.level, log.name, repr(log.msg), os.path.basename(log.file), log.function, log.line,
               sorted(log.topics))
 

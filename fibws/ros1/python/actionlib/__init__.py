@@ -1,0 +1,48 @@
+"""Actions over topics, as ROS 1 has them: http://wiki.ros.org/actionlib.
+
+    ActionServer ── ServerGoalHandle ── fibws.node.actions' Record
+      └─ SimpleActionServer, which pursues one goal at a time
+    ActionClient ── ClientGoalHandle ── CommStateMachine ── comm_state
+      └─ SimpleActionClient, which follows one goal at a time
+
+All of it is written on rospy's public names.
+"""
+
+from __future__ import annotations
+
+from actionlib.action_client import (
+    ActionClient,
+    ClientGoalHandle,
+    CommState,
+    CommStateMachine,
+    GoalID,
+    GoalStatus,
+    GoalStatusArray,
+    TerminalState,
+    get_name_of_constant,
+)
+from actionlib.action_server import ActionServer
+from actionlib.exceptions import ActionException
+from actionlib.goal_id_generator import GoalIDGenerator
+from actionlib.server_goal_handle import ServerGoalHandle
+from actionlib.simple_action_client import SimpleActionClient, SimpleGoalState
+from actionlib.simple_action_server import SimpleActionServer
+
+__all__ = [
+    "ActionClient",
+    "ActionException",
+    "ActionServer",
+    "ClientGoalHandle",
+    "CommState",
+    "CommStateMachine",
+    "GoalID",
+    "GoalIDGenerator",
+    "GoalStatus",
+    "GoalStatusArray",
+    "ServerGoalHandle",
+    "SimpleActionClient",
+    "SimpleActionServer",
+    "SimpleGoalState",
+    "TerminalState",
+    "get_name_of_constant",
+]

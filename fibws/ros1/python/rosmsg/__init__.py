@@ -1,0 +1,97 @@
+"""What scripts ask about types: which a package has, and what is in each."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+from fibws.errors import InterfaceError
+
+if TYPE_CHECKING:
+    from fibws.cli.types.installed import Installed
+
+__all__ = [
+    "MODE_MSG",
+    "MODE_SRV",
+    "ROSMsgException",
+    "get_msg_text",
+    "get_srv_text",
+    "iterate_packages",
+    "list_msgs",
+    "list_srvs",
+    "list_types",
+]
+
+MODE_MSG = ".msg"
+MODE_SRV = ".srv"
+
+
+class ROSMsgException(Exception):
+    """There is no such type, or its definition is wrong."""
+
+
+def get_msg_text(type_: str, raw: bool = False, rospack: object = None) -> str:
+    """What is in a message type, in the lines of ``rosmsg show``.
+
+    Args:
+        type_: such as ``std_msgs/String``.
+        raw: whether it is the text of its file, comments and all.
+        rospack: has no effect.
+
+    Raises:
+        ROSMsgException: there is no such type, or its definition is wrong.
+    """
+    return _text(MODE_MSG, type_, raw)
+
+
+def get_srv_text(type_: str, raw: bool = False, rospack: object = None) -> str:
+    """What is in a service type, in the lines of ``rossrv show``; else as `get_msg_text`."""
+    return _text(MODE_SRV, type_, raw)
+
+
+def list_msgs(package: str, rospack: object = None) -> list[str]:
+    """The message types of a package, such as ``std_msgs/String``; none of one that is unknown."""
+    return list_types(package, MODE_MSG)
+
+
+def list_srvs(package: str, rospack: object = None) -> list[str]:
+    """The service types of a package; none of one that is unknown."""
+    return list_types(package, MODE_SRV)
+
+
+def list_types(package: str, mode: str = MODE_MSG, rospack: object = None) -> list[str]:
+    """The types of a package, of messages or of services; none of one that is unknown."""
+    try:
+        return _installed(mode).names(package)
+    except InterfaceError:
+        return []
+
+
+def iterate_packages(rospack: object, mode: str) -> Iterator[tuple[str, str]]:
+    """The packages that have types, each with the folder where they are."""
+    import rospkg
+
+    known: Any = rospkg.RosPack() if rospack is None else rospack
+    for name in _installed(mode).packages():
+        try:
+            yield name, f"{known.get_path(name)}/{mode.removeprefix('.')}"
+        except rospkg.ResourceNotFound:
+            continue
+
+
+def _text(mode: str, type_: str, raw: bool) -> str:
+    try:
+        shown = _installed(mode).show(type_)
+    except InterfaceError as error:
+        raise ROSMsgException(f"Unable to load {mode[1:]} [{type_}]: {error}") from None
+    return shown.text if raw else "".join(f"{line}\n" for line in shown.lines)
+
+
+def _installed(mode: str) -> Installed:
+    from fibws.cli.types.installed import Installed
+
+    if mode == MODE_MSG:
+        return Installed("msg", ())
+    if mode == MODE_SRV:
+        return Installed("srv", ())
+    raise ROSMsgException(f"Invalid mode for list_types: {mode}")

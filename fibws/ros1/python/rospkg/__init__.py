@@ -1,0 +1,20 @@
+"""Where packages are: ``rospkg.RosPack().get_path("fibonacci")``."""
+
+from __future__ import annotations
+
+from rospkg.common import MANIFEST_FILE, ResourceNotFound
+from rospkg.environment import get_log_dir, get_ros_home, get_ros_package_path, get_ros_root
+from rospkg.manifest import InvalidManifest
+from rospkg.rospack import RosPack, get_package_name
+
+__all__ = [
+    "MANIFEST_FILE",
+    "InvalidManifest",
+    "ResourceNotFound",
+    "RosPack",
+    "get_log_dir",
+    "get_package_name",
+    "get_ros_home",
+    "get_ros_package_path",
+    "get_ros_root",
+]

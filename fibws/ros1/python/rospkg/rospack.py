@@ -1,0 +1,123 @@
+"""Finds packages, and tells what each needs."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TypeAlias
+
+from fibws.errors import PackageFileError, PackageNotFound
+from fibws.workspace.manifest import Manifest
+from fibws.workspace.packages import Package, Packages
+from rospkg.common import MANIFEST_FILE, ResourceNotFound
+from rospkg.environment import get_ros_paths
+from rospkg.manifest import InvalidManifest
+
+Names: TypeAlias = list[str]
+"""The class below has a function of the name ``list``."""
+
+
+class RosPack:
+    """The packages that $ROS_PACKAGE_PATH leads to, and those that fibws brings.
+
+    Args:
+        ros_paths: folders with packages in them, in the place of $ROS_PACKAGE_PATH.
+    """
+
+    def __init__(self, ros_paths: Sequence[str] | None = None) -> None:
+        self.ros_paths = get_ros_paths() if ros_paths is None else list(ros_paths)
+        self._packages = Packages([Path(path) for path in self.ros_paths], here=Path.cwd())
+
+    @classmethod
+    def get_instance(cls, ros_paths: Sequence[str] | None = None) -> RosPack:
+        """The same as the class itself."""
+        return cls(ros_paths)
+
+    def list(self) -> Names:
+        """The names of all packages."""
+        return self._packages.names()
+
+    def get_path(self, name: str) -> str:
+        """The folder of a package.
+
+        Raises:
+            ResourceNotFound: there is no such package.
+        """
+        return str(self._find(name).folder)
+
+    def get_manifest(self, name: str) -> Manifest:
+        """What the package.xml of a package says.
+
+        Raises:
+            ResourceNotFound: there is no such package.
+            InvalidManifest: the file is wrong.
+        """
+        with _read():
+            return self._find(name).manifest
+
+    def get_depends(self, name: str, implicit: bool = True) -> Names:
+        """The names of the packages that a package needs.
+
+        Args:
+            name: the package.
+            implicit: whether what those need is among them; what is unknown here needs nothing.
+
+        Raises:
+            ResourceNotFound: there is no such package.
+            InvalidManifest: its package.xml is wrong, or that of one that it needs.
+        """
+        found: dict[str, None] = {}
+        waiting = _needs(self.get_manifest(name))
+        while waiting:
+            each = waiting.pop(0)
+            if each in found:
+                continue
+            found[each] = None
+            if implicit and each in self._packages.names():
+                waiting += _needs(self.get_manifest(each))
+        return [*found]
+
+    def get_depends_on(self, name: str, implicit: bool = True) -> Names:
+        """The names of the packages that need a package; one with a wrong package.xml is none."""
+        found = []
+        for each in self._packages.names():
+            try:
+                if each != name and name in self.get_depends(each, implicit):
+                    found.append(each)
+            except InvalidManifest:
+                continue
+        return found
+
+    def _find(self, name: str) -> Package:
+        try:
+            return self._packages.find(name)
+        except PackageNotFound as error:
+            raise ResourceNotFound(str(error), self.ros_paths) from None
+
+
+def get_package_name(path: str) -> str | None:
+    """The name of the package that a file or a folder is in; None if it is in none.
+
+    Raises:
+        InvalidManifest: the package.xml there is wrong.
+    """
+    inside = Path(os.path.abspath(path))
+    for folder in (inside, *inside.parents):
+        if (folder / MANIFEST_FILE).is_file():
+            with _read():
+                return Package(folder.name, folder).manifest.name
+    return None
+
+
+def _needs(manifest: Manifest) -> list[str]:
+    return list(dict.fromkeys(each.name for each in manifest.depends))
+
+
+@contextmanager
+def _read() -> Iterator[None]:
+    try:
+        yield
+    except (PackageFileError, OSError) as error:
+        raise InvalidManifest(str(error)) from None

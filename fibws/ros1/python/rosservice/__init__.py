@@ -1,0 +1,206 @@
+"""What scripts ask about services: which there are, of which types; and calls by values alone."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import rosgraph
+from rosgraph.names import make_global_ns, script_resolve_name
+
+__all__ = [
+    "ROSServiceException",
+    "ROSServiceIOException",
+    "call_service",
+    "get_service_args",
+    "get_service_class_by_name",
+    "get_service_list",
+    "get_service_node",
+    "get_service_type",
+    "get_service_uri",
+    "has_service_args",
+    "rosservice_find",
+]
+
+
+class ROSServiceException(Exception):
+    """The base of what goes wrong here."""
+
+
+class ROSServiceIOException(ROSServiceException):
+    """There is no hub."""
+
+
+def get_service_type(service_name: str) -> str | None:
+    """The type of a service, such as ``std_srvs/Trigger``; None if nobody offers it.
+
+    Raises:
+        ROSServiceIOException: there is no hub.
+    """
+    with _communicating():
+        answer = _master().ask("service_type", service=_global(service_name))
+    return answer["type"] or None
+
+
+def get_service_uri(service_name: str) -> str | None:
+    """The URI of a service, by which nobody can call it here; None if nobody offers it.
+
+    Raises:
+        ROSServiceIOException: there is no hub.
+    """
+    with _communicating():
+        try:
+            return _master().lookupService(_global(service_name))
+        except rosgraph.MasterError:
+            return None
+
+
+def get_service_node(service_name: str) -> str | None:
+    """The name of the node that offers a service; None if nobody does.
+
+    Raises:
+        ROSServiceIOException: there is no hub.
+    """
+    with _communicating():
+        return _master().ask("service_node", service=_global(service_name))["node"] or None
+
+
+def get_service_list(
+    node: str | None = None, namespace: str | None = None, include_nodes: bool = False
+) -> list[Any]:
+    """The names of all services.
+
+    Args:
+        node: the global name of the node that they are asked of; else all are.
+        namespace: the global namespace that they are asked of; else all are.
+        include_nodes: whether each name is in a pair with a list of the node that offers it.
+
+    Raises:
+        ROSServiceIOException: there is no hub.
+    """
+    with _communicating():
+        services = _master().getSystemState()[2]
+    if namespace:
+        above = make_global_ns(namespace)
+        services = [each for each in services if each[0] == namespace or each[0].startswith(above)]
+    if node is not None:
+        services = [each for each in services if node in each[1]]
+    return services if include_nodes else [name for name, _ in services]
+
+
+def rosservice_find(service_type: str) -> list[str]:
+    """The names of the services of a type.
+
+    Raises:
+        ROSServiceIOException: there is no hub.
+    """
+    with _communicating():
+        return list(_master().ask("services_for_type", type=service_type)["services"])
+
+
+def get_service_class_by_name(service_name: str) -> Any:
+    """The class of a service that somebody offers.
+
+    Raises:
+        ROSServiceException: nobody does, or its type is not known here.
+        ROSServiceIOException: there is no hub.
+    """
+    import genpy.message
+
+    type_ = get_service_type(service_name)
+    if type_ is None:
+        raise ROSServiceException(f"Service [{service_name}] is not available.")
+    service_class = genpy.message.get_service_class(type_)
+    if service_class is None:
+        package = type_.partition("/")[0]
+        raise ROSServiceException(
+            f"Unable to load type [{type_}].\nHave you typed 'catkin_make' in [{package}], "
+            "and sourced its devel/setup.bash?"
+        )
+    return service_class
+
+
+def call_service(
+    service_name: str, service_args: list[Any], service_class: Any = None
+) -> tuple[Any, Any]:
+    """Call a service by the values of its request's fields.
+
+    The program becomes a node by it, if it is none.
+
+    Args:
+        service_name: the service.
+        service_args: the values in order, or one dict of them.
+        service_class: its class, if it is known.
+
+    Returns:
+        The request and the response.
+
+    Raises:
+        ROSServiceException: the call failed.
+        ROSServiceIOException: there is no hub.
+    """
+    import genpy
+    import genpy.message
+    import rospy
+    from std_msgs.msg import Header
+
+    if not rospy.core.is_initialized():
+        rospy.init_node("rosservice", anonymous=True)
+    if service_class is None:
+        service_class = get_service_class_by_name(service_name)
+    request = service_class._request_class()
+    now = rospy.get_rostime()
+    try:
+        keys = {"now": now, "auto": Header(stamp=now)}
+        genpy.message.fill_message_args(request, service_args, keys=keys)
+    except genpy.MessageException as error:
+        arguments = genpy.message.get_printable_message_args(request)
+        raise ROSServiceException(
+            f"Incompatible arguments to call service:\n{error}\nProvided arguments are:\n"
+            f"{_listed(service_args)}\n\nService arguments are: [{arguments}]"
+        ) from None
+    try:
+        return request, rospy.ServiceProxy(service_name, service_class)(request)
+    except rospy.ServiceException as error:
+        raise ROSServiceException(str(error)) from None
+    except (genpy.SerializationError, rospy.ROSSerializationException) as error:
+        raise ROSServiceException(
+            f"Unable to send request. One of the fields has an incorrect type:\n  {error}"
+        ) from None
+
+
+def has_service_args(service_name: str, service_class: Any = None) -> bool:
+    """Whether a service's request has fields; raises as `get_service_class_by_name`."""
+    if service_class is None:
+        service_class = get_service_class_by_name(service_name)
+    return len(service_class._request_class.__slots__) > 0
+
+
+def get_service_args(service_name: str) -> str:
+    """The names of the fields of a service's request; raises as `get_service_class_by_name`."""
+    import genpy.message
+
+    service_class = get_service_class_by_name(service_name)
+    return genpy.message.get_printable_message_args(service_class._request_class())
+
+
+def _listed(arguments: object) -> str:
+    each = arguments if isinstance(arguments, list | tuple) else [arguments]
+    return "\n".join(f" * {argument} (type {type(argument).__name__})" for argument in each)
+
+
+def _global(name: str) -> str:
+    return script_resolve_name("rosservice", name)
+
+
+def _master() -> rosgraph.Master:
+    return rosgraph.Master("/rosservice")
+
+
+@contextmanager
+def _communicating() -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        raise ROSServiceIOException(f"Unable to communicate with master! {error}") from None

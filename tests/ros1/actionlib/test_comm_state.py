@@ -1,0 +1,51 @@
+"""What a client concludes from its server's word."""
+
+from __future__ import annotations
+
+import pytest
+from actionlib import CommState, GoalStatus, SimpleGoalState, TerminalState
+from actionlib.comm_state import following
+
+STATES = [number for number in range(CommState.LOST)]
+STATUSES = [number for number in range(GoalStatus.LOST)]
+
+
+@pytest.mark.parametrize("state", STATES)
+@pytest.mark.parametrize("status", STATUSES)
+def test_every_word_leads_somewhere_or_nowhere(state: int, status: int) -> None:
+    route = following(state, status)
+    assert route is None or set(route) <= set(STATES) - {CommState.WAITING_FOR_GOAL_ACK}
+
+
+def test_what_was_not_heard_of_is_made_up_for() -> None:
+    assert following(CommState.WAITING_FOR_GOAL_ACK, GoalStatus.SUCCEEDED) == (
+        CommState.ACTIVE,
+        CommState.WAITING_FOR_RESULT,
+    )
+    assert following(CommState.WAITING_FOR_CANCEL_ACK, GoalStatus.PREEMPTED) == (
+        CommState.PREEMPTING,
+        CommState.WAITING_FOR_RESULT,
+    )
+
+
+def test_no_news_leads_nowhere() -> None:
+    assert following(CommState.ACTIVE, GoalStatus.ACTIVE) == ()
+    assert following(CommState.DONE, GoalStatus.SUCCEEDED) == ()
+
+
+def test_a_goal_does_not_go_back() -> None:
+    assert following(CommState.ACTIVE, GoalStatus.PENDING) is None
+    assert following(CommState.DONE, GoalStatus.ACTIVE) is None
+
+
+def test_there_are_no_other_words() -> None:
+    with pytest.raises(KeyError):
+        following(CommState.ACTIVE, GoalStatus.LOST)
+
+
+def test_states_have_names() -> None:
+    assert CommState.to_string(CommState.RECALLING) == "RECALLING"
+    assert TerminalState.to_string(TerminalState.LOST) == "LOST"
+    assert SimpleGoalState.to_string(SimpleGoalState.DONE) == "DONE"
+    assert GoalStatus.to_string(GoalStatus.PENDING) == "PENDING"
+    assert CommState.to_string(17) == "NO_SUCH_STATE_17"

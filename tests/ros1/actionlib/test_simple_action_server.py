@@ -1,0 +1,161 @@
+"""A server that pursues one goal at a time, in scripts as people write them."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Callable
+from pathlib import Path
+from urllib.parse import urlsplit
+
+from programs.conftest import Program
+
+import fibws
+from fibws.action.actionlib_tutorials import Fibonacci
+from fibws.hub import Hub, Settings
+from ros1.side_by_side import SCRIPTS, Part, our_ros
+
+from .conftest import StartScript
+
+SERVER = str(SCRIPTS / "actions" / "fibonacci_server.py")
+CLIENT = str(SCRIPTS / "actions" / "fibonacci_client.py")
+SUPERSEDED = "This goal was canceled because another goal was received by the simple action server"
+
+
+async def test_a_server_is_heard_by_its_client() -> None:
+    async with our_ros() as ros:
+        server, client = await ros.play(
+            Part("actions/server.py", until="ready"),
+            Part("actions/client.py", interrupted=False),
+        )
+    assert server.code == client.code == 0, client.err
+    heard = sections(client.out)
+    assert heard["goal 3"] == [
+        *("active", "feedback: 0", "feedback: 1", "feedback: 2"),
+        *("done: SUCCEEDED result: 3", "finished: True"),
+        *("state: 3 SUCCEEDED", "text: 'counted'", "result: result: 3"),
+    ]
+    assert heard["goal -5"][1:] == [
+        *("done: ABORTED result: -1", "finished: True"),
+        *("state: 4 ABORTED", "text: 'negative goal'", "result: result: -1"),
+    ]
+    assert "text: 'Exception in execute callback: one hundred'" in heard["goal 100"]
+    assert "text: 'No terminal state was set.'" in heard["goal 101"]
+    assert heard["too long"][0] == "finished: False"
+    assert heard["too long"][-3:] == ["state: 2 PREEMPTED", "text: 'no more'", "result: result: 1"]
+    assert heard["and wait"][0] == "True"
+    assert heard["a later goal"][1] == "state: 2 PREEMPTED"
+    assert heard["a later goal"][-2:] == ["text: 'counted'", "result: result: 1"]
+    assert heard["all of them"][1] == "state: 2 PREEMPTED"
+    logged = [line.partition(": ")[2] for line in server.out]
+    assert logged[1:6] == ["goal 3", "goal -5", "goal 100", "goal 101", "goal 102"]
+    assert logged[-3:] == ["goal 1000", "preempt callback", "preempted"]
+    assert "Exception in your execute callback: one hundred" in server.err[0]
+    assert any("did not set the goal to a terminal status" in line for line in server.err)
+    assert "it is currently in state: 3" in server.err[-1]
+
+
+async def test_goals_are_accepted_in_callbacks() -> None:
+    async with our_ros() as ros:
+        server, client = await ros.play(
+            Part("actions/polling_server.py", until="ready"),
+            Part("actions/polling_client.py", interrupted=False),
+        )
+    assert client.out == [
+        *("9", "True 3 result: 6", "True 2 result: 0"),
+        *("True 2", SUPERSEDED, "True 3 result: 7"),
+    ]
+    assert "when a new goal is not available" in server.err[0]
+
+
+async def test_ctrl_c_ends_a_server_in_the_midst_of_a_goal(
+    hub: Hub, start_script: StartScript
+) -> None:
+    server = await start_script("fibonacci_server.py")
+    assert "ready" in await server.line()
+    async with fibws.Node("test", hub=hub.url) as node:
+        client = node.action_client("fibonacci", Fibonacci)
+        await client.wait_for_server(timeout=20)
+        goal = await client.send({"order": 45})
+        async for _ in goal.feedback():
+            break
+        server.send(signal.SIGINT)
+        code, out, err = await server.end()
+    assert (code, err) == (0, "")
+    assert out.count("\n") == 1, out
+
+
+async def test_fibws_own_clients_are_served(hub: Hub, start_script: StartScript) -> None:
+    server = await start_script("fibonacci_server.py")
+    assert "ready" in await server.line()
+    async with fibws.Node("test", hub=hub.url) as node:
+        client = node.action_client("fibonacci", Fibonacci)
+        await client.wait_for_server(timeout=20)
+        goal = await client.send({"order": 3})
+        feedback = [each.sequence async for each in goal.feedback()]
+        assert feedback == [[0, 1, 1], [0, 1, 1, 2]]
+        assert (await goal.result()).sequence == [0, 1, 1, 2]
+        goal = await client.send({"order": 45})
+        async for _ in goal.feedback():
+            await goal.cancel()
+        assert goal.status is fibws.GoalStatus.PREEMPTED
+
+
+async def test_a_goal_outlives_its_hub() -> None:
+    async with Hub(Settings(port=0, close_timeout=0.1)) as hub:
+        server = await Program.start("fibws.rospy", SERVER, **_meeting_at(hub))
+        assert "ready" in await server.line()
+        client = await Program.start("fibws.rospy", CLIENT, "20", "60", **_meeting_at(hub))
+        assert await client.line() == "feedback: [0, 1, 1]\n"
+    async with Hub(Settings(port=urlsplit(hub.url).port or 0, close_timeout=0.1)):
+        code, out, err = await client.end()
+        await server.stop()
+    assert code == 0, err
+    assert out.splitlines()[-2] == "3 "
+    assert "1597, 2584, 4181, 6765]" in out.splitlines()[-1]
+
+
+def _meeting_at(hub: Hub) -> dict[str, str]:
+    return {"FIBWS_HUB": hub.url, "PYTHONUNBUFFERED": "1"}
+
+
+WRONG = """
+import rospy, actionlib
+from actionlib_tutorials.msg import FibonacciAction
+
+rospy.init_node("wrong")
+server = actionlib.SimpleActionServer("early", FibonacciAction)
+def goal():
+    raise ValueError("not this one")
+server.register_goal_callback(goal)
+executing = actionlib.SimpleActionServer("late", FibonacciAction, print, False)
+executing.register_goal_callback(goal)
+print("ready", flush=True)
+rospy.spin()
+"""
+
+
+async def test_what_an_owner_does_wrong_is_logged(
+    hub: Hub, start_script: StartScript, script: Callable[[str], Path]
+) -> None:
+    server = await start_script(script(WRONG))
+    assert await server.line() == "ready\n"
+    assert "You've passed in true for auto_start" in await server.error_line()
+    assert "because an executeCallback exists" in await server.error_line()
+    async with fibws.Node("test", hub=hub.url) as node:
+        client = node.action_client("early", Fibonacci)
+        await client.wait_for_server(timeout=20)
+        await client.send({"order": 3})
+        assert "internal_goal_callback - exception not this one" in await server.error_line()
+
+
+def sections(lines: list[str]) -> dict[str, list[str]]:
+    """What was printed after each headline."""
+    heads = {"too long", "and wait", "a later goal", "all of them"}
+    found: dict[str, list[str]] = {}
+    current = found.setdefault("", [])
+    for line in lines:
+        if line in heads or line.startswith("goal "):
+            current = found.setdefault(line, [])
+        else:
+            current.append(line)
+    return found

@@ -1,0 +1,23 @@
+#!/usr/bin/env python
+import sys
+
+import actionlib
+import rospy
+from actionlib_tutorials.msg import FibonacciAction, FibonacciGoal
+
+
+def feedback(message):
+    print('feedback: %s' % list(message.sequence))
+
+
+if __name__ == '__main__':
+    rospy.init_node('fibonacci_client')
+    client = actionlib.SimpleActionClient('fibonacci', FibonacciAction)
+    client.wait_for_server()
+    client.send_goal(FibonacciGoal(order=int(sys.argv[1])), feedback_cb=feedback)
+    if not client.wait_for_result(rospy.Duration.from_sec(float(sys.argv[2]))):
+        client.cancel_goal()
+        client.wait_for_result()
+    result = client.get_result()
+    print(client.get_state(), client.get_goal_status_text())
+    print(list(result.sequence))

@@ -1,0 +1,61 @@
+"""What comes with rospy says under fibws what it says under a real ROS, line by line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+from ros1.side_by_side import SCRIPTS, Outcome, Part, World, missing_ros, our_ros, real_ros
+
+SCENARIOS: dict[str, tuple[Part, ...]] = {
+    "goals, one at a time": (
+        Part("actions/server.py", until="ready"),
+        Part("actions/client.py", interrupted=False),
+    ),
+    "goals by their handles": (
+        Part("actions/handles_server.py", until="ready"),
+        Part("actions/handles_client.py", interrupted=False),
+    ),
+    "goals in callbacks": (
+        Part("actions/polling_server.py", until="ready"),
+        Part("actions/polling_client.py", interrupted=False),
+    ),
+    "filters": (Part("filters/fed.py", interrupted=False),),
+    "messages of two topics": (Part("filters/synchronized.py", interrupted=False),),
+    "the modules of tools": (Part("tools/tools.py", interrupted=False),),
+}
+RACE = "Got a transition callback on a goal handle that we're not tracking"
+"""ROS logs it when the server was faster than its client noted which goal it had sent."""
+
+NOT_IN_ROS = {"actions/fibonacci_client.py", "actions/fibonacci_server.py"}
+"""Debian has no actionlib_tutorials."""
+
+
+@pytest.fixture(scope="module")
+def ros(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
+    if (reason := missing_ros()) is not None:
+        pytest.skip(reason)
+    with real_ros(tmp_path_factory.mktemp("ros")) as world:
+        yield world
+
+
+@pytest.mark.parametrize("name", SCENARIOS)
+async def test_a_scenario_goes_as_in_ros(ros: World, name: str) -> None:
+    parts = SCENARIOS[name]
+    expected = [_without_race(outcome) for outcome in await ros.play(*parts)]
+    async with our_ros() as ours:
+        found = await ours.play(*parts)
+    for part, ours_said, ros_said in zip(parts, found, expected, strict=True):
+        assert ours_said == ros_said, part.script
+
+
+def _without_race(outcome: Outcome) -> Outcome:
+    return outcome._replace(err=[line for line in outcome.err if RACE not in line])
+
+
+@pytest.mark.parametrize("folder", ["actions", "filters", "tools"])
+def test_all_scripts_are_played(folder: str) -> None:
+    played = {part.script for parts in SCENARIOS.values() for part in parts} | NOT_IN_ROS
+    scripts = {path.relative_to(SCRIPTS).as_posix() for path in (SCRIPTS / folder).glob("*.py")}
+    assert scripts <= played
