@@ -9,6 +9,8 @@ from fibws.errors import InvalidAddress
 DEFAULT_PORT = 9090
 DEFAULT = f"ws://127.0.0.1:{DEFAULT_PORT}"
 ENVIRONMENT = "FIBWS_HUB"
+LOOPBACK = ("127.0.0.1", "::1", "localhost")
+"""What names this machine."""
 
 
 def hub_url(address: str) -> str:

@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterator
 from contextlib import suppress
 
-from websockets.asyncio.client import ClientConnection, connect
+from websockets.asyncio.client import connect
 from websockets.exceptions import (
     ConnectionClosed,
     InvalidHandshake,
@@ -24,6 +24,7 @@ from fibws.errors import HubUnreachable, NodeError, NodeKilled, NodeReplaced
 from fibws.node.address import node_url
 from fibws.node.rosout import TOPIC as ROSOUT
 from fibws.node.session import MAX_SIZE, Session
+from fibws.node.websocket import TURN, WebSocket
 from fibws.protocol.closing import KILLED, REPLACED
 
 FIRST_RETRY = 0.1
@@ -32,9 +33,6 @@ OPENING = 5.0
 FLUSHING = 0.6
 CLOSING = 0.3
 """Seconds, all five; the last two together bound how long a node's end takes."""
-
-TURN = 64
-"""Frames that are read at most before everything else has a turn."""
 
 _TRY_LATER = (408, 425, 429)
 _ERRNO = re.compile(r"\[Errno (\d+)\]")
@@ -114,10 +112,11 @@ class Connection:
             self._missing(reason or str(closed))
         return loop.time() - began > LONGEST_RETRY
 
-    async def _connect(self) -> ClientConnection:
+    async def _connect(self) -> WebSocket:
         try:
-            return await connect(
+            websocket = await connect(
                 node_url(self._hub, self._node),
+                create_connection=WebSocket,
                 compression=None,
                 max_size=MAX_SIZE,
                 open_timeout=OPENING,
@@ -125,6 +124,8 @@ class Connection:
                 # A hub is next door: a proxy that the environment names is for the world outside.
                 proxy=True if self._hub.startswith("wss:") else None,
             )
+            assert isinstance(websocket, WebSocket)
+            return websocket
         except InvalidStatus as error:
             status = error.response.status_code
             if status >= 500 or status in _TRY_LATER:
@@ -134,23 +135,22 @@ class Connection:
         except (InvalidURI, InvalidProxy, ValueError) as error:  # The last for odd host names.
             raise HubUnreachable(self._hub, str(error)) from None
 
-    async def _converse(self, websocket: ClientConnection) -> ConnectionClosed:
+    async def _converse(self, websocket: WebSocket) -> ConnectionClosed:
         """Talk until one side hangs up."""
         outbox = self._session.outbox
         greeting = self._session.greeting()
         outbox.open()
         writing = self._write(websocket, greeting, again=self._answered.is_set())
         writer = asyncio.create_task(writing, name=f"to {self._hub}")
+        websocket.hand_to(self._take)
         try:
             self._found()
             while True:
                 for _ in range(TURN):
-                    self._session.receive(await websocket.recv(decode=False))
-                    # recv() returns at once while frames are left of what the socket had: without
-                    # this a burst would overflow the readers' queues before they had a turn.
-                    if self._session.crowded:
+                    # It returns at once while messages are left of what the socket had: unless the
+                    # readers have a turn in between, a burst overflows their queues.
+                    if not self._take(await websocket.receive()):
                         break
-                self._session.crowded = False
                 await asyncio.sleep(0)
         except ConnectionClosed as closed:
             reason = closed
@@ -166,6 +166,15 @@ class Connection:
             writer.result()
         return reason
 
+    def _take(self, text: bytes) -> bool:
+        """Hand on a message; tell whether there is room for another before the readers' turn."""
+        try:
+            self._session.receive(text)
+        except Exception as fault:  # A mistake of ours, which must not leave a program waiting.
+            self._session.end(fault)
+        crowded, self._session.crowded = self._session.crowded, False
+        return not crowded
+
     def _last_word(self, closed: ConnectionClosed) -> NodeError | None:
         """What ends the node for good, if that is why the hub has hung up."""
         code = closed.rcvd.code if closed.rcvd is not None else None
@@ -175,9 +184,7 @@ class Connection:
             return NodeKilled(f"{self._node} was killed: somebody asked the hub to end it")
         return None
 
-    async def _write(
-        self, websocket: ClientConnection, greeting: list[bytes], *, again: bool
-    ) -> None:
+    async def _write(self, websocket: WebSocket, greeting: list[bytes], *, again: bool) -> None:
         """Send what there is to send until there never will be more, then hang up."""
         outbox = self._session.outbox
         try:
@@ -187,6 +194,7 @@ class Connection:
                 # The listeners lost their hub, too, and are back after a retry at the latest:
                 # what was kept for them would reach nobody before.
                 await self._session.ended(LONGEST_RETRY)
+            outbox.offer_first_to(websocket.write_at_once)
             # At most once: a frame is taken just before it is written, so that none is sent twice.
             # What the socket still held when it broke is lost, and nobody can count it.
             while await outbox.arrival() and websocket.state is State.OPEN:
@@ -218,7 +226,7 @@ class Connection:
         self._answered.set()
 
 
-async def _hang_up(websocket: ClientConnection) -> None:
+async def _hang_up(websocket: WebSocket) -> None:
     with suppress(TimeoutError):
         # Its own close_timeout does not count while it waits for a full socket to drain.
         async with asyncio.timeout(CLOSING):

@@ -48,6 +48,7 @@ class Outbox:
         self._size = 0
         self._connected = False
         self._closed = False
+        self._express: Callable[[bytes], bool] | None = None
         self._hub = asyncio.Event()
         self._arrival = asyncio.Event()
         self._room = asyncio.Event()
@@ -73,6 +74,8 @@ class Outbox:
 
     def put(self, text: bytes, source: Advertisement | None = None) -> None:
         """Add a message of ``source``, or an operation that the connection's end voids."""
+        if self._express is not None and not self._frames and self._express(text):
+            return
         crowded = not self._connected or not self._room.is_set()
         self._number += 1
         self._frames[self._number] = (source, text)
@@ -113,9 +116,18 @@ class Outbox:
         self._connected = True
         self._changed()
 
+    def offer_first_to(self, write: Callable[[bytes], bool]) -> None:
+        """Until the hub is lost, keep no frame that this takes, as long as no other one waits.
+
+        Args:
+            write: is given a frame and tells whether it took it.
+        """
+        self._express = write
+
     def lose(self) -> None:
         """There is no hub any more: keep what still can be of use once there is one again."""
         self._connected = False
+        self._express = None
         for number, (source, text) in list(self._frames.items()):
             if source is None:
                 del self._frames[number]

@@ -130,6 +130,11 @@ class Publisher(Generic[M, P]):
         """Whether `room` waits for nothing, in the node's loop."""
         return self._topics.has_room
 
+    @property
+    def is_idle(self) -> bool:
+        """Whether all that the node had to say has been written to its socket."""
+        return self._topics.is_idle
+
     async def room(self) -> None:
         """Wait while the connection is slower than the program; without a hub for nothing."""
         await self._topics.room()

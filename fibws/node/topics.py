@@ -53,6 +53,11 @@ class Topics(Part):
         """Whether there is room for another message."""
         return self._session.outbox.has_room
 
+    @property
+    def is_idle(self) -> bool:
+        """Whether nothing waits to be sent."""
+        return not self._session.outbox
+
     async def room(self) -> None:
         """Wait until there is room for another message."""
         await self._session.outbox.room()

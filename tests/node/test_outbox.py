@@ -150,3 +150,26 @@ async def test_an_arrival_is_waited_for_until_there_will_be_none() -> None:
     assert await outbox.arrival()
     outbox.pop()
     assert not await outbox.arrival()
+
+
+def test_a_frame_that_somebody_takes_at_once_is_not_kept() -> None:
+    outbox, publisher, taken = Outbox(), advertisement(), list[bytes]()
+    outbox.open()
+    takes = [True]
+
+    def take(text: bytes) -> bool:
+        if takes[0]:
+            taken.append(text)
+        return takes[0]
+
+    outbox.offer_first_to(take)
+    outbox.put(b"1", publisher)
+    takes[0] = False
+    outbox.put(b"2", publisher)
+    takes[0] = True
+    outbox.put(b"3", publisher)
+    assert taken == [b"1"], "another one waits before the third"
+    outbox.lose()
+    outbox.put(b"4", publisher)
+    assert texts(outbox) == [b"3", b"4"]
+    assert taken == [b"1"]

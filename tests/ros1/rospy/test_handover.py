@@ -20,6 +20,15 @@ class Background:
 
     def __init__(self) -> None:
         self.loop: asyncio.AbstractEventLoop | None = asyncio.get_running_loop()
+        self.gate = self
+        self.open = False
+        """Whether the loop counts as asleep."""
+
+    def enter(self) -> bool:
+        return self.open
+
+    def leave(self) -> None:
+        pass
 
     def soon(self, function: Callable[..., object]) -> bool:
         if self.loop is not None:
@@ -33,12 +42,17 @@ class Sender:
     def __init__(self) -> None:
         self.sent: list[bytes] = []
         self.fault: Exception | None = None
+        self.idle = True
         self._room = asyncio.Event()
         self._room.set()
 
     @property
     def has_room(self) -> bool:
         return self._room.is_set()
+
+    @property
+    def is_idle(self) -> bool:
+        return self.idle
 
     async def room(self) -> None:
         await self._room.wait()
@@ -159,3 +173,36 @@ async def test_without_a_loop_nothing_is_kept(background: Background) -> None:
     way = make(Sender())
     for text in texts(2 * LIMIT):
         way.put(text)
+
+
+async def test_while_the_loop_sleeps_a_message_is_sent_at_once(background: Background) -> None:
+    sender = Sender()
+    taker = make(sender)
+    background.open = True
+    taker.put(b"1")
+    assert sender.sent == [b"1"]
+    sender.fill()
+    taker.put(b"2")
+    assert sender.sent == [b"1"], "there is no room"
+    sender.drain()
+    background.open = True
+    taker.put(b"3")
+    assert sender.sent == [b"1"], "the one before waits"
+    await taker.finish()
+    assert sender.sent == [b"1", b"2", b"3"]
+
+
+async def test_the_loop_is_woken_for_what_does_not_leave_at_once(
+    background: Background, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sender = Sender()
+    background.open = True
+    woken: list[Callable[..., object]] = []
+    monkeypatch.setattr(background, "soon", woken.append)
+    taker = make(sender)
+    taker.put(b"1")
+    assert not woken
+    sender.idle = False
+    taker.put(b"2")
+    assert len(woken) == 1
+    assert sender.sent == [b"1", b"2"]

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from rospy.answer import Answer
 from rospy.exceptions import ROSException, ROSInterruptException
+from rospy.gate import Gate
 
 if TYPE_CHECKING:
     import asyncio
@@ -31,6 +32,8 @@ class Background:
         self._thread: threading.Thread | None = None
         self._stop: asyncio.Event | None = None
         self._stopped = False
+        self.gate = Gate()
+        """By which another thread may act in the loop's place."""
 
     @property
     def running(self) -> bool:
@@ -89,6 +92,9 @@ class Background:
         except TimeoutError:
             self.soon(answer.cancel)
             raise
+        finally:
+            if not self._alive():
+                coroutine.close()  # The loop may have ended before it began.
 
     def begin(self, coroutine: Coroutine[Any, Any, T]) -> Future[T]:
         """Start a coroutine in the node's loop, from any other thread.
@@ -138,10 +144,8 @@ class Background:
         ended: Callable[[Exception], None],
         ready: Answer[None],
     ) -> None:
-        import asyncio
-
         # Not asyncio.run(), which starts a thread at its end: at the interpreter's that fails.
-        loop = asyncio.new_event_loop()
+        loop = self.gate.new_loop()
         try:
             loop.run_until_complete(self._live(make_node, ended, ready))
         except BaseException as error:
@@ -151,6 +155,7 @@ class Background:
         finally:
             loop.run_until_complete(_cancel_all())
             loop.close()
+            self.gate.close()
 
     async def _live(
         self,

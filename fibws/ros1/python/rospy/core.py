@@ -7,8 +7,10 @@ import signal
 import sys
 import threading
 from collections.abc import Callable
+from functools import partial
+from importlib import import_module
 from types import FrameType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rospy.background import Background
 from rospy.bell import Bell
@@ -204,6 +206,8 @@ def _on_signal(number: int, frame: FrameType | None) -> None:
 
     The node's end is not waited for here: the main thread may hold what the node still needs.
     """
+    if background.gate.after_leaving(partial(_on_signal, number, frame)):
+        return
     earlier = _earlier_handlers.get(number)
     for each, handler in _earlier_handlers.items():
         signal.signal(each, handler)  # Who asks twice is in a hurry.
@@ -236,3 +240,14 @@ def _on_exit() -> None:
 
 
 atexit.register(_on_exit)
+
+if not TYPE_CHECKING:
+
+    def __getattr__(name: str) -> Any:
+        """What editors import from here, since rospy has it here, too: ``rospy.core.logwarn``."""
+        if not name.startswith("_"):
+            for home in ("rospy.log", "rospy.names", "rospy.exceptions"):
+                value = getattr(import_module(home), name, None)
+                if callable(value):
+                    return value
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

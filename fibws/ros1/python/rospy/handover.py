@@ -46,7 +46,12 @@ class Handover:
         self._lossless = lossless
 
     def put(self, text: bytes) -> None:
-        """Take what the publisher has encoded, from any thread but the loop's."""
+        """Take what the publisher has encoded, from any thread but the loop's.
+
+        It is to be called in one thread at a time.
+        """
+        if not self._begun and self._send_at_once(text):
+            return
         self._texts.append(text)
         if not self._begun:
             self._begun = True
@@ -61,6 +66,22 @@ class Handover:
         self._begin()
         if self._task is not None:
             await self._task
+
+    def _send_at_once(self, text: bytes) -> bool:
+        """Send a message if none is under way and the loop sleeps; tell whether it is sent."""
+        background = core.background
+        if not background.gate.enter():
+            return False
+        try:
+            if self._texts or not self._publisher.has_room:
+                return False
+            self._send(text)
+            is_sent = self._publisher.is_idle
+        finally:
+            background.gate.leave()
+        if not is_sent:
+            background.soon(_wake)
+        return True
 
     def _begin(self) -> None:
         """Send what there is room for at once, for the sake of speed; a task sees to the rest."""
@@ -107,3 +128,7 @@ class Handover:
 
         with suppress(NodeError):  # Nobody can hear this publisher any more.
             self._publisher.send(text)
+
+
+def _wake() -> None:
+    """What there is to do once the loop is awake has been scheduled before."""
