@@ -34,6 +34,11 @@ class Peers:
         """
         return list(self._names or ())
 
+    @property
+    def told(self) -> bool:
+        """Whether the hub has told them; a rosbridge that is no hub of fibws never does."""
+        return self._names is not None
+
     async def changes(self) -> AsyncIterator[list[str]]:
         """Give `names` as they are, once the hub has told them, and then after each change.
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import asyncio
 import logging
 import time
-from typing import assert_never
+from collections.abc import Callable
+from typing import Any, assert_never
 
 from fibws.errors import InvalidUtf8, NodeClosed, OperationError, OperationRejected
 from fibws.node.fault import tell
@@ -49,6 +50,7 @@ class Session:
         self.crowded = False
         """Whether a reader has no place for another message: it needs a turn before one comes."""
         self._parts: list[Part] = []
+        self._hear: Callable[[str, Any, dict[str, str] | None], bool] = lambda *message: False
         self._fragments = Reassembly(max_size=MAX_SIZE)
         self._operations = 0
         self._begun = False
@@ -61,6 +63,15 @@ class Session:
     def join(self, part: Part) -> None:
         """Let a part take part, from now on until the end."""
         self._parts.append(part)
+
+    def hand_messages_to(self, hear: Callable[[str, Any, dict[str, str] | None], bool]) -> None:
+        """Have messages heard by the part that listens to topics.
+
+        Args:
+            hear: is given the topic, the message, and its header if it has one; it tells whether
+                anybody listens.
+        """
+        self._hear = hear
 
     def id(self, verb: str, name: str) -> str:
         """A new id for an operation."""
@@ -101,7 +112,8 @@ class Session:
         """Hand on what the hub sent."""
         try:
             for fields in objects(text):
-                self._take(parse_reply(fields))
+                if not self._is_heard(fields):
+                    self._take(parse_reply(fields))
         except (OperationError, InvalidUtf8) as error:
             self.log.warning("The hub sent what this node does not understand: %s", error)
 
@@ -163,6 +175,20 @@ class Session:
     def _check_begun(self) -> None:
         if not self._begun and not self._over:
             raise RuntimeError("enter the node first: async with node")
+
+    def _is_heard(self, fields: dict[str, Any]) -> bool:
+        """Hand on a message to who listens; false if it is none, or not as it should be.
+
+        Nearly all that comes is one, and a model of it would cost more than all the rest.
+        """
+        if fields.get("op") != "publish":
+            return False
+        topic, header = fields.get("topic"), fields.get("header")
+        if header is not None and not (
+            isinstance(header, dict) and all(isinstance(each, str) for each in header.values())
+        ):
+            return False
+        return isinstance(topic, str) and self._hear(topic, fields.get("msg"), header)
 
     def _take(self, reply: Reply) -> None:
         match reply:

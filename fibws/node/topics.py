@@ -34,6 +34,7 @@ class Topics(Part):
         self._names: list[str] | None = None
         """Sorted, for the log, each line of which has them; None if they may be others by now."""
         session.join(self)
+        session.hand_messages_to(self._hear)
 
     # What the node does
 
@@ -128,10 +129,7 @@ class Topics(Part):
         """Hand on a message, or a word of peers; it may come late, for what is not any more."""
         match reply:
             case Publish():
-                for subscription in self._listeners.get(reply.topic, ()):
-                    subscription.offer(reply.msg, reply.header)
-                    if subscription.is_full:
-                        self._session.crowded = True
+                self._hear(reply.topic, reply.msg, reply.header)
             case Peers():
                 id_ = str(reply.id)
                 owner: Advertisement | Subscription[Any] | None
@@ -141,6 +139,15 @@ class Topics(Part):
             case _:
                 return False
         return True
+
+    def _hear(self, topic: str, message: Any, header: dict[str, str] | None) -> bool:
+        """Give a message to those who listen; tell whether anybody does."""
+        subscriptions = self._listeners.get(topic, ())
+        for subscription in subscriptions:
+            subscription.offer(message, header)
+            if subscription.is_full:
+                self._session.crowded = True
+        return bool(subscriptions)
 
     def refuse(self, id_: str, fault: OperationRejected) -> bool:
         """End a publisher or a subscription that the hub will not have."""

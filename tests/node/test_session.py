@@ -163,3 +163,27 @@ def test_the_end_may_be_nobodys_fault(session: Session) -> None:
     session.end()
     with pytest.raises(NodeClosed, match="the node has ended"):
         session.check()
+
+
+def test_a_message_goes_straight_to_who_hears_messages(
+    session: Session, ears: tuple[Ear, Ear], lines: Lines
+) -> None:
+    heard: list[tuple[str, Any, dict[str, str] | None]] = []
+
+    def hear(topic: str, message: Any, header: dict[str, str] | None) -> bool:
+        heard.append((topic, message, header))
+        return topic == "/c"
+
+    session.hand_messages_to(hear)
+    session.receive(b'{"op":"publish","topic":"/c","msg":1,"header":{"callerid":"/talker"}}')
+    session.receive(b'{"op":"publish","topic":"/a","msg":2}')
+    assert heard == [("/c", 1, {"callerid": "/talker"}), ("/a", 2, None)]
+    assert ears[0].notes == [2], "nobody else wanted it"
+    for wrong in (
+        b'"topic":5',
+        b'"topic":"/c","header":{"callerid":5}',
+        b'"topic":"/c","header":5',
+    ):
+        session.receive(b'{"op":"publish","msg":3,%b}' % wrong)
+    assert len(heard) == 2
+    assert len(lines.seen()) == 3
