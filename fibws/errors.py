@@ -335,7 +335,7 @@ class ServiceLost(ServiceError):
 
 
 class CallRefused(NodeError):
-    """What a service's handler raises to fail a call with exactly this text, and no line in the log."""
+    """What a service's handler raises to fail a call with just this text, unlogged."""
 
 
 class ActionError(NodeError):

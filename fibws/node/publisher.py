@@ -12,6 +12,7 @@ from fibws.node.outbox import Advertisement
 from fibws.node.peers import Peers
 from fibws.node.topics import Topics
 from fibws.node.wire import Wire
+from fibws.protocol.infinity import exact_json_of
 from fibws.protocol.operations import encode_fields
 
 M = TypeVar("M", bound=Message)
@@ -165,7 +166,8 @@ class Publisher(Generic[M, P]):
         self, fields: tuple[Any, ...], named: dict[str, Any], to: str | None = None
     ) -> bytes:
         message = self._wire.write(self._message(fields, named))
-        return encode_fields({"op": "publish", "topic": self.topic, "msg": message, "to": to})
+        operation = {"op": "publish", "topic": self.topic, "to": to}
+        return encode_fields(operation, msg=exact_json_of(message))
 
     def _message(self, fields: tuple[Any, ...], named: dict[str, Any]) -> Any:
         if fields and named:

@@ -22,7 +22,7 @@ class Subscription(Generic[M]):
 
     Whoever reads too slowly gets the newest ``queue_size`` messages; `dropped` counts the others.
     Leave it with `close`, or by ``async with``, to stop listening before the node does.
-    JSON has no infinity: it arrives as NaN, as with rosbridge.
+    JSON has no infinity: it arrives as NaN, as with rosbridge, unless headers are asked for.
     """
 
     def __init__(

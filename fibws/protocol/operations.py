@@ -88,8 +88,8 @@ class Subscribe(Operation):
     fragment_size: FragmentSize = None
     compression: str = "none"
     headers: Asked = None
-    """Whether messages are to carry a ``header``: see `Publish`. Those in CBOR and PNG have none
-    (an addition of fibws)."""
+    """Whether messages are to carry a ``header``: see `Publish`. Those in CBOR and PNG have none.
+    Infinity is then a number that no float can hold, not null (an addition of fibws)."""
     peers: Asked = None
     """Whether the client wants to know who publishes: see `Peers` (an addition of fibws)."""
 

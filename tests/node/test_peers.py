@@ -114,3 +114,10 @@ async def test_a_reader_who_stops_waiting_misses_nothing() -> None:
     await asyncio.wait({reader})
     peers.take(["/a"])
     assert await anext(peers.changes()) == ["/a"]
+
+
+def test_it_knows_whether_the_hub_has_told() -> None:
+    peers = Peers()
+    assert not peers.told
+    peers.take([])
+    assert peers.told

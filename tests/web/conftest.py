@@ -115,9 +115,7 @@ def complaints() -> Complaints:
 
 
 @fixture
-async def open_page(
-    browser: Browser, complaints: Complaints, hub: Hub
-) -> AsyncIterator[OpenPage]:
+async def open_page(browser: Browser, complaints: Complaints, hub: Hub) -> AsyncIterator[OpenPage]:
     """Opens the page of a hub: ``await open_page(hub, "#/topics", width=360)``.
 
     Keywords besides ``width`` and ``height`` are those of playwright's ``new_context``, such as

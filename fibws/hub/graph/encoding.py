@@ -15,6 +15,7 @@ from pydantic_core import from_json, to_json
 
 from fibws.hub.frames import binary_frame, text_frame, text_frames, text_header
 from fibws.hub.graph.types import MessageType
+from fibws.protocol.infinity import INFINITE, exact_json_of
 from fibws.protocol.operations import Png, Subscribe, encode
 from fibws.protocol.png import encode_png
 
@@ -31,7 +32,7 @@ class Publication:
         header: its publisher's, as JSON text.
     """
 
-    __slots__ = ("_encoded", "_json", "_message", "_received", "_type", "header")
+    __slots__ = ("_encoded", "_exact", "_json", "_message", "_received", "_type", "header")
 
     def __init__(
         self, message: dict[str, Any], type_: MessageType, received: int, header: bytes = b"{}"
@@ -41,6 +42,7 @@ class Publication:
         self._received = received
         self.header = header
         self._json: bytes | None = None
+        self._exact: bytes | None = None
         self._encoded: dict[object, bytes] | None = None
 
     @property
@@ -48,21 +50,29 @@ class Publication:
         """It, as it was validated."""
         if self._message is not None:
             return self._message
-        message: dict[str, Any] = from_json(self.json())
+        message: dict[str, Any] = from_json(self.exact_json())
         return message
 
     def json(self) -> bytes:
-        """It as JSON text."""
+        """It as JSON text, in which infinity is null."""
         if self._json is None:
-            self._json = to_json(self._message, inf_nan_mode="null")
+            self._json = to_json(self.message, inf_nan_mode="null")
         return self._json
 
-    def settle(self) -> None:
-        """Keep it as JSON text alone, which takes a fraction of the memory.
+    def exact_json(self) -> bytes:
+        """It as JSON text, in which infinity is what it is."""
+        if self._exact is None:
+            if self._json is not None and b"null" not in self._json:
+                self._exact = self._json
+            else:
+                self._exact = exact_json_of(self._message)
+                if INFINITE not in self._exact:
+                    self._json = self._exact
+        return self._exact
 
-        What is infinite is NaN from then on, as it is in JSON.
-        """
-        self.json()
+    def settle(self) -> None:
+        """Keep it as JSON text alone, which takes a fraction of the memory."""
+        self.exact_json()
         self._message = self._encoded = None
 
     def cbor(self) -> bytes:
@@ -104,7 +114,8 @@ Frame: TypeAlias = Callable[[Publication], bytes]
 class Encoding(NamedTuple):
     """How a subscription wants its messages.
 
-    One of `COMPRESSIONS`, in pieces of which size, and whether with headers, as only JSON has them.
+    One of `COMPRESSIONS`, in pieces of which size, and whether with headers, as only JSON has them:
+    who asks for those reads infinity, too.
     """
 
     compression: str = "none"
@@ -193,7 +204,7 @@ def _cbor_framer(spelling: str, encode_message: Callable[[Publication], bytes]) 
 
 
 def _headed(before: bytes, publication: Publication) -> bytes:
-    return b'%b%b,"header":%b}' % (before, publication.json(), publication.header)
+    return b'%b%b,"header":%b}' % (before, publication.exact_json(), publication.header)
 
 
 def _before(spelling: str) -> bytes:

@@ -5,10 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import TypeAlias
 
+from fibws.errors import OperationError
 from fibws.protocol.operations import Id, json_of
 
 Tell: TypeAlias = Callable[[bytes], None]
 """Is given the nodes' names, sorted, as JSON text."""
+
+MOST_REQUESTS = 10
+"""Requests of one owner that may ask: each change is told to all of them."""
 
 
 class Peers:
@@ -25,6 +29,12 @@ class Peers:
 
     def __bool__(self) -> bool:
         return bool(self._asking)
+
+    def check_room(self, owner: object, id_: Id) -> None:
+        """Raise `OperationError` if too many of the owner's requests ask for one more to do so."""
+        requests = self._asking.get(owner, {})
+        if len(requests) >= MOST_REQUESTS and id_ not in requests:
+            raise OperationError(f"{MOST_REQUESTS} requests for the peers of one topic are enough")
 
     def ask(self, owner: object, id_: Id, tell: Tell, nodes: Iterable[str]) -> None:
         """Tell of the nodes, which are these now, and then of each change.

@@ -64,6 +64,9 @@ class Topics:
 
     def advertise(self, request: Advertise) -> None:
         """Register a publisher, or another advertisement of one."""
+        known = self.publishers.get(request.topic)
+        if known is not None and request.peers:
+            known.topic.to_publishers.check_room(known, request.id)
         publisher = self._register(request, request.type, request.definition)
         publisher.advertise(request.id)
         if request.headers is not None:
@@ -154,6 +157,8 @@ class Topics:
                 client.statuses.error,
                 queue_length=client.settings.queue_length,
             )
+        if request.peers:
+            subscription.topic.to_subscribers.check_room(subscription, request.id)
         client.graph.subscribe(subscription, request)
         self.subscriptions[request.topic] = subscription
         topic = subscription.topic

@@ -259,3 +259,23 @@ def test_a_publication_is_encoded_when_somebody_wants_it_and_once_in_each_way() 
     assert one.json() is one.json()
     assert one.cbor() is one.cbor()
     assert one.raw() is one.raw()
+
+
+def test_infinity_is_null_but_for_those_who_ask_for_headers() -> None:
+    message = {"data": [1.0, math.inf, -math.inf, math.nan]}
+    type_ = TYPES.message("std_msgs/Float32MultiArray")
+    whole = type_.validate(message)
+    for settled in (False, True):
+        one = Publication(whole, type_, NANOSECONDS)
+        if settled:
+            one.settle()
+        assert json.loads(one.exact_json())["data"][:3] == [1.0, math.inf, -math.inf]
+        assert json.loads(one.exact_json())["data"][3] is None
+        assert json.loads(one.json())["data"] == [1.0, None, None, None]
+
+
+@pytest.mark.parametrize("exact_first", [False, True])
+def test_a_message_without_infinity_is_written_once(exact_first: bool) -> None:
+    one = publication()
+    texts = [one.exact_json(), one.json()] if exact_first else [one.json(), one.exact_json()]
+    assert texts[0] is texts[1]

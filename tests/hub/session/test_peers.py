@@ -7,6 +7,8 @@ from typing import Any
 
 import pytest
 
+from fibws.hub.graph.peers import MOST_REQUESTS
+
 from ..fakes import INT32, STRING, Client, FakeHub, number
 
 SIDES = {"advertise": "subscribe", "subscribe": "advertise"}
@@ -207,3 +209,19 @@ def test_whatever_happens_who_asks_knows_who_is_there(seed: int) -> None:
                 heard[client] = nodes
         assert heard[publisher] == sorted({each.node for each in topic.subscriptions()})
         assert heard[subscriber] == sorted(topic.publishers)
+
+
+@pytest.mark.parametrize("op", SIDES)
+def test_one_topic_is_asked_after_by_so_many_requests_and_no_more(op: str) -> None:
+    hub = FakeHub()
+    client = hub.client("/asking")
+    for count in range(MOST_REQUESTS):
+        client.says(op, "/a", type=INT32, id=count, peers=True)
+    assert len(told(client)) == MOST_REQUESTS
+    client.says(op, "/a", type=INT32, id="too many", peers=True)
+    (refused,) = client.hears()
+    assert (refused["op"], refused["level"], refused["id"]) == ("status", "error", "too many")
+    assert "10 requests for the peers of one topic are enough" in refused["msg"]
+    client.says(op, "/a", type=INT32, id=3, peers=True)
+    client.says(op, "/a", type=INT32, id="does not ask")
+    assert told(client) == [[]], "the same one may ask again, others need not ask"

@@ -223,3 +223,37 @@ async def test_the_programs_objects_live_no_longer_than_it() -> None:
             robot = Robot()
         """)
         assert said == ["deleted"]
+
+
+def test_a_class_is_no_message(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(core, "_initialized", True)
+    publisher = Publisher("chatter", String, queue_size=1)
+    with pytest.raises(TypeError, match=r"got the class String: write String\(\)"):
+        publisher.publish(String)
+    publisher.unregister()
+
+
+async def test_infinity_arrives_as_it_is_and_nan_as_nan() -> None:
+    async with world() as it:
+        listener = await it.start("""
+            import rospy
+            from sensor_msgs.msg import LaserScan
+
+            rospy.init_node("listener")
+            print("ready", flush=True)
+            scan = rospy.wait_for_message("scan", LaserScan)
+            print(scan.range_max, scan.ranges)
+        """)
+        assert await listener.says() == "ready"
+        await it.run("""
+            import rospy
+            from sensor_msgs.msg import LaserScan
+
+            rospy.init_node("laser")
+            scans = rospy.Publisher("scan", LaserScan, queue_size=1, latch=True)
+            inf = float("inf")
+            scans.publish(LaserScan(range_max=inf, ranges=[1.5, inf, -inf, float("nan")]))
+            while not scans.get_num_connections():
+                rospy.sleep(0.01)
+        """)
+        assert await listener.ends() == ["inf (1.5, inf, -inf, nan)"]

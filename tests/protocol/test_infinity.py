@@ -1,0 +1,52 @@
+"""What no number of JSON is, in JSON."""
+
+from __future__ import annotations
+
+import json
+from math import inf, nan
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pydantic_core import from_json
+
+from fibws.protocol.infinity import exact_json_of
+from fibws.protocol.operations import json_of
+
+VALUES = st.recursive(
+    st.none()
+    | st.booleans()
+    | st.integers(-(2**53), 2**53)
+    | st.text()
+    | st.floats(allow_nan=False),
+    lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner),
+    max_leaves=20,
+)
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        ({"data": inf}, b'{"data":1e999}'),
+        ([-inf, nan, 1.5], b"[-1e999,null,1.5]"),
+        ({"text": "Infinity, NaN"}, b'{"text":"Infinity, NaN"}'),
+        ([inf, 'a "NaN" \\', -inf], rb'[1e999,"a \"NaN\" \\",-1e999]'),
+        ({"Infinity": inf, "NaN": nan}, b'{"Infinity":1e999,"NaN":null}'),
+    ],
+)
+def test_infinity_is_a_number_that_no_float_can_hold(value: object, text: bytes) -> None:
+    assert exact_json_of(value) == text
+
+
+@given(VALUES)
+def test_every_parser_reads_it_back(value: Any) -> None:
+    text = exact_json_of(value)
+    assert from_json(text) == json.loads(text) == value
+
+
+@given(VALUES)
+def test_what_is_finite_is_as_ever(value: Any) -> None:
+    text = exact_json_of(value)
+    if b"1e999" not in text:
+        assert text == json_of(value)
