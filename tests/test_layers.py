@@ -4,7 +4,7 @@ programs        broadcaster  listener  action_server ...  cli/  tf/  ros1/  work
     |
 node/  hub/     with msg/  srv/  action/, the classes of messages, beside node/
     \\  /
-protocol/  interfaces/  names  errors  yamltext
+protocol/  interfaces/  names  errors  hint  xmltree  yamltext
 """
 
 from __future__ import annotations
@@ -30,6 +30,8 @@ BELOW = {
     "errors": set[str](),
     "names": {"errors"},
     "yamltext": set[str](),
+    "hint": set[str](),
+    "xmltree": {"errors"},
     "protocol": {"errors", "names", "protocol"},
     "interfaces": {"errors", "names", "interfaces"},
     "hub": {"errors", "names", "protocol", "interfaces", "hub", "__version__"},
@@ -41,13 +43,13 @@ BELOW = {
     "ros1": {*fibws.__all__, "cli", "errors", "names", "yamltext", "interfaces", *CLASSES, "ros1"},
     "ros1/python": {*fibws.__all__, "errors", "names", "yamltext", "interfaces", *CLASSES}
     | {"cli", "node", "ros1", "workspace"},
-    "workspace": {"errors", "names", "interfaces", "workspace", "ros1"},
-    "launch": {"errors", "names", "launch", "workspace", "ros1"},
+    "workspace": {"errors", "hint", "names", "xmltree", "interfaces", "workspace", "ros1"},
+    "launch": {"errors", "hint", "names", "xmltree", "launch", "workspace", "ros1"},
 }
 """What each part of fibws may import of fibws; ros1/python is for scripts, and above the others."""
 
 TOOLS = {"cli", "errors", "names", "yamltext", "node", "interfaces", "launch", "ros1", "workspace"}
-TOOLS |= {"__version__"}
+TOOLS |= {"__version__", "hint"}
 """What the tools of the command line may import of fibws: of `node`, no more than `node.address`;
 `interfaces` in functions alone, as whatever else takes its time to be loaded."""
 SLOW = {"asyncio", "pydantic", "pydantic_core", "yaml", "rich", "ssl", "cbor2", "fibws.interfaces"}
@@ -100,13 +102,14 @@ TESTED_ELSEWHERE = {
     "ros1/python/rospkg/common.py": "ros1/rospkg/test_rospack.py",
     "ros1/python/rospkg/manifest.py": "ros1/rospkg/test_rospack.py",
     "ros1/python/rospy/exceptions.py": "ros1/rospy/test_core.py",
+    "ros1/python/rospy/impl/tcpros.py": "ros1/rospy/impl/test_tcpros_service.py",
+    "ros1/python/rospy/impl/tcpros_base.py": "ros1/rospy/impl/test_tcpros_service.py",
     "ros1/python/sitecustomize.py": "ros1/test_finder.py",
     "ros1/tutorials/listener.py": "ros1/test_known.py",
     "ros1/tutorials/talker.py": "ros1/test_known.py",
     "rospy.py": "programs/test_rospy.py",
     "workspace/cmake/condition.py": "workspace/cmake/test_script.py",
     "workspace/known.py": "workspace/test_check.py",
-    "workspace/near.py": "workspace/test_missing.py",
     "workspace/recipe.py": "workspace/test_reader.py",
     "workspace/source.py": "workspace/test_build.py",
     "workspace/templates.py": "workspace/test_skeleton.py",

@@ -13,8 +13,6 @@ from fibws.errors import FibwsError
 from fibws.node import address
 from fibws.ros1.process import become
 
-HERE = ("127.0.0.1", "::1", "localhost")
-
 
 @click.command()
 @click.option(
@@ -38,7 +36,7 @@ def command(port: int | None, verbose: bool, workers: str | None, timeout: str |
         if port is None:
             _warn_of_another_machine()
             port = _told_port()
-        url = f"ws://{HERE[0]}:{port}"
+        url = f"ws://{address.LOOPBACK[0]}:{port}"
         if port and _is_there(url):
             raise click.ClickException(
                 "roscore cannot run as another roscore/master is already running: "
@@ -61,7 +59,7 @@ def _told_port() -> int:
 
 def _warn_of_another_machine() -> None:
     told = _told()
-    if told.hostname not in HERE:
+    if told.hostname not in address.LOOPBACK:
         text = f"WARNING: {address.ENVIRONMENT} has nodes look for the hub at {told.hostname}"
         click.echo(f"{text}, and this one is for this machine alone", err=True)
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
-from fibws.cli.hint import hint
+from fibws.hint import hint
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem

@@ -10,11 +10,11 @@ from urllib.parse import quote, urlsplit
 import click
 
 from fibws.cli import complete, output
-from fibws.cli.hint import hint
 from fibws.cli.link import Link
 from fibws.cli.message.paths import splits
 from fibws.cli.tool import linked
 from fibws.errors import InvalidName
+from fibws.hint import hint
 
 PARTS = ("graph", "topics", "plot", "services", "console", "parameters")
 WITH_NAMES = {"topics", "plot", "services"}

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import click
 
 from fibws.cli import output
-from fibws.cli.hint import hint
 from fibws.cli.tool import SETTINGS
 from fibws.errors import FibwsError, WorkspaceError
+from fibws.hint import hint, nearest
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
@@ -139,7 +139,6 @@ def _warn(name: str, depends: Iterable[str], here: Path) -> None:
     from fibws.workspace import place
     from fibws.workspace.known import ELSEWHERE, PROVIDED
     from fibws.workspace.manifest import BY_CONVENTION
-    from fibws.workspace.near import nearest
     from fibws.workspace.packages import Packages
 
     warnings = []

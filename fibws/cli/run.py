@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shlex
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,8 +11,7 @@ import click
 
 from fibws.cli.ending import ending
 from fibws.cli.tool import SETTINGS
-from fibws.errors import FibwsError, WorkspaceError
-from fibws.ros1 import known
+from fibws.errors import FibwsError
 from fibws.ros1.process import become, command_line
 
 if TYPE_CHECKING:
@@ -72,29 +70,33 @@ def command(workspace: Path | None, prefix: str | None, words: tuple[str, ...]) 
             use(workspace)
         if not words:
             raise click.UsageError("Write PACKAGE PROGRAM, or the path of a script.")
-        line = _line(words, workspace)
-        become([*shlex.split(prefix or ""), *line])
+        become([*_prefix(prefix or ""), *_line(words, workspace)])
+
+
+def _prefix(text: str) -> list[str]:
+    from fibws.launch.surroundings import split
+
+    try:
+        return split(text)
+    except ValueError as error:
+        raise click.BadParameter(f"{error}: {text}", param_hint="--prefix") from None
 
 
 def _line(words: Sequence[str], workspace: Path | None) -> list[str]:
+    from fibws.workspace import rosrun
+
     script = Path(words[0])
     if script.suffix == ".py" or (os.sep in words[0] and script.is_file()):
         if not script.is_file():
-            raise click.UsageError(f"There is no file {script}, in {Path.cwd()}.")
+            text = f"There is no file {script}, in {Path.cwd()}."
+            raise click.UsageError(text + _owner(_packages(workspace), script))
         return command_line(script, words[1:])
     packages = _packages(workspace)
     if len(words) == 1:
         _ask_which(packages, words[0])
     package, program, *arguments = words
-    try:
-        return command_line(packages.executable(package, program), arguments)
-    except WorkspaceError:
-        if _is_own(packages, package):
-            raise
-        line = known.command_line(package, program, arguments)
-        if line is None:
-            raise
-        return line
+    line, _ = rosrun.command_line(packages, package, program, arguments)
+    return line
 
 
 def use(workspace: Path) -> None:
@@ -113,8 +115,10 @@ def use(workspace: Path) -> None:
         )
 
 
-def _is_own(packages: Packages, package: str) -> bool:
-    return package in packages.names() and not packages.find(package).is_standard
+def _owner(packages: Packages, script: Path) -> str:
+    """Which package has it, if that was left out."""
+    found = packages.having(str(script)) if script.name == str(script) else ()
+    return f" Package {found[0].name} has one: rosrun {found[0].name} {script}" if found else ""
 
 
 def _ask_which(packages: Packages, package: str) -> None:

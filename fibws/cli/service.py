@@ -7,13 +7,13 @@ from collections.abc import Iterator
 import click
 
 from fibws.cli import complete, output, words
-from fibws.cli.hint import hint
 from fibws.cli.input import piped
 from fibws.cli.link import Link
 from fibws.cli.message import printing, reading
 from fibws.cli.message.typedefs import TIMES, Typedefs, if_known
 from fibws.cli.snapshot import Entry, Snapshot, within
 from fibws.cli.tool import json_option, linked
+from fibws.hint import hint
 
 POLL = 0.1
 """Seconds between two looks for a service that is waited for."""

@@ -7,8 +7,8 @@ from typing import Any
 
 import click
 
-from fibws.cli.hint import hint
 from fibws.cli.link import Link
+from fibws.hint import hint
 
 Entry = dict[str, Any]
 """One node, topic, service or action, with the fields of its message in fibws_msgs."""

@@ -134,10 +134,8 @@ def make(
         text = visible(str(fault).replace(prefix, ""))
         click.secho(f"Error: {text}", fg="red", err=True)
     if plan.faults:
-        count = len(plan.faults)
-        raise click.ClickException(
-            f"nothing was built, for {_counted(count, 'thing is', 'things are')} wrong"
-        )
+        count = _counted(len(plan.faults), "error", "errors")
+        raise click.ClickException(f"nothing was built, because of {count}")
     for source in plan.built:
         click.echo(f"{source.name}: {_made(source)}")
     _print_next(workspace, plan)
@@ -213,18 +211,14 @@ def _print_next(workspace: Workspace, plan: Plan) -> None:
     if not plan.sources and not plan.faults:
         where = "src" if inside else str(workspace.source)
         click.echo(
-            f"There is no package yet. Next: cd {quote(where)} && "
+            f"There is no package yet; to begin one: cd {quote(where)} && "
             f"catkin_create_pkg NAME std_msgs rospy"
         )
     if str(workspace.source) in os.environ.get(PATH, "").split(os.pathsep):
         click.echo("Done; this shell has the workspace already.")
         return
     devel = Path(place.DEVEL) if inside else workspace.devel
-    if os.name == "nt":
-        click.echo(f"Next: . {devel / 'setup.ps1'}    (cmd: call {devel / 'setup.bat'})")
-        return
-    shell = "zsh" if Path(os.environ.get("SHELL", "")).name == "zsh" else "bash"
-    click.echo(f"Next: source {quote(str(devel / f'setup.{shell}'))}")
+    click.echo(f"Next: {place.sourcing(devel)}")
 
 
 def _made(source: Source) -> str:

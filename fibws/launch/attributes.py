@@ -7,10 +7,11 @@ from collections.abc import Sequence
 from typing import overload
 
 from fibws.errors import FibwsError, LaunchError
+from fibws.hint import hint_or_all
 from fibws.launch.scope import Scope
 from fibws.launch.substitution import substitute
 from fibws.launch.tag import Tag
-from fibws.launch.value import boolean, nearest
+from fibws.launch.value import boolean
 
 CONDITIONS = ("if", "unless")
 
@@ -48,7 +49,7 @@ class Attributes:
             return
         for name in tag.attributes:
             if name not in known and name not in CONDITIONS:
-                hint = nearest(name, list(known)) or "; it has none"
+                hint = hint_or_all(name, known) or "; it has none"
                 raise tag.fault(f"<{tag.name}> has no attribute {name}{hint}")
 
     @overload

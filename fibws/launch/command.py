@@ -11,7 +11,7 @@ from pathlib import Path
 from fibws.errors import FibwsError, LaunchError
 from fibws.launch.model import Node
 from fibws.launch.surroundings import split
-from fibws.ros1 import known, process
+from fibws.workspace import rosrun
 from fibws.workspace.packages import Packages
 
 OWN = "fibws"
@@ -87,7 +87,7 @@ def changes(node: Node, hub: str, environment: Mapping[str, str]) -> dict[str, s
 
 def is_there(node: Node, packages: Packages) -> bool:
     """Whether a node needs no start, since the hub does what it does."""
-    return node.package in ALREADY_THERE and not _is_own(node, packages)
+    return node.package in ALREADY_THERE and not packages.has_own(node.package)
 
 
 def ros_home(environment: Mapping[str, str]) -> Path:
@@ -104,21 +104,7 @@ def _program(node: Node, packages: Packages, arguments: list[str]) -> tuple[list
     """The command of a node's program, and the folder that this is in."""
     if node.package == OWN and node.type in OWN_PROGRAMS:
         return [sys.executable, "-P", "-m", f"{OWN}.{node.type}", *arguments], Path.cwd()
-    if not _is_own(node, packages):
-        command = known.command_line(node.package, node.type, arguments)
-        if command is not None:
-            if "open" in command[:6] and OWN in command[:6]:
-                # It is no node, and knows no names that are remapped.
-                command = [word for word in command if ":=" not in word]
-            return command, Path.cwd()
-    executable = packages.executable(node.package, node.type)
-    return process.command_line(executable, arguments), executable.parent
-
-
-def _is_own(node: Node, packages: Packages) -> bool:
-    """Whether somebody's workspace has the package."""
-    names = packages.names()
-    return node.package in names and not packages.find(node.package).is_standard
+    return rosrun.command_line(packages, node.package, node.type, arguments)
 
 
 def _fault(node: Node, text: str) -> LaunchError:

@@ -23,7 +23,7 @@ MOST_BITS = 4096
 MOST_DIGITS = 400
 """That a number is rounded to."""
 MOST_ITEMS = 10_000
-"""Of a list, and characters of a text."""
+"""Of a list and those in it, each as often as it is there, and characters of their texts."""
 
 _BINARY: dict[type[ast.operator], Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,
@@ -69,11 +69,25 @@ _METHODS: dict[type, set[str]] = {
 }
 """The methods that values have here: none that changes them, writes files or repeats texts."""
 
-_MATH = {name: each for name, each in vars(math).items() if not name.startswith("_")}
-_GROWING = {math.factorial, math.comb, math.perm, math.prod, math.lcm}
+_GROWING = ("factorial", "comb", "perm", "prod", "lcm")
 """What makes large numbers of small ones."""
-_WIDTH = re.compile(r"%[^a-zA-Z%]*?(\*|\d{4,})")
+_WIDTH = re.compile(r"(?:\*|\d{4})[.\d*]*+[hlL]?[a-zA-Z%]")
 """A field of a format that is very wide."""
+
+
+def _of_little(function: Callable[..., Any]) -> Callable[..., Any]:
+    """The function, for small numbers alone."""
+
+    def guarded(*arguments: Any) -> Any:
+        if not all(map(_is_little, arguments)):
+            raise ValueError("it has a number that is too large")
+        return function(*arguments)
+
+    return guarded
+
+
+_MATH = {name: each for name, each in vars(math).items() if not name.startswith("_")}
+_MATH.update((name, _of_little(_MATH[name])) for name in _GROWING)
 
 
 def _round(number: Any, digits: int | None = None) -> Any:
@@ -193,10 +207,9 @@ class _Evaluation:
             if bits > MOST_BITS:
                 raise ValueError("it has a number that is too large")
         elif operation is ast.Mult and not (_is_number(left) and _is_number(right)):
-            length = len(right) if _is_number(left) else len(left)
-            times = left if _is_number(left) else right
-            if not _is_whole(times) or length * times > MOST_ITEMS:
-                raise ValueError("it has a text that is too long")
+            times, repeated = (left, right) if _is_number(left) else (right, left)
+            if not _is_whole(times) or _weight(repeated) * times > MOST_ITEMS:
+                raise ValueError("it has a text or a list that is too long")
         elif operation is ast.Mod and isinstance(left, str) and _WIDTH.search(left):
             raise ValueError("it has a text that is too long")
         return _BINARY[operation](left, right)
@@ -229,10 +242,6 @@ class _Evaluation:
         function = self._named(part.func.id)
         if not callable(function):
             raise ValueError(f"{part.func.id} is no function")
-        if part.func.id == "map" and arguments and arguments[0] in _GROWING:
-            raise ValueError(f"this is not known here: {ast.unparse(part)}")
-        if function in _GROWING and not all(map(_is_little, arguments)):
-            raise ValueError("it has a number that is too large")
         return _listed(function(*arguments))
 
     def _method(self, part: ast.Attribute, arguments: list[Any]) -> Any:
@@ -271,9 +280,24 @@ def _small(value: Any) -> Any:
     """The value, if it is not too large."""
     if isinstance(value, int) and value.bit_length() > MOST_BITS:
         raise ValueError("it has a number that is too large")
-    if isinstance(value, str | list | dict) and len(value) > MOST_ITEMS:
+    if isinstance(value, str | list | dict) and _weight(value) > MOST_ITEMS:
         raise ValueError("it has a text or a list that is too long")
     return value
+
+
+def _weight(value: Any) -> int:
+    """How many items and characters a value has; more than `MOST_ITEMS` are not told apart."""
+    weight = 0
+    parts = [value]
+    while parts and weight <= MOST_ITEMS:
+        part = parts.pop()
+        weight += 1
+        if isinstance(part, str):
+            weight += len(part) - 1
+        elif isinstance(part, list | dict):
+            weight += len(part) - 1
+            parts += [*part, *part.values()] if isinstance(part, dict) else part
+    return weight
 
 
 def _is_number(value: Any) -> bool:

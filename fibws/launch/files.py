@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from difflib import get_close_matches
 from pathlib import Path
 
 from fibws.errors import PackageNotFound, WorkspaceError
-from fibws.launch.surroundings import SHARE
+from fibws.hint import nearest
 from fibws.workspace.packages import Packages
 from fibws.workspace.programs import find_files
 
@@ -54,18 +53,10 @@ def _folder(package: str, file: str, packages: Packages) -> Path:
     try:
         return packages.find(package).folder
     except PackageNotFound as error:
-        if package.isidentifier() and (SHARE / package).is_dir():
-            return SHARE / package
         if Path(package).suffix in SUFFIXES or "/" in package:
             raise WorkspaceError(f"there is no file {package}") from None
-        having = [
-            each.name
-            for each in packages
-            if not each.is_standard and any(find_files(each.folder, file))
-        ]
-        if having:
-            hint = f"{having[0]} has {file}: roslaunch {having[0]} {file}"
-            raise PackageNotFound(package, hint) from None
+        if having := _having(file, packages):
+            raise PackageNotFound(package, having) from None
         raise error
 
 
@@ -76,8 +67,20 @@ def _no_file(word: str, packages: Packages) -> WorkspaceError:
             f"{word} is a package: name a launch file of it, too; {_have('', known)}"
         )
     beside = [path.name for path in Path(word).parent.glob("*") if path.suffix in SUFFIXES]
-    near = get_close_matches(Path(word).name, beside, 1)
-    return WorkspaceError(f"there is no file {word}{f'; did you mean {near[0]}?' if near else ''}")
+    if having := _having(word, packages):
+        return WorkspaceError(f"there is no file {word}: {having}")
+    near = _nearest(word, beside)
+    return WorkspaceError(f"there is no file {word}{f'; did you mean {near}?' if near else ''}")
+
+
+def _having(file: str, packages: Packages) -> str:
+    """Which package has a launch file, as a hint; empty if none has."""
+    if not file.endswith(SUFFIXES) or Path(file).is_absolute():
+        return ""
+    for package in packages:
+        if not package.is_standard and any(find_files(package.folder, file)):
+            return f"{package.name} has it: roslaunch {package.name} {file}"
+    return ""
 
 
 def _checked(word: str) -> str:
@@ -87,7 +90,13 @@ def _checked(word: str) -> str:
 
 
 def _have(name: str, known: list[str]) -> str:
-    near = get_close_matches(name, known, 1)
-    if near:
-        return f"did you mean {near[0]}?"
+    if near := _nearest(name, known):
+        return f"did you mean {near}?"
     return f"it has {', '.join(known)}" if known else "it has none"
+
+
+def _nearest(file: str, known: list[str]) -> str | None:
+    """The one of the known files that is almost called so; all have like suffixes."""
+    by_stem = {Path(each).stem: each for each in known}
+    near = nearest(Path(file).stem, by_stem)
+    return by_stem[near] if near else None

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from fibws import names
 from fibws.errors import InvalidName
+from fibws.hint import hint_or_all
 from fibws.launch.attributes import Attributes, applies
 from fibws.launch.model import Launch, Node
 from fibws.launch.parameter import read_param, read_rosparam, set_parameter
 from fibws.launch.scope import Scope
 from fibws.launch.tag import Tag
-from fibws.launch.value import nearest
 
 NODE = (
     *("pkg", "type", "name", "args", "output", "respawn", "respawn_delay", "required", "ns"),
@@ -110,7 +110,7 @@ def _read_inner(
     tag: Tag, child: Tag, scope: Scope, own: Scope, within: Scope, launch: Launch
 ) -> None:
     if child.name not in INNER:
-        hint = nearest(child.name, list(INNER))
+        hint = hint_or_all(child.name, INNER)
         raise child.fault(f"<{tag.name}> has no <{child.name}> in it{hint}")
     if not applies(child, scope):
         return

@@ -10,7 +10,7 @@ from fibws.launch.attributes import Attributes, substituted
 from fibws.launch.model import Launch, Step
 from fibws.launch.scope import PRIVATE, Scope, name_of
 from fibws.launch.tag import Tag
-from fibws.launch.value import TYPES, convert, nearest
+from fibws.launch.value import TYPES, convert
 
 PARAM = ("name", "value", "type", "textfile", "binfile", "command")
 ROSPARAM = ("command", "ns", "file", "param", "subst_value")
@@ -37,8 +37,7 @@ def read_rosparam(tag: Tag, scope: Scope, launch: Launch) -> None:
     attributes = Attributes(tag, scope, ROSPARAM)
     command = attributes.text("command", "load")
     if command not in COMMANDS:
-        fault = f"{command!r} is none of {', '.join(COMMANDS)}{nearest(command, [])}"
-        raise attributes.fault("command", fault)
+        raise attributes.fault("command", f"{command!r} is none of {', '.join(COMMANDS)}")
     inner = attributes.text("ns", "").strip()
     name = attributes.text("param", "").strip()
     if inner and not name.startswith(("/", PRIVATE)):

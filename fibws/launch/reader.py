@@ -6,13 +6,13 @@ import os.path
 from collections.abc import Callable, Mapping
 
 from fibws.errors import LaunchError
+from fibws.hint import hint_or_all
 from fibws.launch.attributes import Attributes, applies
 from fibws.launch.model import Argument, Launch, Node
 from fibws.launch.node import namespace_of, read_env, read_node, read_remap
 from fibws.launch.parameter import read_param, read_rosparam
 from fibws.launch.scope import Scope
 from fibws.launch.tag import Tag, read
-from fibws.launch.value import nearest
 from fibws.launch.world import World
 
 TAGS = ("arg", "env", "group", "include", "machine", "node", "param", "remap", "rosparam", "test")
@@ -21,6 +21,8 @@ HERE = ("localhost", "127.0.0.1", "::1")
 STANDARD_INPUT = "<stdin>"
 MOST_INCLUDES = 30
 """Files that include each other."""
+MOST_FILES = 1000
+"""In all: two files that each include two others again and again would never be read."""
 
 
 class Reader:
@@ -95,7 +97,7 @@ class Reader:
         """A line for each argument of the command line that no file has an <arg> for."""
         known = list(self.launch.arguments)
         return [
-            f"{name}:={value}: no <arg> is called {name}{nearest(name, known)}"
+            f"{name}:={value}: no <arg> is called {name}{hint_or_all(name, known)}"
             for name, value in self._values.items()
             if name not in known and not name.startswith("__")
         ]
@@ -115,7 +117,7 @@ class Reader:
         if tag.name == "master":
             self._warn(tag, "<master> has no meaning any more, and is read past")
         elif tag.name not in TAGS:
-            near = nearest(tag.name, list(TAGS))
+            near = hint_or_all(tag.name, TAGS)
             raise tag.fault(f"there is no tag <{tag.name}>{near}")
         elif applies(tag, scope):
             self._tags[tag.name](tag, scope)
@@ -204,7 +206,7 @@ class Reader:
         given = scope.inner()
         for child in tag.children:
             if child.name not in ("arg", "env"):
-                hint = nearest(child.name, ["arg", "env"])
+                hint = hint_or_all(child.name, ["arg", "env"])
                 raise child.fault(f"<include> has no <{child.name}> in it{hint}")
             if applies(child, given):
                 if child.name == "env":
@@ -224,6 +226,8 @@ class Reader:
     def _included(self, tag: Tag, file: str, scope: Scope) -> None:
         if len(self._including) >= MOST_INCLUDES:
             raise tag.fault(f"<include>: more than {MOST_INCLUDES} files include each other")
+        if len(self.launch.files) >= MOST_FILES:
+            raise tag.fault(f"<include>: more than {MOST_FILES} files are included")
         try:
             document = self._world.read(file)
         except OSError as error:
@@ -237,7 +241,8 @@ class Reader:
         except LaunchError as error:
             if error.files or (error.file, error.line) == (tag.file, tag.line):
                 raise
-            files = tuple(reversed(self._including))
+            # Files that include each other are told of once.
+            files = tuple(dict.fromkeys(reversed(self._including)))
             raise LaunchError(error.file, error.line, error.fault, files) from None
         finally:
             self._including.pop()
@@ -255,4 +260,4 @@ def applies_or_none(tag: Tag, scope: Scope) -> bool:
 
 
 def _meant(name: str, known: list[str]) -> str:
-    return nearest(name, known) if known else "; it has none"
+    return hint_or_all(name, known) or "; it has none"

@@ -15,6 +15,7 @@ from fibws.launch.log import Log
 from fibws.launch.model import Node
 from fibws.launch.process import Ask, Process
 from fibws.launch.screen import Screen
+from fibws.ros1.process import explained
 
 WAIT_INTERRUPT, WAIT_TERMINATE = 15.0, 2.0
 """Seconds that a process has to end after the one and the other, as for roslaunch."""
@@ -190,10 +191,9 @@ class Runner:
         try:
             await process.begin()
         except OSError as error:
-            self._screen.complain(
-                f"[{process.name}] cannot be started: {_why(error)}: "
-                f"{' '.join(process.start.command)}"
-            )
+            command = process.start.command
+            why = _why(explained(error, command[0]))
+            self._screen.complain(f"[{process.name}] cannot be started: {why}: {' '.join(command)}")
             return False
         self._screen.say(f"process[{process.name}]: started with pid [{process.pid}]", bold=True)
         return True
@@ -253,8 +253,9 @@ class Runner:
             except OSError as error:
                 self._screen.complain(f"[{job.process.name}] cannot be logged: {_why(error)}")
                 job.screen, job.log = True, None
-        # What goes wrong is shown wherever the rest goes.
-        if job.screen or is_error:
+        # What goes wrong is shown wherever the rest goes; not so what ending in haste makes Python
+        # say, be it in the midst of its own start.
+        if job.screen or (is_error and not self.is_told):
             self._screen.show(job.process.name, line, is_error=is_error)
 
     def _say_all_have_ended(self) -> None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from fibws import names
-from fibws.launch.value import nearest
+from fibws.hint import hint_or_all
 from fibws.launch.world import World
 
 PRIVATE = "~"
@@ -69,7 +69,7 @@ class Scope:
         if name in self.declared:
             raise ValueError(f"the arg {name} has no value: it must be given as {name}:=VALUE")
         known = sorted(self.declared)
-        raise ValueError(f"no <arg> is called {name} here{nearest(name, known)}")
+        raise ValueError(f"no <arg> is called {name} here{hint_or_all(name, known)}")
 
     def anonymous(self, name: str) -> str:
         """The name that ``$(anon name)`` stands for, the same every time."""

@@ -7,13 +7,16 @@ import re
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+from fibws.hint import hint_or_all
 from fibws.launch.evaluation import evaluate
-from fibws.launch.value import automatic, nearest
+from fibws.launch.value import automatic
 
 if TYPE_CHECKING:
     from fibws.launch.scope import Scope
 
 COMMANDS = ("arg", "env", "optenv", "find", "anon", "eval", "dirname")
+MOST_CHARACTERS = 1_000_000
+"""Of an attribute with all put in: arguments that hold each other twice grow without end."""
 _COMMAND = re.compile(r"\$\(([^()$]*)\)")
 _EVAL = "$(eval "
 
@@ -39,13 +42,23 @@ def substitute(text: str, scope: Scope) -> str:
     if "$(" in rest:
         fault = "is not closed" if ")" not in rest else "has another ( or $ in it"
         raise ValueError(f"a $( {fault}: {text}")
-    return _COMMAND.sub(lambda found: _replaced(found, scope), text)
+    length = len(text)
+
+    def put_in(found: re.Match[str]) -> str:
+        nonlocal length
+        value = _replaced(found, scope)
+        length += len(value)
+        if length > MOST_CHARACTERS:
+            raise ValueError(f"{found[0]} makes this longer than {MOST_CHARACTERS} characters")
+        return value
+
+    return _COMMAND.sub(put_in, text)
 
 
 def _replaced(found: re.Match[str], scope: Scope) -> str:
     command, *words = found[1].split() or [""]
     if command not in _REPLACE:
-        raise ValueError(f"{found[0]}: there is no $({command}){nearest(command, list(COMMANDS))}")
+        raise ValueError(f"{found[0]}: there is no $({command}){hint_or_all(command, COMMANDS)}")
     return _REPLACE[command](words, scope)
 
 

@@ -12,12 +12,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from fibws.errors import PackageNotFound
 from fibws.launch.value import Yaml
-from fibws.workspace.packages import Packages
+from fibws.workspace.packages import SHARE, Packages
 
-SHARE = Path(__file__).parent / "share"
-"""Holds the packages whose launch files are there without being installed."""
 MOST_BYTES = 2**26
 """Of a file: no launch file has as many, and a device may have no end."""
 
@@ -40,14 +37,10 @@ class Surroundings:
 
     def find(self, package: str) -> Path:
         """The folder of a package; it raises `PackageNotFound` if there is none."""
-        try:
-            return self._packages.find(package).folder
-        except PackageNotFound:
-            if not package.isidentifier() or not (SHARE / package).is_dir():
-                raise
-        if package not in self.shared:
+        folder = self._packages.find(package).folder
+        if folder.parent == SHARE and package not in self.shared:
             self.shared.append(package)
-        return SHARE / package
+        return folder
 
     def read(self, file: str) -> bytes:
         """What is in a file; it raises `OSError` if it cannot be read."""

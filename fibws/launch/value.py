@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from difflib import get_close_matches
 from typing import Any, TypeAlias
+
+from fibws.hint import nearest
 
 Yaml: TypeAlias = Callable[[str], Any]
 """Reads a text in YAML; it raises `ValueError` if it is none."""
@@ -34,8 +35,8 @@ def convert(text: str, type_: str, yaml: Yaml) -> Any:
             return boolean(text)
         case "yaml":
             return yaml(text)
-    near = get_close_matches({"float": "double"}.get(type_, type_), TYPES, 1)
-    hint = f"did you mean {near[0]}?" if near else f"it is one of {', '.join(TYPES)}"
+    near = nearest({"float": "double"}.get(type_, type_), TYPES)
+    hint = f"did you mean {near}?" if near else f"it is one of {', '.join(TYPES)}"
     raise ValueError(f"there is no type {type_!r}: {hint}")
 
 
@@ -60,11 +61,3 @@ def boolean(text: str) -> bool:
     if value is None:
         raise ValueError(f"{text!r} is neither true nor false")
     return value
-
-
-def nearest(name: str, known: list[str]) -> str:
-    """The end of an error's text, ``; did you mean x?``, else what is known; empty without any."""
-    near = get_close_matches(name, known, 1)
-    if near:
-        return f"; did you mean {near[0]}?"
-    return f"; known are {', '.join(known)}" if known else ""

@@ -84,7 +84,8 @@ def _record(environ: Mapping[str, str]) -> Changes | None:
         return None
     if not isinstance(found, dict):
         return None
-    return {name: found.get(name) for name in (PYTHON, *OF_ROS)}
+    values = {name: found.get(name) for name in (PYTHON, *OF_ROS)}
+    return {name: each if isinstance(each, str) else None for name, each in values.items()}
 
 
 def _others(path: str | None) -> list[str]:

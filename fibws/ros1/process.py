@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import re
 import subprocess
@@ -44,6 +45,16 @@ def is_python(executable: Path) -> bool:
         return _PYTHON.match(file.read(_HEAD).partition(b"\n")[0]) is not None
 
 
+def explained(error: OSError, program: str) -> OSError:
+    """The error of a start that was in vain, with the program's name and what a person can do."""
+    text = error.strerror
+    if error.errno == errno.ENOEXEC:
+        text = "It has no first line that says what runs it, such as #!/usr/bin/env python3"
+    elif error.errno == errno.ENOENT and os.path.isfile(program):
+        text = "There is no program such as its first line names"
+    return OSError(error.errno, text, program)
+
+
 def become(command: Sequence[str]) -> NoReturn:
     """Run a command in this process's place, so that signals and its exit code are its own.
 
@@ -55,7 +66,10 @@ def become(command: Sequence[str]) -> NoReturn:
     sys.stdout.flush()
     sys.stderr.flush()
     if os.name != "nt":
-        os.execvp(command[0], list(command))
+        try:
+            os.execvp(command[0], list(command))
+        except OSError as error:
+            raise explained(error, command[0]) from None
     with subprocess.Popen(command) as process:
         while process.poll() is None:
             with suppress(KeyboardInterrupt):  # It is the child's, who is told of it, too.

@@ -28,7 +28,14 @@ if ! command -v roscd >/dev/null 2>&1; then
         case ${{1-}} in
             */*) set -- "${{1%%/*}}" "/${{1#*/}}" ;;
             ?*) set -- "$1" "" ;;
-            *) echo "Write PACKAGE or PACKAGE/FOLDER." >&2; return 2 ;;
+            *)
+                if [ -n "${{CMAKE_PREFIX_PATH-}}" ]; then
+                    printf '%s\\n' "${{CMAKE_PREFIX_PATH%%:*}}"
+                    return
+                fi
+                echo "Write PACKAGE or PACKAGE/FOLDER." >&2
+                return 2
+                ;;
         esac
         set -- "$("${PYTHON}" -P -m fibws pkg find "$1")" "$2"
         [ -n "$1" ] && printf '%s\\n' "$1$2"

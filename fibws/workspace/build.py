@@ -9,17 +9,18 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from fibws.errors import FibwsError, PackageFileError, WorkspaceError
+from fibws.hint import hint
 from fibws.workspace import devel
 from fibws.workspace.check import check
 from fibws.workspace.crawl import find_folders
 from fibws.workspace.definitions import compile_definitions
 from fibws.workspace.manifest import FILE as MANIFEST
 from fibws.workspace.manifest import read_manifest
-from fibws.workspace.near import meant
 from fibws.workspace.order import in_order, with_needed
 from fibws.workspace.packages import PREFIXES, Packages
-from fibws.workspace.place import BUILD, DEVEL, LISTS, MARK, SOURCE
+from fibws.workspace.place import BUILD, DEVEL, MARK, SOURCE, SPACES
 from fibws.workspace.reader import read_recipe
+from fibws.workspace.recipe import FILE as LISTS
 from fibws.workspace.recipe import Recipe
 from fibws.workspace.setup_files import setup_files
 from fibws.workspace.source import Source
@@ -124,7 +125,7 @@ class Workspace:
         """Write devel/, in which what was made of packages that are called as ``others`` stays."""
         before = self._recorded()
         common = setup_files(self.folder, self._below)
-        common[".catkin"] = File(str(self.source).encode())
+        common[SPACES] = File(str(self.source).encode())
         record = {name: package for name, package in before.items() if package in others}
         for package, tree in {"": common, **built}.items():
             record |= dict.fromkeys(tree, package)
@@ -169,7 +170,7 @@ class Workspace:
                 continue
             try:
                 is_ours = (prefix / BUILT_BY).read_text("utf-8").strip() == TOOL
-                source = Path((prefix / ".catkin").read_text("utf-8").strip())
+                source = Path((prefix / SPACES).read_text("utf-8").strip())
             except (OSError, ValueError):
                 continue
             if is_ours:
@@ -182,11 +183,12 @@ class Workspace:
         for folder in find_folders(self.source):
             try:
                 manifest = read_manifest(folder)
-                if (folder / LISTS).is_file() or manifest.is_metapackage:
-                    has_lists = (folder / LISTS).is_file()
-                    recipe = read_recipe(folder) if has_lists else Recipe(str(folder / LISTS))
+                if (folder / LISTS).is_file():
+                    recipe = read_recipe(folder)
+                elif manifest.is_metapackage:
+                    recipe = Recipe(str(folder / LISTS))
                 else:
-                    missing = f"beside it a package has a {LISTS}, which is missing"
+                    missing = f"there is no {LISTS} beside it"
                     raise PackageFileError(str(folder / MANIFEST), 1, missing)
             except FibwsError as error:
                 plan.faults.append(error)
@@ -204,7 +206,7 @@ class Workspace:
         if not names:
             return set(sources)
         unknown = [name for name in names if name not in sources]
-        texts = [f"{name}{meant(name, sources)}" for name in unknown]
+        texts = [f"{name}{hint(name, sources)}" for name in unknown]
         if unknown and len(unknown) == len(names):
             raise WorkspaceError(f"Packages not found in the workspace: {', '.join(texts)}")
         if unknown:

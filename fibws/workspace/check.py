@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Collection
 
 from fibws.errors import PackageFileError
+from fibws.hint import hint, nearest
 from fibws.workspace.known import ELSEWHERE, MODULES, PROVIDED
 from fibws.workspace.missing import quoted
-from fibws.workspace.near import meant, nearest
 from fibws.workspace.programs import find_files, has_shebang, is_executable
 from fibws.workspace.source import Source
 
@@ -49,7 +49,7 @@ def _check_components(source: Source, packages: Collection[str]) -> None:
         if name == "catkin" or name in recipe.modules:
             continue
         if name not in packages and name not in PROVIDED | ELSEWHERE:
-            near = meant(name, {*packages, *PROVIDED})
+            near = hint(name, {*packages, *PROVIDED})
             recipe.fault(line, f"find_package(): there is no package {name} here{near}")
         elif name not in manifest.build:
             recipe.warn(line, f"package.xml lacks <build_depend>{name}</build_depend>")

@@ -16,15 +16,16 @@ def find_folders(root: Path) -> Iterator[Path]:
     """The folders below ``root``, it included, that hold a package.xml, sorted.
 
     There is none within a package, in a hidden folder, or in one that says it is to be ignored, as
-    what catkin has built does. Symbolic links are followed, but not in circles.
+    what catkin has built does. Symbolic links are followed, to each folder once.
     """
-    yield from _find(root, frozenset())
+    yield from _find(root, set())
 
 
-def _find(folder: Path, above: frozenset[str]) -> Iterator[Path]:
+def _find(folder: Path, seen: set[str]) -> Iterator[Path]:
     real = os.path.realpath(folder)
-    if real in above:
+    if real in seen:
         return
+    seen.add(real)
     try:
         entries = sorted(os.scandir(folder), key=lambda entry: entry.name)
     except OSError:
@@ -36,5 +37,6 @@ def _find(folder: Path, above: frozenset[str]) -> Iterator[Path]:
         yield folder
         return
     for entry in entries:
-        if not entry.name.startswith(".") and entry.is_dir():
-            yield from _find(folder / entry.name, above | {real})
+        # Not entry.is_dir(), which raises for a link that leads to itself.
+        if not entry.name.startswith(".") and os.path.isdir(folder / entry.name):
+            yield from _find(folder / entry.name, seen)

@@ -9,18 +9,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fibws.errors import DefinitionError, FibwsError, UnknownPackage
-from fibws.workspace.near import meant
-from fibws.workspace.recipe import Listed
+from fibws.hint import hint
+from fibws.workspace.recipe import ADD_FILES, Listed
 from fibws.workspace.source import Source
 
 if TYPE_CHECKING:
     from fibws.interfaces import Interfaces, MessageDefinition
-
-_COMMANDS = {
-    "msg": "add_message_files",
-    "srv": "add_service_files",
-    "action": "add_action_files",
-}
 
 
 def compile_definitions(sources: Sequence[Source], folders: Iterable[Path] = ()) -> None:
@@ -68,7 +62,7 @@ def _check_files(source: Source) -> None:
         for name in there:
             if name not in names:
                 text = (
-                    f"{kind}/{name} is not in {_COMMANDS[kind]}(FILES ...): nothing is made of it"
+                    f"{kind}/{name} is not in {ADD_FILES[kind]}(FILES ...): nothing is made of it"
                 )
                 recipe.warn(listed[0].line if listed else 1, text)
 
@@ -81,10 +75,10 @@ def _unfit(listed: Listed, kind: str, there: list[str]) -> str:
     path = listed.path
     if not path.is_file():
         if path.name in there:
-            return f"write {path.name}: {_COMMANDS[kind]}() looks in the folder {kind}/ by itself"
-        return f"there is no {kind}/{path.name}{meant(path.name, there)}"
+            return f"write {path.name}: {ADD_FILES[kind]}() looks in the folder {kind}/ by itself"
+        return f"there is no {kind}/{path.name}{hint(path.name, there)}"
     if path.suffix != f".{kind}":
-        return f"{_COMMANDS[kind]}() lists .{kind} files: {path.name}"
+        return f"{ADD_FILES[kind]}() lists .{kind} files: {path.name}"
     if not (path.stem.isascii() and path.stem.isidentifier()):
         return f"the name of a type has letters, digits and _ alone: {path.name!r}"
     return ""

@@ -7,15 +7,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from fibws import xmltree
 from fibws.errors import PackageFileError
+from fibws.hint import nearest
 from fibws.workspace.condition import holds
-from fibws.workspace.elements import Element, read_elements
-from fibws.workspace.near import nearest
 
 FILE = "package.xml"
 
 NAME = re.compile(r"[a-zA-Z0-9][a-zA-Z0-9_-]*", re.ASCII)
 """What catkin takes as the name of a package."""
+NAME_RULE = "the name of a package has letters, digits, _ and - only, and no _ or - first"
 BY_CONVENTION = re.compile(r"[a-z][a-z0-9_-]*", re.ASCII)
 _VERSION = re.compile(r"\d+\.\d+\.\d+", re.ASCII)
 _EMAIL = re.compile(r"[^@\s<>]+@[^@\s<>]+\.[^@\s<>]+")
@@ -115,7 +116,7 @@ def read_name(folder: Path) -> str:
         text = (folder / FILE).read_text("utf-8", errors="replace")
     except OSError:
         return folder.name
-    found = re.search(r"<name>\s*([^<\s]+)\s*</name>", re.sub(r"(?s)<!--.*?-->", "", text))
+    found = re.search(r"<name>\s*([^<\s]+)\s*</name>", re.sub(r"(?s)<!--.*?(?:-->|\Z)", "", text))
     return found[1] if found else folder.name
 
 
@@ -127,33 +128,46 @@ def read_manifest(folder: Path) -> Manifest:
         OSError: it cannot be read.
     """
     path = folder / FILE
-    return _Manifest(read_elements(path), str(path)).read()
+    return _Manifest(xmltree.read(path.read_bytes(), str(path), _Element)).read()
+
+
+class _Element(xmltree.Element):
+    """One element of a manifest."""
+
+    @property
+    def words(self) -> str:
+        """Its text, with single blanks between the words."""
+        return " ".join(self.text.split())
+
+    def fault(self, text: str) -> PackageFileError:
+        """An error that tells where this element stands."""
+        return PackageFileError(self.file, self.line, text)
 
 
 class _Manifest:
     """Reads one."""
 
-    def __init__(self, root: Element, source: str) -> None:
+    def __init__(self, root: _Element) -> None:
         self._root = root
-        self._source = source
+        self._source = root.file
         self._warnings: list[str] = []
 
     def read(self) -> Manifest:
-        if self._root.tag != "package":
-            raise self._fault(self._root, f"<package> is the root of a manifest, not {_tag(self)}")
+        if self._root.name != "package":
+            raise self._root.fault(f"<package> is the root of a manifest, not <{self._root.name}>")
         format = self._format()
         self._check_tags(format)
         name = self._one("name")
         self._check_name(name)
         version = self._one("version")
-        if not _VERSION.fullmatch(version.text):
-            raise self._fault(version, f"the version is not of the form 1.2.3: {version.text!r}")
+        if not _VERSION.fullmatch(version.words):
+            raise version.fault(f"the version is not of the form 1.2.3: {version.words!r}")
         depends = tuple(self._depends())
-        self._check_depends(name.text, depends)
+        self._check_depends(name.words, depends)
         return Manifest(
-            name=name.text,
-            version=version.text,
-            description=self._one("description").text,
+            name=name.words,
+            version=version.words,
+            description=self._one("description").words,
             format=format,
             source=self._source,
             line=name.line,
@@ -161,7 +175,7 @@ class _Manifest:
             licenses=tuple(self._licenses()),
             depends=depends,
             exports={
-                each.tag: each.text
+                each.name: each.words
                 for export in self._root.all("export")
                 for each in export.children
                 if self._is_needed(each)
@@ -172,83 +186,82 @@ class _Manifest:
     def _format(self) -> int:
         text = self._root.attributes.get("format", "1")
         if text not in ("1", "2", "3"):
-            raise self._fault(self._root, f"the formats are 1, 2 and 3; {text!r} is none of them")
+            raise self._root.fault(f"the formats are 1, 2 and 3; {text!r} is none of them")
         return int(text)
 
     def _check_tags(self, format: int) -> None:
         known = _TAGS[format]
         for element in self._root.children:
-            tag = element.tag
+            tag = element.name
             if tag in known:
                 continue
             if tag in _INSTEAD and _INSTEAD[tag] in known:
                 meant = f" write <{_INSTEAD[tag]}>, or <package format="
                 meant += '"2">' if format == 1 else '"1">'
-                raise self._fault(element, f"format {format} has no <{tag}>:{meant}")
+                raise element.fault(f"format {format} has no <{tag}>:{meant}")
             newer = [each for each in (2, 3) if tag in _TAGS[each]]
             if newer:
                 fault = f'<{tag}> came with format {newer[0]}: write <package format="{newer[0]}">'
-                raise self._fault(element, fault)
+                raise element.fault(fault)
             near = nearest(tag, known)
             meant = f"; did you mean <{near}>?" if near else ""
-            raise self._fault(element, f"a manifest has no <{tag}>{meant}")
+            raise element.fault(f"a manifest has no <{tag}>{meant}")
 
-    def _one(self, tag: str) -> Element:
+    def _one(self, tag: str) -> _Element:
         found = self._root.all(tag)
         if not found:
-            raise self._fault(self._root, f"<{tag}> is missing")
+            raise self._root.fault(f"<{tag}> is missing")
         if len(found) > 1:
-            raise self._fault(found[1], f"there is a second <{tag}>")
-        if not found[0].text:
-            raise self._fault(found[0], f"<{tag}> is empty")
+            raise found[1].fault(f"there is a second <{tag}>")
+        if not found[0].words:
+            raise found[0].fault(f"<{tag}> is empty")
         return found[0]
 
-    def _check_name(self, name: Element) -> None:
-        if not NAME.fullmatch(name.text):
-            fault = "the name of a package has letters, digits, _ and - only"
-            raise self._fault(name, f"{fault}: {name.text!r}")
-        if not BY_CONVENTION.fullmatch(name.text):
-            self._warn(name, f"by convention a package's name is in lower case: {name.text!r}")
+    def _check_name(self, name: _Element) -> None:
+        if not NAME.fullmatch(name.words):
+            raise name.fault(f"{NAME_RULE}: {name.words!r}")
+        if not BY_CONVENTION.fullmatch(name.words):
+            self._warn(name, f"by convention a package's name is in lower case: {name.words!r}")
 
     def _maintainers(self) -> list[Person]:
         found = self._root.all("maintainer")
         if not found:
-            raise self._fault(self._root, "<maintainer> is missing: who looks after the package?")
+            raise self._root.fault("<maintainer> is missing: who looks after the package?")
         for each in found:
             email = each.attributes.get("email")
             if email is None:
-                raise self._fault(each, '<maintainer> has no email, as in email="me@example.com"')
+                raise each.fault('<maintainer> has no email, as in email="me@example.com"')
             if not _EMAIL.fullmatch(email):
-                raise self._fault(each, f"{email!r} is no email address, as in me@example.com")
-        return [Person(each.text, each.attributes["email"]) for each in found]
+                raise each.fault(f"{email!r} is no email address, as in me@example.com")
+        return [Person(each.words, each.attributes["email"]) for each in found]
 
     def _licenses(self) -> list[str]:
         found = self._root.all("license")
         if not found:
-            raise self._fault(self._root, "<license> is missing, as in <license>BSD</license>")
+            raise self._root.fault("<license> is missing, as in <license>BSD</license>")
         for each in found:
-            if not each.text:
-                raise self._fault(each, "<license> is empty")
-        return [each.text for each in found]
+            if not each.words:
+                raise each.fault("<license> is empty")
+        return [each.words for each in found]
 
     def _depends(self) -> list[Dependency]:
         depends = []
         for element in self._root.children:
-            if not element.tag.endswith("depend") or element.tag == "group_depend":
+            if not element.name.endswith("depend") or element.name == "group_depend":
                 continue
-            if not element.text:
-                raise self._fault(element, f"<{element.tag}> is empty")
+            if not element.words:
+                raise element.fault(f"<{element.name}> is empty")
             if self._is_needed(element):
-                depends.append(Dependency(element.text, element.tag, element.line))
+                depends.append(Dependency(element.words, element.name, element.line))
         return depends
 
-    def _is_needed(self, element: Element) -> bool:
+    def _is_needed(self, element: _Element) -> bool:
         """Whether the condition is met that the element has, if it has one."""
         try:
             condition = element.attributes.get("condition")
             return condition is None or holds(condition)
         except ValueError as error:
-            raise self._fault(element, str(error)) from None
+            raise element.fault(str(error)) from None
 
     def _check_depends(self, name: str, depends: tuple[Dependency, ...]) -> None:
         general = {each.name for each in depends if each.tag == "depend"}
@@ -263,12 +276,5 @@ class _Manifest:
                 )
                 raise PackageFileError(self._source, each.line, fault)
 
-    def _warn(self, element: Element, text: str) -> None:
+    def _warn(self, element: _Element, text: str) -> None:
         self._warnings.append(f"{self._source}, line {element.line}: {text}")
-
-    def _fault(self, element: Element, fault: str) -> PackageFileError:
-        return PackageFileError(self._source, element.line, fault)
-
-
-def _tag(manifest: _Manifest) -> str:
-    return f"<{manifest._root.tag}>"

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fibws.workspace.near import nearest
-from fibws.workspace.place import around
+from fibws.hint import nearest
+from fibws.workspace.place import DEVEL, around, is_built, sourcing
 from fibws.workspace.programs import find_files, looks_like_program
 
 if TYPE_CHECKING:
@@ -25,7 +25,8 @@ def package(name: str, program: str, packages: Packages, here: Path | None) -> s
         here: the folder that the person is in.
     """
     if program and (having := [each.name for each in packages.having(program)]):
-        return f"{having[0]} has it: rosrun {having[0]} {program}"
+        has = nearest(name, having) or having[0]
+        return f"{has} has it: rosrun {has} {program}"
     if here is not None and (hint := _not_sourced(name, program, packages, here)):
         return hint
     if near := nearest(name, packages.names()):
@@ -80,8 +81,8 @@ def _not_sourced(name: str, program: str, packages: Packages, here: Path) -> str
         what = f"{having[0]} has it, which is"
     else:
         return ""
-    setup = f"source {quoted(workspace / 'devel' / 'setup.bash')}"
-    if not (workspace / "devel" / "setup.bash").is_file():
+    setup = sourcing(workspace / DEVEL)
+    if not is_built(workspace):
         built = f"cd {quoted(workspace)} && catkin_make && {setup}"
         return f"{what} in the workspace {workspace}, which is not built: {built}"
     return f"{what} in the workspace {workspace}, which this shell does not know: {setup}"

@@ -23,6 +23,8 @@ PREFIXES = "CMAKE_PREFIX_PATH"
 _FIBWS = Path(__file__).parents[1]
 _DEFINITIONS = _FIBWS / "interfaces" / "definitions"
 _MODULES = _FIBWS / "ros1" / "python"
+SHARE = _FIBWS / "launch" / "share"
+"""Holds the packages that are nothing but launch files, for others to include."""
 
 
 class Package:
@@ -111,6 +113,10 @@ class Packages:
             raise PackageNotFound(name, missing.package(name, "", self, self._here))
         return self._found[name]
 
+    def has_own(self, name: str) -> bool:
+        """Whether there is a package of that name that fibws does not bring."""
+        return name in self._found and not self._found[name].is_standard
+
     def executable(self, package: Package | str, name: str) -> Path:
         """The program of a package, as rosrun finds it.
 
@@ -170,7 +176,7 @@ class Packages:
     def _found(self) -> dict[str, Package]:
         standard = {
             folder.name: Package(folder.name, folder, is_standard=True)
-            for place in (_MODULES, _DEFINITIONS)
+            for place in (_MODULES, _DEFINITIONS, SHARE)
             if place.is_dir()
             for folder in sorted(place.iterdir())
             if folder.is_dir() and folder.name.isidentifier() and folder.name != "__pycache__"

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from shlex import quote
 
 from fibws.errors import WorkspaceError
 from fibws.workspace.manifest import FILE as MANIFEST
 from fibws.workspace.tree import File, write
 
 SOURCE, DEVEL, BUILD, MARK = "src", "devel", "build", ".catkin_workspace"
+SPACES = ".catkin"
+"""The file in devel/ that names src/: catkin's mark of a folder that it has written."""
 LISTS = "CMakeLists.txt"
 
 _LISTS = """\
@@ -39,8 +42,26 @@ def is_workspace(folder: Path) -> bool:
     return (folder / SOURCE).is_dir() and (
         (folder / MARK).is_file()
         or os.path.lexists(folder / SOURCE / LISTS)
-        or (folder / DEVEL / ".catkin").is_file()
+        or (folder / DEVEL / SPACES).is_file()
     )
+
+
+def is_built(workspace: Path) -> bool:
+    """Whether catkin_make has been at work there, and the folder is where it was then."""
+    devel = workspace / DEVEL
+    try:
+        source = Path((devel / SPACES).read_text("utf-8").strip())
+        return (devel / "setup.bash").is_file() and source.samefile(workspace / SOURCE)
+    except (OSError, ValueError):
+        return False
+
+
+def sourcing(devel: Path) -> str:
+    """What a person types in order that the shell has the workspace."""
+    if os.name == "nt":
+        return f". {devel / 'setup.ps1'}    (cmd: call {devel / 'setup.bat'})"
+    shell = "zsh" if Path(os.environ.get("SHELL", "")).name == "zsh" else "bash"
+    return f"source {quote(str(devel / f'setup.{shell}'))}"
 
 
 def here() -> Path:
@@ -66,9 +87,7 @@ def check(folder: Path) -> None:
             fault = f"the path of a workspace cannot have {os.pathsep} in it"
             raise WorkspaceError(f"{fault}, as {folder} has")
         return
-    above = around(folder)
-    if above is None and (folder / MANIFEST).exists():
-        above = next((each.parent for each in folder.parents if each.name == SOURCE), None)
+    above = around(folder) or _begun_around(folder)
     if above is not None and above != folder.resolve():
         steps = os.path.relpath(above, folder.resolve())
         fault = f"catkin_make is called in the root of the workspace, not in {folder}"
@@ -95,6 +114,17 @@ def initialize(folder: Path) -> Path:
         raise WorkspaceError(f'File "{path}" already exists: the workspace is initialized')
     write(folder, {LISTS: File(_LISTS.encode())})
     return path
+
+
+def _begun_around(folder: Path) -> Path | None:
+    """The workspace that ``folder`` is in if catkin has not been at work there, by its src/."""
+    for each in (folder, *folder.parents):
+        if each.name == SOURCE and not (each.parent / MANIFEST).exists():
+            inside = each == folder or any(
+                (above / MANIFEST).exists() for above in (folder, *folder.parents)
+            )
+            return each.parent if inside else None
+    return None
 
 
 def _is_source(folder: Path) -> bool:

@@ -5,14 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path, PurePosixPath
 
-from fibws.workspace import vocabulary
-from fibws.workspace.cmake import Command, read_commands
-from fibws.workspace.near import meant, nearest
-from fibws.workspace.recipe import FILE, Listed, Recipe
-from fibws.workspace.script import Call, Script, Value
-
-ADD_FILES = {"add_message_files": "msg", "add_service_files": "srv", "add_action_files": "action"}
-"""The commands that list definitions, and of what kind."""
+from fibws.hint import hint, nearest
+from fibws.workspace.cmake import vocabulary
+from fibws.workspace.cmake.script import Call, Script, Value
+from fibws.workspace.cmake.syntax import Command, read_commands
+from fibws.workspace.recipe import ADD_FILES, FILE, Listed, Recipe
 
 
 def read_recipe(folder: Path) -> Recipe:
@@ -47,7 +44,7 @@ class _Reading:
             "message": self._message,
             "add_executable": self._compiled,
             "add_library": self._compiled,
-            **dict.fromkeys(ADD_FILES, self._add_files),
+            **dict.fromkeys(ADD_FILES.values(), self._add_files),
         }
 
     def read(self) -> Recipe:
@@ -103,14 +100,11 @@ class _Reading:
                 self._script.variables[f"{value.text}_FOUND"] = "1"
 
     def _add_files(self, call: Call) -> None:
-        kind = ADD_FILES[call.name]
+        kind = next(each for each, name in ADD_FILES.items() if name == call.name)
         recipe = self.recipe
-        if "message_generation" not in recipe.components and "genmsg" not in recipe.components:
-            remedy = "find_package(catkin REQUIRED COMPONENTS ... message_generation)"
-            recipe.fault(call.line, f"{call.name}() comes from message_generation: {remedy}")
-        if kind == "action" and not {"actionlib_msgs", "actionlib"} & set(recipe.components):
-            remedy = "find_package(catkin REQUIRED COMPONENTS ... actionlib_msgs)"
-            recipe.fault(call.line, f"{call.name}() comes from actionlib_msgs: {remedy}")
+        self._comes_from(call, "message_generation", "genmsg")
+        if kind == "action":
+            self._comes_from(call, "actionlib_msgs", "actionlib")
         if recipe.generates is not None:
             recipe.fault(call.line, f"{call.name}() stands before generate_messages(), not behind")
         parts = _sorted_out(call.values, {"FILES", "DIRECTORY", "BASE_DIR"}, {"NOINSTALL"})
@@ -132,9 +126,7 @@ class _Reading:
             recipe.fault(call.line, f"generate_messages() stands in a package {first}")
         if recipe.declares is not None:
             recipe.fault(call.line, "generate_messages() stands before catkin_package()")
-        if "message_generation" not in recipe.components and "genmsg" not in recipe.components:
-            remedy = "find_package(catkin REQUIRED COMPONENTS ... message_generation)"
-            recipe.fault(call.line, f"generate_messages() comes from message_generation: {remedy}")
+        self._comes_from(call, "message_generation", "genmsg")
         recipe.generates = call.line
         parts = _sorted_out(call.values, {"DEPENDENCIES", "LANGS"}, set())
         self._no_more(call, parts[""], "DEPENDENCIES")
@@ -187,11 +179,7 @@ class _Reading:
         parts = _sorted_out(call.values[1:], {"DESTINATION"}, {"OPTIONAL"})
         destination = parts["DESTINATION"]
         if not destination:
-            name = "${CATKIN_PACKAGE_BIN_DESTINATION}"
-            where = f"catkin_install_python() needs DESTINATION {name}"
-            if recipe.declares is None and "CATKIN_PACKAGE_BIN_DESTINATION" in self._script.unset:
-                where = f"{name} is set by catkin_package(), which stands before it"
-            recipe.fault(call.line, where)
+            recipe.fault(call.line, self._no_destination())
             return
         if ".." in PurePosixPath(destination[0].text).parts:
             fault = f"{destination[0].text} leads out of the folder that programs are put into"
@@ -207,6 +195,16 @@ class _Reading:
                 recipe.fault(
                     value.line, f"there is no program {value.text}{self._near(value.text)}"
                 )
+
+    def _no_destination(self) -> str:
+        """Why catkin_install_python() has no DESTINATION, as far as one can see."""
+        name = "CATKIN_PACKAGE_BIN_DESTINATION"
+        for unset in self._script.unset:
+            if unset == name and self.recipe.declares is None:
+                return f"${{{name}}} is set by catkin_package(), which stands before it"
+            if unset != name and nearest(unset, [name]):
+                return f"${{{unset}}} is not set; did you mean ${{{name}}}?"
+        return f"catkin_install_python() needs DESTINATION ${{{name}}}"
 
     def _install(self, call: Call) -> None:
         if not call.values or call.values[0].text not in ("FILES", "PROGRAMS", "DIRECTORY"):
@@ -235,6 +233,12 @@ class _Reading:
         if "INTERFACE" not in call.texts and "ALIAS" not in call.texts:
             self.recipe.compiled.setdefault(name.text, name.line)
 
+    def _comes_from(self, call: Call, package: str, other: str) -> None:
+        """See whether find_package() finds a package that has the command."""
+        if not {package, other} & self.recipe.components.keys():
+            remedy = f"find_package(catkin REQUIRED COMPONENTS ... {package})"
+            self.recipe.fault(call.line, f"{call.name}() comes from {package}: {remedy}")
+
     def _no_more(self, call: Call, rest: list[Value], word: str) -> None:
         for value in rest[:1]:
             fault = f"{call.name}() has no use for {value.text}: {word} stands before names"
@@ -247,7 +251,7 @@ class _Reading:
         if same:
             return f"; did you mean {same[0].relative_to(self._folder).as_posix()}?"
         files = (each for each in self._folder.rglob(f"*{path.suffix}") if each.is_file())
-        return meant(name, [each.relative_to(self._folder).as_posix() for each in files])
+        return hint(name, [each.relative_to(self._folder).as_posix() for each in files])
 
     def _set_destinations(self) -> None:
         project = self.recipe.project.text

@@ -6,9 +6,16 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from fibws.errors import FibwsError, PackageFileError
-from fibws.workspace.script import Value
+from fibws.workspace.cmake.script import Value
 
 FILE = "CMakeLists.txt"
+
+ADD_FILES = {
+    "msg": "add_message_files",
+    "srv": "add_service_files",
+    "action": "add_action_files",
+}
+"""The commands that list definitions, by the kind of these."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +54,7 @@ class Recipe:
     components: dict[str, int] = field(default_factory=dict)
     modules: set[str] = field(default_factory=set)
     definitions: dict[str, list[Listed]] = field(
-        default_factory=lambda: {"msg": [], "srv": [], "action": []}
+        default_factory=lambda: {kind: [] for kind in ADD_FILES}
     )
     generates: int | None = None
     message_packages: dict[str, int] = field(default_factory=dict)

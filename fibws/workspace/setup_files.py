@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -46,7 +47,8 @@ def setup_files(workspace: Path, below: Sequence[tuple[Path, Path]] = ()) -> Tre
     all_entries = [entry for place in places for entry in entries(*place)]
     return {
         **{f"setup.{shell}": _file(_sh(shell, all_entries)) for shell in ("bash", "sh", "zsh")},
-        "setup.ps1": _file(_powershell(all_entries)),
+        # Windows' own PowerShell takes a text without the mark for one in the old code page.
+        "setup.ps1": _file("\ufeff" + _powershell(all_entries)),
         "setup.bat": _file(_batch(all_entries).replace("\n", "\r\n")),
     }
 
@@ -112,9 +114,13 @@ Remove-Item Function:\\Add-FibwsFolder
 """
 
 
+_POWERSHELL_QUOTES = re.compile("['\u2018-\u201b]")
+"""PowerShell takes curly quotation marks for straight ones."""
+
+
 def _powershell(entries: Sequence[Entry]) -> str:
     def text(value: object) -> str:
-        return "'" + str(value).replace("'", "''") + "'"
+        return "'" + _POWERSHELL_QUOTES.sub(r"\g<0>\g<0>", str(value)) + "'"
 
     return _POWERSHELL.format(
         variables="\n".join(

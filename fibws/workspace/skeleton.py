@@ -11,7 +11,8 @@ from xml.sax.saxutils import escape, quoteattr
 
 from fibws.errors import WorkspaceError
 from fibws.workspace.manifest import FILE as MANIFEST
-from fibws.workspace.manifest import NAME, Person
+from fibws.workspace.manifest import NAME, NAME_RULE, Person
+from fibws.workspace.recipe import ADD_FILES
 from fibws.workspace.recipe import FILE as LISTS
 from fibws.workspace.templates import CMAKE, LAUNCH, META, PACKAGE
 from fibws.workspace.tree import File, Tree, write
@@ -24,7 +25,6 @@ _EXAMPLES = {
     "srv": ("AddTwoInts.srv", "int64 a\nint64 b\n---\nint64 sum\n"),
     "action": ("Count.action", "int32 to\n---\nint32 last\n---\nint32 now\n"),
 }
-_ADD = {"msg": "add_message_files", "srv": "add_service_files", "action": "add_action_files"}
 _TOOLS = {"message_generation", "message_runtime", "genmsg"}
 _PERSON = re.compile(r"\s*(?P<name>[^<>]*?)\s*<(?P<email>[^<>@\s]+@[^<>@\s]+)>\s*")
 
@@ -75,10 +75,7 @@ class Skeleton:
 
     def _check(self, where: Path) -> None:
         if not NAME.fullmatch(self.name):
-            fault = (
-                "the name of a package has letters, digits, _ and - only, and begins with a letter"
-            )
-            raise WorkspaceError(f"{self.name!r} cannot be: {fault}")
+            raise WorkspaceError(f"{self.name!r} cannot be: {NAME_RULE}")
         if not re.fullmatch(r"\d+\.\d+\.\d+", self.version, re.ASCII):
             raise WorkspaceError(f"the version is not of the form 1.2.3: {self.version!r}")
         wrong = [each for each in (*self.depends, *self.system) if not NAME.fullmatch(each)]
@@ -98,7 +95,7 @@ class Skeleton:
 
     @property
     def _kinds(self) -> list[str]:
-        return [kind for kind in _ADD if kind in self.extras]
+        return [kind for kind in ADD_FILES if kind in self.extras]
 
     @property
     def _components(self) -> list[str]:
@@ -164,7 +161,7 @@ class Skeleton:
         )
 
     def _command(self, kind: str, example: str) -> str:
-        text = f"{_ADD[kind]}(\n  FILES\n  {example}\n)"
+        text = f"{ADD_FILES[kind]}(\n  FILES\n  {example}\n)"
         return text if kind in self._kinds else _commented(text)
 
     def _generate(self, packages: list[str]) -> str:

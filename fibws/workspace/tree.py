@@ -7,6 +7,7 @@ import tempfile
 from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass
+from errno import EISDIR
 from pathlib import Path, PurePosixPath
 from typing import TypeAlias
 
@@ -47,6 +48,8 @@ def remove(folder: Path, names: Iterable[str]) -> None:
         if inside.is_absolute() or ".." in inside.parts:
             continue  # Somebody has edited the list of files.
         path = folder / inside
+        if path.parent.resolve() != folder.resolve() / inside.parent:
+            continue  # A link leads out of the folder: what is there is not ours.
         path.unlink(missing_ok=True)
         for parent in path.parents:
             if parent == folder:
@@ -62,6 +65,8 @@ def _write(path: Path, file: File) -> None:
             path.chmod(mode)
         return
     path.parent.mkdir(parents=True, exist_ok=True)
+    if path.is_dir():
+        raise IsADirectoryError(EISDIR, os.strerror(EISDIR), str(path))
     handle, name = tempfile.mkstemp(prefix=".fibws-", dir=path.parent)
     try:
         with os.fdopen(handle, "wb") as target:

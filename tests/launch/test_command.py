@@ -89,7 +89,7 @@ def test_folders_are_those_of_ros(tmp_path: Path) -> None:
             "static_transform_publisher",
             ["-P", "-m", "fibws.static_transform_publisher", "x", "__name:=n"],
         ),
-        ("rqt_graph", "rqt_graph", ["-P", "-m", "fibws", "open", "graph", "x"]),
+        ("rqt_graph", "rqt_graph", ["-P", "-m", "fibws", "open", "graph", "x", "__name:=n"]),
     ],
 )
 def test_programs_of_fibws_are_there(

@@ -128,10 +128,16 @@ def test_an_expression_reaches_nothing_else(expression: str) -> None:
         "-" * 5000 + "1",
         "int('9' * 9000)",
         "round(5, -10 ** 9)",
+        "map(map, [factorial], [[3000000]])",
+        "sum([[0] * 10000] * 10000, [])",
+        "str([[[0] * 1000] * 1000] * 1000)",
+        "[[[0] * 999] * 999] * 999 == [[[0] * 999] * 999] * 999",
+        "['a' * 9999] * 9999",
+        "{'a': [[0] * 999] * 999}",
+        "'%(a)999999999d' % {'a': 1}",
+        "'%.999999999f' % 1.5",
     ],
 )
 def test_an_expression_takes_neither_long_nor_much_memory(expression: str) -> None:
-    with pytest.raises(
-        ValueError, match=r"too (large|long|many)|more than|not known here: map|Exceeds"
-    ):
+    with pytest.raises(ValueError, match=r"too (large|long|many)|more than|Exceeds"):
         evaluate(expression, NAMES)

@@ -48,7 +48,11 @@ def test_the_launch_file_of_rosbridge_is_there(packages: Packages) -> None:
 @pytest.mark.parametrize(
     ("words", "error"),
     [
-        (["nope.launch"], "there is no file nope.launch"),
+        (["nope.launch"], "there is no file nope.launch$"),
+        (
+            ["main.launch"],
+            "main.launch: robot has it: roslaunch robot main.launch",
+        ),
         (["her.launch"], "there is no file her.launch; did you mean here.launch?"),
         (["here.launch", "nope.launch"], "there is no file nope.launch"),
         (["nope/x.launch", "here.launch"], "there is no file nope/x.launch"),
@@ -56,7 +60,10 @@ def test_the_launch_file_of_rosbridge_is_there(packages: Packages) -> None:
         (["robot", "mian.launch"], "no launch file 'mian.launch' in package 'robot': did you mean"),
         (["robot", "x"], "it has main.launch, other.launch"),
         (["robot", "main.launch", "nope"], "there is no file nope"),
-        (["robt", "main.launch"], "package 'robt' not found: robot has main.launch: roslaunch rob"),
+        (
+            ["robt", "main.launch"],
+            "not found: robot has it: roslaunch robot main.launch",
+        ),
         (["robt", "x.launch"], "package 'robt' not found: did you mean robot?"),
     ],
 )

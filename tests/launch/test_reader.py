@@ -6,7 +6,7 @@ import pytest
 
 from fibws.errors import LaunchError
 from fibws.launch.model import Argument
-from fibws.launch.reader import MOST_INCLUDES, Reader
+from fibws.launch.reader import MOST_FILES, MOST_INCLUDES, Reader
 
 from .conftest import MAIN, MadeUp, Read
 
@@ -312,6 +312,25 @@ def test_files_cannot_include_each_other_for_ever(world: MadeUp, read: Read) -> 
     world.files["one.launch"] = b'<launch><include file="one.launch"/></launch>'
     with pytest.raises(LaunchError, match=f"more than {MOST_INCLUDES} files include each other"):
         read('<include file="one.launch"/>')
+
+
+def test_an_error_tells_but_once_of_files_that_include_each_other(
+    world: MadeUp, read: Read
+) -> None:
+    world.files["one.launch"] = b'<launch><include file="two.launch"/></launch>'
+    world.files["two.launch"] = b'<launch><include file="one.launch"/></launch>'
+    with pytest.raises(LaunchError) as raised:
+        read('<include file="one.launch"/>')
+    assert str(raised.value).count("included from two.launch:1") == 1
+
+
+def test_files_cannot_include_others_again_and_again(world: MadeUp, read: Read) -> None:
+    for level in range(MOST_INCLUDES - 2):
+        below = f'<include file="{level + 1}.launch"/>' * 2
+        world.files[f"{level}.launch"] = f"<launch>{below}</launch>".encode()
+    world.files[f"{MOST_INCLUDES - 2}.launch"] = b"<launch/>"
+    with pytest.raises(LaunchError, match=f"more than {MOST_FILES} files are included"):
+        read('<include file="0.launch"/>')
 
 
 # Tags

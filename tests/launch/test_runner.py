@@ -106,6 +106,21 @@ async def test_what_is_not_shown_is_kept_but_for_what_goes_wrong(launched: Launc
     assert "[n-1] out" not in launched.seen
     assert "[n-1] process has finished cleanly\nlog file: LOG/n-1.log" in launched.seen
     assert sorted((launched.folder / "log/n-1.log").read_text().split()) == ["err", "out"]
+
+
+async def test_what_ending_makes_a_node_say_is_kept_but_not_shown(launched: Launched) -> None:
+    await launched.start(
+        "import sys, signal\n"
+        "def leave(*_): print('leaving', file=sys.stderr); sys.exit()\n"
+        "signal.signal(signal.SIGINT, leave); print('ready', file=sys.stderr)\n"
+        "while True: signal.pause()",
+        screen=False,
+    )
+    await launched.shows("[n-1] ready")
+    launched.runner.stop()
+    await launched.run()
+    assert "[n-1] leaving" not in launched.seen
+    assert (launched.folder / "log/n-1.log").read_text() == "ready\nleaving\n"
     assert not launched.runner.has_failed
 
 

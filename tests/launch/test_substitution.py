@@ -90,3 +90,9 @@ def test_a_package_that_is_not_found_is_an_error(scope: Scope) -> None:
 def test_standard_input_is_in_no_folder(world: MadeUp) -> None:
     with pytest.raises(ValueError, match="in no folder"):
         substitute("$(dirname)", Scope(world, "<stdin>"))
+
+
+def test_what_grows_without_end_is_refused(scope: Scope) -> None:
+    scope.values["speed"] = "x" * 10_000
+    with pytest.raises(ValueError, match="longer than 1000000 characters"):
+        substitute("$(arg speed)" * 200, scope)

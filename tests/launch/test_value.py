@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 import yaml
 
-from fibws.launch.value import boolean, convert, nearest
+from fibws.launch.value import boolean, convert
 
 
 @pytest.mark.parametrize(
@@ -70,9 +70,3 @@ def test_a_text_that_is_none_of_its_type_is_an_error(text: str, type_: str, erro
 
 def test_a_bool_is_said_in_four_ways() -> None:
     assert [boolean(text) for text in ("true", "1", "False", "0 ")] == [True, True, False, False]
-
-
-def test_what_was_meant_is_told_or_else_what_there_is() -> None:
-    assert nearest("nme", ["name", "value"]) == "; did you mean name?"
-    assert nearest("xyz", ["name", "value"]) == "; known are name, value"
-    assert nearest("xyz", []) == ""

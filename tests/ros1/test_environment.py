@@ -123,3 +123,10 @@ def test_a_ros_is_seen_by_its_variables(name: str) -> None:
 
 def test_our_own_variables_are_no_other_ros() -> None:
     assert environment.other_ros(set_up({"PATH": ""})) is None
+
+
+def test_a_record_that_is_none_of_ours_sets_nothing() -> None:
+    record = '{"ROS_DISTRO": 5, "FIBWS_PYTHON": ["a"], "PATH": "/x"}'
+    changes = environment.undo({"FIBWS_SETUP": record})
+    assert changes["ROS_DISTRO"] is None and changes["FIBWS_PYTHON"] is None
+    assert changes["PATH"] is None

@@ -26,7 +26,8 @@ SCENARIOS: dict[str, tuple[Part, ...]] = {
     "the modules of tools": (Part("tools/tools.py", interrupted=False),),
 }
 RACE = "Got a transition callback on a goal handle that we're not tracking"
-"""ROS logs it when the server was faster than its client noted which goal it had sent."""
+"""ROS logs it when the server was faster than its client noted which goal it had sent: what the
+client was to be told then is lost."""
 
 NOT_IN_ROS = {"actions/fibonacci_client.py", "actions/fibonacci_server.py"}
 """Debian has no actionlib_tutorials."""
@@ -43,15 +44,17 @@ def ros(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
 @pytest.mark.parametrize("name", SCENARIOS)
 async def test_a_scenario_goes_as_in_ros(ros: World, name: str) -> None:
     parts = SCENARIOS[name]
-    expected = [_without_race(outcome) for outcome in await ros.play(*parts)]
+    expected = await ros.play(*parts)
+    while _lost_a_race(expected):
+        expected = await ros.play(*parts)
     async with our_ros() as ours:
         found = await ours.play(*parts)
     for part, ours_said, ros_said in zip(parts, found, expected, strict=True):
         assert ours_said == ros_said, part.script
 
 
-def _without_race(outcome: Outcome) -> Outcome:
-    return outcome._replace(err=[line for line in outcome.err if RACE not in line])
+def _lost_a_race(outcomes: list[Outcome]) -> bool:
+    return any(RACE in line for outcome in outcomes for line in outcome.err)
 
 
 @pytest.mark.parametrize("folder", ["actions", "filters", "tools"])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -84,3 +85,25 @@ def test_a_process_becomes_the_program(windows: bool) -> None:
 def test_what_cannot_be_started_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(OSError):
         become([str(tmp_path / "nothing")])
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows knows programs by their suffixes")
+@pytest.mark.parametrize(
+    ("text", "error"),
+    [
+        ("print('hello')\n", "It has no first line that says what runs it"),
+        ("#!/no/such/shell\n", "There is no program such as its first line names"),
+    ],
+)
+def test_a_program_that_cannot_be_started_is_named_with_the_reason(
+    tmp_path: Path, text: str, error: str
+) -> None:
+    program = tmp_path / "node"
+    program.write_text(text)
+    program.chmod(0o755)
+    with pytest.raises(OSError, match=error) as raised:
+        become([str(program)])
+    assert raised.value.filename == str(program)
+    with pytest.raises(FileNotFoundError, match="No such file") as missing:
+        become(["no_such_program", "x"])
+    assert missing.value.filename == "no_such_program"

@@ -104,6 +104,12 @@ def test_roscd_and_rosls_go_by_the_package(name: str, tmp_path: Path) -> None:
     assert told.splitlines() == [str(package), str(package / "launch"), "all.launch"]
 
 
+@pytest.mark.parametrize("name", SHELLS)
+def test_roscd_alone_goes_to_the_workspace_that_was_sourced_last(name: str, tmp_path: Path) -> None:
+    told = read_by(name, f"{beginning()}cd /; roscd && pwd", CMAKE_PREFIX_PATH=f"{tmp_path}:/usr")
+    assert told == f"{tmp_path}\n"
+
+
 def test_each_completed_command_does_what_its_door_does() -> None:
     for door, words in shell.DOORS.items():
         assert f" fibws {words} " in (BIN_FOLDER / door).read_text()

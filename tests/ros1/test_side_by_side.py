@@ -92,6 +92,19 @@ SCENARIOS: dict[str, tuple[Part, ...]] = {
         Part("same_name.py", until="ready"),
     ),
     "the graph": (Part("graph.py", interrupted=False),),
+    "a turtle that goes to its goal": (
+        Part("turtle_sim.py", until="ready"),
+        Part("go_to_goal.py", interrupted=False),
+    ),
+    "images made of arrays": (
+        Part("viewer.py", until="ready"),
+        Part("camera.py", interrupted=False),
+    ),
+    "an arm's joints": (Part("arm.py", interrupted=False),),
+    "services that call services": (Part("nested_services.py", interrupted=False),),
+    "what follows a loop": (Part("counter.py", until="ready"),),
+    "a robot that ends itself": (Part("quitting_robot.py", interrupted=False),),
+    "many topics, and any type": (Part("many_topics.py", interrupted=False),),
 }
 
 

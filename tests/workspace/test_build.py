@@ -89,7 +89,7 @@ def test_all_that_is_wrong_is_told_at_once(layout: Layout) -> None:
     assert layout.faults() == [
         "a/package.xml, line 1: <name> is missing",
         "b/CMakeLists.txt, line 1: the ) that ends project( is missing",
-        "d/package.xml, line 1: beside it a package has a CMakeLists.txt, which is missing",
+        "d/package.xml, line 1: there is no CMakeLists.txt beside it",
         "c/CMakeLists.txt, line 3: find_package(): there is no package qwertz here",
     ]
 

@@ -40,6 +40,7 @@ def test_links_are_followed_but_not_in_circles(tmp_path: Path) -> None:
     try:
         (root / "link").symlink_to(elsewhere)
         (root / "circle").symlink_to(root)
+        (root / "itself").symlink_to(root / "itself")
     except OSError:
         pytest.skip("this system makes no links")
     assert list(find_folders(root)) == [root / "link" / "a"]
@@ -47,3 +48,16 @@ def test_links_are_followed_but_not_in_circles(tmp_path: Path) -> None:
 
 def test_where_there_is_nothing_nothing_is_found(tmp_path: Path) -> None:
     assert not list(find_folders(tmp_path / "none"))
+
+
+def test_a_package_that_links_lead_to_is_found_once(tmp_path: Path) -> None:
+    packages = [package(tmp_path / name) for name in ("a", "b")]
+    groups = [tmp_path / f"group{each}" for each in range(12)]
+    try:
+        for group in groups:
+            group.mkdir()
+            for other in (*packages, *groups):
+                (group / other.name).symlink_to(other)
+    except OSError:
+        pytest.skip("this system makes no links")
+    assert list(find_folders(tmp_path)) == packages

@@ -8,13 +8,18 @@ from pathlib import Path
 import pytest
 
 from fibws.errors import ExecutableNotFound, PackageNotFound
-from fibws.workspace.near import meant, nearest
 from fibws.workspace.packages import Packages
 
 from .conftest import Layout
 
 PROGRAM = "#!/usr/bin/env python3\n"
 NODE = "fibonacci_broadcaster_node.py"
+
+
+@pytest.fixture(autouse=True)
+def bash(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The shell that the hints are for."""
+    monkeypatch.setenv("SHELL", "/bin/bash")
 
 
 def of_package(packages: Packages, name: str, program: str = "") -> str:
@@ -40,6 +45,13 @@ def test_the_package_that_has_the_program_is_named(layout: Layout) -> None:
     assert of_package(sourced(layout), "fibonacci_broadcaster", NODE) == (
         f"package 'fibonacci_broadcaster' not found: fibonacci has it: rosrun fibonacci {NODE}"
     )
+
+
+def test_of_several_packages_that_have_the_program_the_nearest_is_named(layout: Layout) -> None:
+    for name in ("arm", "fibonacci", "gripper"):
+        layout.package(name, programs={f"src/{NODE}": PROGRAM})
+    text = of_package(sourced(layout), "fibonaci", NODE)
+    assert text.endswith(f"fibonacci has it: rosrun fibonacci {NODE}")
 
 
 def test_a_package_of_almost_that_name_is_named(layout: Layout) -> None:
@@ -70,6 +82,14 @@ def test_a_workspace_that_was_not_built_is_named(layout: Layout) -> None:
         f"it is in the workspace {layout.folder}, which is not built: "
         f"cd {layout.folder} && catkin_make && source {layout.devel / 'setup.bash'}"
     )
+
+
+def test_a_workspace_that_was_moved_is_to_be_built_again(layout: Layout) -> None:
+    layout.package("fibonacci")
+    layout.plan()
+    moved = layout.folder.rename(layout.folder.with_name("moved"))
+    packages = Packages([layout.source], [layout.devel], here=moved)
+    assert f"which is not built: cd {moved} && catkin_make" in of_package(packages, "fibonacci")
 
 
 def test_a_path_with_a_blank_is_written_for_the_shell(tmp_path: Path) -> None:
@@ -120,10 +140,3 @@ def test_what_is_no_program_is_told(layout: Layout) -> None:
     folder = layout.package("a", files={"data.txt": ""})
     assert of_program(sourced(layout), "a", "data.txt").endswith("it is there, but no program")
     assert of_program(sourced(layout), "a", "x").endswith(f"no program at all in {folder}")
-
-
-def test_a_near_name_is_one_that_is_almost_the_same() -> None:
-    assert nearest("talker.pi", ["listener.py", "talker.py"]) == "talker.py"
-    assert nearest("x", ["listener.py"]) is None
-    assert meant("talker.pi", ["talker.py"]) == "; did you mean talker.py?"
-    assert meant("x", ["talker.py"]) == ""

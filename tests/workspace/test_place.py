@@ -36,6 +36,14 @@ def test_a_package_in_a_workspace_that_was_never_built_is_no_workspace(layout: L
     assert refused(folder).endswith("cd ../..")
 
 
+def test_src_that_was_never_built_is_no_workspace(layout: Layout) -> None:
+    folder = layout.package("fibonacci", files={"src/node.py": ""})
+    assert refused(layout.source).endswith(f"not in {layout.source}: cd ..")
+    assert refused(folder / "src").endswith("cd ../../..")
+    (elsewhere := layout.source / "notes").mkdir()
+    assert "has no src/" in refused(elsewhere)
+
+
 def test_what_is_no_workspace_is_told_so(tmp_path: Path) -> None:
     assert refused(tmp_path).endswith(
         "is no workspace, for it has no src/: cd into yours, or begin one: mkdir src"
@@ -67,6 +75,13 @@ def test_initializing_marks_src_and_only_once(layout: Layout) -> None:
     assert path.read_text() == "mine"
     with pytest.raises(WorkspaceError, match="does not exist"):
         place.initialize(layout.folder / "none")
+
+
+def test_a_workspace_is_built_until_it_is_moved(layout: Layout) -> None:
+    assert not place.is_built(layout.folder)
+    layout.plan()
+    assert place.is_built(layout.folder)
+    assert not place.is_built(layout.folder.rename(layout.folder.with_name("moved")))
 
 
 def test_the_folder_is_called_as_the_shell_shows_it(

@@ -115,6 +115,12 @@ def test_tests_are_passed_over(layout: Layout) -> None:
             f"line 4: catkin_install_python() needs DESTINATION {BIN}",
         ),
         (
+            f"{FIND}catkin_package()\n"
+            "catkin_install_python(PROGRAMS src/node.py\n"
+            "  DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATON})",
+            f"line 4: ${{CATKIN_PACKAGE_BIN_DESTINATON}} is not set; did you mean {BIN}?",
+        ),
+        (
             f"{FIND}catkin_package()\ncatkin_install_python(src/node.py DESTINATION {BIN})",
             "line 4: catkin_install_python() begins with PROGRAMS",
         ),

@@ -104,3 +104,9 @@ def test_windows_shells_have_their_own(tmp_path: Path) -> None:
     for text in (powershell, batch):
         assert str(Path("ros1", "python")) in text, "rospy is found, though there are no doors"
         assert "FIBWS_PYTHON" in text
+
+
+def test_no_quotation_mark_in_a_path_ends_a_text_of_powershell(tmp_path: Path) -> None:
+    powershell = setup_files(tmp_path / "it\u2019s \u2018a\u2018")["setup.ps1"].content
+    assert "it\u2019\u2019s \u2018\u2018a\u2018\u2018" in powershell.decode()
+    assert powershell.startswith(b"\xef\xbb\xbf"), "or else Windows reads it in its old code page"

@@ -60,3 +60,20 @@ def test_nothing_outside_of_the_folder_is_removed(tmp_path: Path) -> None:
     inside.mkdir()
     remove(inside, ["../mine", str(tmp_path / "mine")])
     assert (tmp_path / "mine").exists()
+
+
+def test_a_folder_in_the_place_of_a_file_is_named(tmp_path: Path) -> None:
+    (tmp_path / "a" / "within").mkdir(parents=True)
+    with pytest.raises(IsADirectoryError) as error:
+        write(tmp_path, {"a": File(b"x")})
+    assert error.value.filename == str(tmp_path / "a")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows lets few make links")
+def test_what_a_link_leads_to_is_not_removed(tmp_path: Path) -> None:
+    other = tmp_path / "other" / "file"
+    write(tmp_path / "other", {"file": File(b"x")})
+    (tmp_path / "devel").mkdir()
+    (tmp_path / "devel" / "lib").symlink_to(other.parent)
+    remove(tmp_path / "devel", ["lib/file"])
+    assert other.exists()

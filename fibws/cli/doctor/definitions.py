@@ -44,7 +44,7 @@ def of(folders: list[Path]) -> Iterator[Finding]:
     faults: dict[str, None] = {}
     for folder in there:
         packages = list(find_packages(folder))
-        if not packages:
+        if not packages and not _is_built(folder):
             yield warning(
                 "definitions",
                 f"{folder} has no definitions",
@@ -60,6 +60,13 @@ def of(folders: list[Path]) -> Iterator[Finding]:
         yield wrong("definitions", f"and {len(faults) - MOST} more", "Mend those above first.")
     if read:
         yield ok("definitions", f"types of ${VARIABLE} that are well defined: {read}")
+
+
+def _is_built(folder: Path) -> bool:
+    """Whether catkin_make here made it, for which no package needs to define anything."""
+    from fibws.workspace.build import RECORD
+
+    return (folder.parent / RECORD).is_file()
 
 
 def _faults(interfaces: Interfaces, package: Package) -> Iterator[str | None]:

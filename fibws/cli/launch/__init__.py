@@ -14,9 +14,9 @@ import click
 from fibws import names
 from fibws.cli import output
 from fibws.cli.ending import ending
-from fibws.cli.hint import hint
 from fibws.cli.tool import SETTINGS, hub_option
 from fibws.errors import FibwsError
+from fibws.hint import hint
 from fibws.node import address
 
 if TYPE_CHECKING:

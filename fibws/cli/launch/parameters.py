@@ -8,6 +8,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import click
+
 from fibws.cli.link import Link
 from fibws.cli.param import documents
 from fibws.launch.model import Launch, Step
@@ -58,6 +60,8 @@ def read_yaml(text: str) -> Any:
         reading.check_size(value)
     except (yaml.YAMLError, *reading.FAULTS) as error:
         raise ValueError(reading.fault(error)) from None
+    except click.ClickException as error:  # It is too large; the reader tells in which line.
+        raise ValueError(error.message) from None
     return value
 
 

@@ -20,9 +20,9 @@ from fibws.launch.hub import start_hub
 from fibws.launch.model import Launch, Node
 from fibws.launch.runner import WAIT_INTERRUPT, WAIT_TERMINATE, Runner
 from fibws.launch.screen import Screen
+from fibws.node.address import LOOPBACK
 from fibws.workspace.packages import Packages
 
-HERE = ("127.0.0.1", "::1", "localhost")
 TOOL = "launch"
 RETRY = 0.2
 """Seconds between two looks for a hub that is waited for."""
@@ -108,7 +108,7 @@ class _Launch:
         host = urlsplit(self._url).hostname or ""
         if self._runner.is_told:
             return
-        if host not in HERE:
+        if host not in LOOPBACK:
             raise NoHub(self._url, "nothing answers")
         port = self._options.port
         if port is None:

@@ -100,7 +100,19 @@ def fault(error: Exception) -> str:
 def fill(values: Sequence[Any], typedefs: Typedefs) -> dict[str, Any]:
     """The message of the values that the words of a command line had; as `message`."""
     whole = values[0] if len(values) == 1 and isinstance(values[0], dict) else list(values)
+    _check_blank(values, typedefs)
     return _Reading(typedefs).message(whole, typedefs.root, "")
+
+
+def _check_blank(values: Sequence[Any], typedefs: Typedefs) -> None:
+    """Catch data:5, which is one word in YAML, unless the message may be just that word."""
+    if len(values) != 1 or not isinstance(values[0], str) or typedefs.root not in typedefs:
+        return
+    name, _, value = values[0].partition(":")
+    fields = typedefs.fields(typedefs.root)
+    may_be_word = len(fields) == 1 and fields[0].type in STRINGS
+    if value and not may_be_word and any(field.name == name for field in fields):
+        raise click.UsageError(f"YAML wants a blank after the colon: '{name}: {value}'")
 
 
 class _Reading:

@@ -11,11 +11,11 @@ import click
 
 from fibws import names
 from fibws.cli import complete, output, words
-from fibws.cli.hint import hint
 from fibws.cli.link import Link
 from fibws.cli.param import documents
 from fibws.cli.tool import json_option, linked
 from fibws.errors import ServiceError
+from fibws.hint import hint
 
 ROOT = "/"
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import click
 
 from fibws.cli import complete, output
-from fibws.cli.hint import hint
 from fibws.cli.link import Link
 from fibws.cli.tool import json_option, linked
 from fibws.cli.topic.target import all_types, find, global_name
+from fibws.hint import hint
 
 
 @click.command()

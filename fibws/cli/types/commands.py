@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 import click
 
 from fibws.cli import complete, output
-from fibws.cli.hint import hint
 from fibws.cli.input import piped
 from fibws.cli.link import Link
 from fibws.cli.message.typedefs import Typedefs
@@ -23,6 +22,7 @@ from fibws.errors import (
     UnknownPackage,
     UnknownType,
 )
+from fibws.hint import hint
 
 if TYPE_CHECKING:
     from fibws.cli.types.installed import Installed

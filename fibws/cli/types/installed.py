@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from fibws.cli.hint import nearest
 from fibws.cli.types import shape
+from fibws.hint import nearest
 
 if TYPE_CHECKING:
     from fibws.interfaces import MessageDefinition

@@ -205,7 +205,7 @@ def test_yaml_that_is_none_or_has_no_end_is_an_error(launch: Launch, robot: Path
         for n in range(9)
     )
     file = write(robot, f"<rosparam>{bomb}</rosparam>")
-    assert "more than" in launch("--nodes", file).stderr
+    assert f"{file}:" in (text := launch("--nodes", file).stderr) and "more than" in text
 
 
 def test_its_help_says_how(launch: Launch) -> None:

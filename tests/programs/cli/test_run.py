@@ -86,6 +86,12 @@ def test_a_script_that_is_not_there_is_an_error(run: Run, tmp_path: Path) -> Non
     assert f"There is no file {Path('nodes/script.py')}, in {tmp_path.resolve()}." in done.stderr
 
 
+def test_a_script_whose_package_was_left_out_is_told_with_it(run: Run) -> None:
+    done = run("fibonacci_listener_node.py")
+    assert done.returncode == 2
+    assert " has one: rosrun fibonacci fibonacci_listener_node.py\n" in done.stderr
+
+
 def test_the_exit_code_is_the_programs_own(run: Run, tmp_path: Path) -> None:
     (tmp_path / "script.py").write_text("raise SystemExit(7)")
     assert run("script.py").returncode == 7
@@ -121,6 +127,7 @@ def test_a_program_that_is_not_python_is_run_as_it_is(run: Run, workspace: Path)
 def test_a_prefix_starts_the_program(run: Run) -> None:
     done = run("--prefix", "env -u NOTHING", "fibonacci", "fibonacci_listener_node.py", "x")
     assert (done.stdout, done.stderr) == ("['x']\n", "")
+    assert "--prefix: No closing quotation: 'env" in run("--prefix", "'env", "x.py").stderr
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no executable bits")

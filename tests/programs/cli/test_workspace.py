@@ -61,7 +61,7 @@ def test_the_first_lines_of_the_tutorial(folder: Path, type_: Type) -> None:
         f"Source space: {folder / 'src'}",
         f"Build space: {folder / 'build'}",
         f"Devel space: {folder / 'devel'}",
-        "There is no package yet. Next: cd src && catkin_create_pkg NAME std_msgs rospy",
+        "There is no package yet; to begin one: cd src && catkin_create_pkg NAME std_msgs rospy",
         "Next: source devel/setup.bash",
     ]
     assert sorted(path.name for path in folder.iterdir()) == [
@@ -109,7 +109,7 @@ def test_what_is_wrong_is_told_with_file_and_line(folder: Path, type_: Type) -> 
     made = make(type_)
     assert made.exit_code == 1
     assert "Error: src/fibonacci/msg/Num.msg, line 2: " in made.stderr
-    assert made.stderr.endswith("Error: nothing was built, for 1 thing is wrong\n")
+    assert made.stderr.endswith("Error: nothing was built, because of 1 error\n")
     assert not (folder / "devel").exists()
 
 

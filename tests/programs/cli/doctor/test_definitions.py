@@ -9,6 +9,7 @@ import pytest
 
 from fibws.cli.doctor import definitions
 from fibws.cli.doctor.finding import Finding
+from fibws.workspace.build import RECORD
 
 
 def define(folder: Path, **texts: str) -> None:
@@ -43,6 +44,12 @@ def test_the_environment_names_folders(tmp_path: Path, monkeypatch: pytest.Monke
 
 def test_a_folder_with_nothing_in_it_is_odd(tmp_path: Path) -> None:
     assert found(tmp_path) == [("warning", f"{tmp_path} has no definitions")]
+
+
+def test_a_workspace_needs_no_definitions(tmp_path: Path) -> None:
+    (tmp_path / RECORD).touch()
+    (tmp_path / "share").mkdir()
+    assert found(tmp_path / "share") == []
 
 
 def test_a_file_that_does_not_parse_is_named_with_the_line(tmp_path: Path) -> None:

@@ -44,6 +44,13 @@ def test_a_number_that_yaml_takes_for_a_text_is_one(link: Link) -> None:
     assert reading.message([".inf"], typedefs) == {"data": math.inf}
 
 
+def test_a_colon_without_its_blank_is_told(link: Link) -> None:
+    told = "YAML wants a blank after the colon: 'data: 5'"
+    assert fault(["data:5"], Typedefs.of_message(link, "std_msgs/Int32")) == told
+    text = Typedefs.of_message(link, "std_msgs/String")
+    assert reading.message(["data:5"], text) == {"data": "data:5"}
+
+
 def test_now_and_auto_are_the_time(link: Link) -> None:
     typedefs = Typedefs.of_message(link, "geometry_msgs/PoseStamped")
     before = time.time_ns()

@@ -9,7 +9,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from fibws.errors import PackageFileError
-from fibws.workspace.cmake import Command, read_commands
+from fibws.workspace.cmake.syntax import Command, read_commands
 
 
 @pytest.fixture

@@ -6,11 +6,15 @@ import re
 from collections.abc import Collection, Mapping
 from pathlib import Path
 
-from fibws.workspace.cmake import split
+from fibws.workspace.cmake.syntax import split
 
 _FALSE = {"", "0", "OFF", "NO", "FALSE", "N", "IGNORE", "NOTFOUND"}
 _TRUE = {"1", "ON", "YES", "TRUE", "Y"}
 _DEEPEST = 20
+_LONGEST = 256
+"""Characters of a pattern, and of what it is tried on."""
+_SLOW = re.compile(r"\)[*+{]|(?:[*+{].*){4}", re.DOTALL)
+"""Patterns that Python may take for ever to try."""
 
 
 def holds(
@@ -90,17 +94,11 @@ class _Condition:
         if self._take("IN_LIST"):
             return self._text(left) in split(self._variables.get(self._next(), ""))
         if self._take("MATCHES"):
-            try:
-                return re.search(self._next(), self._text(left)) is not None
-            except re.error:
-                return False
+            return _matches(self._next(), self._text(left))
         return self._truth(left)
 
     def _compare(self, left: str, right: str) -> int:
-        parts = [
-            [int(part) if part.isdigit() else 0 for part in self._text(each).split(".")]
-            for each in (left, right)
-        ]
+        parts = [[_number(part) for part in self._text(each).split(".")] for each in (left, right)]
         return (parts[0] > parts[1]) - (parts[0] < parts[1])
 
     def _text(self, word: str) -> str:
@@ -124,3 +122,17 @@ class _Condition:
             return False
         value = self._variables.get(text, "").upper()
         return value not in _FALSE and not value.endswith("-NOTFOUND")
+
+
+def _number(text: str) -> int:
+    is_number = text.isascii() and text.isdecimal() and len(text) <= _LONGEST
+    return int(text) if is_number else 0
+
+
+def _matches(pattern: str, text: str) -> bool:
+    if len(text) > _LONGEST or len(pattern) > _LONGEST or _SLOW.search(pattern):
+        return False
+    try:
+        return re.search(pattern, text) is not None
+    except re.error:
+        return False

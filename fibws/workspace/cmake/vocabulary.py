@@ -10,18 +10,17 @@ COMMANDS = frozenset(
     cmake_policy configure_file continue enable_language enable_testing execute_process export
     file find_file find_library find_path find_program get_cmake_property get_directory_property
     get_filename_component get_property get_target_property include include_directories
-    include_guard install link_libraries link_directories list mark_as_advanced math message
+    include_guard link_libraries link_directories list mark_as_advanced math
     option remove_definitions return separate_arguments set set_directory_properties
     set_property set_source_files_properties set_target_properties set_tests_properties
     site_name source_group string target_compile_definitions target_compile_features
     target_compile_options target_include_directories target_link_directories
     target_link_libraries target_link_options target_sources unset variable_watch
 
-    add_action_files add_message_files add_service_files catkin_add_env_hooks catkin_add_gmock
-    catkin_add_gtest catkin_add_nosetests catkin_add_executable_with_gtest catkin_destinations
-    catkin_download catkin_download_test_data catkin_install_python catkin_metapackage
-    catkin_package catkin_package_xml catkin_python_setup catkin_workspace assert debug_message
-    em_expand stamp generate_messages generate_dynamic_reconfigure_options add_rostest
+    catkin_add_env_hooks catkin_add_gmock catkin_add_gtest catkin_add_nosetests
+    catkin_add_executable_with_gtest catkin_destinations catkin_download
+    catkin_download_test_data catkin_package_xml catkin_workspace assert debug_message
+    em_expand stamp generate_dynamic_reconfigure_options add_rostest
     add_rostest_gtest add_rostest_gmock roslaunch_add_file_check roslint_cpp roslint_python
     roslint_add_test pkg_check_modules pkg_search_module find_program_required xacro_add_files
     qt5_wrap_cpp qt5_wrap_ui qt5_add_resources qt4_wrap_cpp qt4_wrap_ui python_add_module

@@ -16,3 +16,9 @@ def hint(name: str, known: Iterable[str]) -> str:
     """The end of an error's text, ``; did you mean /chatter?``; empty if no name is near."""
     found = nearest(name, known)
     return f"; did you mean {found}?" if found else ""
+
+
+def hint_or_all(name: str, known: Iterable[str]) -> str:
+    """The same, but all the names if none is near, ``; known are arg, node``; empty without any."""
+    names = list(known)
+    return hint(name, names) or (f"; known are {', '.join(names)}" if names else "")

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from fibws.errors import PackageFileError
-from fibws.workspace.cmake import read_commands
-from fibws.workspace.script import Script
+from fibws.workspace.cmake.script import Script
+from fibws.workspace.cmake.syntax import read_commands
 
 
 def script(folder: Path, text: str) -> Script:
@@ -68,6 +68,9 @@ def test_variables_have_values(tmp_path: Path, text: str, values: list[str]) -> 
         ("X IN_LIST L", True),
         ('X MATCHES "^y"', True),
         ('X MATCHES "("', False),
+        ('X MATCHES "(a+)+$"', False),
+        (f"{'9' * 5000} GREATER 5", False),
+        ("\N{SUPERSCRIPT TWO} GREATER 1", False),
         ("EXISTS ${HERE}", True),
         ("IS_DIRECTORY ${HERE}/none", False),
         ("TARGET X", False),
@@ -148,5 +151,22 @@ def test_conditions_without_an_end_are_not_met(tmp_path: Path) -> None:
     assert said(tmp_path, text) == []
 
 
-def test_a_variable_that_holds_itself_has_an_end(tmp_path: Path) -> None:
-    assert said(tmp_path, "set(A [[${A}${A}]]) say(x${A})")
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        ("set(a xxxxxxxxxx)\n" + 'set(a "${a}${a}")\n' * 60, "longer than 1000000 characters"),
+        ("set(a [[${a}${a}]]) say(x${a})", "longer than 1000000 characters"),
+        ("set(a x)\n" + "list(APPEND a ${a})\n" * 60, "longer than 1000000 characters"),
+        (
+            "".join(f"foreach(v{depth} 1 2 3 4 5 6 7 8 9)\n" for depth in range(15))
+            + "endforeach()\n" * 15,
+            "more than 20000 commands",
+        ),
+    ],
+    ids=["doubled", "itself", "list", "loops"],
+)
+def test_what_grows_without_end_is_refused(tmp_path: Path, text: str, fault: str) -> None:
+    file = tmp_path / "CMakeLists.txt"
+    file.write_text(text)
+    with pytest.raises(PackageFileError, match=fault):
+        list(Script(read_commands(file), tmp_path, str(file), {}).calls())

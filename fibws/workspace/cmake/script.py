@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from fibws.errors import PackageFileError
-from fibws.workspace.cmake import Argument, Command, split
-from fibws.workspace.conditional import holds
+from fibws.workspace.cmake.condition import holds
+from fibws.workspace.cmake.syntax import Argument, Command, split
 
 _VARIABLE = re.compile(r"\$(?P<env>ENV)?\{(?P<name>[^${}]*)\}")
 _ESCAPE = re.compile(r"\\(.)", re.DOTALL)
@@ -17,6 +17,10 @@ _ESCAPED = {"n": "\n", "t": "\t", "r": "\r", ";": "\\;"}
 _ENDS = {"if": "endif", "foreach": "endforeach", "while": "endwhile", "block": "endblock"}
 _ENDS |= {"function": "endfunction", "macro": "endmacro"}
 _DEEPEST = 20
+_MOST_COMMANDS = 20_000
+"""That are carried out: loops in each other are soon without end."""
+_MOST_CHARACTERS = 1_000_000
+"""Of one command's arguments with all variables put in."""
 
 
 @dataclass(frozen=True)
@@ -66,6 +70,8 @@ class Script:
         self.defined: set[str] = set()
         self.unset: dict[str, int] = {}
         self._returned = False
+        self._count = 0
+        self._length = 0
 
     def calls(self) -> Iterator[Call]:
         """The commands that are carried out, but those that only steer it or set variables.
@@ -81,6 +87,9 @@ class Script:
         at = 0
         while at < len(commands) and not self._returned:
             command = commands[at]
+            self._count += 1
+            if self._count > _MOST_COMMANDS:
+                raise self._fault(command, f"more than {_MOST_COMMANDS} commands are carried out")
             if command.name in _ENDS:
                 end = self._end(commands, at)
                 if depth < _DEEPEST:
@@ -231,6 +240,7 @@ class Script:
 
     def expand(self, arguments: tuple[Argument, ...]) -> Iterator[Value]:
         """The values of arguments: variables put in, and those without quotes split at ``;``."""
+        self._length = 0
         for argument in arguments:
             if argument.literal:
                 yield Value(argument.text, argument.line)
@@ -245,7 +255,7 @@ class Script:
         text = argument.text
         for _ in range(_DEEPEST):  # ${${PROJECT_NAME}_TARGETS}: from the inside out
             text, count = _VARIABLE.subn(lambda found: self._value(found, argument.line), text)
-            if not count or len(text) > 1_000_000:
+            if not count:
                 break
         return text
 
@@ -255,7 +265,12 @@ class Script:
         name = found["name"]
         if name not in self.variables:
             self.unset.setdefault(name, line)
-        return self.variables.get(name, "")
+        value = self.variables.get(name, "")
+        self._length += len(value)
+        if self._length > _MOST_CHARACTERS:
+            fault = f"${{{name}}} makes this longer than {_MOST_CHARACTERS} characters"
+            raise PackageFileError(self._source, line, fault)
+        return value
 
     def _holds(self, command: Command) -> bool:
         """Whether the condition of an ``if()`` is met."""
