@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from fibws.errors import InvalidName
 
 MAX_LENGTH = 1024
-_LEGAL = re.compile(r"[~/]?[A-Za-z]\w*(/[A-Za-z_]\w*)*", re.ASCII)
+_LEGAL = re.compile(r"([A-Za-z]\w*|[~/]\w+)(/\w+)*", re.ASCII)
 _LEGAL_BASE = re.compile(r"[A-Za-z]\w*", re.ASCII)
 
 

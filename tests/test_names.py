@@ -11,7 +11,8 @@ from fibws.errors import InvalidName
 from fibws.names import Remapping
 
 LEGAL = ["a", "chat", "/chat", "~chat", "a/b/c", "/a1/b_2", "A", "/fib/_action/status", "a" * 1024]
-ILLEGAL = ["", "/", "~", "1a", "/1a", "a/", "a//b", "a b", "a-b", "ä", "a~", "~/a", "a\n", "//a"]
+LEGAL += ["/1a", "~1", "/camera/0/image", "robot/2"]
+ILLEGAL = ["", "/", "~", "1a", "1/a", "a/", "a//b", "a b", "a-b", "ä", "a~", "~/a", "a\n", "//a"]
 PARTS = st.from_regex(r"[A-Za-z][A-Za-z0-9_]{0,8}", fullmatch=True)
 GLOBAL = st.lists(PARTS, min_size=1, max_size=4).map(lambda parts: "/" + "/".join(parts))
 

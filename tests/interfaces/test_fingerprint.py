@@ -37,12 +37,31 @@ def test_the_md5_is_that_of_real_ros(
         ("turtlesim/Pose", "863b248d5016ca62ea2e895ae5265cf9"),
         ("turtlesim/Color", "353891e354491c51aabe32df673fb446"),
         ("tf/tfMessage", "94810edda583a504dfda3829e70d7eec"),
+        ("move_base_msgs/MoveBaseAction", "70b6aca7c7f7746d8d1609ad94c80bb8"),
+        ("move_base_msgs/RecoveryStatus", "a2488e0805e1529a31044786ee1a2623"),
+        ("control_msgs/FollowJointTrajectoryAction", "bc4f9b743838566551c0390c65f1a248"),
     ],
 )
 def test_the_tutorials_types_have_the_published_md5(
     interfaces: Interfaces, name: str, expected: str
 ) -> None:
     assert interfaces.md5(name) == expected
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("turtlesim/Kill", "c1f3d28f1b044c871e6eff2e9fc3c667"),
+        ("turtlesim/SetPen", "9f452acce566bf0c0954594f69a8e41b"),
+        ("turtlesim/Spawn", "0b2d2e872a8e2887d5ed626f2bf2c561"),
+        ("turtlesim/TeleportAbsolute", "a130bc60ee6513855dc62ea83fcc5b20"),
+        ("turtlesim/TeleportRelative", "9d5c2dcd348ac8f76ce2a4307bd63a13"),
+    ],
+)
+def test_the_turtles_services_have_the_published_md5(
+    interfaces: Interfaces, name: str, expected: str
+) -> None:
+    assert interfaces.service_md5(name) == expected
 
 
 def test_the_md5_knows_no_comments_and_no_ros_2(tmp_path: Path) -> None:
