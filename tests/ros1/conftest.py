@@ -36,10 +36,9 @@ def define(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Define]:
         path.write_text(text, "utf-8")
         return path
 
-    classes.forget()
     yield define
-    classes.forget()
     packages = {path.name for path in folder.iterdir()}
+    classes.forget(packages)
     for name in set(sys.modules) - before:
         if name.partition(".")[0] in packages:
             del sys.modules[name]

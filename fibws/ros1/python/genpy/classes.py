@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import replace
 from threading import RLock
 from typing import Any
@@ -63,11 +64,12 @@ def service_class(name: str) -> type[Service[Any, Any]]:
         return _services[name]
 
 
-def forget() -> None:
-    """Forget all classes, so that those of changed definitions are made anew."""
+def forget(packages: Collection[str]) -> None:
+    """Forget the classes of packages, so that those of changed definitions are made anew."""
     with _lock:
-        _messages.clear()
-        _services.clear()
+        for known in (_messages, _services):
+            for name in [name for name in known if name.partition("/")[0] in packages]:
+                del known[name]
 
 
 def _make(definition: MessageDefinition, kind: str, module: str) -> type[Message]:
