@@ -43,6 +43,9 @@ class WebSocket(ClientConnection):
         self._writes_left -= 1
         self.protocol.send_text(text)
         self.transport.write(b"".join(self.protocol.data_to_send()))
+        if self.transport.is_closing() or self.transport.get_write_buffer_size():
+            # A loop that another thread acts for sleeps, and does not know of what is left to do.
+            self.loop.call_soon_threadsafe(self._renew)
         return True
 
     def hand_to(self, take: Callable[[bytes], bool]) -> None:

@@ -65,6 +65,20 @@ async def test_nothing_is_written_at_once_to_a_socket_that_is_behind() -> None:
         assert [text[0] for text in await heard(server, count)] == list(range(count))
 
 
+async def test_a_loop_that_another_thread_acts_for_is_woken_for_what_is_left(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async with pair() as (client, server):
+        woken: list[object] = []
+        with monkeypatch.context() as patch:
+            patch.setattr(client.loop, "call_soon_threadsafe", woken.append)
+            assert client.write_at_once(b"small")
+            assert not woken
+            assert client.write_at_once(bytes(1 << 24))
+            assert len(woken) == 1
+        assert [len(text) for text in await heard(server, 2)] == [5, 1 << 24]
+
+
 async def test_nothing_is_written_to_a_connection_that_was_closed() -> None:
     async with pair() as (client, _):
         await client.close()

@@ -49,6 +49,8 @@ class Part:
     """Whether what it logs on standard error counts."""
     interrupted: bool = True
     """Whether Ctrl-C ends it, or it ends by itself."""
+    last: str | None = None
+    """Ctrl-C comes once a line of its standard output holds this."""
     environment: dict[str, str] = field(default_factory=dict)
 
 
@@ -81,6 +83,8 @@ class World:
                     await program.ended()
             for part, program in zip(reversed(parts), reversed(running), strict=True):
                 if part.interrupted:
+                    if part.last is not None:
+                        await program.said(part.last, 1)
                     # The real rospy deadlocks if it is interrupted while it publishes.
                     await asyncio.sleep(IDLE)
                     program.interrupt()
@@ -193,7 +197,7 @@ def missing_ros() -> str | None:
 @contextmanager
 def real_ros(folder: Path) -> Iterator[World]:
     """A roscore on a free port, and the messages of packages that Debian has not."""
-    _generate(folder, "rospy_tutorials", "std_srvs")
+    _generate(folder, "rospy_tutorials", "std_srvs", "trajectory_msgs", "turtlesim")
     with socket.create_server(("127.0.0.1", 0)) as free:
         port = free.getsockname()[1]
     environment = {

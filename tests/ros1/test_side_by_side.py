@@ -58,7 +58,7 @@ SCENARIOS: dict[str, tuple[Part, ...]] = {
         Part("connection_header_client.py", interrupted=False),
     ),
     "hooks at the end": (
-        Part("plain_listener.py", until="ready"),
+        Part("plain_listener.py", until="ready", last="heard"),
         Part("on_shutdown.py", until="ready"),
     ),
     "ways to publish": (

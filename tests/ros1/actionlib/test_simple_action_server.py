@@ -30,22 +30,21 @@ async def test_a_server_is_heard_by_its_client() -> None:
     assert server.code == client.code == 0, client.err
     heard = sections(client.out)
     assert heard["goal 3"] == [
-        *("active", "feedback: 0", "feedback: 1", "feedback: 2"),
-        *("done: SUCCEEDED result: 3", "finished: True"),
+        *("done: SUCCEEDED result: 3", "['active'], feedback [0, 1, 2]", "finished: True"),
         *("state: 3 SUCCEEDED", "text: 'counted'", "result: result: 3"),
     ]
-    assert heard["goal -5"][1:] == [
-        *("done: ABORTED result: -1", "finished: True"),
+    assert heard["goal -5"] == [
+        *("done: ABORTED result: -1", "['active'], feedback []", "finished: True"),
         *("state: 4 ABORTED", "text: 'negative goal'", "result: result: -1"),
     ]
     assert "text: 'Exception in execute callback: one hundred'" in heard["goal 100"]
     assert "text: 'No terminal state was set.'" in heard["goal 101"]
-    assert heard["too long"][0] == "finished: False"
+    assert heard["too long"][1] == "finished: False"
     assert heard["too long"][-3:] == ["state: 2 PREEMPTED", "text: 'no more'", "result: result: 1"]
     assert heard["and wait"][0] == "True"
-    assert heard["a later goal"][1] == "state: 2 PREEMPTED"
+    assert heard["a later goal"][2] == "state: 2 PREEMPTED"
     assert heard["a later goal"][-2:] == ["text: 'counted'", "result: result: 1"]
-    assert heard["all of them"][1] == "state: 2 PREEMPTED"
+    assert heard["all of them"][2] == "state: 2 PREEMPTED"
     logged = [line.partition(": ")[2] for line in server.out]
     assert logged[1:6] == ["goal 3", "goal -5", "goal 100", "goal 101", "goal 102"]
     assert logged[-3:] == ["goal 1000", "preempt callback", "preempted"]

@@ -23,6 +23,8 @@ class Program:
     def __init__(self, process: asyncio.subprocess.Process) -> None:
         self._process = process
         self._lines: list[str] = []
+        self.complaints = ""
+        """What it has written on standard error, once it has ended well."""
 
     async def says(self) -> str:
         """The next line that it prints."""
@@ -42,6 +44,7 @@ class Program:
         async with asyncio.timeout(PATIENCE):
             out, err = await self._process.communicate()
         assert self._process.returncode == 0, (self._lines, out.decode(), err.decode())
+        self.complaints = err.decode()
         return out.decode().splitlines()
 
     async def complains(self) -> str:

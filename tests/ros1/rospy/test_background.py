@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import inspect
 import threading
 import time
 from collections.abc import AsyncIterator, Iterator
@@ -143,3 +144,14 @@ def test_it_can_be_stopped_before_its_start(background: Background) -> None:
     background.stop()
     with pytest.raises(ROSInterruptException):
         background.start(lambda: fibws.Node("worker"), print)
+
+
+async def test_what_the_loops_end_has_forestalled_is_closed(running: Background) -> None:
+    await asyncio.to_thread(running.stop)
+    loop = asyncio.new_event_loop()
+    running._loop = loop  # It takes what it is given, but nobody runs it any more.
+    coroutine = asyncio.sleep(0)
+    with pytest.raises(ROSInterruptException):
+        await asyncio.to_thread(running.call, coroutine)
+    assert inspect.getcoroutinestate(coroutine) == inspect.CORO_CLOSED
+    loop.close()

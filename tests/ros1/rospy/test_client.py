@@ -72,9 +72,33 @@ async def test_a_program_becomes_a_node_of_a_name() -> None:
         ]
 
 
-async def test_a_name_that_the_graph_cannot_have_is_an_error() -> None:
+@pytest.mark.parametrize(
+    ("name", "legal"), [("my-node", "my_node"), ("2nd", "node_2nd"), ("n\u00fd uzel", "n__uzel")]
+)
+async def test_a_name_that_ros_only_warns_of_becomes_one_that_the_graph_can_have(
+    name: str, legal: str
+) -> None:
     async with world() as it:
-        program = await it.start("import rospy; rospy.init_node('my-node')")
+        said = await it.run(
+            f"""
+            import rospy, warnings
+            with warnings.catch_warnings(record=True) as caught:
+                rospy.init_node({name!r})
+            print(rospy.get_name(), *(each.message for each in caught), sep="\\n")
+            print(caught[0].filename)
+            """
+        )
+        assert said == [
+            f"/{legal}",
+            f"'{name}' is not a legal ROS base name. This may cause problems with other ROS tools. "
+            f"Here the node is called '{legal}'.",
+            "<string>",
+        ]
+
+
+async def test_a_name_that_is_remapped_must_be_legal() -> None:
+    async with world() as it:
+        program = await it.start("import rospy; rospy.init_node('node')", "__name:=my-node")
         assert "'my-node' is not a legal name" in await program.complains()
 
 
@@ -179,7 +203,9 @@ async def test_the_level_of_the_log_can_be_changed_from_outside() -> None:
 async def test_a_node_of_the_same_name_ends_the_first() -> None:
     text = """
         import rospy
+        from std_msgs.msg import String
         rospy.init_node("same")
+        rospy.Subscriber("heard", String)
         rospy.on_shutdown(lambda: print("hook"))
         print("ready")
         rospy.spin()
@@ -198,6 +224,7 @@ async def test_a_node_of_the_same_name_ends_the_first() -> None:
         async with fibws.Node("killer", hub=it.hub.url) as node:
             await node.call("/rosapi/kill_node", "fibws_msgs/KillNode", {"node": "/same"})
         assert await second.ends() == ["shutdown request: user request", "hook", "end"]
+        assert [first.complaints, second.complaints] == ["", ""]
 
 
 @pytest.mark.skipif(os.name == "nt", reason="nobody can press Ctrl-C there")

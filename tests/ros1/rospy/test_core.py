@@ -8,6 +8,7 @@ import threading
 from collections.abc import Iterator
 
 import pytest
+import rospy
 from rospy import core, exceptions
 from rospy.background import Background
 
@@ -54,6 +55,13 @@ def test_a_hook_that_raises_keeps_none_from_its_turn(capsys: pytest.CaptureFixtu
     assert "IndexError" in capsys.readouterr().err
 
 
+def test_a_hook_that_exits_keeps_no_node_from_its_end(capsys: pytest.CaptureFixture[str]) -> None:
+    core.add_client_shutdown_hook(lambda: sys.exit(4))
+    core.signal_shutdown("enough")
+    assert core.is_shutdown()
+    assert "SystemExit: 4" in capsys.readouterr().err
+
+
 def test_a_hook_that_comes_too_late_is_called_at_once() -> None:
     core.signal_shutdown("enough")
     said: list[str] = []
@@ -97,6 +105,15 @@ def test_when_the_node_runs_it_is_done_at_once(monkeypatch: pytest.MonkeyPatch) 
     assert done == ["now"]
 
 
+def test_what_rospy_has_here_too_is_found_here() -> None:
+    for name in "logwarn", "rospyinfo", "resolve_name", "ROSInitException":
+        assert callable(getattr(core, name))
+    assert core.loginfo is rospy.loginfo  # type: ignore[attr-defined]
+    for name in "nothing", "_log":
+        with pytest.raises(AttributeError, match=f"no attribute '{name}'"):
+            getattr(core, name)
+
+
 def test_without_a_node_there_is_no_uri() -> None:
     assert core.get_node_uri() is None
 
@@ -113,7 +130,7 @@ def test_exceptions_are_caught_as_in_rospy() -> None:
 
 WAITS = {
     "a sleep": "rospy.sleep(60)",
-    "a rate": "rospy.Rate(0.01).sleep()",
+    "a rate": "rate = rospy.Rate(0.01); rate.sleep(); rate.sleep()",
     "a message": "rospy.wait_for_message('nothing', String)",
     "a service": "rospy.wait_for_service('nothing')",
     "a call": "rospy.ServiceProxy('slow', Empty)()",
@@ -147,6 +164,26 @@ async def test_ctrl_c_ends_each_way_to_wait(what: str) -> None:
         assert await program.says() == "ready"
         program.interrupt()
         assert await program.ends() == ["hook False", "interrupted"]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="nobody can press Ctrl-C there")
+@pytest.mark.parametrize("turn", ["", "rospy.signal_shutdown('done')"])
+async def test_what_follows_a_loop_is_done_wherever_the_end_meets_it(turn: str) -> None:
+    async with world() as it:
+        program = await it.start(f"""
+            import rospy
+            rospy.init_node("looper")
+            rate = rospy.Rate(0.01)
+            while not rospy.is_shutdown():
+                print("turn")
+                {turn}
+                rate.sleep()
+            print("cleaned up")
+        """)
+        assert await program.says() == "turn"
+        if not turn:
+            program.interrupt()
+        assert await program.ends() == ["cleaned up"]
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="nobody can press Ctrl-C there")

@@ -15,6 +15,7 @@ class Looping:
 
     def __init__(self, *, debug: bool = False) -> None:
         self.gate = Gate()
+        self.gate.admits_main = True
         self._begun = threading.Event()
         self._debug = debug
         self.thread = threading.Thread(target=self._run, daemon=True)
@@ -113,6 +114,28 @@ def test_a_signals_handler_comes_after_the_main_thread_has_left(looping: Looping
     assert not gate.enter()
     assert not gate.after_leaving(lambda: called.append("3"))
     over.set()
+
+
+def test_a_main_thread_that_signals_may_break_off_stays_outside(looping: Looping) -> None:
+    entered(looping.gate)
+    looping.gate.leave()
+    looping.gate.admits_main = False
+    assert not any(looping.gate.enter() for _ in range(1000))
+
+
+def test_other_threads_are_admitted_when_the_main_thread_is_not(looping: Looping) -> None:
+    looping.gate.admits_main = False
+    others: list[bool] = []
+
+    def act() -> None:
+        entered(looping.gate)
+        others.append(True)
+        looping.gate.leave()
+
+    other = threading.Thread(target=act, daemon=True)
+    other.start()
+    other.join(10)
+    assert others == [True]
 
 
 def test_other_threads_are_no_concern_of_signal_handlers(looping: Looping) -> None:

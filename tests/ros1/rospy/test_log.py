@@ -164,3 +164,30 @@ def test_an_identical_line_waits_for_its_period(
 def test_the_levels_are_those_of_rosgraph_msgs() -> None:
     assert (rospy.DEBUG, rospy.INFO, rospy.WARN, rospy.ERROR, rospy.FATAL) == (1, 2, 4, 8, 16)
     assert list(log.PYTHON_LEVELS.values()) == list(LEVELS.values())
+
+
+def test_arguments_that_do_not_fit_are_an_error(records: Records) -> None:
+    with pytest.raises(TypeError, match="a real number is required"):
+        rospy.loginfo("%d", "five")
+    with pytest.raises(TypeError, match="not all arguments"):
+        rospy.logwarn("five", 5)
+    rospy.loginfo("100%")
+    assert records.texts == ["100%"]
+
+
+def test_what_the_library_says_of_itself_is_no_line_of_the_nodes(
+    records: Records, caplog: pytest.LogCaptureFixture
+) -> None:
+    with caplog.at_level(logging.DEBUG, "rospy"):
+        log.rospydebug("%s", "debug")
+        log.rospyinfo("info")
+        log.rospywarn("warn")
+        log.rospyerr("err")
+    said = [(record.name, record.levelname, record.getMessage()) for record in caplog.records]
+    assert said == [
+        ("rospy", "DEBUG", "debug"),
+        ("rospy", "INFO", "info"),
+        ("rospy", "WARNING", "warn"),
+        ("rospy", "ERROR", "err"),
+    ]
+    assert records.texts == []

@@ -45,3 +45,17 @@ async def test_it_answers_as_the_master_did() -> None:
             "False",
             "'_Master' object has no attribute 'nothing'",
         ]
+
+
+async def test_it_answers_after_the_nodes_end_too() -> None:
+    async with world() as it:
+        said = await it.run("""
+            import rospy
+            rospy.init_node("asker")
+            rospy.set_param("~x", 5)
+            rospy.signal_shutdown("enough")
+            print(rospy.get_param("~x"), rospy.get_param("nope", 3))
+            rospy.delete_param("~x")
+            print(rospy.has_param("/asker/x"))
+        """)
+        assert said == ["5 3", "False"]

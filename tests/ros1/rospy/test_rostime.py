@@ -82,6 +82,17 @@ def test_who_sleeps_is_woken_by_the_end(monkeypatch: pytest.MonkeyPatch) -> None
         rostime.sleep(60)
 
 
+def test_a_sleep_by_the_wall_needs_no_node_and_raises_nothing(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    began = time.monotonic()
+    rostime.wallsleep(0.02)
+    assert 0.02 <= time.monotonic() - began
+    rostime.wallsleep(-1)
+    monkeypatch.setattr(core, "_shutdown", True)
+    rostime.wallsleep(60)
+
+
 class Sleeper(threading.Thread):
     """Sleeps for a second of simulated time, and keeps what came of it."""
 

@@ -176,8 +176,9 @@ async def test_a_service_that_is_shut_down_is_gone() -> None:
             timer = threading.Timer(0.01, service.shutdown, ["enough"])
             timer.start()
             service.spin()
-            print(rospy.is_shutdown())
+            is_shutdown = rospy.is_shutdown()
             rospy.Service("end", Empty, lambda request: {})
+            print(is_shutdown)
             rospy.spin()
         """)
         assert await program.says() == "False"

@@ -35,3 +35,12 @@ def test_the_last_user_closes_it() -> None:
     shared.release(impl)
     assert impl.closings == ["/a"]
     assert shared.acquire("/a", String) is not impl
+
+
+def test_the_nodes_end_closes_all() -> None:
+    shared = Shared(Impl)
+    one, other = shared.acquire("/a", String), shared.acquire("/b", String)
+    shared.close_all("the end")
+    assert one.closings == ["/a"]
+    assert other.closings == ["/b"]
+    shared.release(one)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import threading
+
 import pytest
 from rospy import subscription
 from rospy.subscription import Subscription
@@ -126,6 +128,63 @@ def test_one_may_take_back_only_what_one_has_added() -> None:
     topic.remove_callback(print, 1)
     with pytest.raises(KeyError, match="no matching cb"):
         topic.remove_callback(print, 1)
+
+
+@pytest.mark.parametrize("moment", ["before", "while", "after"])
+def test_what_is_latched_is_told_once_whenever_one_comes(moment: str) -> None:
+    topic = Subscription("/chatter", String)
+    message = String("kept")
+    message._connection_header = {"latching": "1", "callerid": "/talker"}
+    heard: list[str] = []
+
+    def second(message: String) -> None:
+        heard.append(message.data)
+
+    def first(message: String) -> None:
+        if moment == "while":
+            topic.add_callback(second, None)
+
+    topic.add_callback(first, None)
+    if moment == "before":
+        topic.add_callback(second, None)
+    topic._handle(message)
+    if moment == "after":
+        topic.add_callback(second, None)
+    assert heard == ["kept"]
+
+
+def test_what_waits_for_its_callbacks_is_not_told_before_them() -> None:
+    topic = Subscription("/chatter", String)
+    topic._source = _Latched()  # type: ignore[assignment]
+    heard: list[str] = []
+    begun, told, over = threading.Event(), threading.Event(), threading.Event()
+
+    def slow(message: String) -> None:
+        begun.set()
+        told.wait(10)
+
+    def last(message: String) -> None:
+        if message.data == "second":
+            over.set()
+
+    topic.add_callback(slow, None)
+    topic._take(String("first"))
+    assert begun.wait(10)
+    topic._take(String("second"))
+    topic.add_callback(lambda message: heard.append(message.data), None)
+    assert heard == ["first"]
+    topic.add_callback(last, None)
+    told.set()
+    assert over.wait(10)
+    assert heard == ["first", "second"]
+    topic._inbox.close()
+
+
+class _Latched:
+    """Where latched messages come from."""
+
+    def __init__(self) -> None:
+        self.connection_header = {"latching": "1", "callerid": "/talker"}
 
 
 def test_minus_one_is_for_no_bound() -> None:

@@ -69,7 +69,7 @@ def test_who_is_a_little_late_catches_up_and_who_is_very_late_does_not(
     works(10)
     rate.sleep()
     rate.sleep()
-    assert sleeps == [-0.5, 0.5, -9, 1]
+    assert sleeps == [0, 0.5, 0, 1]
 
 
 @pytest.mark.usefixtures("simulated")
@@ -92,6 +92,29 @@ def test_a_rate_goes_on_from_where_time_went_back_to(sleeps: list[float]) -> Non
     rostime.set_rostime(genpy.Time(5))
     rate.sleep()
     assert sleeps == [1]
+
+
+def test_a_loop_that_goes_on_after_the_node_s_end_is_ended(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(rostime, "_initialized", True)
+    monkeypatch.setattr(core, "_shutdown", True)
+    rate, late = Rate(0.01), Rate(0.01)
+    late.last_time = rostime.get_rostime() - genpy.Duration(1000)
+    for each in rate, late:
+        each.sleep()
+        with pytest.raises(ROSInterruptException, match="ROS shutdown request"):
+            each.sleep()
+
+
+@pytest.mark.usefixtures("simulated")
+def test_in_simulated_time_the_node_s_end_is_the_loop_s_at_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    rate = Rate(1)
+    monkeypatch.setattr(core, "_shutdown", True)
+    with pytest.raises(ROSInterruptException):
+        rate.sleep()
 
 
 @pytest.fixture

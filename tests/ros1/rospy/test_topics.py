@@ -54,13 +54,14 @@ async def test_subscribers_of_a_topic_share_a_connection_and_a_thread() -> None:
         chatter = await node.advertise("chatter", "std_msgs/String", latch=True)
         await chatter.publish("kept")
         program = await it.start("""
-            import rospy, threading
+            import rospy, sys, threading
             from std_msgs.msg import String
 
             rospy.init_node("listener")
 
             def hear(message, name):
-                print(name, message.data, threading.current_thread().name, flush=True)
+                # In one piece, since both threads may write at the same time.
+                sys.stdout.write(f"{name} {message.data} {threading.current_thread().name}\\n")
 
             first = rospy.Subscriber("chatter", String, hear, "first")
             rospy.wait_for_message("chatter", String)

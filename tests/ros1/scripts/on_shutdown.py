@@ -3,7 +3,8 @@ import rospy
 from std_msgs.msg import String
 
 rospy.init_node('on_shutdown_node')
-pub = rospy.Publisher('chatter', String, queue_size=10)
+# Without a queue, whose thread may come too late in ROS.
+pub = rospy.Publisher('chatter', String, queue_size=None)
 
 
 def hook():

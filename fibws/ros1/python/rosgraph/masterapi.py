@@ -134,14 +134,13 @@ class Master:
         above = f"{subgraph.rstrip('/')}/"
         return [
             [topic["name"], topic["type"]]
-            for topic in self.ask("graph")["topics"]
-            if topic["publishers"] and topic["type"] and topic["name"].startswith(above)
+            for topic in self._topics()
+            if topic.get("publishers", True) and topic["type"] and topic["name"].startswith(above)
         ]
 
     def getTopicTypes(self) -> list[list[str]]:
         """All topics whose type is known, as pairs of name and type."""
-        topics = self.ask("graph")["topics"]
-        return [[topic["name"], topic["type"]] for topic in topics if topic["type"]]
+        return [[topic["name"], topic["type"]] for topic in self._topics() if topic["type"]]
 
     def getSystemState(self) -> list[list[list[Any]]]:
         """Who publishes, who subscribes, who offers services: each as pairs of name and nodes."""
@@ -168,6 +167,17 @@ class Master:
             raise MasterFailure(error.text) from None
         except FibwsError as error:
             raise MasterFailure(str(error)) from None
+
+    def _topics(self) -> list[dict[str, Any]]:
+        """The topics, with who publishes them unless the hub is a rosbridge of ROS's own."""
+        try:
+            return list(self.ask("graph")["topics"])
+        except MasterFailure:
+            found = self.ask("topics")
+        return [
+            {"name": name, "type": type_}
+            for name, type_ in zip(found["topics"], found["types"], strict=False)
+        ]
 
     def _global(self, name: str) -> str:
         return resolve_name(name, self.caller_id)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import logging
 import os
+import re
 import sys
 import time
+import warnings
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
-from rosgraph.names import PRIV_NAME, REMAP, is_legal_remap, ns_join
+from rosgraph.names import PRIV_NAME, REMAP, is_legal_base_name, is_legal_remap, ns_join
 from roslib import is_interactive
 
 from rospy import console, core, names, rostime
@@ -208,9 +210,23 @@ def _named(name: str, anonymous: bool) -> str:
 
     if remapped := names.get_mappings().get("__name"):
         return check_base(remapped)
+    if not is_legal_base_name(name):
+        name = _mended(name)
     if anonymous:
         name = f"{name}_{os.getpid()}_{int(time.time() * 1000)}"
     return check_base(name)
+
+
+def _mended(name: str) -> str:
+    """A legal name in the place of one that ROS only warns of; the hub would not have it."""
+    legal = re.sub(r"\W", "_", name, flags=re.ASCII)
+    legal = legal if legal[0].isalpha() else f"node_{legal.lstrip('_')}"
+    warnings.warn(
+        f"'{name}' is not a legal ROS base name. This may cause problems with other ROS tools. "
+        f"Here the node is called '{legal}'.",
+        stacklevel=4,
+    )
+    return legal
 
 
 def _logger(log_level: int | None) -> logging.Logger:

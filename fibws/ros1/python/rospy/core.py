@@ -180,7 +180,7 @@ def _call_all(hooks: list[Callable[..., object]], *arguments: str) -> None:
         hook = hooks.pop(0)
         try:
             hook(*arguments)
-        except Exception:
+        except (Exception, SystemExit):  # It must not keep the node from its end.
             import traceback
 
             traceback.print_exc()
@@ -198,6 +198,7 @@ def register_signals() -> None:
     for number in (signal.SIGINT, signal.SIGTERM):
         earlier = signal.signal(number, _on_signal)
         _earlier_handlers[number] = signal.SIG_DFL if earlier is None else earlier
+    background.gate.admits_main = True
     _hush()
 
 
@@ -208,6 +209,7 @@ def _on_signal(number: int, frame: FrameType | None) -> None:
     """
     if background.gate.after_leaving(partial(_on_signal, number, frame)):
         return
+    background.gate.admits_main = False
     earlier = _earlier_handlers.get(number)
     for each, handler in _earlier_handlers.items():
         signal.signal(each, handler)  # Who asks twice is in a hurry.

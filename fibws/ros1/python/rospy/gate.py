@@ -24,6 +24,8 @@ class Gate:
         self._lock = threading.Lock()
         self._loop: asyncio.AbstractEventLoop | None = None
         self._main_is_in = False
+        self.admits_main = False
+        """Whether the main thread may enter too: what a signal may break off would never leave."""
         self._deferred: list[Callable[[], object]] = []
 
     def new_loop(self) -> asyncio.AbstractEventLoop:
@@ -59,7 +61,7 @@ class Gate:
         """
         main = threading.current_thread() is threading.main_thread()
         if main:
-            if self._main_is_in:
+            if self._main_is_in or not self.admits_main:
                 return False
             self._main_is_in = True
         if self._lock.acquire(blocking=False):

@@ -67,6 +67,26 @@ logout = loginfo
 logerror = logerr
 
 
+def rospydebug(msg: Any, *args: Any) -> None:
+    """Log a line at level DEBUG for whoever looks for faults of the library; not on the console."""
+    logging.getLogger("rospy").debug(msg, *args)
+
+
+def rospyinfo(msg: Any, *args: Any) -> None:
+    """Log a line at level INFO, as `rospydebug` does at DEBUG."""
+    logging.getLogger("rospy").info(msg, *args)
+
+
+def rospywarn(msg: Any, *args: Any) -> None:
+    """Log a line at level WARN, as `rospydebug` does at DEBUG."""
+    logging.getLogger("rospy").warning(msg, *args)
+
+
+def rospyerr(msg: Any, *args: Any) -> None:
+    """Log a line at level ERROR, as `rospydebug` does at DEBUG."""
+    logging.getLogger("rospy").error(msg, *args)
+
+
 def logdebug_throttle(period: float, msg: Any, *args: Any, **kwargs: Any) -> None:
     """Log a line at level DEBUG, but not more often than once in a time.
 
@@ -207,19 +227,19 @@ def _write(
         exc_info = type(exc_info), exc_info, exc_info.__traceback__
     elif exc_info and not isinstance(exc_info, tuple):
         exc_info = sys.exc_info()
-    logger.handle(
-        logger.makeRecord(
-            logger.name,
-            level,
-            frame.f_code.co_filename,
-            frame.f_lineno,
-            msg,
-            args,
-            exc_info,
-            _function(frame),
-            extra,
-        )
+    record = logger.makeRecord(
+        logger.name,
+        level,
+        frame.f_code.co_filename,
+        frame.f_lineno,
+        msg,
+        args,
+        exc_info,
+        _function(frame),
+        extra,
     )
+    record.getMessage()  # What is wrong with the arguments is for the caller to know, as in rospy.
+    logger.handle(record)
 
 
 def _function(frame: FrameType) -> str:

@@ -19,6 +19,7 @@ TYPES = {
     "has_param": "rosapi/HasParam",
     "search_param": "rosapi/SearchParam",
     "set_param": "rosapi/SetParam",
+    "topics": "rosapi/Topics",
 }
 """The services of the hub that are called here, with their types."""
 
@@ -92,10 +93,10 @@ class MasterProxy:
 
 
 class _Master(Master):
-    """Asks by way of the process's node, if there is one."""
+    """Asks by way of the process's node while there is one."""
 
     def ask(self, service: str, /, **request: Any) -> dict[str, Any]:
-        if not core.background.running:
+        if not core.background.running or core.is_shutdown():
             return super().ask(service, **request)
         from fibws.errors import ServiceError, ServiceLost
 

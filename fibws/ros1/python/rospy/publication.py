@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from rospy import core
 from rospy.exceptions import ROSException, ROSInterruptException, ROSSerializationException
+from rospy.foreign import count_nodes
 from rospy.handover import Handover
 from rospy.inbox import Inbox, call
 from rospy.names import ANYTYPE
@@ -58,7 +59,7 @@ class Publication:
         self._lock = threading.RLock()
         self._publisher: fibws.Publisher[Any, ...] | None = None
         self._handover: Handover | None = None
-        self._asked: tuple[bool, dict[str, str], int | None] | None = None
+        self._asked: tuple[bool, dict[str, str]] | None = None
         self._watching: asyncio.Task[None] | None = None
         self._peers: list[str] = []
         self._events: Inbox[Callable[[], None]] = Inbox(resolved_name, lambda event: event())
@@ -80,7 +81,12 @@ class Publication:
 
     def get_num_connections(self) -> int:
         """How many nodes subscribe."""
-        return len(self._publisher.peers.names) if self._publisher is not None else 0
+        if self._publisher is None:
+            return 0
+        peers = self._publisher.peers
+        if peers.told:
+            return len(peers.names)
+        return count_nodes(core.background.node.graph.subscribers(self.resolved_name))
 
     def publish(self, message: Message, peer: str | None = None) -> None:
         """Publish a message, in any thread but the loop's.
@@ -148,8 +154,14 @@ class Publication:
     async def _register(self) -> None:
         import asyncio
 
-        asked = (self.latch, dict(self.headers), self.queue_size)
-        if self._class is None or asked == self._asked:
+        if self._class is None:
+            return
+        lossless = self.queue_size is None
+        asked = (self.latch, dict(self.headers))
+        if asked == self._asked and self._publisher is not None:
+            # Another publisher would not have what this one has latched.
+            if self._handover is not None:
+                self._handover.use(self._publisher, lossless=lossless)
             return
         self._asked = asked
         if self._publisher is not None:
@@ -167,9 +179,9 @@ class Publication:
             peers=True,
         )
         if self._handover is None:
-            self._handover = Handover(publisher, lossless=self.queue_size is None)
+            self._handover = Handover(publisher, lossless=lossless)
         else:
-            self._handover.use(publisher, lossless=self.queue_size is None)
+            self._handover.use(publisher, lossless=lossless)
         self._watching = asyncio.create_task(self._watch(publisher), name=f"watch {publisher}")
 
     async def _leave(self) -> None:

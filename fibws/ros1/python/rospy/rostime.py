@@ -95,6 +95,12 @@ def set_rostime(time: genpy.Time) -> None:
     core.bell.ring()
 
 
+def wallsleep(duration: float) -> None:
+    """Sleep for some seconds on the wall's clock, or until the node ends."""
+    if duration > 0:
+        core.wait_for_shutdown(duration)
+
+
 def sleep(duration: genpy.Duration | float) -> None:
     """Sleep, of the graph's time; a negative duration is none.
 

@@ -51,3 +51,14 @@ class Shared(Generic[I]):
                 return
             del self._users[impl]
         impl.close()
+
+    def close_all(self, reason: str) -> None:
+        """Close the objects of all topics, since the node has ended.
+
+        They let go of what they have of the program's, so that its ``__del__`` are called while
+        they can still do something.
+        """
+        with self._lock:
+            impls = list(self._users)
+        for impl in impls:
+            impl.close()

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from rospy import core
 from rospy.arguments import serialized
 from rospy.exceptions import ROSException
+from rospy.foreign import count_nodes
 from rospy.inbox import Inbox, call
 from rospy.names import ANYTYPE
 
@@ -44,12 +46,15 @@ class Subscription:
         self._found = data_class
         """Another class than that, if it leaves open what comes."""
         self._queue_size: int | None = None
+        self._lock = threading.RLock()
+        """Keeps who comes and a message that comes apart: each message is told once to each."""
         self._callbacks: list[tuple[Callable[..., object], Any]] = []
+        self._latched: dict[str, Message] = {}
+        """The last one of each publisher that keeps it, and that the callbacks were told."""
         self._inbox: Inbox[Message] = Inbox(resolved_name, self._handle)
         self._source: fibws.Subscription[Any] | None = None
         self._task: asyncio.Task[None] | None = None
-        self._latched: dict[str, Message] = {}
-        self._said: dict[str, str] = {}
+        self._said: dict[str, str] | None = None
         self._header: dict[str, str] = {}
         self._has_told = False
         self._closed = False
@@ -73,39 +78,55 @@ class Subscription:
 
     def close(self) -> None:
         """Listen no more."""
-        self._closed = True
-        self._callbacks = []
+        with self._lock:
+            self._closed = True
+            self._callbacks = []
         self._inbox.close()
         core.background.soon(self._leave)
 
     def get_num_connections(self) -> int:
         """How many nodes publish."""
-        return len(self._source.peers.names) if self._source is not None else 0
+        if self._source is None:
+            return 0
+        peers = self._source.peers
+        if peers.told:
+            return len(peers.names)
+        return count_nodes(core.background.node.graph.publishers(self.resolved_name))
 
     def add_callback(self, callback: Callable[..., object], callback_args: Any) -> None:
         """Call a function with each message, and with ``callback_args`` if that is not None.
 
         What is latched it is told at once, in this thread.
         """
-        self._callbacks = [*self._callbacks, (callback, callback_args)]
-        for message in list(self._latched.values()):
+        with self._lock:
+            self._callbacks = [*self._callbacks, (callback, callback_args)]
+            latched = list(self._latched.values())
+        for message in latched:
             _invoke(callback, message, callback_args)
 
     def remove_callback(self, callback: Callable[..., object], callback_args: Any) -> None:
-        """Take back one `add_callback`.
+        """Take back one `add_callback`; a closed subscription has none left.
 
         Raises:
             KeyError: there was none of these arguments.
         """
-        callbacks = list(self._callbacks)
-        try:
-            callbacks.remove((callback, callback_args))
-        except ValueError:
-            raise KeyError("no matching cb") from None
-        self._callbacks = callbacks
+        with self._lock:
+            if self._closed:
+                return
+            callbacks = list(self._callbacks)
+            try:
+                callbacks.remove((callback, callback_args))
+            except ValueError:
+                raise KeyError("no matching cb") from None
+            self._callbacks = callbacks
 
     def _handle(self, message: Message) -> None:
-        for callback, callback_args in self._callbacks:
+        header = message._connection_header
+        with self._lock:
+            callbacks = self._callbacks
+            if header.get("latching") == "1":
+                self._latched[header.get("callerid", "")] = message
+        for callback, callback_args in callbacks:
             _invoke(callback, message, callback_args)
 
     async def _register(self) -> None:
@@ -122,7 +143,7 @@ class Subscription:
             self._source.close()
 
     async def _listen(self) -> None:
-        from fibws.errors import FibwsError, NodeClosed
+        from fibws.errors import FibwsError, NodeClosed, NodeKilled, NodeReplaced
 
         try:
             node = core.background.node
@@ -138,8 +159,8 @@ class Subscription:
             source.hand_to(self._take)
             async for _ in source:
                 pass
-        except NodeClosed:
-            pass
+        except (NodeClosed, NodeKilled, NodeReplaced):
+            pass  # The whole node ends, and says why.
         except FibwsError as fault:
             from rospy import logerr
 
@@ -172,8 +193,6 @@ class Subscription:
         if self._found is not self.data_class:
             message = self.data_class().deserialize(serialized(message))
         message._connection_header = self._header
-        if said.get("latching") == "1":
-            self._latched[said.get("callerid", "")] = message
         if self._inbox.put(message, self._queue_size or self._bound(message)):
             self._tell_of_drops()
 

@@ -11,7 +11,7 @@ import genpy
 
 from rospy import core
 from rospy.exceptions import ROSInterruptException, ROSTimeMovedBackwardsException
-from rospy.rostime import Duration, Time, get_rostime, sleep
+from rospy.rostime import Duration, Time, get_rostime, is_wallclock, sleep
 
 __all__ = ["Rate", "Timer", "TimerEvent", "sleep"]
 
@@ -31,26 +31,34 @@ class Rate:
         self.last_time: genpy.Time = get_rostime()
         self.sleep_dur = Duration(0, int(1e9 / hz))
         self._reset = reset
+        self._was_cut_short = False
 
     def remaining(self) -> genpy.Duration:
         """How long `sleep` would sleep now; negative if its time has passed."""
         return self._remaining(get_rostime())
 
     def sleep(self) -> None:
-        """Sleep until the period is over.
+        """Sleep until the period is over, or the node ends.
+
+        A loop that looks at `is_shutdown` ends by that, so that what follows it is done, as in ROS.
 
         Raises:
-            ROSInterruptException: the node ends.
+            ROSInterruptException: the loop goes on after the node's end, or time is simulated.
             ROSTimeMovedBackwardsException: simulated time went back, and ``reset`` is false.
         """
         now = get_rostime()
         try:
-            sleep(self._remaining(now))
+            # Who is late notices the node's end, too.
+            sleep(max(self._remaining(now), Duration()))
         except ROSTimeMovedBackwardsException:
             if not self._reset:
                 raise
             self.last_time = get_rostime()
             return
+        except ROSInterruptException:
+            if self._was_cut_short or not is_wallclock():
+                raise
+            self._was_cut_short = True
         self.last_time = self.last_time + self.sleep_dur
         if now - self.last_time > self.sleep_dur * 2:
             self.last_time = now
@@ -123,12 +131,14 @@ class Timer(threading.Thread):
 
     def _sleep(self, rate: Rate) -> bool:
         """Sleep until the next call; false if there will be none."""
-        if self._shut_down or core.is_shutdown():
+        if self._is_over():
             return False
         try:
             rate.sleep()
         except ROSInterruptException:
             if not core.is_shutdown():
                 raise
-            return False
-        return not self._shut_down
+        return not self._is_over()
+
+    def _is_over(self) -> bool:
+        return self._shut_down or core.is_shutdown()

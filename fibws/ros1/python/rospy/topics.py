@@ -27,6 +27,7 @@ S = TypeVar("S", Publication, Subscription)
 
 _publications = Shared(Publication)
 _subscriptions = Shared(Subscription)
+core.add_shutdown_hook(_subscriptions.close_all)
 
 
 class Topic(Generic[S]):
@@ -205,7 +206,11 @@ class Publisher(Topic[Publication]):
             raise ROSException(
                 "ROS node has not been initialized yet. Please call init_node() first"
             )
-        self.impl.publish(args_kwds_to_message(self.data_class, args, kwds))
+        message: Any = args_kwds_to_message(self.data_class, args, kwds)
+        if isinstance(message, type):
+            name = message.__name__
+            raise TypeError(f"expected a message but got the class {name}: write {name}()")
+        self.impl.publish(message)
 
 
 def wait_for_message(

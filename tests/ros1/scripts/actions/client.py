@@ -12,21 +12,27 @@ def done(state, result):
 
 
 def active():
-    print('active')
+    begun.append('active')
 
 
 def feedback(message):
     assert isinstance(message, TestFeedback)
-    print('feedback: %d' % message.feedback)
+    heard.append(message.feedback)
 
 
 def show(client, finished):
+    # Each topic has its thread: what one says before another is different each time.
+    print('%s, feedback %s' % (begun, heard))
+    del begun[:], heard[:]
     print('finished: %s' % finished)
     print('state: %d %s' % (client.get_state(), actionlib.GoalStatus.to_string(client.get_state())))
     print('text: %r' % client.get_goal_status_text())
     print('result: %s' % client.get_result())
     sys.stdout.flush()
 
+
+begun = []
+heard = []
 
 if __name__ == '__main__':
     rospy.init_node('test_client')
