@@ -13,7 +13,7 @@ from fibws.node.peers import Peers
 from fibws.node.topics import Topics
 from fibws.node.wire import Wire
 from fibws.protocol.infinity import exact_json_of
-from fibws.protocol.operations import encode_fields
+from fibws.protocol.operations import encode_fields, json_of
 
 M = TypeVar("M", bound=Message)
 P = ParamSpec("P", default=...)
@@ -42,6 +42,8 @@ class Publisher(Generic[M, P]):
         self._topics = topics
         self._advertisement = advertisement
         self._wire = wire
+        self._before = b'{"op":"publish","topic":%b,"msg":' % json_of(self.topic)
+        """What each message's operation begins with."""
 
     def __repr__(self) -> str:
         return f"<Publisher {self.topic} [{self.type}]>"
@@ -165,9 +167,10 @@ class Publisher(Generic[M, P]):
     def _encode(
         self, fields: tuple[Any, ...], named: dict[str, Any], to: str | None = None
     ) -> bytes:
-        message = self._wire.write(self._message(fields, named))
-        operation = {"op": "publish", "topic": self.topic, "to": to}
-        return encode_fields(operation, msg=exact_json_of(message))
+        message = exact_json_of(self._wire.write(self._message(fields, named)))
+        if to is None:
+            return b"%b%b}" % (self._before, message)
+        return encode_fields({"op": "publish", "topic": self.topic, "to": to}, msg=message)
 
     def _message(self, fields: tuple[Any, ...], named: dict[str, Any]) -> Any:
         if fields and named:

@@ -41,8 +41,7 @@ class WebSocket(ClientConnection):
         if self._writes_left == TURN:
             self.loop.call_soon(self._renew)
         self._writes_left -= 1
-        self.protocol.send_text(text)
-        self.transport.write(b"".join(self.protocol.data_to_send()))
+        self.transport.write(Frame(Opcode.TEXT, text).serialize(mask=True))
         if self.transport.is_closing() or self.transport.get_write_buffer_size():
             # A loop that another thread acts for sleeps, and does not know of what is left to do.
             self.loop.call_soon_threadsafe(self._renew)

@@ -183,11 +183,11 @@ def test_what_the_library_says_of_itself_is_no_line_of_the_nodes(
         log.rospyinfo("info")
         log.rospywarn("warn")
         log.rospyerr("err")
-    said = [(record.name, record.levelname, record.getMessage()) for record in caplog.records]
+    said = [(record.name, record.levelno, record.getMessage()) for record in caplog.records]
     assert said == [
-        ("rospy", "DEBUG", "debug"),
-        ("rospy", "INFO", "info"),
-        ("rospy", "WARNING", "warn"),
-        ("rospy", "ERROR", "err"),
+        ("rospy", logging.DEBUG, "debug"),
+        ("rospy", logging.INFO, "info"),
+        ("rospy", logging.WARNING, "warn"),
+        ("rospy", logging.ERROR, "err"),
     ]
     assert records.texts == []

@@ -246,7 +246,7 @@ async def test_infinity_arrives_as_it_is_and_nan_as_nan() -> None:
             print(scan.range_max, scan.ranges)
         """)
         assert await listener.says() == "ready"
-        await it.run("""
+        laser = await it.start("""
             import rospy
             from sensor_msgs.msg import LaserScan
 
@@ -254,7 +254,8 @@ async def test_infinity_arrives_as_it_is_and_nan_as_nan() -> None:
             scans = rospy.Publisher("scan", LaserScan, queue_size=1, latch=True)
             inf = float("inf")
             scans.publish(LaserScan(range_max=inf, ranges=[1.5, inf, -inf, float("nan")]))
-            while not scans.get_num_connections():
-                rospy.sleep(0.01)
+            rospy.spin()
         """)
         assert await listener.ends() == ["inf (1.5, inf, -inf, nan)"]
+        laser.interrupt()
+        assert await laser.ends() == []

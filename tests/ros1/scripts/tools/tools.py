@@ -58,7 +58,7 @@ if __name__ == '__main__':
         headers.publish(Header())
         rate.sleep()
     found = hz.get_hz()
-    print(15 < found[0] < 25, found[4], hz.get_hz())
+    print(15 < found[0] < 25, found[4] > 5, hz.get_hz())
 
     print('services')
     print('/tools/switch' in rosservice.get_service_list())
