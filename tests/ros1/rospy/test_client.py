@@ -275,10 +275,11 @@ async def test_a_node_survives_its_hub() -> None:
 async def test_signals_can_be_left_to_the_program() -> None:
     async with world() as it:
         program = await it.start("""
-            import rospy
+            import rospy, threading
             rospy.init_node("careless", disable_signals=True)
             rospy.on_shutdown(lambda: print("hook"))
-            print("ready")
+            # Not before it spins: until then Ctrl-C is Python's.
+            threading.Timer(0.3, print, ["ready"], {"flush": True}).start()
             rospy.spin()
             print("end", rospy.is_shutdown())
         """)

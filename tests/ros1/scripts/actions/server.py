@@ -38,6 +38,7 @@ class TestServer:
                 return
             self.server.publish_feedback(TestFeedback(number))
             rate.sleep()
+        rospy.sleep(0.2)  # The result must not overtake the feedback, which goes by another topic.
         self.server.set_succeeded(TestResult(goal), 'counted')
 
 
