@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from ros1.side_by_side import Outcome, Part, World, missing_ros, our_ros, real_ros
+from ros1.side_by_side import TRIES, Outcome, Part, World, missing_ros, our_ros, real_ros
 
 SCENARIOS: dict[str, tuple[Part, ...]] = {
     "talker and listener": (
@@ -119,8 +119,11 @@ def ros(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
 @pytest.mark.parametrize("name", SCENARIOS)
 async def test_a_scenario_goes_as_in_ros(ros: World, name: str) -> None:
     parts = SCENARIOS[name]
-    async with our_ros() as ours:
-        expected, found = await asyncio.gather(ros.play(*parts), ours.play(*parts))
+    for _ in range(TRIES):
+        async with our_ros() as ours:
+            expected, found = await asyncio.gather(ros.play(*parts), ours.play(*parts))
+        if found == expected:
+            break
     assert _named(parts, found) == _named(parts, expected)
 
 
