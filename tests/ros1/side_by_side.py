@@ -21,7 +21,7 @@ from fibws.hub import Hub, Settings
 PATIENCE = 30
 IDLE = 0.03
 """Seconds after which a program that has just said something waits for its next turn."""
-TRIES = 3
+TRIES = 6
 """On a busy machine the threads of a program, the real rospy's too, may overtake each other or lose
 what a queue of one had: a difference counts if it comes each time."""
 SCRIPTS = Path(__file__).parent / "scripts"
