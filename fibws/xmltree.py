@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from typing import Generic, Self, TypeVar
 from xml.parsers import expat
@@ -13,7 +14,7 @@ MOST_LEVELS = 100
 
 
 @dataclass
-class Element:
+class Element(ABC):
     """One element; each kind of document has a subclass, which knows the error that tells of it.
 
     Attributes:
@@ -32,9 +33,9 @@ class Element:
         """The children of that name."""
         return [child for child in self.children if child.name == name]
 
+    @abstractmethod
     def fault(self, text: str) -> FibwsError:
         """An error that tells where this element stands."""
-        raise NotImplementedError
 
 
 _Kind = TypeVar("_Kind", bound=Element)

@@ -200,7 +200,7 @@ class Message(GraphMessage):
             for name in self.__slots__
         )
 
-    __hash__ = None  # type: ignore[assignment]
+    __hash__ = None  # type: ignore[assignment]  # as in genpy, whose messages can change
 
 
 def _are_equal(one: Any, other: Any) -> bool:

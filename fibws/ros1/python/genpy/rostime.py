@@ -19,7 +19,7 @@ class TVal:
         ValueError: both a float and nanoseconds.
     """
 
-    __slots__ = ["secs", "nsecs"]  # noqa: RUF023
+    __slots__ = ["secs", "nsecs"]  # noqa: RUF023 (the order on the wire)
     _slot_types: ClassVar[list[str]] = ["int32", "int32"]
 
     secs: int
@@ -106,7 +106,7 @@ class Time(TVal):
         TypeError: it would be before 1970.
     """
 
-    __slots__ = ["secs", "nsecs"]  # noqa: RUF023
+    __slots__ = ["secs", "nsecs"]  # noqa: RUF023 (the order on the wire)
 
     def __init__(self, secs: SupportsFloat = 0, nsecs: SupportsIndex = 0) -> None:
         super().__init__(secs, nsecs)
@@ -150,7 +150,7 @@ class Time(TVal):
 class Duration(TVal):
     """A length of time; it may be negative, and its ``nsecs`` never are."""
 
-    __slots__ = ["secs", "nsecs"]  # noqa: RUF023
+    __slots__ = ["secs", "nsecs"]  # noqa: RUF023 (the order on the wire)
 
     def __repr__(self) -> str:
         return f"genpy.Duration[{self.to_nsec()}]"

@@ -17,22 +17,22 @@ class _Impl(Protocol):
     def close(self) -> None: ...
 
 
-I = TypeVar("I", bound=_Impl)  # noqa: E741
+Impl = TypeVar("Impl", bound=_Impl)
 
 
-class Shared(Generic[I]):
+class Shared(Generic[Impl]):
     """One object for each topic and class of messages, as long as somebody uses it.
 
     Args:
         make: makes one, given the topic's global name and the class.
     """
 
-    def __init__(self, make: Callable[[str, type[Message]], I]) -> None:
+    def __init__(self, make: Callable[[str, type[Message]], Impl]) -> None:
         self._make = make
         self._lock = threading.RLock()
-        self._users: dict[I, int] = {}
+        self._users: dict[Impl, int] = {}
 
-    def acquire(self, resolved_name: str, data_class: type[Message]) -> I:
+    def acquire(self, resolved_name: str, data_class: type[Message]) -> Impl:
         """The object of the topic; it is to be released once."""
         with self._lock:
             for impl in self._users:
@@ -43,7 +43,7 @@ class Shared(Generic[I]):
             self._users[impl] = self._users.get(impl, 0) + 1
             return impl
 
-    def release(self, impl: I) -> None:
+    def release(self, impl: Impl) -> None:
         """Use the object no more; it is closed if nobody does."""
         with self._lock:
             self._users[impl] -= 1
