@@ -10,6 +10,7 @@ import click
 
 from fibws.cli import output
 from fibws.cli.tool import SETTINGS
+from fibws.cli.words import spread
 from fibws.errors import FibwsError, WorkspaceError
 from fibws.hint import hint, nearest
 
@@ -18,8 +19,7 @@ if TYPE_CHECKING:
 
     from fibws.workspace.packages import Package, Packages
 
-_MANY = {"-s": "--sys-deps", "--sys-deps": "--sys-deps"}
-_MANY |= {"-b": "--boost-comps", "--boost-comps": "--boost-comps"}
+_MANY = {"-s", "--sys-deps", "-b", "--boost-comps"}
 
 
 @click.group(context_settings=SETTINGS)
@@ -35,16 +35,7 @@ class _Create(click.Command):
     """Takes catkin_create_pkg's options, some of which take all words up to the next option."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        many, plain = "", list[str]()
-        for word in args:
-            if word in _MANY:
-                many = _MANY[word]
-            elif many and not word.startswith("-"):
-                plain += [many, word]
-            else:
-                many = ""
-                plain.append(word)
-        return super().parse_args(ctx, plain)
+        return super().parse_args(ctx, spread(args, _MANY))
 
 
 @command.command("create", cls=_Create)
@@ -92,7 +83,7 @@ def create(
     maintainers: tuple[str, ...],
     rosdistro: str | None,
 ) -> None:
-    """Begin a package, here, that depends on others; catkin_create_pkg is the same.
+    """Begin a package, here, that depends on others, as catkin_create_pkg does.
 
     \b
       cd ros_workspace/src
@@ -170,7 +161,7 @@ def _complete(
 @command.command("list")
 @click.option("-n", "--names", is_flag=True, help="Only the names.")
 def list_(names: bool) -> None:
-    """Print the name and the folder of each package; rospack list is the same."""
+    """Print the name and the folder of each package, as rospack list does."""
     for package in _packages():
         output.line(package.name if names else f"{package.name} {package.folder}")
 

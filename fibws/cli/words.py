@@ -1,8 +1,9 @@
-"""Values as the words of a command line, where ``-5`` is a number and no option."""
+"""The words of a command line: ``-5``, which is a number and no option; options of many words."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Collection, Iterable
 from typing import Any
 
 import click
@@ -20,6 +21,33 @@ def check(context: click.Context, parameter: click.Parameter, words: Any) -> Any
         if word.startswith("-") and not _NEGATIVE.fullmatch(word) and word != "---":
             raise click.NoSuchOption(word, ctx=context)
     return words
+
+
+def spread(words: Iterable[str], options: Collection[str]) -> list[str]:
+    """The words of a command that has options which take all words up to the next option.
+
+    Args:
+        words: as they are typed: ``-s a b -v``.
+        options: those options.
+
+    Returns:
+        What click can read, where the option stands before each of its words: ``-s a -s b -v``. One
+        without any stands at the end, of which click says that it lacks one.
+    """
+    plain: list[str] = []
+    lone: dict[str, None] = {}
+    option = ""
+    for word in words:
+        if word in options:
+            option = word
+            lone[option] = None
+        elif option and not word.startswith("-"):
+            plain += [option, word]
+            lone.pop(option, None)
+        else:
+            option = ""
+            plain.append(word)
+    return [*plain, *lone]
 
 
 class DigitOptions(click.Command):

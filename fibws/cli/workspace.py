@@ -12,6 +12,7 @@ import click
 
 from fibws.cli.output import visible
 from fibws.cli.tool import SETTINGS
+from fibws.cli.words import spread
 from fibws.errors import WorkspaceError
 
 if TYPE_CHECKING:
@@ -20,7 +21,8 @@ if TYPE_CHECKING:
 
 RULE = "~" * 50
 KINDS = {"msg": "message", "srv": "service", "action": "action"}
-_JOBS = re.compile(r"-[jl]\d*(\.\d+)?|--jobs(=\d+)?|--load-average(=[\d.]+)?|-k|VERBOSE=\d")
+_JOBS = re.compile(r"-[jl]\d*(\.\d+)?|--jobs(=\d+)?|--load-average(=[\d.]+)?|-k")
+_MANY = {"--pkg", "--only-pkg-with-deps"}
 _WHITELIST = "-DCATKIN_WHITELIST_PACKAGES="
 _SPACES = re.compile(r"--(source|build)(=.*)?|-DCATKIN_DEVEL_PREFIX=.*")
 
@@ -56,7 +58,7 @@ class _Make(click.Command):
     """Takes catkin_make's options, some of which take all words up to the next option."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        return super().parse_args(ctx, _plain(args))
+        return super().parse_args(ctx, _plain(spread(args, _MANY)))
 
 
 @command.command("make", cls=_Make)
@@ -142,9 +144,8 @@ def make(
 
 
 def _plain(args: list[str]) -> list[str]:
-    """The words without those for CMake and make; an option stands before each of its values."""
+    """The words without those for CMake and make."""
     plain: list[str] = []
-    many = ""
     skip_number = False
     for word in args:
         if word in ("--cmake-args", "--make-args"):
@@ -157,21 +158,14 @@ def _plain(args: list[str]) -> list[str]:
         if word.startswith(_WHITELIST):
             for name in word.removeprefix(_WHITELIST).split(";"):
                 plain += ["--only-pkg-with-deps", name] if name else []
-        elif word in ("--pkg", "--only-pkg-with-deps"):
-            many = word
-        elif word.startswith(("-D", "-G", "--use-")) or _JOBS.fullmatch(word):
-            many = ""
-        elif many and not word.startswith("-"):
-            plain += [many, word]
-        else:
-            many = ""
+        elif not word.startswith(("-D", "-G", "--use-")) and not _JOBS.fullmatch(word):
             plain.append(word)
-    return [*plain, many] if many and many not in plain else plain
+    return plain
 
 
 def _check_targets(targets: tuple[str, ...]) -> None:
     for target in targets:
-        if target in ("clean", "all"):
+        if target in ("clean", "all") or target.startswith("VERBOSE="):
             continue
         if target == "install":
             text = "there is no install space here: devel/ has all of it. source devel/setup.bash"

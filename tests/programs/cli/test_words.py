@@ -39,6 +39,21 @@ def test_what_is_neither_is_said_to_be_no_option(word: str) -> None:
     assert word in result.output
 
 
+@pytest.mark.parametrize(
+    ("typed", "plain"),
+    [
+        ("x -s a b -v y", "x -s a -s b -v y"),
+        ("-s a -b c d", "-s a -b c -b d"),
+        ("-s a -s b", "-s a -s b"),
+        ("-s -v", "-v -s"),
+        ("-s -v -s a", "-v -s a"),
+        ("-s=a b", "-s=a b"),
+    ],
+)
+def test_an_option_of_many_words_stands_before_each(typed: str, plain: str) -> None:
+    assert words.spread(typed.split(), {"-s", "-b"}) == plain.split()
+
+
 @click.command(cls=words.DigitOptions)
 @click.argument("values", nargs=-1)
 @click.option("-1", "--once", "once", is_flag=True)

@@ -189,7 +189,9 @@ def test_some_packages_are_chosen(type_: Type) -> None:
     assert built("-DCATKIN_WHITELIST_PACKAGES=") == "abcd"
     unknown = make(type_, "--pkg", "x")
     assert unknown.stderr == "Error: Packages not found in the workspace: x\n"
-    assert make(type_, "--pkg").exit_code == 2
+    assert built("--pkg", "a", "c", "-j4", "all") == "ac"
+    for words in (["--pkg"], ["--pkg", "--no-color"]):
+        assert "Option '--pkg' requires an argument." in make(type_, *words).stderr
 
 
 def test_clean_takes_out_what_was_built(folder: Path, type_: Type) -> None:
