@@ -5,13 +5,15 @@ What catkin refuses is a fault; what it only warns of, or what a learner runs in
 
 from __future__ import annotations
 
+import os
 from collections.abc import Collection
+from pathlib import Path
 
 from fibws.errors import PackageFileError
 from fibws.hint import hint, nearest
 from fibws.workspace.known import ELSEWHERE, MODULES, PROVIDED
 from fibws.workspace.missing import quoted
-from fibws.workspace.programs import find_files, has_shebang, is_executable
+from fibws.workspace.programs import find_files, has_shebang, has_windows_shebang, is_executable
 from fibws.workspace.source import Source
 
 
@@ -116,7 +118,13 @@ def _check_dependencies(source: Source, packages: Collection[str]) -> None:
 def _check_programs(source: Source) -> None:
     recipe = source.recipe
     installed = {each.path.resolve() for each in recipe.programs}
+    made: dict[str, Path] = {}
     for each in recipe.programs:
+        other = made.get(each.target, each.path)
+        made[each.target] = each.path
+        if other.resolve() != each.path.resolve():
+            text = f"{quoted(each.path)} replaces {quoted(other)}: both become {each.target}"
+            recipe.warn(each.line, text)
         if not has_shebang(each.path):
             text = "its first line should be #!/usr/bin/env python3"
             recipe.warn(each.line, f"{each.path.name} is not marked as a Python program: {text}")
@@ -129,6 +137,9 @@ def _check_programs(source: Source) -> None:
         if is_script and not is_executable(path) and path.resolve() not in installed:
             text = "is not executable, so rosrun will not find it"
             recipe.warnings.append(f"{path} {text}: chmod +x {quoted(path)}")
+        if os.name != "nt" and is_executable(path) and has_windows_shebang(path):
+            text = "its lines end as on Windows, so it does not run by itself: save it with LF"
+            recipe.warnings.append(f"{path}, line 1: {text}, not CRLF")
 
 
 def _check_compiled(source: Source) -> None:

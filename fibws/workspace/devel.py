@@ -62,7 +62,7 @@ def files(source: Source) -> Tree:
     for each in recipe.programs:
         if not Path(each.destination).is_absolute():
             text = _RELAY.format(shebang=_shebang(), path=str(each.path))
-            tree[f"{each.destination.rstrip('/')}/{each.path.name}"] = File(text.encode(), True)
+            tree[each.target] = File(text.encode(), True)
     if recipe.python_setup is not None:
         try:
             tree |= _modules(source)
@@ -77,10 +77,9 @@ def collisions(sources: Sequence[Source]) -> list[PackageFileError]:
     faults = []
     for source in sources:
         for each in source.recipe.programs:
-            target = f"{each.destination.rstrip('/')}/{each.path.name}"
-            first = made.setdefault(target, source)
+            first = made.setdefault(each.target, source)
             if first is not source:
-                text = f"{first.name} installs a {target}, too"
+                text = f"{first.name} installs a {each.target}, too"
                 faults.append(PackageFileError(source.recipe.source, each.line, text))
     return faults
 

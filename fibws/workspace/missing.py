@@ -7,9 +7,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from fibws.errors import FibwsError
 from fibws.hint import nearest
 from fibws.workspace.place import DEVEL, around, is_built, sourcing
 from fibws.workspace.programs import find_files, looks_like_program
+from fibws.workspace.recipe import FILE as LISTS
 
 if TYPE_CHECKING:
     from fibws.workspace.packages import Package, Packages
@@ -41,6 +43,8 @@ def program(package: Package, name: str, packages: Packages) -> str:
     meant = [path for path in find_files(package.folder, name) if looks_like_program(path)]
     if meant:
         return f"it is there, but not executable: chmod +x {quoted(meant[0])}"
+    if line := _compiled(package).get(name):
+        return f"{LISTS}, line {line}, makes it of C++, which is not built here"
     if any(find_files(package.folder, name)):
         return "it is there, but no program"
     if others := [each.name for each in packages.having(name) if each.name != package.name]:
@@ -55,6 +59,16 @@ def program(package: Package, name: str, packages: Packages) -> str:
     if known:
         return f"it has {', '.join(known[:10])}"
     return f"there is no program at all in {package.folder}"
+
+
+def _compiled(package: Package) -> dict[str, int]:
+    """What a package would make of C++, with the lines in its recipe, as far as that is right."""
+    from fibws.workspace.reader import read_recipe
+
+    try:
+        return read_recipe(package.folder).compiled
+    except (FibwsError, OSError):
+        return {}
 
 
 def several(package: Package, found: Sequence[Path]) -> str:

@@ -21,11 +21,13 @@ def is_executable(path: Path) -> bool:
 
 def has_shebang(path: Path) -> bool:
     """Whether the first line says which program runs the file."""
-    try:
-        with path.open("rb") as file:
-            return file.read(2) == b"#!"
-    except OSError:
-        return False
+    return _first_line(path).startswith(b"#!")
+
+
+def has_windows_shebang(path: Path) -> bool:
+    """Whether it does so, and ends in CRLF: Linux takes the CR for a part of the program's name."""
+    line = _first_line(path)
+    return line.startswith(b"#!") and line.endswith(b"\r\n")
 
 
 def looks_like_program(path: Path) -> bool:
@@ -47,3 +49,12 @@ def find_files(folder: Path, name: str = "") -> Iterator[Path]:
             path = Path(root, file)
             if not wanted or path.relative_to(folder).parts[-len(wanted) :] == wanted:
                 yield path
+
+
+def _first_line(path: Path) -> bytes:
+    """As much of it as Linux reads; nothing if the file cannot be read."""
+    try:
+        with path.open("rb") as file:
+            return file.readline(256)
+    except OSError:
+        return b""

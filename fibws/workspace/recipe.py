@@ -26,6 +26,11 @@ class Listed:
     line: int
     destination: str = ""
 
+    @property
+    def target(self) -> str:
+        """The file in devel/ that stands for it, if it is a program."""
+        return f"{self.destination.rstrip('/')}/{self.path.name}"
+
 
 @dataclass
 class Recipe:

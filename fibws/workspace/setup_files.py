@@ -137,9 +137,15 @@ def _powershell(entries: Sequence[Entry]) -> str:
 _BATCH = """\
 @echo off
 rem Made by catkin_make. It puts this workspace on the paths of cmd: call devel\\setup.bat
+rem The names of folders are in UTF-8, which cmd has to be told for as long as it reads them.
+for /f "tokens=2 delims=:." %%p in ('chcp') do set "FIBWS_CODE_PAGE=%%p"
+chcp 65001 >nul
 
 {variables}
 {lines}
+
+chcp %FIBWS_CODE_PAGE% >nul
+set "FIBWS_CODE_PAGE="
 """
 
 

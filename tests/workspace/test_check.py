@@ -130,6 +130,31 @@ def test_a_program_without_its_first_line_is_warned_of(layout: Layout) -> None:
     assert warning.endswith("its first line should be #!/usr/bin/env python3")
 
 
+def test_two_programs_of_one_name_are_warned_of(layout: Layout) -> None:
+    installed = "\n".join(
+        f"catkin_install_python(PROGRAMS {files} DESTINATION {BIN})"
+        for files in ("old/node.py old/node.py", "src/node.py")
+    )
+    programs = {"old/node.py": PROGRAM, "src/node.py": PROGRAM}
+    folder = layout.package("a", after=installed, programs=programs)
+    assert layout.warnings() == [
+        "a/CMakeLists.txt, line 7: a/src/node.py replaces a/old/node.py: both become lib/a/node.py"
+    ]
+    relay = (layout.devel / "lib" / "a" / "node.py").read_text()
+    assert str(folder / "src" / "node.py") in relay
+
+
+@needs_bit
+def test_a_first_line_that_ends_as_on_windows_is_warned_of(layout: Layout) -> None:
+    crlf = PROGRAM.replace("\n", "\r\n")
+    folder = layout.package("a", programs={"node.py": "", "unix.py": PROGRAM})
+    (folder / "node.py").write_bytes(crlf.encode())
+    assert layout.warnings() == [
+        "a/node.py, line 1: its lines end as on Windows, so it does not run by itself: "
+        "save it with LF, not CRLF"
+    ]
+
+
 def test_what_is_in_cpp_is_passed_over_and_told(layout: Layout) -> None:
     layout.package("a", "roscpp", after="add_executable(node src/node.cpp)\nadd_library(lib x.cpp)")
     assert layout.warnings() == [

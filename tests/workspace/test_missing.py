@@ -140,3 +140,23 @@ def test_what_is_no_program_is_told(layout: Layout) -> None:
     folder = layout.package("a", files={"data.txt": ""})
     assert of_program(sourced(layout), "a", "data.txt").endswith("it is there, but no program")
     assert of_program(sourced(layout), "a", "x").endswith(f"no program at all in {folder}")
+
+
+def test_what_would_be_made_of_cpp_is_told(layout: Layout) -> None:
+    layout.package(
+        "a", after="add_executable(${PROJECT_NAME}_node talker.cpp)", programs={"note.py": PROGRAM}
+    )
+    assert of_program(sourced(layout), "a", "a_node") == (
+        "no executable 'a_node' in package 'a': "
+        "CMakeLists.txt, line 6, makes it of C++, which is not built here"
+    )
+
+
+@pytest.mark.parametrize("cmake", [None, "project("])
+def test_without_a_recipe_that_can_be_read_the_rest_is_told(
+    layout: Layout, cmake: str | None
+) -> None:
+    folder = layout.package("a", cmake=cmake, programs={"talker.py": PROGRAM})
+    if cmake is None:
+        (folder / "CMakeLists.txt").unlink()
+    assert of_program(sourced(layout), "a", "talker").endswith("did you mean talker.py?")

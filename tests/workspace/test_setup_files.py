@@ -101,6 +101,8 @@ def test_windows_shells_have_their_own(tmp_path: Path) -> None:
     batch = files["setup.bat"].content.decode()
     source = str(tmp_path / "it's 100%%" / "src")
     assert f'set "ROS_PACKAGE_PATH={source};%ROS_PACKAGE_PATH%"\r\n' in batch
+    utf_8, back = batch.index("chcp 65001 >nul"), batch.index("chcp %FIBWS_CODE_PAGE% >nul")
+    assert utf_8 < batch.index(source) < back, "it is read in UTF-8, and by nobody else"
     for text in (powershell, batch):
         assert str(Path("ros1", "python")) in text, "rospy is found, though there are no doors"
         assert "FIBWS_PYTHON" in text
