@@ -1,6 +1,18 @@
 """``python -m fibws``: the command line."""
 
-from fibws.cli import main
+from __future__ import annotations
+
+import sys
+from importlib import import_module
+
+
+def main(module: str = "fibws.cli") -> None:
+    """Run the ``main`` of a module, of which Ctrl-C may break off the import, too."""
+    try:
+        import_module(module).main()
+    except KeyboardInterrupt:
+        sys.exit(130)  # As `fibws.cli.ending` has it, which may not be there yet.
+
 
 if __name__ == "__main__":
     main()

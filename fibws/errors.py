@@ -47,6 +47,7 @@ FibwsError
 
 from __future__ import annotations
 
+import os
 import re
 from enum import IntEnum
 from typing import Any
@@ -285,7 +286,12 @@ class NoHub(HubUnreachable):
     """Nothing answers at the hub's address. Nodes wait for one; tools do not."""
 
     def __str__(self) -> str:
-        return f"No hub at {self.url}. Start one with: fibws hub"
+        return f"No hub at {self.url}. Start one with: {self.remedy}"
+
+    @property
+    def remedy(self) -> str:
+        """The command that starts one here: roscore in a shell where `fibws setup` was sourced."""
+        return "roscore" if "FIBWS_PYTHON" in os.environ else "fibws hub"
 
 
 class HubLost(NodeError):

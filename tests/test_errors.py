@@ -13,6 +13,7 @@ from fibws.errors import (
     HubUnreachable,
     InvalidName,
     InvalidTypeName,
+    NoHub,
     TypeConflict,
     UnknownPackage,
     UnknownType,
@@ -71,3 +72,11 @@ def test_the_tree_in_the_docstring_is_the_tree() -> None:
 )
 def test_the_text_says_what_is_wrong(error: FibwsError, text: str) -> None:
     assert str(error) == text
+
+
+def test_who_has_our_roscore_is_told_of_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    error = NoHub("ws://127.0.0.1:1", "refused")
+    monkeypatch.delenv("FIBWS_PYTHON", raising=False)
+    assert str(error) == "No hub at ws://127.0.0.1:1. Start one with: fibws hub"
+    monkeypatch.setenv("FIBWS_PYTHON", "/usr/bin/python3")
+    assert str(error) == "No hub at ws://127.0.0.1:1. Start one with: roscore"

@@ -40,7 +40,8 @@ BELOW = {
     "srv": {"errors", "interfaces", "msg", "srv"},
     "action": {"errors", "interfaces", "msg", "action"},
     "tf": {"errors", "interfaces", *CLASSES, "tf"},
-    "ros1": {*fibws.__all__, "cli", "errors", "names", "yamltext", "interfaces", *CLASSES, "ros1"},
+    "ros1": {*fibws.__all__, "errors", "names", "yamltext", "interfaces", *CLASSES, "ros1"}
+    | {"__main__", "cli"},
     "ros1/python": {*fibws.__all__, "errors", "names", "yamltext", "interfaces", *CLASSES}
     | {"cli", "node", "ros1", "workspace"},
     "workspace": {"errors", "hint", "names", "xmltree", "interfaces", "workspace", "ros1"},
@@ -89,6 +90,7 @@ TESTED_ELSEWHERE = {
     "msg/_finder.py": "msg/test_import.py",
     "node/part.py": "node/test_session.py",
     "node/rosapi.py": "node/test_params.py",
+    "ros1/__main__.py": "programs/cli/test_door.py",
     "ros1/advice.py": "ros1/test_finder.py",
     "ros1/folders.py": "ros1/test_finder.py",
     "ros1/python/actionlib/exceptions.py": "ros1/actionlib/test_action_spec.py",

@@ -56,7 +56,7 @@ def _complete(
     "words", metavar="PACKAGE PROGRAM [ARGUMENT]...", nargs=-1, shell_complete=_complete
 )
 def command(workspace: Path | None, prefix: str | None, words: tuple[str, ...]) -> None:
-    """Start a program of a package; rosrun is the same.
+    """Start a program of a package, as rosrun does.
 
     \b
       fibws run fibonacci fibonacci_listener_node.py numbers:=fibonacci

@@ -4,22 +4,8 @@ from __future__ import annotations
 
 from shlex import quote
 
+from fibws.cli.door import DOORS
 from fibws.ros1.environment import PYTHON, Changes
-
-DOORS = {
-    "rosrun": "run",
-    "roslaunch": "launch",
-    "rosnode": "node",
-    "rostopic": "topic",
-    "rosservice": "service",
-    "rosparam": "param",
-    "rosmsg": "msg",
-    "rossrv": "srv",
-    "rospack": "pkg",
-    "catkin_make": "workspace make",
-    "catkin_create_pkg": "pkg create",
-}
-"""The commands that TAB completes as it does ``fibws`` with these words."""
 
 _FUNCTIONS = f"""\
 if ! command -v roscd >/dev/null 2>&1; then

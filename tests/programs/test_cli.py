@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import re
 
+import pytest
 from click.testing import CliRunner
 
 import fibws
+from fibws import __main__
 from fibws.cli import COMMANDS, command
+from fibws.cli.ending import INTERRUPTED
 
 from .conftest import Start
 
@@ -40,3 +43,13 @@ async def test_the_package_is_a_program(start: Start) -> None:
     code, out, err = await program.end()
     assert (code, err) == (0, "")
     assert "demo" in out
+
+
+def test_ctrl_c_ends_it_even_while_it_is_imported(monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupted(name: str) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(__main__, "import_module", interrupted)
+    with pytest.raises(SystemExit) as ended:
+        __main__.main()
+    assert ended.value.code == INTERRUPTED

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 import shutil
 import subprocess
 import sys
@@ -16,6 +15,8 @@ import pytest
 from hatchling.builders.sdist import SdistBuilder
 from hatchling.builders.wheel import WheelBuilder
 
+from fibws import __version__
+from fibws.cli.door import DOORS
 from fibws.ros1 import environment, shell
 from fibws.ros1.environment import BIN_FOLDER, PYTHON_FOLDER
 
@@ -110,33 +111,19 @@ def test_roscd_alone_goes_to_the_workspace_that_was_sourced_last(name: str, tmp_
     assert told == f"{tmp_path}\n"
 
 
-def test_each_completed_command_does_what_its_door_does() -> None:
-    for door, words in shell.DOORS.items():
-        assert f" fibws {words} " in (BIN_FOLDER / door).read_text()
+def test_each_door_is_called_by_its_own_name() -> None:
+    texts = {door.name: door.read_text() for door in BIN_FOLDER.iterdir()}
+    entered = {name for name, text in texts.items() if f" -m fibws.ros1 {name} " in text}
+    assert entered == DOORS.keys()
+    assert texts.keys() - entered == {"fibws", "rosbag", "rosdep", "rosversion"}
 
 
 @pytest.mark.parametrize("door", sorted(BIN_FOLDER.iterdir()), ids=lambda door: door.name)
 def test_a_door_is_thin_and_can_be_entered(door: Path) -> None:
     text = door.read_text()
     assert text.startswith("#!/bin/sh\n")
-    assert len(text.splitlines()) <= 4
+    assert len(text.splitlines()) <= 5
     assert os.access(door, os.X_OK)
-
-
-@pytest.mark.parametrize(
-    "door",
-    [path for path in sorted(BIN_FOLDER.iterdir()) if "door.sh" in path.read_text()],
-    ids=lambda door: door.name,
-)
-def test_a_door_leads_to_a_command_that_there_is(door: Path) -> None:
-    found = re.search(r"-m fibws (.*)\"\$@\"|-m fibws (--version)", door.read_text())
-    assert found is not None
-    words = (found[1] or "").split()
-    done = subprocess.run(
-        [sys.executable, "-m", "fibws", *words, "--help"], capture_output=True, text=True
-    )
-    assert done.returncode == 0, done.stderr
-    assert f"fibws {words[0] if words else ''}" in done.stdout
 
 
 @pytest.mark.parametrize("kind", [WheelBuilder, SdistBuilder])
@@ -179,7 +166,16 @@ def test_a_door_that_was_not_set_up_finds_a_python_that_has_fibws(tmp_path: Path
     path = os.pathsep.join([str(Path(sys.executable).parent), *os.defpath.split(os.pathsep)])
     done = enter("rostopic", PATH=path)
     assert (done.returncode, done.stderr) == (0, "")
-    assert "Usage: fibws topic" in done.stdout
+    assert "Usage: rostopic" in done.stdout
+
+
+@pytest.mark.parametrize("name", ["rostopic", "rt"])
+def test_a_door_may_be_entered_by_a_link(tmp_path: Path, name: str) -> None:
+    (tmp_path / "first").symlink_to(BIN_FOLDER / "rostopic")
+    (tmp_path / name).symlink_to("first")
+    done = enter(str(tmp_path / name), FIBWS_PYTHON=sys.executable)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "Usage: rostopic" in done.stdout
 
 
 def test_a_door_that_finds_no_fibws_says_what_to_do(tmp_path: Path) -> None:
@@ -206,6 +202,12 @@ def test_what_is_not_there_says_so(door: str, code: int) -> None:
     assert (done.stdout + done.stderr).startswith(f"{door}: fibws ")
 
 
+def test_fibws_has_a_door_of_its_own() -> None:
+    done = enter("fibws", FIBWS_PYTHON=sys.executable)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith("Usage: fibws [OPTIONS] COMMAND")
+
+
 def test_rosversion_tells_the_distribution() -> None:
     for option in ("-d", "--distro"):
         told = subprocess.run(
@@ -215,3 +217,10 @@ def test_rosversion_tells_the_distribution() -> None:
             env={"PATH": os.environ["PATH"], "FIBWS_PYTHON": sys.executable},
         )
         assert (told.stdout, told.stderr) == (f"{environment.DISTRO}\n", "")
+    told = subprocess.run(
+        [str(BIN_FOLDER / "rosversion"), "rospy"],
+        capture_output=True,
+        text=True,
+        env={"PATH": os.environ["PATH"], "FIBWS_PYTHON": sys.executable},
+    )
+    assert (told.stdout, told.stderr) == (f"fibws {__version__}\n", "")

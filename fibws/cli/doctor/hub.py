@@ -38,7 +38,7 @@ def reach(hub: str | None) -> Link | Finding:
         return wrong("hub", "Not looked for", "Mend the environment first, see above.")
     except NoHub as error:
         text = f"Nothing answers at {error.url} ({_source(hub)}; {error.cause})"
-        return wrong("hub", text, f"Start one: fibws hub. Or {elsewhere}")
+        return wrong("hub", text, f"Start one: {error.remedy}. Or {elsewhere}")
     except HubUnreachable as error:
         text = f"{error}. {answering(error.url)}"
         return wrong("hub", text, f"Look at what listens there, or {elsewhere}")

@@ -93,7 +93,7 @@ def _complete(
 @click.option("--skip-log-check", "--disable-title", "--local", is_flag=True, hidden=True)
 @click.option("-w", "--numworkers", "-t", "--timeout", hidden=True)
 def command(words: tuple[str, ...], listing: str | None, **options: Any) -> None:
-    """Run the nodes that launch files tell of; roslaunch is the same.
+    """Run the nodes that launch files tell of, as roslaunch does.
 
     \b
       fibws launch fibonacci fibonacci.launch

@@ -1,0 +1,70 @@
+"""The doors: commands of ROS 1, each of which is a command of fibws under another name."""
+
+from __future__ import annotations
+
+import click
+
+from fibws.cli import Root, command
+from fibws.cli.tool import SETTINGS
+from fibws.hint import hint
+
+DOORS = {
+    "catkin_create_pkg": "pkg create",
+    "catkin_init_workspace": "workspace init",
+    "catkin_make": "workspace make",
+    "roscore": "core",
+    "roslaunch": "launch",
+    "rosmsg": "msg",
+    "rosnode": "node",
+    "rospack": "pkg",
+    "rosparam": "param",
+    "rosrun": "run",
+    "rosservice": "service",
+    "rossrv": "srv",
+    "rostopic": "topic",
+    "roswtf": "doctor",
+    "rqt": "open",
+    "rqt_console": "open console",
+    "rqt_graph": "open graph",
+    "rqt_plot": "open plot",
+    "rqt_topic": "open topics",
+}
+"""What each door has ``fibws`` do."""
+
+
+class _Doors(Root):
+    """The group of all doors. It has no name, so that what they print begins with theirs."""
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """The command behind the door that ``args`` begin with; `UsageError` if there is none."""
+        door, *rest = args
+        if door not in DOORS:
+            raise click.UsageError(f"There is no {door!r} here{hint(door, DOORS)}")
+        words = DOORS[door].split()
+        found: click.Command | None = command
+        passed = "fibws"
+        while words and isinstance(found, click.Group):
+            passed = f"{passed} {words[0]}"
+            found = found.get_command(ctx, words.pop(0))
+        if not words:
+            _rename(found, passed, door, ctx, rest)
+        return door, found, [*words, *rest]
+
+
+def main() -> None:
+    """Run the door that the first argument names."""
+    doors = _Doors(modules={}, callback=command.callback, context_settings=SETTINGS)
+    doors.main(prog_name="")
+
+
+def _rename(
+    found: click.Command | None, ours: str, theirs: str, context: click.Context, args: list[str]
+) -> None:
+    """Have the help of a command, and of the one in it that is called, use the name of the door."""
+    for word in [*args, ""]:
+        if found is None:
+            return
+        found.help = (found.help or "").replace(ours, theirs)
+        found = found.get_command(context, word) if isinstance(found, click.Group) else None
