@@ -172,7 +172,13 @@ def _names(link: Link) -> list[str]:
 
 
 def _get(link: Link, name: str) -> Any:
-    value = json.loads(_ask(link, "get_param", name=name)["value"])
+    told = _ask(link, "get_param", name=name)["value"]
+    try:
+        value = json.loads(told)
+    except ValueError:
+        service = "/rosapi/get_param"
+        fault = f"{service} told {told[:40]!r}, which is no JSON: this may be another kind of hub"
+        raise ServiceError(service, fault) from None
     if value is None:  # which no parameter can be
         raise _not_set(link, name)
     return value

@@ -78,7 +78,7 @@ def wait(link: Link, name: str, *, queue_length: int = QUEUE_LENGTH) -> Target:
 def all_types(link: Link) -> dict[str, str]:
     """The names of all topics, each with its type's, which is empty if it has none."""
     found = link.call("/rosapi/topics")
-    return dict(zip(found["topics"], found["types"], strict=True))
+    return dict(zip(found["topics"], found["types"], strict=False))
 
 
 def _target(link: Link, topic: str, type_: str, path: Path) -> Target:
