@@ -9,9 +9,13 @@ from codecs import getincrementaldecoder
 from collections.abc import Iterator
 from typing import Any
 
+import click
+
 from fibws.cli.message import reading
 from fibws.cli.topic.publisher import Publisher
 
+MOST_CHARACTERS = 2**26
+"""Of one message: no hub takes longer ones, unless it is set to."""
 _CHUNK = 2**16
 
 
@@ -22,27 +26,45 @@ def documents(publisher: Publisher) -> Iterator[Any]:
     takes a client that answers no pings for lost.
 
     Raises:
-        UsageError: it is no YAML.
+        UsageError: it is no YAML, or there is no end of it.
         OperationRejected: the hub has refused something.
         HubLost: there is no hub any more.
     """
     lines: list[str] = []
+    size = 0
     for line in _lines(publisher):
         if line.strip() == "---":
             yield reading.parse("".join(lines))
-            lines = []
+            lines, size = [], 0
         else:
             lines.append(line)
+            size = _more(size, line)
     if any(line.strip() for line in lines):
         yield reading.parse("".join(lines))
 
 
 def _lines(publisher: Publisher) -> Iterator[str]:
-    rest = ""
+    begun: list[str] = []
+    size = 0
     for text in _texts(publisher):
-        *whole, rest = (rest + text).split("\n")
-        yield from (f"{line}\n" for line in whole)
-    yield rest
+        *ends, rest = text.split("\n")
+        for end in ends:
+            yield "".join([*begun, end, "\n"])
+            begun, size = [], 0
+        begun.append(rest)
+        size = _more(size, rest)
+    yield "".join(begun)
+
+
+def _more(size: int, text: str) -> int:
+    """The size with that of a text; one that is too large raises `UsageError`."""
+    size += len(text)
+    if size > MOST_CHARACTERS:
+        raise click.UsageError(
+            f"A message has more than {MOST_CHARACTERS} characters: "
+            "write a line of --- between one message and the next"
+        )
+    return size
 
 
 def _texts(publisher: Publisher) -> Iterator[str]:

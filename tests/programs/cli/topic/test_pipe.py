@@ -62,3 +62,31 @@ def test_what_is_no_yaml_is_an_error(publisher: Publisher, piped: TextIO) -> Non
     piped.close()
     with pytest.raises(click.UsageError, match="no YAML"):
         list(pipe.documents(publisher))
+
+
+@pytest.mark.parametrize("text", ["data: 5", "data: 5\n", "data:\n  5"])
+def test_what_has_no_end_is_not_kept_for_ever(
+    text: str, publisher: Publisher, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(pipe, "MOST_CHARACTERS", 1_000)
+    taken = 0
+
+    def endless(publisher: Publisher) -> Iterator[str]:
+        nonlocal taken
+        while True:
+            yield text
+            taken += len(text)
+
+    monkeypatch.setattr(pipe, "_texts", endless)
+    with pytest.raises(click.UsageError, match="more than 1000 characters: write a line of ---"):
+        list(pipe.documents(publisher))
+    assert taken <= 1_000
+
+
+def test_many_messages_may_have_more_than_one_may(
+    publisher: Publisher, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(pipe, "MOST_CHARACTERS", 10)
+    stdin: Any = io.StringIO("data: 1\n---\n" * 5)
+    monkeypatch.setattr(sys, "stdin", stdin)
+    assert list(pipe.documents(publisher)) == [{"data": 1}] * 5
