@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -15,7 +15,25 @@ from fibws.cli.message.typedefs import Typedefs, if_known
 from fibws.cli.tool import json_option, linked
 from fibws.cli.topic.target import Target, global_name, wait
 
+if TYPE_CHECKING:
+    from fibws.cli.message.filters import Filter
+
 CLEAR = "\033[2J\033[;H"
+
+
+def _filter(context: click.Context, parameter: click.Parameter, text: str | None) -> Filter | None:
+    if text is None:
+        return None
+    from fibws.cli.message.filters import Filter  # which few need
+
+    return Filter(text)
+
+
+def _no_bags(context: click.Context, parameter: click.Parameter, file: str | None) -> None:
+    if file is not None:
+        raise click.UsageError(
+            "-b is not here, as fibws reads no bag files: the package rosbags of PyPI does."
+        )
 
 
 @click.command()
@@ -35,6 +53,14 @@ CLEAR = "\033[2J\033[;H"
 @click.option("--noarr", is_flag=True, help="Print the lengths of arrays only.")
 @click.option("--nostr", is_flag=True, help="Print the lengths of strings only.")
 @click.option("--offset", is_flag=True, help="Print times as seconds from now on.")
+@click.option(
+    "--filter",
+    "wanted",
+    metavar="CONDITION",
+    callback=_filter,
+    help="Print only messages m of which this is true: 'm.data > 5'.",
+)
+@click.option("-b", "--bag", expose_value=False, hidden=True, callback=_no_bags)
 @json_option
 @linked("echo", endless=True)
 def command(
@@ -43,6 +69,7 @@ def command(
     count: int | None,
     clear: bool,
     plot: bool,
+    wanted: Filter | None,
     as_json: bool,
     **style: Any,
 ) -> None:
@@ -55,9 +82,16 @@ def command(
         raise click.UsageError("--json prints whole values: it goes with neither -p nor a style.")
     target = wait(link, global_name(link, topic))
     show = _json if as_json else _csv(**style) if plot else _yaml(clear=clear, **style)
+    if wanted is not None:
+        try:
+            wanted.check(target.typedefs)
+        except LookupError as error:
+            raise click.UsageError(f"--filter: {error}") from None
     for message in link.messages(target.topic):
         target = _up_to_date(link, target, message)
         try:
+            if wanted is not None and not wanted.passes(message, target.typedefs):
+                continue
             value = target.path.pick(message, target.typedefs)
         except LookupError as error:
             click.echo(str(error), err=True)

@@ -53,6 +53,48 @@ def test_json_is_a_message_a_line(run: Run, publish: Publish) -> None:
     assert "--json prints whole values" in styled.output
 
 
+def test_a_filter_leaves_out_what_is_not_wanted(run: Run, publish: Publish) -> None:
+    link = publish("/number", "std_msgs/Int32", {"data": 1})
+
+    def publish_more() -> None:
+        while not link.call("/rosapi/subscribers", {"topic": "/number"})["subscribers"]:
+            pass
+        for number in (7, 3, 9):
+            link.send({"op": "publish", "topic": "/number", "msg": {"data": number}})
+        link.call("/rosapi/get_time")
+
+    thread = threading.Thread(target=publish_more)
+    thread.start()
+    result = run("topic", "echo", "-n", "2", "--filter", "m.data > 5", "/number/data")
+    thread.join(20)
+    assert (result.exit_code, result.output) == (0, "7\n---\n9\n---\n")
+
+
+@pytest.mark.parametrize(
+    ("condition", "fault"),
+    [
+        ("m.data > 'x'", "--filter cannot be told of a message: "),
+        ("m.date > 5", "--filter: no field named date in std_msgs/Int32, which has data"),
+        ("data > 5", "--filter 'data > 5' is no condition: there is no room for data"),
+    ],
+)
+def test_a_filter_that_is_none_is_wrong_usage(
+    run: Run, publish: Publish, condition: str, fault: str
+) -> None:
+    publish("/number", "std_msgs/Int32", {"data": 8})
+    result = run("topic", "echo", "--filter", condition, "/number")
+    assert (result.exit_code, f"Error: {fault}" in result.output) == (2, True), result.output
+
+
+def test_bags_are_said_not_to_be_read(run: Run) -> None:
+    result = run("topic", "echo", "-b", "some.bag", "/number")
+    assert result.exit_code == 2
+    assert result.output.endswith(
+        "-b is not here, as fibws reads no bag files: the package rosbags of PyPI does.\n"
+    )
+    assert "--bag" not in run("topic", "echo", "-h").output
+
+
 def test_rows_for_plots_have_a_head(run: Run, publish: Publish) -> None:
     publish("/number", "std_msgs/Int32", {"data": 8})
     head, row = run("topic", "echo", "-p", "-n", "1", "/number").output.splitlines()
@@ -79,7 +121,7 @@ def test_an_array_that_is_too_short_is_said_and_passed_over(run: Run, publish: P
     thread = threading.Thread(target=publish_longer)
     thread.start()
     result = run("topic", "echo", "-n", "1", "/curve/data[2]")
-    thread.join(20)
+    thread.join(60)
     assert result.stdout == "3\n---\n"
     assert result.stderr == "data has only 1 elements\n"
 
@@ -159,7 +201,7 @@ def test_the_screen_is_cleared_on_a_terminal_only(hub: HubThread, publish: Publi
     mine, theirs = pty.openpty()
     command = ["-m", "fibws", "topic", "echo", "-c", "-n", "1", "/number", "--hub", hub.url]
     try:
-        subprocess.run([sys.executable, *command], stdout=theirs, check=True, timeout=20)
+        subprocess.run([sys.executable, *command], stdout=theirs, check=True, timeout=60)
         printed = os.read(mine, 1000)
     finally:
         os.close(mine)
