@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable, Iterator
+from urllib.parse import urlsplit
 
 import click
 
@@ -100,6 +101,29 @@ def ping(link: Link, node: str | None, everyone: bool, count: int | None) -> Non
         end_line()  # That is how it ends.
     if len(took) > 1:
         output.line(f"ping average: {sum(took) / len(took):.2f}ms")
+
+
+@command.command()
+@click.argument("machine", required=False)
+@linked("node")
+def machine(link: Link, machine: str | None) -> None:
+    """List the machines that nodes are on by their IPs, or the nodes on MACHINE."""
+    snapshot = Snapshot(link)
+    names = [node["name"] for node in snapshot.nodes]
+    hosts = {name: urlsplit(f"//{snapshot.address(name)}").hostname or "" for name in names}
+    if machine is None:
+        output.names(set(hosts.values()))
+    elif machine in hosts.values():
+        output.names(name for name, host in hosts.items() if host == machine)
+    else:
+        there = ", ".join(sorted(set(hosts.values())))
+        raise click.ClickException(f"No node is on {machine}; all nodes are on {there}")
+
+
+@command.command()
+def cleanup() -> None:
+    """Do nothing: a hub forgets nodes by itself as soon as they are unreachable."""
+    output.line("There is nothing to clean up: a hub forgets a node that cannot be reached.")
 
 
 @command.command()

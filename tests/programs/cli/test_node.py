@@ -8,8 +8,9 @@ from collections.abc import Iterator
 from types import SimpleNamespace
 
 import pytest
+from click.testing import CliRunner
 
-from fibws.cli import node
+from fibws.cli import command, node
 from fibws.cli.link import Link
 from fibws.errors import NodeKilled
 
@@ -51,6 +52,22 @@ def test_list_tells_addresses(run: Run, hub: HubThread, link: Link) -> None:
         *(f"{hubs} \t{name}" for name in OWN),
     ]
     assert run("node", "list", "-u").output.splitlines() == [address, hubs, hubs, hubs]
+
+
+def test_machines_are_where_nodes_are(run: Run, link: Link) -> None:
+    assert run("node", "machine").output == "127.0.0.1\n"
+    assert run("node", "machine", "127.0.0.1").output == run("node", "list").output
+    result = run("node", "machine", "10.0.0.1")
+    assert (result.exit_code, result.output) == (
+        1,
+        "Error: No node is on 10.0.0.1; all nodes are on 127.0.0.1\n",
+    )
+
+
+def test_there_is_nothing_to_clean_up() -> None:
+    result = CliRunner().invoke(command, ["node", "cleanup"])
+    assert result.exit_code == 0
+    assert result.output.startswith("There is nothing to clean up: ")
 
 
 def test_list_as_json_is_an_object_a_line(run: Run, hub: HubThread) -> None:
