@@ -7,6 +7,7 @@ from typing import Any
 import click
 
 from fibws.cli import output
+from fibws.cli.answers import LOG, fault
 from fibws.cli.complete import nodes
 from fibws.cli.link import Link
 from fibws.cli.tool import json_option, linked
@@ -31,7 +32,6 @@ COLOURS = {"debug": "green", "info": None, "warn": "yellow", "error": "red", "fa
     help="The least level to show.",
 )
 @click.option(
-    "-n",
     "--node",
     "wanted",
     metavar="NAME",
@@ -40,7 +40,7 @@ COLOURS = {"debug": "green", "info": None, "warn": "yellow", "error": "red", "fa
     help="Show this node alone, or those of this namespace; may be repeated.",
 )
 @click.option("--grep", "text", metavar="TEXT", help="Show what has this in its text alone.")
-@click.option("-c", "count", metavar="COUNT", type=click.IntRange(1), help="End after so many.")
+@click.option("-n", "count", metavar="COUNT", type=click.IntRange(1), help="End after so many.")
 @json_option
 @linked("log", endless=True)
 def command(
@@ -59,6 +59,8 @@ def command(
     link.send({"op": "subscribe", "topic": TOPIC, "queue_length": QUEUE})
     shown = 0
     for message in link.messages(TOPIC):
+        if wrong := fault(message, LOG, "message"):
+            raise click.ClickException(f"{TOPIC} has what is no rosgraph_msgs/Log: {wrong}")
         if not _is_wanted(message, LEVELS[level], namespaces, text):
             continue
         if as_json:
