@@ -74,13 +74,21 @@ params = completion(_params)
 """Parameters."""
 
 
-def defined(kind: str) -> Completion:
-    """What completes types of a kind (msg, srv, action) that fibws or $FIBWS_INTERFACES has."""
+def defined(kind: str, *, short: bool = False) -> Completion:
+    """What completes types of a kind (msg, srv, action) that fibws or $FIBWS_INTERFACES has.
+
+    Args:
+        kind: theirs.
+        short: whether they may also be named without their package, once a part of that is there.
+    """
 
     def complete(
         context: click.Context, parameter: click.Parameter, incomplete: str
     ) -> list[CompletionItem]:
-        return _beginning(_types(kind), incomplete)
+        found = _types(kind)
+        if short and incomplete:
+            found |= {name.partition("/")[2] for name in found}
+        return _beginning(found, incomplete)
 
     return complete
 

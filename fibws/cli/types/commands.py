@@ -152,9 +152,8 @@ def _installed(kind: Kind, folders: tuple[Path, ...]) -> Installed:
 
 
 def _type_argument(kind: Kind) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    return click.argument(
-        "type_", metavar="[TYPE]", required=False, shell_complete=complete.defined(kind)
-    )
+    types = complete.defined(kind, short=True)
+    return click.argument("type_", metavar="[TYPE]", required=False, shell_complete=types)
 
 
 def _read(type_: str | None, kind: Kind) -> str:

@@ -79,6 +79,19 @@ def test_types_are_known_without_a_hub(hub: HubThread) -> None:
     assert completed(complete.defined("action"), "nav_msgs/") == [("nav_msgs/GetMap", None)]
 
 
+def test_types_may_be_named_without_their_package() -> None:
+    types = complete.defined("msg", short=True)
+    assert completed(types, "Twi") == [
+        ("Twist", None),
+        ("TwistStamped", None),
+        ("TwistWithCovariance", None),
+        ("TwistWithCovarianceStamped", None),
+    ]
+    assert completed(types, "std_msgs/In") == completed(complete.types, "std_msgs/In")
+    assert completed(types, "") == completed(complete.types, "")
+    assert completed(complete.types, "Twi") == []
+
+
 def test_packages_are_those_that_have_such_types() -> None:
     assert completed(complete.packages("msg"), "std_") == [("std_msgs", None)]
     assert completed(complete.packages("srv"), "std_") == [("std_srvs", None)]
