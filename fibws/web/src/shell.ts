@@ -108,8 +108,8 @@ export class Shell {
 
   #count(graph: Graph | null): void {
     if (graph === null) return;
-    say(this.#nodes, String(graph.nodes.filter(({ name }) => !isHidden(name)).length));
-    say(this.#topics, String(graph.topics.filter(({ name }) => !isHidden(name)).length));
+    tell(this.#nodes, graph.nodes, "node");
+    tell(this.#topics, graph.topics, "topic");
   }
 
   #measure(rates: Rates): void {
@@ -123,6 +123,14 @@ export class Shell {
     event.preventDefault();
     this.stage.focus();
   }
+}
+
+/** Say how many there are, and what they are: the term stands before its number. */
+function tell(number: HTMLElement, all: readonly { readonly name: string }[], one: string): void {
+  const count = all.filter(({ name }) => !isHidden(name)).length;
+  say(number, String(count));
+  const term = number.previousElementSibling;
+  if (term !== null) say(term, count === 1 ? one : `${one}s`);
 }
 
 /** The hub's address, and whether it is there: told by a mark, in words, and aloud. */

@@ -58,3 +58,10 @@ it("keeps what stayed where it was when more comes", () => {
   expect(places.boxes.get("a")).toEqual(former.boxes.get("a"));
   expect(places.boxes.get("b")).toEqual(former.boxes.get("b"));
 });
+
+it("leaves room for all that an arrow may come to say", () => {
+  const room = (latched: boolean) =>
+    planOf(drawn({ edges: [edge(latched)] }), measure, SCREEN).links[0]?.width ?? 0;
+  expect(room(false)).toBeGreaterThanOrEqual(measure("99.9 Hz"));
+  expect(room(true)).toBeGreaterThanOrEqual(measure("99.9 Hz latched"));
+});

@@ -6,7 +6,7 @@ import { type Measure, shortened, sizeOf } from "./shapes";
 
 /** Room for `999 Hz` and a mark, so that a rate that changes moves nothing. */
 const RATE = "99.9 Hz";
-const LATCHED = "latched";
+const LATCHED = `${RATE} latched`;
 const PADDING = 4;
 const LINE = 15;
 

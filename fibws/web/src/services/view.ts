@@ -2,7 +2,7 @@
 import { h, replace, say } from "../dom";
 import { plural } from "../format";
 import type { Hub } from "../hub";
-import { type Graph, type Model, isHidden } from "../model";
+import { type ActionInfo, type Graph, type Model, isHidden } from "../model";
 import { matches } from "../topics/rows";
 import "../browse.css";
 import { type MakeView, route } from "../view";
@@ -95,7 +95,7 @@ class ServicesView {
         )
         .sort((one, other) => (one.name < other.name ? -1 : 1));
     const services = chosen(graph?.services ?? []);
-    const actions = chosen(graph?.actions ?? []);
+    const actions = chosen((graph?.actions ?? []).map(withWay));
     fill(this.#services, services, "services", this.#name);
     fill(this.#actions, actions, "", "");
     this.#actionTable.hidden = actions.length === 0;
@@ -129,6 +129,12 @@ class ServicesView {
     }
     this.#call.tell(service?.node, graph !== null);
   }
+}
+
+/** An action may be there twice, so it is said how goals get there. */
+function withWay({ name, type, node, over_topics }: ActionInfo): Offer {
+  const way = `over ${over_topics ? "topics" : "operations"}`;
+  return { name, type: type === "" ? way : `${type} ${way}`, node };
 }
 
 function table(label: string, body: HTMLElement): HTMLTableElement {

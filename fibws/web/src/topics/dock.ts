@@ -20,9 +20,10 @@ const WINDOWS = [
 /** Least time between two messages, in ms: in ten minutes, the buffers hold half as many a second. */
 const THROTTLE = 20;
 const LONG_THROTTLE = 50;
-/** Least time between two pictures, in ms; and when nothing came, as time passes. */
+/** Least time between two pictures, in ms; and if they have more than a few curves. */
 const FRAME = 50;
-const IDLE_FRAME = 100;
+const LONG_FRAME = 100;
+const FEW = 3;
 /** Samples that one curve alone is drawn with, and each of many. */
 const MOST = 2000;
 const FEWEST = 500;
@@ -67,9 +68,9 @@ export class Dock {
   #pausedAt: number | undefined;
   #pointed: number | undefined;
   #shown = false;
-  #frame: number | undefined;
+  /** Whether a picture is asked for. */
+  #due = false;
   #drawn = 0;
-  #fresh = false;
   #full = false;
   #stopRates: (() => void) | undefined;
 
@@ -151,10 +152,7 @@ export class Dock {
     }
     let feed = this.#feeds.get(topic);
     if (feed === undefined) {
-      feed = new Feed(this.#hub, topic, this.#throttle, () => {
-        this.#fresh = true;
-        this.#refresh();
-      });
+      feed = new Feed(this.#hub, topic, this.#throttle, () => this.#refresh());
       this.#feeds.set(topic, feed);
       if (this.#shown) feed.start();
     }
@@ -239,21 +237,20 @@ export class Dock {
     this.#refresh();
   }
 
-  /** Draw soon: at the next frame at most. */
+  /** Draw soon. A frame is asked for only then, since each costs something with nothing in it. */
   #refresh(): void {
-    if (!this.#shown || this.#frame !== undefined) return;
-    this.#frame = requestAnimationFrame((now) => {
-      this.#frame = undefined;
-      const pause = this.#fresh ? FRAME : IDLE_FRAME;
-      if (now - this.#drawn >= pause) {
-        this.#drawn = now;
-        this.#fresh = false;
-        this.#draw();
-      }
+    if (!this.#shown || this.#due) return;
+    this.#due = true;
+    const pause = this.#rows.length > FEW ? LONG_FRAME : FRAME;
+    const draw = (now: number) => {
+      this.#due = false;
+      this.#drawn = now;
+      this.#draw();
       // Time moves on, whether or not something came.
       if (this.#rows.length > 0 && this.#pausedAt === undefined) this.#refresh();
-      else if (now !== this.#drawn) this.#refresh();
-    });
+    };
+    const rest = this.#drawn + pause - performance.now();
+    setTimeout(() => requestAnimationFrame(draw), Math.max(0, rest));
   }
 
   #draw(): void {
