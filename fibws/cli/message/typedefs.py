@@ -89,6 +89,21 @@ class Typedefs:
         """The constants of a message type by their names, each as text; raises as `fields`."""
         return self._constants[type_]
 
+    def fit(self, message: Mapping[str, Any]) -> bool:
+        """Whether a message looks like one of the type, by its fields and what kind each is of."""
+        return all(
+            each.name in message and isinstance(message[each.name], self._kind(each))
+            for each in self._fields.get(self.root, ())
+        )
+
+    def _kind(self, field: Field) -> type | tuple[type, ...]:
+        """What JSON has for a field; a number that is none is null there."""
+        if field.length is not None:
+            return (str, list) if field.type in BYTES else list
+        if field.type in self._fields or field.type in TIMES:
+            return dict
+        return str if field.type in STRINGS else (int, float, type(None))
+
     def has_header(self, type_: str) -> bool:
         """Whether messages of a type begin with a header, which is where ROS looks for a stamp."""
         return [field[:2] for field in self._fields.get(type_, [])[:1]] == [("header", HEADER)]

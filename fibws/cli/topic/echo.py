@@ -11,9 +11,8 @@ import click
 from fibws.cli import complete, output
 from fibws.cli.link import Link
 from fibws.cli.message import printing
-from fibws.cli.message.typedefs import Typedefs, if_known
 from fibws.cli.tool import json_option, linked
-from fibws.cli.topic.target import Target, global_name, wait
+from fibws.cli.topic.target import Target, global_name, retarget, wait
 
 if TYPE_CHECKING:
     from fibws.cli.message.filters import Filter
@@ -88,8 +87,8 @@ def command(
         except LookupError as error:
             raise click.UsageError(f"--filter: {error}") from None
     for message in link.messages(target.topic):
-        target = _up_to_date(link, target, message)
         try:
+            target = _up_to_date(link, target, message)
             if wanted is not None and not wanted.passes(message, target.typedefs):
                 continue
             value = target.path.pick(message, target.typedefs)
@@ -104,16 +103,15 @@ def command(
 
 
 def _up_to_date(link: Link, target: Target, message: dict[str, Any]) -> Target:
-    """The target with what its type is made of now: a topic may come back with another type."""
-    typedefs = target.typedefs
-    if typedefs.root not in typedefs:
-        return target
-    if all(field.name in message for field in typedefs.fields(typedefs.root)):
+    """The target as it is now: a topic may come back with another type.
+
+    Raises:
+        LookupError: the messages of that type have no such field.
+    """
+    if target.typedefs.fit(message):
         return target
     type_ = link.call("/rosapi/topic_type", {"topic": target.topic})["type"]
-    if not type_:
-        return target
-    return target._replace(type=type_, typedefs=if_known(Typedefs.of_message, link, type_))
+    return target if type_ in ("", target.type) else retarget(link, target, type_)
 
 
 def _json(value: Any, target: Target) -> None:

@@ -75,6 +75,11 @@ def wait(link: Link, name: str, *, queue_length: int = QUEUE_LENGTH) -> Target:
     return target
 
 
+def retarget(link: Link, target: Target, type_: str) -> Target:
+    """The same topic and field, of another type; it raises `LookupError` if that has none such."""
+    return _target(link, target.topic, type_, target.path)
+
+
 def all_types(link: Link) -> dict[str, str]:
     """The names of all topics, each with its type's, which is empty if it has none."""
     found = link.call("/rosapi/topics")

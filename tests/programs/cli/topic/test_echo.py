@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 import threading
+from typing import Any
 
 import pytest
 
@@ -131,18 +132,53 @@ def test_a_message_that_nobody_defined_is_printed(run: Run, publish: Publish) ->
     assert run("topic", "echo", "-n", "1", "/odd").output == 'a: 1\nb: \n  - \n    c: "x"\n---\n'
 
 
+@pytest.mark.parametrize(
+    ("before", "after", "type_", "printed"),
+    [
+        ({"data": 8}, {}, "geometry_msgs/Point", "x: 0.0\ny: 0.0\nz: 0.0\n"),
+        ({"data": 8}, {"data": "8"}, "std_msgs/String", 'data: "8"\n'),
+        ({"data": 8}, {"data": "AQI="}, "std_msgs/UInt8MultiArray", "data: [1, 2]\n"),
+    ],
+)
 async def test_a_topic_may_come_back_with_another_type(
-    start: Start, hub: HubThread, link: Link
+    start: Start,
+    hub: HubThread,
+    link: Link,
+    before: dict[str, int],
+    after: dict[str, str],
+    type_: str,
+    printed: str,
 ) -> None:
     program = await start("fibws", "topic", "echo", "-n", "2", "/x", FIBWS_HUB=hub.url)
     assert await program.error_line()
-    for type_, message in (("std_msgs/Int32", {"data": 8}), ("geometry_msgs/Point", {})):
-        link.send({"op": "advertise", "topic": "/x", "type": type_, "latch": True})
-        link.send({"op": "publish", "topic": "/x", "msg": message})
-        if message:
-            assert await program.line() == "data: 8\n"
-            link.send({"op": "unadvertise", "topic": "/x"})
-    assert await program.end() == (0, "---\nx: 0.0\ny: 0.0\nz: 0.0\n---\n", "")
+    tell(link, "std_msgs/Int32", before)
+    assert await program.line() == "data: 8\n"
+    link.send({"op": "unadvertise", "topic": "/x"})
+    tell(link, type_, after)
+    code, out, err = await program.end()
+    assert (code, err) == (0, "")
+    assert out.startswith("---\n")
+    assert out.endswith(f"{printed}---\n")
+
+
+async def test_a_field_is_looked_for_in_another_type_too(
+    start: Start, hub: HubThread, link: Link
+) -> None:
+    tell(link, "std_msgs/Int32", {"data": 8})
+    program = await start("fibws", "topic", "echo", "-n", "2", "/x/data", FIBWS_HUB=hub.url)
+    assert await program.line() == "8\n"
+    link.send({"op": "unadvertise", "topic": "/x"})
+    tell(link, "geometry_msgs/Point", {})
+    assert "no field" in await program.error_line()
+    link.send({"op": "unadvertise", "topic": "/x"})
+    tell(link, "std_msgs/String", {"data": "8"})
+    assert await program.end() == (0, '---\n"8"\n---\n', "")
+
+
+def tell(link: Link, type_: str, message: dict[str, Any]) -> None:
+    """Advertise the topic as of a type, and publish a message that stays."""
+    link.send({"op": "advertise", "topic": "/x", "type": type_, "latch": True})
+    link.send({"op": "publish", "topic": "/x", "msg": message})
 
 
 async def test_ctrl_c_is_the_end(start: Start, hub: HubThread, publish: Publish) -> None:
