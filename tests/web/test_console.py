@@ -129,6 +129,32 @@ async def test_a_paused_list_stands_still_and_catches_up(open_page: OpenPage, hu
         assert await texts(page) == ["one", "two", "three"]
 
 
+async def test_an_empty_list_can_be_paused_too(open_page: OpenPage, hub: Hub) -> None:
+    page = await open_page(hub, "#/console")
+    await page.get_by_role("button", name="Pause").click()
+    async with speaker(hub) as talker:
+        await talker.say("one")
+        await expect(page.locator(".console [role=status]")).to_contain_text("Paused: 1 more.")
+        assert await texts(page) == []
+
+
+async def test_no_line_is_listed_twice_though_the_filter_changes_as_it_comes(
+    open_page: OpenPage, hub: Hub
+) -> None:
+    page = await open_page(hub, "#/console")
+    await page.evaluate(
+        """() => {
+            const search = document.querySelector(".console input[type=search]");
+            ros.on("/rosout_agg", () => search.dispatchEvent(new Event("input")));
+        }"""
+    )
+    async with speaker(hub) as talker:
+        for number in range(20):
+            await talker.say(f"line {number}")
+        await expect(page.locator(ROWS).last).to_contain_text("line 19")
+        assert await texts(page) == [f"line {number}" for number in range(20)]
+
+
 async def test_a_cleared_list_begins_anew(open_page: OpenPage, hub: Hub) -> None:
     page = await open_page(hub, "#/console")
     async with speaker(hub) as talker:
@@ -215,4 +241,4 @@ async def test_a_burst_is_bounded_and_freezes_nothing(
         assert await page.locator(ROWS).count() == 2000
         note = page.locator(".console [role=status]")
         await expect(note).to_contain_text("The newest 2\u202f000 lines")
-    assert 0.001 < max(tasks) < 0.2, sorted(tasks)[-5:]
+    assert 0.001 < max(tasks) < 0.5, sorted(tasks)[-5:]

@@ -117,7 +117,8 @@ class ConsoleView implements View {
     replace(this.#rows);
     this.#shown = [];
     this.#drawn = 0;
-    this.#draw();
+    // Paused or not: what stands there is to pass the filter.
+    this.#take();
     this.#follow();
   }
 
@@ -129,17 +130,16 @@ class ConsoleView implements View {
   }
 
   #draw(): void {
+    if (this.#paused) this.#tell(this.#log.after(this.#drawn).length);
+    else this.#take();
+  }
+
+  #take(): void {
     const entries = this.#log.after(this.#drawn);
-    // After a change of the filter all is drawn anew, paused or not.
-    if (!this.#paused || this.#drawn === 0) {
-      const shown = entries.filter((entry) => passes(entry, this.#filter));
-      this.#append(shown);
-      this.#drawn = this.#log.newest.value;
-      for (const { node } of entries) this.#offer(node);
-      this.#tell(0);
-    } else {
-      this.#tell(entries.length);
-    }
+    this.#append(entries.filter((entry) => passes(entry, this.#filter)));
+    this.#drawn = entries.at(-1)?.number ?? this.#drawn;
+    for (const { node } of entries) this.#offer(node);
+    this.#tell(0);
   }
 
   #append(entries: Entry[]): void {
