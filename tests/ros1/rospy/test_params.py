@@ -11,7 +11,8 @@ PROGRAM = """
         try:
             print(function(*arguments))
         except Exception as error:
-            print(type(error).__name__, error)
+            # CPython 3.12 also says which number it was.
+            print(type(error).__name__, str(error).removesuffix(": nan"))
 
     show(rospy.set_param, "foo", 1)
     show(rospy.get_param, "/foo")
