@@ -138,23 +138,6 @@ async def test_an_empty_list_can_be_paused_too(open_page: OpenPage, hub: Hub) ->
         assert await texts(page) == []
 
 
-async def test_no_line_is_listed_twice_though_the_filter_changes_as_it_comes(
-    open_page: OpenPage, hub: Hub
-) -> None:
-    page = await open_page(hub, "#/console")
-    await page.evaluate(
-        """() => {
-            const search = document.querySelector(".console input[type=search]");
-            ros.on("/rosout_agg", () => search.dispatchEvent(new Event("input")));
-        }"""
-    )
-    async with speaker(hub) as talker:
-        for number in range(20):
-            await talker.say(f"line {number}")
-        await expect(page.locator(ROWS).last).to_contain_text("line 19")
-        assert await texts(page) == [f"line {number}" for number in range(20)]
-
-
 async def test_a_cleared_list_begins_anew(open_page: OpenPage, hub: Hub) -> None:
     page = await open_page(hub, "#/console")
     async with speaker(hub) as talker:
