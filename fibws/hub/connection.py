@@ -27,6 +27,7 @@ from fibws.hub.graph.graph import Graph
 from fibws.hub.liveness import Liveness
 from fibws.hub.log import printable
 from fibws.hub.outbox import Flusher, Outbox
+from fibws.hub.rosapi.nodes import OwnNodes
 from fibws.hub.session.session import Session
 from fibws.hub.settings import KIB, Settings
 from fibws.hub.splitter import Splitter
@@ -58,9 +59,8 @@ class Shared:
     graph: Graph
     loop: asyncio.AbstractEventLoop
     flusher: Flusher
+    own: OwnNodes
     opened: Callable[[Connection], None]
-    entered: Callable[[Connection], None]
-    ponged: Callable[[Connection, bytes], None]
     lost: Callable[[Connection], None]
     small: memoryview = field(default_factory=lambda: memoryview(bytearray(16 * KIB)))
     large: memoryview = field(default_factory=lambda: memoryview(bytearray(256 * KIB)))
@@ -223,7 +223,7 @@ class Connection(asyncio.BufferedProtocol):
             self.close,
         )
         self._liveness.opened()
-        shared.entered(self)
+        shared.own.connected(self)
         logger.info("%s has connected from %s.", self.session.node, self.peer)
 
     # Reading.
@@ -246,7 +246,7 @@ class Connection(asyncio.BufferedProtocol):
     def _on_frame(self, frame: Frame) -> None:
         if frame.opcode is Opcode.PONG:
             self._liveness.ponged()
-            self._shared.ponged(self, bytes(frame.data))
+            self._shared.own.ponged(self, bytes(frame.data))
         elif frame.opcode in (Opcode.TEXT, Opcode.BINARY, Opcode.CONT):
             self._on_data(frame)
 
@@ -306,7 +306,7 @@ class Connection(asyncio.BufferedProtocol):
                 self._transport.abort()
 
     def ping(self, data: bytes) -> None:
-        """Send a ping; `Shared.ponged` is given what its pong brings back."""
+        """Send a ping; `OwnNodes.ponged` is given what its pong brings back."""
         if self._protocol.state is State.OPEN:
             self._protocol.send_ping(data)
             self._send()

@@ -51,6 +51,7 @@ class Hub:
         self._connections: set[Connection] = set()
         self._server: asyncio.Server
         self._own: OwnNodes
+        self._shared: Shared
         self._sweeper: asyncio.TimerHandle
         self._started = 0.0
         self._closing = False
@@ -60,21 +61,10 @@ class Hub:
 
     async def __aenter__(self) -> Self:
         loop = asyncio.get_running_loop()
-        shared = Shared(
-            settings=self.settings,
-            gate=Gate(self.settings, Pages(read()), self.health),
-            graph=self.graph,
-            loop=loop,
-            flusher=Flusher(loop.call_soon),
-            opened=self._opened,
-            entered=self._entered,
-            ponged=self._ponged,
-            lost=self._lost,
-        )
         host, port = self.settings.host, self.settings.port
         try:
             self._server = await loop.create_server(
-                lambda: Connection(shared), host, port, backlog=BACKLOG, start_serving=False
+                lambda: Connection(self._shared), host, port, backlog=BACKLOG, start_serving=False
             )
         except OSError as error:
             raise HubError(_why_not(host, port, error)) from error
@@ -86,6 +76,16 @@ class Hub:
         except FibwsError:  # The parameters may have no room for even the first ones.
             self._server.close()
             raise
+        self._shared = Shared(
+            settings=self.settings,
+            gate=Gate(self.settings, Pages(read()), self.health),
+            graph=self.graph,
+            loop=loop,
+            flusher=Flusher(loop.call_soon),
+            own=self._own,
+            opened=self._opened,
+            lost=self._lost,
+        )
         self._warn_if_public()
         self._started = time.monotonic()
         self._sweeper = loop.call_later(SWEEP_INTERVAL, self._sweep)
@@ -163,12 +163,6 @@ class Hub:
         self._empty.clear()
         if self._closing:
             connection.abort()
-
-    def _entered(self, connection: Connection) -> None:
-        self._own.connected(connection)
-
-    def _ponged(self, connection: Connection, data: bytes) -> None:
-        self._own.ponged(connection, data)
 
     def _lost(self, connection: Connection) -> None:
         self._connections.discard(connection)

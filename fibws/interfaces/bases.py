@@ -6,15 +6,17 @@ checkers. A function that takes a ``type[Service[Req, Res]]`` and a ``Req`` may 
 
 from __future__ import annotations
 
-from typing import ClassVar, Generic, TypeVar
+from typing import Any, ClassVar, Generic
+
+from typing_extensions import TypeVar
 
 from fibws.interfaces.message import Message
 
-Req = TypeVar("Req", bound=Message)
-Res = TypeVar("Res", bound=Message)
-G = TypeVar("G", bound=Message)
-R = TypeVar("R", bound=Message)
-F = TypeVar("F", bound=Message)
+Req = TypeVar("Req", bound=Message, default=Any)
+Res = TypeVar("Res", bound=Message, default=Any)
+G = TypeVar("G", bound=Message, default=Any)
+R = TypeVar("R", bound=Message, default=Any)
+F = TypeVar("F", bound=Message, default=Any)
 
 
 class Service(Generic[Req, Res]):

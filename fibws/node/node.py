@@ -8,7 +8,9 @@ import os
 import time
 from collections.abc import Callable, Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal, Self, TypeVar, overload
+from typing import TYPE_CHECKING, Any, Literal, Self, overload
+
+from typing_extensions import TypeVar
 
 from fibws import names
 from fibws.interfaces import Action, Message, Service, Time
@@ -42,7 +44,7 @@ if TYPE_CHECKING:
     from fibws.node.graph import Graph
     from fibws.node.params import Params
 
-M = TypeVar("M", bound=Message)
+M = TypeVar("M", bound=Message, default=Any)
 
 NO_REMAPPING = names.Remapping()
 
@@ -149,40 +151,16 @@ class Node:
         """The time of day."""
         return Time.from_nanoseconds(time.time_ns())
 
-    @overload
     async def advertise(
         self,
         topic: str,
-        type: Callable[P, M],
-        *,
-        queue_size: int = ...,
-        latch: bool = ...,
-        headers: Mapping[str, str] | None = ...,
-        peers: bool = ...,
-    ) -> Publisher[M, P]: ...
-
-    @overload
-    async def advertise(
-        self,
-        topic: str,
-        type: str,
-        *,
-        queue_size: int = ...,
-        latch: bool = ...,
-        headers: Mapping[str, str] | None = ...,
-        peers: bool = ...,
-    ) -> Publisher[Any, ...]: ...
-
-    async def advertise(
-        self,
-        topic: str,
-        type: Any,
+        type: Callable[P, M] | str,
         *,
         queue_size: int = 10,
         latch: bool = False,
         headers: Mapping[str, str] | None = None,
         peers: bool = False,
-    ) -> Publisher[Any, ...]:
+    ) -> Publisher[M, P]:
         """Begin to publish on a topic.
 
         If the hub refuses, the next publish raises OperationRejected.
@@ -219,37 +197,15 @@ class Node:
         advertisement = self._topics.advertise(operation)
         return Publisher(self._topics, advertisement, self._types.wire(message_class))
 
-    @overload
     def subscribe(
         self,
         topic: str,
-        type: type[M],
-        *,
-        queue_size: int | None = ...,
-        headers: bool = ...,
-        peers: bool = ...,
-    ) -> Subscription[M]: ...
-
-    @overload
-    def subscribe(
-        self,
-        topic: str,
-        type: str,
-        *,
-        queue_size: int | None = ...,
-        headers: bool = ...,
-        peers: bool = ...,
-    ) -> Subscription[Any]: ...
-
-    def subscribe(
-        self,
-        topic: str,
-        type: type[Any] | str,
+        type: type[M] | str,
         *,
         queue_size: int | None = 10,
         headers: bool = False,
         peers: bool = False,
-    ) -> Subscription[Any]:
+    ) -> Subscription[M]:
         """Begin to listen to a topic: ``async for message in node.subscribe(...)``.
 
         If the hub refuses, the reading raises OperationRejected.
@@ -277,7 +233,7 @@ class Node:
             headers=headers or None,
             peers=peers or None,
         )
-        subscription: Subscription[Any] = Subscription(
+        subscription: Subscription[M] = Subscription(
             operation,
             message_class._type,
             queue_size,
@@ -288,19 +244,9 @@ class Node:
         self._topics.subscribe(subscription)
         return subscription
 
-    @overload
     async def wait_for_message(
-        self, topic: str, type: type[M], *, timeout: float | None = ...
-    ) -> M: ...
-
-    @overload
-    async def wait_for_message(
-        self, topic: str, type: str, *, timeout: float | None = ...
-    ) -> Any: ...
-
-    async def wait_for_message(
-        self, topic: str, type: type[Any] | str, *, timeout: float | None = None
-    ) -> Any:
+        self, topic: str, type: type[M] | str, *, timeout: float | None = None
+    ) -> M:
         """Wait for the next message on a topic, on a hub that may not be there yet either.
 
         Args:
@@ -378,37 +324,15 @@ class Node:
         service = self._types.service_class(type)
         return self._services.serve(self.resolve(name), service, handler, headers=headers)
 
-    @overload
     async def call(
         self,
         name: str,
-        type: type[Service[Req, Res]],
-        request: Req | Mapping[str, Any] | None = ...,
-        *,
-        timeout: float | None = ...,
-        headers: Mapping[str, str] | None = ...,
-    ) -> Res: ...
-
-    @overload
-    async def call(
-        self,
-        name: str,
-        type: str,
-        request: Message | Mapping[str, Any] | None = ...,
-        *,
-        timeout: float | None = ...,
-        headers: Mapping[str, str] | None = ...,
-    ) -> Any: ...
-
-    async def call(
-        self,
-        name: str,
-        type: type[Service[Any, Any]] | str,
-        request: Any = None,
+        type: type[Service[Req, Res]] | str,
+        request: Req | Mapping[str, Any] | None = None,
         *,
         timeout: float | None = None,
         headers: Mapping[str, str] | None = None,
-    ) -> Any:
+    ) -> Res:
         """Call a service and return its response. Without a hub it waits until there is one.
 
         Args:
@@ -445,39 +369,17 @@ class Node:
             WaitTimeout: they have passed. It is a TimeoutError, too.
         """
         check_timeout(timeout)
-        await wait_for_service(self.resolve(name), self.graph, self._session, timeout)
+        await wait_for_service(self.resolve(name), Rosapi(self._calls), self._session, timeout)
 
-    @overload
     async def action_server(
         self,
         name: str,
-        type: type[Action[G, R, F]],
+        type: type[Action[G, R, F]] | str,
         execute: Execute[G, R, F],
-        *,
-        over: Over = ...,
-        concurrent: bool | None = ...,
-    ) -> ActionServer[G, R, F]: ...
-
-    @overload
-    async def action_server(
-        self,
-        name: str,
-        type: str,
-        execute: Execute[Any, Any, Any],
-        *,
-        over: Over = ...,
-        concurrent: bool | None = ...,
-    ) -> ActionServer[Any, Any, Any]: ...
-
-    async def action_server(
-        self,
-        name: str,
-        type: type[Action[Any, Any, Any]] | str,
-        execute: Execute[Any, Any, Any],
         *,
         over: Over = "topics",
         concurrent: bool | None = None,
-    ) -> ActionServer[Any, Any, Any]:
+    ) -> ActionServer[G, R, F]:
         """Begin to pursue the goals of an action.
 
         Each goal is pursued in a task of its own, which the end of the server or of the node
@@ -505,19 +407,9 @@ class Node:
         action = self._types.action_class(type)
         return serve(self._actions, self.resolve(name), action, execute, over, concurrent)
 
-    @overload
     def action_client(
-        self, name: str, type: type[Action[G, R, F]], *, over: Over = ...
-    ) -> ActionClient[G, R, F]: ...
-
-    @overload
-    def action_client(
-        self, name: str, type: str, *, over: Over = ...
-    ) -> ActionClient[Any, Any, Any]: ...
-
-    def action_client(
-        self, name: str, type: type[Action[Any, Any, Any]] | str, *, over: Over = "topics"
-    ) -> ActionClient[Any, Any, Any]:
+        self, name: str, type: type[Action[G, R, F]] | str, *, over: Over = "topics"
+    ) -> ActionClient[G, R, F]:
         """Get ready to send goals to an action.
 
         Args:
@@ -537,7 +429,7 @@ class Node:
         from fibws.node.actions.actions import Actions  # Its types take time to load as well.
 
         async def wait(name: str, within: float | None) -> None:
-            await wait_for_service(name, self.graph, self._session, within)
+            await wait_for_service(name, Rosapi(self._calls), self._session, within)
 
         return Actions(self.name, self._session, self._topics, self._types, wait, time.time_ns)
 

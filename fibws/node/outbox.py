@@ -72,6 +72,10 @@ class Outbox:
         sources = (source for source, _ in self._frames.values() if source is not None)
         return Counter(source.operation.topic for source in sources)
 
+    def waits(self, text: bytes, source: Advertisement) -> bool:
+        """Whether this very message of ``source`` is yet to be sent."""
+        return any(self._frames[number][1] is text for number in source.waiting)
+
     def put(self, text: bytes, source: Advertisement | None = None) -> None:
         """Add a message of ``source``, or an operation that the connection's end voids."""
         if self._express is not None and not self._frames and self._express(text):

@@ -59,11 +59,11 @@ class Rosout(logging.Handler):
             "file": sendable(record.pathname),
             "function": record.funcName or "",
             "line": record.lineno,
-            "topics": self._topics.names(),
         }
 
     def _publish(self, message: dict[str, Any]) -> None:
         if not self._topics.over and not self._advertisement.closed:
+            message["topics"] = self._topics.names()  # Here, where nothing changes them meanwhile.
             text = encode(Publish(topic=TOPIC, msg=message))
             self._topics.publish(self._advertisement, text)
 

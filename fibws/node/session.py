@@ -112,7 +112,7 @@ class Session:
         """Hand on what the hub sent."""
         try:
             for fields in objects(text):
-                if not self._is_heard(fields):
+                if not self._deliver(fields):
                     self._take(parse_reply(fields))
         except (OperationError, InvalidUtf8) as error:
             self.log.warning("The hub sent what this node does not understand: %s", error)
@@ -176,8 +176,8 @@ class Session:
         if not self._begun and not self._over:
             raise RuntimeError("enter the node first: async with node")
 
-    def _is_heard(self, fields: dict[str, Any]) -> bool:
-        """Hand on a message to who listens; false if it is none, or not as it should be.
+    def _deliver(self, fields: dict[str, Any]) -> bool:
+        """Give a message to those who listen; false if nobody does, or it is none as it should be.
 
         Nearly all that comes is one, and a model of it would cost more than all the rest.
         """

@@ -104,6 +104,8 @@ class Subscription(Generic[M]):
 
     def offer(self, message: Any, header: dict[str, str] | None = None) -> None:
         """Take a message off the wire, with its header if it has one."""
+        if self._ended:  # Another one's function, which had the same message before, closed it.
+            return
         if self._take is not None:
             built = self._read(message, header)
             if built is not None:

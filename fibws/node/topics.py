@@ -31,8 +31,6 @@ class Topics(Part):
         self._advertisements: dict[str, Advertisement] = {}
         self._subscriptions: dict[str, Subscription[Any]] = {}
         self._listeners: defaultdict[str, list[Subscription[Any]]] = defaultdict(list)
-        self._names: list[str] | None = None
-        """Sorted, for the log, each line of which has them; None if they may be others by now."""
         session.join(self)
         session.hand_messages_to(self._hear)
 
@@ -45,7 +43,6 @@ class Topics(Part):
         self._session.check()
         advertisement = Advertisement(operation, refused)
         self._advertisements[str(operation.id)] = advertisement
-        self._names = None
         self._session.say(operation)
         return advertisement
 
@@ -81,7 +78,6 @@ class Topics(Part):
         """Take a publisher back."""
         advertisement.closed = True
         advertisement.peers.end()
-        self._names = None
         operation = advertisement.operation
         if self._advertisements.pop(str(operation.id), None) is not None:
             self._session.say(Unadvertise(id=operation.id, topic=operation.topic))
@@ -90,7 +86,6 @@ class Topics(Part):
         """Register a subscription."""
         self._session.check()
         self._subscriptions[str(subscription.operation.id)] = subscription
-        self._names = None
         self._listeners[subscription.topic].append(subscription)
         self._session.say(subscription.operation)
 
@@ -107,23 +102,21 @@ class Topics(Part):
 
     def names(self) -> list[str]:
         """The topics that the node publishes or subscribes to."""
-        if self._names is None:
-            published = {each.operation.topic for each in self._advertisements.values()}
-            heard = {each.topic for each in self._subscriptions.values()}
-            self._names = sorted(published | heard)
-        return self._names
+        published = {each.operation.topic for each in self._advertisements.values()}
+        return sorted(published | self._listeners.keys())
 
     # What happens to the node
 
     def greeting(self) -> Iterator[bytes]:
-        """All registrations, then what is latched, unless newer messages wait."""
+        """All registrations, then what is latched, unless it waits to be sent anyway."""
         for advertisement in self._advertisements.values():
             yield encode(advertisement.operation)
         for subscription in self._subscriptions.values():
             yield encode(subscription.operation)
         for advertisement in self._advertisements.values():
-            if advertisement.latched is not None and not advertisement.waiting:
-                yield advertisement.latched
+            latched = advertisement.latched
+            if latched is not None and not self._session.outbox.waits(latched, advertisement):
+                yield latched
 
     def receive(self, reply: Reply) -> bool:
         """Hand on a message, or a word of peers; it may come late, for what is not any more."""
@@ -152,7 +145,6 @@ class Topics(Part):
     def refuse(self, id_: str, fault: OperationRejected) -> bool:
         """End a publisher or a subscription that the hub will not have."""
         if (advertisement := self._advertisements.pop(id_, None)) is not None:
-            self._names = None
             advertisement.fault = fault
             advertisement.closed = True
             advertisement.peers.end()
@@ -180,10 +172,13 @@ class Topics(Part):
 
     def _forget(self, id_: str) -> Subscription[Any] | None:
         subscription = self._subscriptions.pop(id_, None)
-        self._names = None
         if subscription is not None:
-            listeners = self._listeners[subscription.topic]
-            listeners.remove(subscription)
-            if not listeners:
+            # A new list: one of them may close itself, or another, while it is given a message.
+            others = [
+                each for each in self._listeners[subscription.topic] if each is not subscription
+            ]
+            if others:
+                self._listeners[subscription.topic] = others
+            else:
                 del self._listeners[subscription.topic]
         return subscription

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any, cast
+
+from typing_extensions import TypeVar
 
 from fibws.action import action_class
 from fibws.interfaces import Action, Message, Service, Validators
@@ -13,7 +15,7 @@ from fibws.node.service_type import ServiceType
 from fibws.node.wire import Wire
 from fibws.srv import service_class
 
-M = TypeVar("M", bound=Message)
+M = TypeVar("M", bound=Message, default=Any)
 
 
 class Types:
@@ -28,16 +30,17 @@ class Types:
         self._validators = Validators(self._interfaces, now)
         self._services: dict[type[Service[Any, Any]], ServiceType[Any, Any]] = {}
 
-    def message_class(self, type_: type[M] | str) -> type[M] | type[Message]:
+    def message_class(self, type_: Callable[..., M] | str) -> type[M]:
         """The class itself, or that of the type of this name.
 
         Raises:
             InterfaceError: there is no such type.
         """
         if isinstance(type_, str):
-            return message_class(self._interfaces.message(type_).type)
-        self._interfaces.message(type_._type)
-        return type_
+            return cast(type[M], message_class(self._interfaces.message(type_).type))
+        found = cast(type[M], type_)
+        self._interfaces.message(found._type)
+        return found
 
     def validate(self, type_: str) -> Callable[[Any], dict[str, Any]]:
         """What checks a message of the type and fills its fields."""

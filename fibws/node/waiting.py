@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import asyncio
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 from fibws.errors import NodeClosed, ServiceLost, WaitTimeout
 from fibws.interfaces import Message
+from fibws.node.rosapi import Rosapi
 from fibws.node.session import Session
 from fibws.node.subscription import Subscription
-
-if TYPE_CHECKING:
-    from fibws.node.graph import Graph  # Its types take 10 ms to load.
 
 M = TypeVar("M", bound=Message)
 
@@ -20,12 +18,12 @@ LONGEST_LOOK = 0.5
 """Seconds between two looks at the graph, at first and in the end (rospy's: 0.3)."""
 
 
-async def wait_for_service(name: str, graph: Graph, session: Session, within: float | None) -> None:
+async def wait_for_service(name: str, hub: Rosapi, session: Session, within: float | None) -> None:
     """Wait until the graph has a service of this global name; see `Node.wait_for_service`."""
     delay = FIRST_LOOK
     try:
         async with asyncio.timeout(within):
-            while not await _exists(name, graph):
+            while not await _exists(name, hub):
                 if await session.ended(delay):
                     raise NodeClosed(f"the node ended while waiting for service {name}")
                 delay = min(2 * delay, LONGEST_LOOK)
@@ -33,9 +31,11 @@ async def wait_for_service(name: str, graph: Graph, session: Session, within: fl
         raise WaitTimeout(f"timeout exceeded while waiting for service {name}") from None
 
 
-async def _exists(name: str, graph: Graph) -> bool:
+async def _exists(name: str, hub: Rosapi) -> bool:
+    from fibws.srv.rosapi import ServiceType  # It takes 10 ms to load.
+
     try:
-        return await graph.service_type(name) is not None
+        return bool((await hub.ask("service_type", ServiceType, service=name)).type)
     except ServiceLost:
         return False  # The next question waits until there is a hub again.
 

@@ -1,6 +1,7 @@
 """What a node has yet to send."""
 
 import asyncio
+import json
 
 from fibws.node.outbox import FRAME_COST, Advertisement, Outbox
 from fibws.protocol.operations import Advertise
@@ -74,6 +75,19 @@ def test_what_is_not_sent_is_counted_by_topic() -> None:
     outbox.put(b"1", publisher)
     outbox.put(b"2", publisher)
     assert outbox.unsent() == {"/t": 2}
+
+
+def test_a_message_waits_until_it_is_taken_or_dropped() -> None:
+    outbox, publisher = Outbox(), advertisement(2)
+    sent, dropped, kept = (json.dumps({"msg": number}).encode() for number in range(3))
+    outbox.open()
+    outbox.put(sent, publisher)
+    outbox.pop()
+    outbox.lose()
+    for text in (dropped, kept, b"newest"):
+        outbox.put(text, publisher)
+    assert [outbox.waits(text, publisher) for text in (sent, dropped, kept)] == [False, False, True]
+    assert not outbox.waits(kept, advertisement())
 
 
 async def test_who_publishes_waits_for_room() -> None:

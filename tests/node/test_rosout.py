@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import logging
+import threading
 import time
 from http import HTTPStatus
 
@@ -43,6 +44,16 @@ async def test_other_threads_may_log(hub: ScriptedHub) -> None:
         peer = await hub.peer()
         await asyncio.to_thread(node.log.info, "from elsewhere")
         assert (await peer.logged())["msg"] == "from elsewhere"
+
+
+async def test_the_topics_are_looked_up_by_the_loop_that_changes_them(hub: ScriptedHub) -> None:
+    async with fibws.Node("talker", hub=hub.url) as node:
+        peer = await hub.peer()
+        elsewhere = threading.Thread(target=node.log.info, args=["from elsewhere"])
+        elsewhere.start()
+        elsewhere.join()
+        await node.advertise("later", Int32)  # It never gives way to what the thread left to do.
+        assert (await peer.logged())["topics"] == ["/later", "/rosout"]
 
 
 def test_other_threads_may_log_even_when_the_loop_is_gone() -> None:

@@ -34,8 +34,8 @@ def advertise(
     return topics.advertise(operation)
 
 
-def subscribe(topics: Topics, topic: str) -> Subscription[Any]:
-    operation = Subscribe(id=f"subscribe:{topic}", topic=topic, type=INT32)
+def subscribe(topics: Topics, topic: str, id_: str | None = None) -> Subscription[Any]:
+    operation = Subscribe(id=id_ or f"subscribe:{topic}", topic=topic, type=INT32)
     subscription: Subscription[Any] = Subscription(
         operation, INT32, 10, lambda msg: msg, topics.unsubscribe, logging.Logger("test")
     )
@@ -99,6 +99,18 @@ def test_a_greeting_ends_in_what_is_latched_unless_newer_messages_wait(
     assert names(greeted(session))[4:] == [("publish", "/sent")]
 
 
+def test_a_greeting_has_what_is_latched_though_a_message_for_one_node_waits(
+    session: Session, topics: Topics
+) -> None:
+    latching = advertise(topics, "/a", latch=True)
+    topics.publish(latching, b'{"op":"publish","topic":"/a","msg":1}')
+    said(session)
+    session.lose()
+    topics.publish(latching, b'{"op":"publish","topic":"/a","to":"/b","msg":2}', to_all=False)
+    assert [each["msg"] for each in greeted(session)[1:]] == [1]
+    assert [each["msg"] for each in said(session)] == [2]
+
+
 async def test_messages_reach_their_listeners_alone(session: Session, topics: Topics) -> None:
     subscription, other = subscribe(topics, "/s"), subscribe(topics, "/o")
     session.receive(b'{"op":"publish","topic":"/s","msg":1}')
@@ -106,6 +118,27 @@ async def test_messages_reach_their_listeners_alone(session: Session, topics: To
     session.end()
     assert [message async for message in subscription] == [1]
     assert [message async for message in other] == []
+
+
+def test_who_closes_while_it_is_given_a_message_keeps_it_from_nobody(
+    session: Session, topics: Topics
+) -> None:
+    first, second, third = (subscribe(topics, "/s", id_) for id_ in ("1", "2", "3"))
+    heard: list[tuple[str, object]] = []
+
+    def take(message: object) -> None:
+        heard.append(("first", message))
+        first.close()
+        third.close()
+
+    first.hand_to(take)
+    second.hand_to(lambda message: heard.append(("second", message)))
+    third.hand_to(lambda message: heard.append(("third", message)))
+    for number in (1, 2):
+        hears(session, "publish", topic="/s", msg=number)
+    assert heard == [("first", 1), ("second", 1), ("second", 2)]
+    second.close()
+    assert topics.names() == []
 
 
 async def test_what_is_no_message_is_for_others(session: Session, topics: Topics) -> None:

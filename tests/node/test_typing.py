@@ -152,7 +152,7 @@ async def program(node: fibws.Node, over: fibws.Over) -> None:
         assert_type(feedback, FibonacciFeedback)
     await client.send({"order": 5})
     await client.send(Int32(5))  # type: ignore[arg-type]
-    node.action_client("fibonacci", Fibonacci, over="air")  # type: ignore[call-overload]
+    node.action_client("fibonacci", Fibonacci, over="air")  # type: ignore[arg-type]
     named = await node.action_client("fibonacci", "actionlib_tutorials/Fibonacci").send({})
     assert_type(await named.result(), Any)
 """

@@ -8,14 +8,15 @@ import pytest
 
 import fibws
 from fibws.msg.std_msgs import Int32
+from fibws.names import parse_remappings
 
 from .conftest import Peer, ScriptedHub
 
 
-async def answers(peer: Peer, type_: str) -> None:
+async def answers(peer: Peer, type_: str, service: str = "/add") -> None:
     """Say which type the service has that the node asks for."""
     call = await peer.hears("call_service")
-    assert (call["service"], call["args"]) == ("/rosapi/service_type", {"service": "/add"})
+    assert (call["service"], call["args"]) == ("/rosapi/service_type", {"service": service})
     await peer.says(
         "service_response",
         id=call["id"],
@@ -32,6 +33,21 @@ async def test_a_service_is_looked_for_until_it_is_there(hub: ScriptedHub) -> No
         for type_ in ("", "", "rospy_tutorials/AddTwoInts"):
             assert not waiting.done()
             await answers(peer, type_)
+        await waiting
+
+
+@pytest.mark.parametrize("over", ["service", "action"])
+async def test_what_is_waited_for_is_renamed_once(hub: ScriptedHub, over: str) -> None:
+    remapping = parse_remappings(["a:=b", "b:=a", "b/_action/cancel_goal:=a"])
+    async with fibws.Node("node", hub=hub.url, remapping=remapping) as node, asyncio.timeout(5):
+        peer = await hub.peer()
+        if over == "service":
+            wait, service = node.wait_for_service("a"), "/b"
+        else:
+            client = node.action_client("a", "actionlib_tutorials/Fibonacci", over="operations")
+            wait, service = client.wait_for_server(), "/b/_action/cancel_goal"
+        waiting = asyncio.create_task(wait)
+        await answers(peer, "any/Type", service)
         await waiting
 
 

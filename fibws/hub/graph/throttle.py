@@ -81,6 +81,8 @@ class Throttle:
 
     def _drain(self) -> None:
         self._timer = None
+        if not self._waiting:  # All of it made way for the budget.
+            return
         self._due = max(self._due, self._clock.time() - self._period) + self._period
         self._send(self._pop())
         if self._waiting:

@@ -150,6 +150,21 @@ def test_one_that_may_keep_nothing_goes_on_when_others_let_go() -> None:
     assert throttled.sent == [(0, b"0"), (0.3, b"2"), (1, b"3")]
 
 
+def test_one_whose_messages_made_way_goes_on_after_its_timer() -> None:
+    throttled = Throttled(queue_length=10)
+    throttled.offer(0, at=0)
+    throttled.offer(1, at=0.1)
+    others = 995
+    throttled.budget.used += others
+    throttled.throttle.offer(b"much too large")
+    assert (throttled.budget.used, throttled.clock.timers) == (others, 1)
+    throttled.clock.advance_to(0.3)
+    assert (throttled.frames, throttled.clock.timers) == ([0], 0)
+    throttled.budget.used -= others
+    throttled.offer(2, at=1)
+    assert throttled.sent[1:] == [(1, b"2")]
+
+
 def test_a_message_that_alone_breaks_the_budget_may_wait() -> None:
     throttled = Throttled(queue_length=10)
     large = bytes(5000)
