@@ -49,7 +49,7 @@ class Session:
         """What the parts have under way; the node's end cancels it."""
         self.crowded = False
         """Whether a reader has no place for another message: it needs a turn before one comes."""
-        self._parts: list[Part] = []
+        self._parts: dict[Part, None] = {}
         self._hear: Callable[[str, Any, dict[str, str] | None], bool] = lambda *message: False
         self._fragments = Reassembly(max_size=MAX_SIZE)
         self._operations = 0
@@ -61,8 +61,17 @@ class Session:
     # What its parts do
 
     def join(self, part: Part) -> None:
-        """Let a part take part, from now on until the end."""
-        self._parts.append(part)
+        """Let a part take part, from now on until it leaves or the node ends."""
+        self.check()
+        self._parts[part] = None
+
+    def leave(self, part: Part) -> None:
+        """Let it take part no more. Does nothing when called again."""
+        self._parts.pop(part, None)
+
+    def parts(self) -> list[Part]:
+        """Those that take part, of whom any may leave while they are told something."""
+        return list(self._parts)
 
     def hand_messages_to(self, hear: Callable[[str, Any, dict[str, str] | None], bool]) -> None:
         """Have messages heard by the part that listens to topics.
@@ -121,7 +130,7 @@ class Session:
         """There is no hub any more."""
         self.outbox.lose()
         self._fragments = Reassembly(max_size=MAX_SIZE)
-        for part in self._parts:
+        for part in self.parts():
             part.lose()
 
     def end(self, fault: Exception | None = None) -> None:
@@ -132,7 +141,7 @@ class Session:
         self._over = True
         for waiter in self._waiters:
             _release(waiter)
-        for part in self._parts:
+        for part in self.parts():
             part.end(fault)
         self.tasks.cancel()
         self.outbox.close()
@@ -192,10 +201,18 @@ class Session:
 
     def _take(self, reply: Reply) -> None:
         match reply:
-            case Publish() | Peers() | CallService() | ServiceResponse():
-                self._hand_on(reply)
-            case SendActionGoal() | CancelActionGoal() | ActionFeedback() | ActionResult():
-                self._hand_on(reply)
+            case (
+                Publish()
+                | Peers()
+                | CallService()
+                | ServiceResponse()
+                | SendActionGoal()
+                | CancelActionGoal()
+                | ActionFeedback()
+                | ActionResult()
+            ):
+                # It may come late, when nobody waits for it any more.
+                any(part.receive(reply) for part in self.parts())
             case Status():
                 self._told(reply)
             case Fragment():
@@ -207,17 +224,11 @@ class Session:
             case _:
                 assert_never(reply)
 
-    def _hand_on(self, reply: Reply) -> None:
-        for part in self._parts:
-            if part.receive(reply):
-                return
-        self.log.warning("The hub sent what nobody here waits for: %s", reply.op)
-
     def _told(self, status: Status) -> None:
         """A refused registration is its owner's to hear of; anything else goes to the log."""
         if status.level == "error" and status.id is not None:
             fault = OperationRejected(status.msg)
-            if any(part.refuse(str(status.id), fault) for part in self._parts):
+            if any(part.refuse(str(status.id), fault) for part in self.parts()):
                 return
         self.log.log(_LEVELS.get(status.level, logging.INFO), "The hub: %s", status.msg)
 

@@ -81,9 +81,14 @@ def test_a_frame_may_hold_several_operations(session: Session, ears: tuple[Ear, 
     assert ears[0].notes == [1, 2]
 
 
-def test_what_nobody_takes_goes_to_the_log(session: Session, lines: Lines) -> None:
-    hears(session, "action_feedback", action="/a", id="7")
-    assert lines.seen() == ["The hub sent what nobody here waits for: action_feedback"]
+def test_what_comes_too_late_is_no_mystery(
+    session: Session, ears: tuple[Ear, Ear], lines: Lines
+) -> None:
+    session.leave(ears[0])
+    hears(session, "publish", topic="/a", msg=1)
+    hears(session, "action_feedback", action="/gone", id="7")
+    assert [ear.notes for ear in ears] == [[], []]
+    assert lines.seen() == []
 
 
 @pytest.mark.parametrize(
@@ -147,6 +152,48 @@ def test_all_parts_hear_of_a_loss_and_of_the_first_end(
         session.check()
 
 
+@pytest.mark.parametrize("event", ["message", "refusal", "loss", "end"])
+def test_a_part_may_leave_whenever_it_hears_something(session: Session, event: str) -> None:
+    class Leaver(Ear):
+        """A part that leaves as soon as anything happens."""
+
+        def receive(self, reply: Reply) -> bool:
+            session.leave(self)
+            return super().receive(reply)
+
+        def refuse(self, id_: str, fault: OperationRejected) -> bool:
+            session.leave(self)
+            return super().refuse(id_, fault)
+
+        def lose(self) -> None:
+            session.leave(self)
+            super().lose()
+
+        def end(self, fault: Exception | None) -> None:
+            session.leave(self)
+            session.leave(self)
+            super().end(fault)
+
+    leavers = [Leaver(session, f"/{number}") for number in range(3)]
+    match event:
+        case "message":
+            hears(session, "publish", topic="/2", msg=None)
+        case "refusal":
+            hears(session, "status", level="error", id="/2", msg="no")
+        case "loss":
+            session.lose()
+        case "end":
+            session.end()
+    assert session.parts() == []
+    assert len(leavers[2].notes) == 1
+
+
+def test_nobody_joins_once_the_node_has_ended(session: Session) -> None:
+    session.end()
+    with pytest.raises(NodeClosed):
+        Ear(session, "/a")
+
+
 async def test_a_node_that_was_not_entered_says_so_to_who_waits() -> None:
     session = Session(logging.Logger("test"))
     for wait in (session.hub, session.ended):
@@ -181,9 +228,10 @@ def test_a_message_goes_straight_to_who_hears_messages(
     assert ears[0].notes == [2], "nobody else wanted it"
     for wrong in (
         b'"topic":5',
-        b'"topic":"/c","header":{"callerid":5}',
-        b'"topic":"/c","header":5',
+        b'"topic":"/a","header":{"callerid":5}',
+        b'"topic":"/a","header":5',
     ):
         session.receive(b'{"op":"publish","msg":3,%b}' % wrong)
     assert len(heard) == 2
-    assert len(lines.seen()) == 3
+    assert ears[0].notes == [2, 3, 3], "they come without their headers"
+    assert len(lines.seen()) == 1

@@ -40,7 +40,7 @@ class ActionClient(Part, Generic[G, R, F]):
         self._waits: set[asyncio.Timeout] = set()
         """Those who wait for a server, until the end of this client."""
         self._fault: Exception | None = None
-        actions.join(self)
+        self._session.join(self)
 
     def __repr__(self) -> str:
         return f"<ActionClient {self.name} [{self.type}]>"
@@ -140,7 +140,7 @@ class ActionClient(Part, Generic[G, R, F]):
 
     def _close(self, fault: Exception) -> None:
         self._stop(fault)
-        self._actions.leave(self)
+        self._session.leave(self)
         self._unadvertise()
 
     def _stop(self, fault: Exception) -> None:

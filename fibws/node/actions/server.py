@@ -62,7 +62,7 @@ class ActionServer(Part, Generic[G, R, F]):
     ) -> None:
         if not callable(execute):
             raise TypeError(f"{name}: what pursues goals is a function, not {execute!r}")
-        for other in actions.parts():
+        for other in actions.session.parts():
             if type(other) is type(self) and other.name == name:
                 raise AlreadyOffered(name)
         self._actions = actions
@@ -78,7 +78,7 @@ class ActionServer(Part, Generic[G, R, F]):
         self._next: ServerGoal[G, R, F] | None = None
         self._ended = asyncio.Event()
         self._fault: Exception | None = None
-        actions.join(self)
+        self._session.join(self)
 
     def __repr__(self) -> str:
         return f"<ActionServer {self.name} [{self.type}]>"
@@ -242,7 +242,7 @@ class ActionServer(Part, Generic[G, R, F]):
 
     def _close(self, fault: Exception | None) -> None:
         self.end(fault)
-        self._actions.leave(self)
+        self._session.leave(self)
         self._unadvertise()
 
     # How the graph hears of it
