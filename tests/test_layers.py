@@ -88,6 +88,7 @@ TESTED_ELSEWHERE = {
     "launch/model.py": "launch/test_node.py",
     "launch/scope.py": "launch/test_substitution.py",
     "msg/_finder.py": "msg/test_import.py",
+    "node/advertisement.py": "node/test_outbox.py",
     "node/part.py": "node/test_session.py",
     "node/rosapi.py": "node/test_params.py",
     "ros1/__main__.py": "programs/cli/test_door.py",

@@ -8,7 +8,7 @@ from typing_extensions import ParamSpec
 
 from fibws.errors import NodeError
 from fibws.interfaces import Message
-from fibws.node.outbox import Advertisement
+from fibws.node.advertisement import Advertisement
 from fibws.node.peers import Peers
 from fibws.node.topics import Topics
 from fibws.node.wire import Wire

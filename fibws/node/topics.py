@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from fibws.errors import NodeClosed, NodeError, OperationRejected
+from fibws.node.advertisement import Advertisement
 from fibws.node.fault import tell
-from fibws.node.outbox import Advertisement
 from fibws.node.part import Part
 from fibws.node.session import Session
 from fibws.node.subscription import Subscription
@@ -61,15 +61,19 @@ class Topics(Part):
         await self._session.outbox.room()
 
     def publish(self, advertisement: Advertisement, text: bytes, *, to_all: bool = True) -> None:
-        """Send a message, already encoded.
-
-        Who can wait has waited for `room`; else the newest of the publisher's queue are kept.
-        """
+        """Send a message, already encoded, as `put` does, or raise why nobody would hear it."""
         self._session.check()
         if advertisement.fault is not None:
             tell(advertisement.fault)
         if advertisement.closed:
             raise NodeClosed(f"publish on {advertisement.operation.topic}: it was closed")
+        self.put(advertisement, text, to_all=to_all)
+
+    def put(self, advertisement: Advertisement, text: bytes, *, to_all: bool = True) -> None:
+        """Send a message, already encoded, whatever has become of the advertisement and the node.
+
+        Who can wait has waited for `room`; else the newest of the publisher's queue are kept.
+        """
         if advertisement.operation.latch and to_all:
             advertisement.latched = text
         self._session.outbox.put(text, advertisement)

@@ -3,7 +3,8 @@
 import asyncio
 import json
 
-from fibws.node.outbox import FRAME_COST, Advertisement, Outbox
+from fibws.node.advertisement import Advertisement
+from fibws.node.outbox import FRAME_COST, Outbox
 from fibws.protocol.operations import Advertise
 
 

@@ -9,7 +9,8 @@ from typing import Any
 import pytest
 
 from fibws.errors import NodeClosed, NodeError, OperationRejected
-from fibws.node.outbox import LIMIT, Advertisement
+from fibws.node.advertisement import Advertisement
+from fibws.node.outbox import LIMIT
 from fibws.node.session import Session
 from fibws.node.subscription import Subscription
 from fibws.node.topics import Topics

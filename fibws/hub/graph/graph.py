@@ -24,9 +24,10 @@ from fibws.hub.graph.action import (
     cancel_service,
 )
 from fibws.hub.graph.parameters import Parameters
+from fibws.hub.graph.publisher import Publisher
 from fibws.hub.graph.service import Function, OwnProvider, Provider, Service
 from fibws.hub.graph.subscription import Subscription
-from fibws.hub.graph.topic import Publisher, Topic
+from fibws.hub.graph.topic import Topic
 from fibws.hub.graph.types import MessageType, Types
 from fibws.interfaces import Interfaces
 from fibws.protocol.operations import Id, Subscribe

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from typing import Any, Protocol
 
 from fibws.hub.clock import Clock, Timer
-from fibws.hub.graph.topic import Publisher
+from fibws.hub.graph.publisher import Publisher
 from fibws.hub.outbox import Outbox
 from fibws.protocol.closing import Closing
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from fibws.hub.clock import Clock
 from fibws.hub.graph.graph import Graph
-from fibws.hub.graph.topic import Publisher
+from fibws.hub.graph.publisher import Publisher
 from fibws.hub.rosapi import loggers
 from fibws.hub.rosapi.clients import Client, ConnectedClients
 from fibws.hub.rosapi.parameters import set_defaults

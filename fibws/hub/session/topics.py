@@ -10,8 +10,9 @@ from fibws.hub.budget import Budget
 from fibws.hub.frames import text_frame
 from fibws.hub.graph.encoding import COMPRESSIONS
 from fibws.hub.graph.peers import Peers
+from fibws.hub.graph.publisher import Publisher
 from fibws.hub.graph.subscription import Subscription
-from fibws.hub.graph.topic import Publisher, Topic
+from fibws.hub.graph.topic import Topic
 from fibws.hub.session.client import Client, check_room
 from fibws.hub.session.early import GRACE, EarlyMessages
 from fibws.protocol.operations import (

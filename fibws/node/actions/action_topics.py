@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 from fibws.errors import NodeError, OperationRejected
 from fibws.interfaces import Message
 from fibws.node.actions.actions import Actions
-from fibws.node.session import Session
 from fibws.node.subscription import Subscription
 from fibws.node.topics import Topics
 from fibws.protocol.operations import Advertise, Publish, Subscribe, encode
@@ -70,7 +69,7 @@ class ActionTopics:
             definition=self._types.definition(type_),
         )
         validate = self._types.validate(type_)
-        sender = Sender(self._session, self._topics, operation, validate, self._refused)
+        sender = Sender(self._topics, operation, validate, self._refused)
         self._senders.append(sender)
         return sender
 
@@ -104,13 +103,11 @@ class Sender:
 
     def __init__(
         self,
-        session: Session,
         topics: Topics,
         operation: Advertise,
         validate: Callable[[Any], dict[str, Any]],
         refused: Callable[[NodeError], None],
     ) -> None:
-        self._outbox = session.outbox
         self._topics = topics
         self._validate = validate
         self._advertisement = topics.advertise(operation, refused)
@@ -121,9 +118,7 @@ class Sender:
         if advertisement.closed:
             return
         text = encode(Publish(topic=advertisement.operation.topic, msg=self._validate(fields)))
-        if advertisement.operation.latch:
-            advertisement.latched = text
-        self._outbox.put(text, advertisement)
+        self._topics.put(advertisement, text)
 
     def close(self) -> None:
         """Publish no more."""

@@ -16,8 +16,8 @@ from fibws.errors import (
     UnknownType,
 )
 from fibws.hub.graph.graph import Graph
+from fibws.hub.graph.publisher import Publisher
 from fibws.hub.graph.subscription import MAX_REGISTRATIONS, Subscription
-from fibws.hub.graph.topic import Publisher
 from fibws.hub.outbox import Flusher, Outbox
 from fibws.interfaces import Interfaces
 from fibws.protocol.operations import Subscribe
