@@ -1,4 +1,4 @@
-"""What there is in the graph, as rosapi tells it: its topics, nodes, services and actions.
+"""What there is in the graph, as rosapi tells it: its topics, nodes, services, actions, and time.
 
 Some of these services are asked every few seconds by every open page. Their answers are kept as
 JSON text until the graph changes, and the text of a type for as long as there is room.
@@ -69,7 +69,13 @@ class Introspection:
             "/rosapi/nodes": ("rosapi/Nodes", self.nodes),
             "/rosapi/node_details": ("rosapi/NodeDetails", self.node_details),
             "/rosapi/action_servers": ("rosapi/GetActionServers", self.action_servers),
+            "/rosapi/get_time": ("rosapi/GetTime", self.get_time),
         }
+
+    def get_time(self, request: dict[str, Any], caller: str) -> Answer:
+        """The time of the hub's clock, counted from 1970."""
+        secs, nsecs = divmod(self._graph.now(), 1_000_000_000)
+        return {"time": {"secs": secs, "nsecs": nsecs}}
 
     # Topics.
 

@@ -8,11 +8,10 @@ fibws_msgs are ours alone: they tell in one answer what would take others hundre
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from typing import Any
 
 from fibws.hub.clock import Clock
 from fibws.hub.graph.graph import Graph
-from fibws.hub.graph.service import Answer, Function
+from fibws.hub.graph.service import Function
 from fibws.hub.rosapi.clients import ConnectedClients
 from fibws.hub.rosapi.introspection import Introspection
 from fibws.hub.rosapi.parameters import ParameterServices
@@ -39,7 +38,6 @@ class Rosapi:
         clients: ConnectedClients,
         clock: Clock,
     ) -> None:
-        self._graph = graph
         self._typedefs = TypeDefs(graph.interfaces)
         self._introspection = Introspection(graph, heard)
         self._parameters = ParameterServices(graph.parameters)
@@ -55,32 +53,6 @@ class Rosapi:
             **self._parameters.services(),
             **self._snapshot.services(),
             **self._statistics.services(),
+            **self._typedefs.services(),
             **self.rosnode.services(),
-            "/rosapi/message_details": ("rosapi/MessageDetails", self.message_details),
-            "/rosapi/service_request_details": (
-                "rosapi/ServiceRequestDetails",
-                self.service_request_details,
-            ),
-            "/rosapi/service_response_details": (
-                "rosapi/ServiceResponseDetails",
-                self.service_response_details,
-            ),
-            "/rosapi/get_time": ("rosapi/GetTime", self.get_time),
         }
-
-    def message_details(self, request: dict[str, Any], caller: str) -> Answer:
-        """What a type is made of; what nobody defined raises `InterfaceError`."""
-        return self._typedefs.message(request["type"])
-
-    def service_request_details(self, request: dict[str, Any], caller: str) -> Answer:
-        """What the request of a service's type is made of; raises as `message_details`."""
-        return self._typedefs.request(request["type"])
-
-    def service_response_details(self, request: dict[str, Any], caller: str) -> Answer:
-        """What the response of a service's type is made of; raises as `message_details`."""
-        return self._typedefs.response(request["type"])
-
-    def get_time(self, request: dict[str, Any], caller: str) -> Answer:
-        """The time of the hub's clock, counted from 1970."""
-        secs, nsecs = divmod(self._graph.now(), 1_000_000_000)
-        return {"time": {"secs": secs, "nsecs": nsecs}}

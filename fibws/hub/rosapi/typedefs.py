@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 from pydantic_core import to_json
 
+from fibws.hub.graph.service import Function
 from fibws.hub.rosapi.texts import Texts
 from fibws.interfaces import Interfaces, MessageDefinition, builtin
 from fibws.interfaces.definition import Field
@@ -24,6 +25,20 @@ class TypeDefs:
         self._messages = Texts(lambda name: self._text(interfaces.message(name)))
         self._requests = Texts(lambda name: self._text(interfaces.service(name).request))
         self._responses = Texts(lambda name: self._text(interfaces.service(name).response))
+
+    def services(self) -> dict[str, tuple[str, Function]]:
+        """All by their global names, each with its type and what answers it."""
+        return {
+            "/rosapi/message_details": ("rosapi/MessageDetails", _asked_for(self.message)),
+            "/rosapi/service_request_details": (
+                "rosapi/ServiceRequestDetails",
+                _asked_for(self.request),
+            ),
+            "/rosapi/service_response_details": (
+                "rosapi/ServiceResponseDetails",
+                _asked_for(self.response),
+            ),
+        }
 
     def message(self, name: str) -> bytes:
         """Of a message; of a type that ROS itself defines, which is no message, there are none."""
@@ -54,6 +69,11 @@ class TypeDefs:
                 yield from self._typedefs(self._interfaces.message(field.type), seen)
             elif field.type in builtin.TIMES:
                 yield _time(field.type)
+
+
+def _asked_for(tell: Callable[[str], bytes]) -> Function:
+    """What answers a request that names a type."""
+    return lambda request, caller: tell(request["type"])
 
 
 def _response(typedefs: list[dict[str, Any]]) -> bytes:
