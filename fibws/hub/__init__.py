@@ -5,7 +5,8 @@
     graph: topic ─ channel, encoding ─> frames ─ outbox ─> socket
     rosapi: the hub's own nodes, which publish and answer in the same graph
 
-`server`, `connection` and `gate` know sockets and the event loop; all the rest is pure.
+`server`, `connection`, `gate`, `pages`, `response` and `__main__` know sockets, files or the event
+loop; all the rest is pure.
 """
 
 from fibws.hub.server import Hub

@@ -107,7 +107,7 @@ class Hub:
         return f"ws://{f'[{host}]' if ':' in host else host}:{self.port}"
 
     async def close(self) -> None:
-        """Say good-bye to all clients and stop; those that do not answer are cut off."""
+        """Once entered, say good-bye to all clients and stop; who does not answer is cut off."""
         self._closing = True
         self._server.close()
         self._sweeper.cancel()

@@ -99,17 +99,15 @@ class Node:
         self.log = log or node_log(
             self.name, log_format or environment.get("ROSCONSOLE_FORMAT") or FORMAT
         )
-        """The node's logger: what it is told goes to the console and to /rosout."""
+        """The node's logger: what it is told goes to the console, and from the entering on to
+        /rosout."""
         self._session = Session(self.log)
         self._calls = Calls(self._session, self._types)
         self._services = Services(self._session, self._types)
         self._topics = Topics(self._session)  # Last: what is latched ends the greeting.
         self._rosout = Rosout(self.name, self._topics) if rosout else None
-        if self._rosout is not None:
-            self.log.addHandler(self._rosout)
         self._loggers = Loggers(self.log, self._services, self.resolve)
         self._connection = Connection(self._hub, self.name, self._session, self.log)
-        self._entered = False
 
     def __repr__(self) -> str:
         return f"<Node {self.name} at {self._hub}>"
@@ -391,7 +389,8 @@ class Node:
         Args:
             name: its name.
             type: an action class, or a type's name such as ``"actionlib_tutorials/Fibonacci"``.
-            execute: an async function that is given a `ServerGoal` and returns the result.
+            execute: is given a `ServerGoal`, and returns the result. It may be async; if it is not,
+                the node does nothing else until it returns.
             over: how goals come: by the ``"topics"`` of ROS 1's actionlib, or by the
                 ``"operations"`` that rosbridge has for ROS 2.
             concurrent: whether goals are pursued side by side; if not, a new goal has the one
@@ -450,11 +449,11 @@ class Node:
         await self._session.ended()
 
     async def __aenter__(self) -> Self:
-        if self._entered:
+        if self._session.begun:
             raise RuntimeError("a node is entered once")
-        self._entered = True
         if self._rosout is not None:
             self._rosout.loop = asyncio.get_running_loop()
+            self.log.addHandler(self._rosout)
         try:
             await self._connection.open()
         except BaseException:

@@ -53,7 +53,8 @@ class Session:
         self._hear: Callable[[str, Any, dict[str, str] | None], bool] = lambda *message: False
         self._fragments = Reassembly(max_size=MAX_SIZE)
         self._operations = 0
-        self._begun = False
+        self.begun = False
+        """Whether the node has been entered."""
         self._over = False
         self._waiters: set[asyncio.Future[None]] = set()
         self._fault: Exception | None = None
@@ -111,7 +112,7 @@ class Session:
 
     def begin(self) -> None:
         """The node has been entered: from now on it looks for a hub."""
-        self._begun = True
+        self.begun = True
 
     def greeting(self) -> list[bytes]:
         """What a new connection is told first, before the outbox's frames."""
@@ -182,7 +183,7 @@ class Session:
             raise NodeClosed("the node has ended")
 
     def _check_begun(self) -> None:
-        if not self._begun and not self._over:
+        if not self.begun and not self._over:
             raise RuntimeError("enter the node first: async with node")
 
     def _deliver(self, fields: dict[str, Any]) -> bool:

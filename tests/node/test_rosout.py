@@ -141,6 +141,27 @@ async def test_a_logger_that_is_given_is_let_be_by_a_node_that_cannot_begin(
     assert log.handlers == []
 
 
+def test_a_logger_that_is_given_is_let_be_by_a_node_that_is_never_entered() -> None:
+    log = logging.Logger("mine")
+    fibws.Node("talker", log=log)
+    assert log.handlers == []
+
+
+@pytest.mark.parametrize("log", [None, logging.Logger("mine")], ids=["its own", "given"])
+async def test_a_line_from_before_the_hub_answers_reaches_it(
+    hub: ScriptedHub, log: logging.Logger | None
+) -> None:
+    hub.refusal = HTTPStatus.SERVICE_UNAVAILABLE, "not yet"
+    node = fibws.Node("talker", hub=hub.url, log=log)
+    entering = asyncio.create_task(node.__aenter__())
+    await hub.attempted(1)
+    hub.refusal = None
+    peer = await hub.peer()
+    assert (await peer.logged())["msg"].startswith("Waiting for a hub at ")
+    await entering
+    await node.__aexit__()
+
+
 async def test_a_node_may_keep_its_log_to_itself(
     hub: ScriptedHub, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -98,7 +98,7 @@ class Services:
         """Take the client's answer to a call.
 
         Raises:
-            OperationError: it does not fit the type, as the caller was told, too.
+            InvalidMessage: it does not fit the type, as the caller was told, too.
         """
         call = self._due_call(response)
         if call is None:
