@@ -21,7 +21,7 @@ TESTS = Path(__file__).parent
 IMPURE = {"asyncio", "websockets", "time", "random", "socket", "threading", "select", "signal"}
 MASK = {"websockets.speedups.apply_mask", "websockets.utils.apply_mask"}
 
-PURE_HUB = ["budget", "clock", "frames", "liveness", "log", "outbox", "settings", "splitter"]
+PURE_HUB = ["budget", "clock", "frames", "liveness", "logtext", "outbox", "settings", "splitter"]
 PURE_LAUNCH = ["attributes", "evaluation", "listing", "model", "node", "parameter", "reader"]
 PURE_LAUNCH += ["scope", "screen", "substitution", "tag", "value", "world"]
 PURE_TF = ["buffer", "history", "messages", "selection", "transform"]

@@ -25,7 +25,7 @@ from fibws.errors import InvalidUtf8
 from fibws.hub.gate import Gate, node_name
 from fibws.hub.graph.graph import Graph
 from fibws.hub.liveness import Liveness
-from fibws.hub.log import printable
+from fibws.hub.logtext import printable
 from fibws.hub.outbox import Flusher, Outbox
 from fibws.hub.rosapi.nodes import OwnNodes
 from fibws.hub.session.session import Session

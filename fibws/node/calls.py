@@ -19,7 +19,7 @@ from fibws.errors import (
 )
 from fibws.interfaces import Service
 from fibws.interfaces.bases import Req, Res
-from fibws.node.fault import tell
+from fibws.node.fault import throw
 from fibws.node.part import Part
 from fibws.node.session import Session
 from fibws.node.types import Types
@@ -54,7 +54,7 @@ class Calls(Part):
         self._types = types
         self._waiting: dict[str, _Call] = {}
         # One for each service: calls that a handler makes must not wait for those of the handler.
-        self._turns: WeakValueDictionary[str, asyncio.Semaphore] = WeakValueDictionary()
+        self._slots: WeakValueDictionary[str, asyncio.Semaphore] = WeakValueDictionary()
         session.join(self)
 
     def __len__(self) -> int:
@@ -90,8 +90,8 @@ class Calls(Part):
         end = loop.time() + within if within is not None else None
         id_ = self._session.id("call_service", service)
         try:
-            async with asyncio.timeout_at(end), self._turn(service):
-                await self._session.hub()
+            async with asyncio.timeout_at(end), self._slots_of(service):
+                await self._session.wait_for_hub()
                 call = self._waiting[id_] = _Call(service, loop.create_future())
                 left = max(end - loop.time(), SHORTEST_TIMEOUT) if end is not None else None
                 self._session.say(
@@ -105,13 +105,13 @@ class Calls(Part):
         finally:
             self._waiting.pop(id_, None)
         if isinstance(outcome, Exception):
-            tell(outcome)
+            throw(outcome)
         if not outcome.result:
             raise _failure(service, outcome.values)
         return outcome.values
 
-    def _turn(self, service: str) -> asyncio.Semaphore:
-        return self._turns.setdefault(service, asyncio.Semaphore(MOST_CALLS))
+    def _slots_of(self, service: str) -> asyncio.Semaphore:
+        return self._slots.setdefault(service, asyncio.Semaphore(MOST_CALLS))
 
     def receive(self, reply: Reply) -> bool:
         """Take an answer; it may come late, when nobody waits for it any more."""

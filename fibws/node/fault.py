@@ -1,10 +1,10 @@
-"""How a node tells what ended it, as often as it is asked."""
+"""How a node raises what ended it, as often as it is asked."""
 
 from __future__ import annotations
 
 from typing import NoReturn
 
 
-def tell(fault: Exception) -> NoReturn:
+def throw(fault: Exception) -> NoReturn:
     """Raise ``fault``, without the traceback of the last time: else that would grow for ever."""
     raise fault.with_traceback(None)

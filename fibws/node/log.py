@@ -8,7 +8,7 @@ import sys
 from string import Template
 from typing import TextIO
 
-from fibws.node.levels import LEVELS
+from fibws.protocol.levels import LEVELS
 
 FORMAT = "[${severity}] [${time}]: ${message}"
 """How rospy prints a line when ROSCONSOLE_FORMAT does not say otherwise."""

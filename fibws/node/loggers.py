@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
+from fibws.errors import CallRefused
 from fibws.msg.roscpp import Logger
-from fibws.node.levels import LEVELS, level
 from fibws.node.services import Services
+from fibws.protocol.levels import LEVELS, named, threshold
 from fibws.srv.roscpp import (
     GetLoggers,
     GetLoggersRequest,
@@ -32,13 +33,36 @@ class Loggers:
         services.serve(resolve("~set_logger_level"), SetLoggerLevel, self._set)
 
     def _get(self, request: GetLoggersRequest) -> GetLoggersResponse:
-        return GetLoggersResponse([Logger(NAME, level(self._log.getEffectiveLevel()).name)])
+        return GetLoggersResponse(
+            [
+                Logger(name, threshold(log.getEffectiveLevel()).name)
+                for name, log in self._loggers().items()
+            ]
+        )
 
     def _set(self, request: SetLoggerLevelRequest) -> SetLoggerLevelResponse:
-        if request.logger not in (NAME, self._log.name):
-            raise ValueError(f"there is no logger {request.logger!r} here but {NAME!r}")
-        levels = {each.name: each.python for each in LEVELS}
-        if request.level.lower() not in levels:
-            raise ValueError(f"{request.level!r} is no level: say one of {', '.join(levels)}")
-        self._log.setLevel(levels[request.level.lower()])
+        loggers = self._loggers()
+        log = self._log if request.logger == self._log.name else loggers.get(request.logger)
+        if log is None:
+            known = ", ".join(map(repr, loggers))
+            raise CallRefused(f"there is no logger {request.logger!r} here but {known}")
+        level = named(request.level)
+        if level is None:
+            known = ", ".join(each.name for each in LEVELS)
+            raise CallRefused(f"{request.level!r} is no level: say one of {known}")
+        log.setLevel(level.python)
         return SetLoggerLevelResponse()
+
+    def _loggers(self) -> dict[str, logging.Logger]:
+        """The node's logger and those that the program has below it, by their names on the wire."""
+        found = {NAME: self._log}
+        for name, log in sorted(self._log.manager.loggerDict.items()):
+            if isinstance(log, logging.Logger) and self._log in _ancestors(log):
+                found[NAME + name.removeprefix(self._log.name)] = log
+        return found
+
+
+def _ancestors(log: logging.Logger) -> Iterator[logging.Logger]:
+    while log.parent is not None:
+        log = log.parent
+        yield log

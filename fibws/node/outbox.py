@@ -85,7 +85,7 @@ class Outbox:
         await self._arrival.wait()
         return bool(self._frames)
 
-    async def hub(self) -> None:
+    async def wait_for_hub(self) -> None:
         """Wait until frames leave, or never will again."""
         await self._hub.wait()
 

@@ -7,9 +7,9 @@ import logging
 from contextlib import suppress
 from typing import Any
 
-from fibws.node.levels import level
 from fibws.node.text import sendable
 from fibws.node.topics import Topics
+from fibws.protocol.levels import severity
 from fibws.protocol.operations import Advertise, Publish, encode
 
 TOPIC = "/rosout"
@@ -53,7 +53,7 @@ class Rosout(logging.Handler):
         secs, nsecs = divmod(round(record.created * 1e9), 1_000_000_000)
         return {
             "header": {"seq": 0, "stamp": {"secs": secs, "nsecs": nsecs}, "frame_id": ""},
-            "level": level(record.levelno).ros,
+            "level": severity(record.levelno).ros,
             "name": self._node,
             "msg": sendable(_TEXT.format(record)),
             "file": sendable(record.pathname),

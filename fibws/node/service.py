@@ -10,7 +10,7 @@ from typing import Any, Generic, Self, TypeAlias
 
 from fibws.errors import CallRefused, InvalidMessage
 from fibws.interfaces.bases import Req, Res
-from fibws.node.fault import tell
+from fibws.node.fault import throw
 from fibws.node.service_type import ServiceType
 from fibws.node.session import Session
 from fibws.node.tasks import Tasks
@@ -86,7 +86,7 @@ class ServiceServer(Generic[Req, Res]):
         """
         await self._ended.wait()
         if self._fault is not None:
-            tell(self._fault)
+            throw(self._fault)
 
     def close(self) -> None:
         """Answer no more, and cancel what is not answered yet. Does nothing when called again.

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from typing import Any, assert_never
 
 from fibws.errors import InvalidUtf8, NodeClosed, OperationError, OperationRejected
-from fibws.node.fault import tell
+from fibws.node.fault import throw
 from fibws.node.outbox import Outbox
 from fibws.node.part import Part
 from fibws.node.tasks import Tasks
@@ -93,7 +93,7 @@ class Session:
         if self.outbox.connected:
             self.outbox.put(encode(operation))
 
-    async def hub(self) -> None:
+    async def wait_for_hub(self) -> None:
         """Wait until there is a hub, and room for what is to be said to it.
 
         Raises:
@@ -102,7 +102,7 @@ class Session:
         """
         self._check_begun()
         while True:
-            await self.outbox.hub()
+            await self.outbox.wait_for_hub()
             await self.outbox.room()
             self.check()
             if self.outbox.connected:
@@ -172,13 +172,13 @@ class Session:
                 if timer is not None:
                     timer.cancel()
         if self._fault is not None:
-            tell(self._fault)
+            throw(self._fault)
         return self.over
 
     def check(self) -> None:
         """Raise if the node is over."""
         if self._fault is not None:
-            tell(self._fault)
+            throw(self._fault)
         if self._over:
             raise NodeClosed("the node has ended")
 

@@ -10,7 +10,7 @@ from typing import Any, Generic, TypeVar
 
 from fibws.errors import InvalidMessage
 from fibws.interfaces import Message
-from fibws.node.fault import tell
+from fibws.node.fault import throw
 from fibws.node.peers import Peers
 from fibws.protocol.operations import Subscribe
 
@@ -132,7 +132,7 @@ class Subscription(Generic[M]):
                 if message is not None:
                     return message
             if self._fault is not None:
-                tell(self._fault)
+                throw(self._fault)
             if self._ended:
                 raise StopAsyncIteration
             self._news.clear()

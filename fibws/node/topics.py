@@ -8,7 +8,7 @@ from typing import Any
 
 from fibws.errors import NodeClosed, NodeError, OperationRejected
 from fibws.node.advertisement import Advertisement
-from fibws.node.fault import tell
+from fibws.node.fault import throw
 from fibws.node.part import Part
 from fibws.node.session import Session
 from fibws.node.subscription import Subscription
@@ -64,7 +64,7 @@ class Topics(Part):
         """Send a message, already encoded, as `put` does, or raise why nobody would hear it."""
         self._session.check()
         if advertisement.fault is not None:
-            tell(advertisement.fault)
+            throw(advertisement.fault)
         if advertisement.closed:
             raise NodeClosed(f"publish on {advertisement.operation.topic}: it was closed")
         self.put(advertisement, text, to_all=to_all)
@@ -77,6 +77,15 @@ class Topics(Part):
         if advertisement.operation.latch and to_all:
             advertisement.latched = text
         self._session.outbox.put(text, advertisement)
+
+    def introduce(self, advertisement: Advertisement, headers: dict[str, str]) -> None:
+        """Have the hub say these headers from now on, beside each message of the topic."""
+        before = advertisement.operation
+        if headers == (before.headers or {}):
+            return
+        advertisement.operation = before.model_copy(update={"headers": headers})
+        if not advertisement.closed:
+            self._session.say(advertisement.operation)
 
     def unadvertise(self, advertisement: Advertisement) -> None:
         """Take a publisher back."""

@@ -1,4 +1,4 @@
-"""How a node tells what ended it."""
+"""How a node raises what ended it."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import traceback
 import pytest
 
 from fibws.errors import NodeClosed
-from fibws.node.fault import tell
+from fibws.node.fault import throw
 
 
 def test_a_traceback_does_not_grow() -> None:
@@ -15,6 +15,6 @@ def test_a_traceback_does_not_grow() -> None:
     lengths = set()
     for _ in range(3):
         with pytest.raises(NodeClosed):
-            tell(fault)
+            throw(fault)
         lengths.add(len(traceback.extract_tb(fault.__traceback__)))
     assert len(lengths) == 1

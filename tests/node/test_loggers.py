@@ -6,11 +6,11 @@ import logging
 
 import pytest
 
-from fibws.node.levels import LEVELS
 from fibws.node.loggers import Loggers
 from fibws.node.services import Services
 from fibws.node.session import Session
 from fibws.node.types import Types
+from fibws.protocol.levels import LEVELS
 
 from .conftest import hears, said, says
 
@@ -57,12 +57,33 @@ async def test_the_level_can_be_changed(
     assert log.level == number
 
 
-async def test_levels_in_between_are_told_by_the_one_below(
+async def test_a_level_in_between_is_told_by_the_first_that_is_logged(
     session: Session, log: logging.Logger
 ) -> None:
     said(session)
     log.setLevel(logging.INFO + 5)
-    assert await level(session) == "info"
+    assert await level(session) == "warn"
+
+
+async def test_loggers_of_the_programs_below_it_are_told_and_changed_alone(
+    session: Session, types: Types
+) -> None:
+    log = logging.getLogger("listed")
+    log.setLevel(logging.INFO)
+    Loggers(log, Services(session, types), lambda name: f"/talker/{name[1:]}")
+    said(session)
+    arm = log.getChild("robot.arm")
+    arm.setLevel(logging.NOTSET)
+    hears(session, "call_service", id="get", service="/talker/get_loggers", args={})
+    assert (await says(session))["values"]["loggers"] == [
+        {"name": "rosout", "level": "info"},
+        {"name": "rosout.robot.arm", "level": "info"},
+    ]
+    assert await change(session, "rosout.robot.arm", "debug") == {}
+    assert (arm.level, log.level) == (logging.DEBUG, logging.INFO)
+    assert await change(session, "rosout.robot", "debug") == (
+        "there is no logger 'rosout.robot' here but 'rosout', 'rosout.robot.arm'"
+    )
 
 
 @pytest.mark.parametrize(
@@ -76,7 +97,7 @@ async def test_what_is_not_there_is_refused(
     session: Session, log: logging.Logger, logger: str, name: str, text: str
 ) -> None:
     said(session)
-    assert await change(session, logger, name) == f"error processing request: {text}"
+    assert await change(session, logger, name) == text
     assert log.level == logging.INFO
 
 

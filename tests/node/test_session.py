@@ -196,13 +196,13 @@ def test_nobody_joins_once_the_node_has_ended(session: Session) -> None:
 
 async def test_a_node_that_was_not_entered_says_so_to_who_waits() -> None:
     session = Session(logging.Logger("test"))
-    for wait in (session.hub, session.ended):
+    for wait in (session.wait_for_hub, session.ended):
         with pytest.raises(RuntimeError, match="enter the node first: async with node"):
             await wait()
     session.end()
     assert await session.ended()
     with pytest.raises(NodeClosed):
-        await session.hub()
+        await session.wait_for_hub()
 
 
 def test_the_end_may_be_nobodys_fault(session: Session) -> None:

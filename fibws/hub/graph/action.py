@@ -15,7 +15,7 @@ from fibws.hub.graph.types import ActionType
 from fibws.protocol.operations import json_of
 
 
-class GoalStatus(IntEnum):
+class Ros2GoalStatus(IntEnum):
     """The states of a goal, as action_msgs/GoalStatus numbers them."""
 
     UNKNOWN = 0
@@ -53,7 +53,7 @@ class ActionClient(Protocol):
     def hear(self, goal: Goal, feedback: bytes) -> None:
         """The goal has come as far as the JSON text says."""
 
-    def end(self, goal: Goal, status: GoalStatus, result: bytes, *, ok: bool) -> None:
+    def end(self, goal: Goal, status: Ros2GoalStatus, result: bytes, *, ok: bool) -> None:
         """The goal has ended; the JSON text is its result, or what went wrong if not ``ok``."""
 
 
@@ -113,12 +113,12 @@ class Goal:
         valid = self.action.type.feedback(values)
         self._client.hear(self, json_of(valid))
 
-    def finish(self, status: GoalStatus, values: object) -> None:
+    def finish(self, status: Ros2GoalStatus, values: object) -> None:
         """End with the server's result; raises `InvalidMessage`, upon which it has not ended."""
         result = json_of(self.action.type.result(values))
         self._end(status, result, ok=True)
 
-    def fail(self, text: str, status: GoalStatus = GoalStatus.ABORTED) -> None:
+    def fail(self, text: str, status: Ros2GoalStatus = Ros2GoalStatus.ABORTED) -> None:
         """End without a result."""
         self._end(status, json_of(text), ok=False)
 
@@ -134,7 +134,7 @@ class Goal:
             self.cancel()
             self.action.server.forget(self)
 
-    def _end(self, status: GoalStatus, result: bytes, *, ok: bool) -> None:
+    def _end(self, status: Ros2GoalStatus, result: bytes, *, ok: bool) -> None:
         if self.action.goals.pop(self.uuid, None) is not None:
             self.action.server.forget(self)
             self._client.end(self, status, result, ok=ok)

@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 import cbor2
 
 from fibws.errors import InvalidMessage, OperationError, UnknownPackage
-from fibws.hub.log import is_power_of_ten
+from fibws.hub.logtext import is_power_of_ten
 from fibws.interfaces import Interfaces, MessageDefinition, Validators, base64text
 from fibws.interfaces.cbor import CborEncoders
 from fibws.interfaces.serialization import Serializers
@@ -55,13 +55,15 @@ class MessageType:
 class ServiceType:
     """What checks the requests and responses of a service.
 
-    ``arguments`` are the request's fields in order, if they are known.
+    ``arguments`` are the request's fields in order, and ``md5sum`` stands for the definition, if
+    they are known.
     """
 
     name: str
     request: Validate
     response: Validate
     arguments: tuple[str, ...] | None
+    md5sum: str | None
 
     def ask(self, args: object) -> dict[str, Any]:
         """The request that ``args`` stand for: an object, or a list of its fields in order.
@@ -148,12 +150,13 @@ class Types:
                 service = self._interfaces.service(name)
             except UnknownPackage as error:
                 self._tolerate(name, error)
-                return ServiceType(name, _relayed(name), _relayed(name), None)
+                return ServiceType(name, _relayed(name), _relayed(name), None, None)
             self._services[name] = ServiceType(
                 name,
                 self._validate(service.request),
                 self._validate(service.response),
                 _fields(service.request),
+                self._interfaces.service_md5(name),
             )
         return self._services[name]
 

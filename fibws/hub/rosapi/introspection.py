@@ -17,7 +17,7 @@ from fibws import names
 from fibws.errors import InterfaceError, InvalidName, InvalidTypeName
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.service import Answer, Function
-from fibws.hub.log import is_power_of_ten
+from fibws.hub.logtext import is_power_of_ten
 from fibws.hub.rosapi.kept import KeptAnswers
 from fibws.hub.rosapi.texts import Texts
 

@@ -11,18 +11,11 @@ from typing import Any
 
 from fibws.errors import OperationError
 from fibws.hub.graph.service import Answer, Function
+from fibws.protocol.levels import LEVELS, named, threshold
 from fibws.protocol.parsing import quoted
 
 LOGGER = logging.getLogger("fibws.hub")
 NAMES = ("rosout", LOGGER.name)
-LEVELS = {
-    "debug": logging.DEBUG,
-    "info": logging.INFO,
-    "warn": logging.WARNING,
-    "error": logging.ERROR,
-    "fatal": logging.CRITICAL,
-}
-"""ROS's levels (rosgraph_msgs/Log) from the least to the gravest, with those of Python."""
 
 
 def services(node: str) -> dict[str, tuple[str, Function]]:
@@ -35,9 +28,8 @@ def services(node: str) -> dict[str, tuple[str, Function]]:
 
 def get_loggers(request: dict[str, Any], caller: str) -> Answer:
     """The levels from which on the hub logs."""
-    number = LOGGER.getEffectiveLevel()
-    level = next((name for name, least in LEVELS.items() if least >= number), "fatal")
-    return {"loggers": [{"name": name, "level": level} for name in NAMES]}
+    level = threshold(LOGGER.getEffectiveLevel())
+    return {"loggers": [{"name": name, "level": level.name} for name in NAMES]}
 
 
 def set_logger_level(request: dict[str, Any], caller: str) -> Answer:
@@ -46,12 +38,13 @@ def set_logger_level(request: dict[str, Any], caller: str) -> Answer:
     Raises:
         OperationError: there is no such level, or no such logger.
     """
-    level = LEVELS.get(request["level"].lower())
+    level = named(request["level"])
     if level is None:
-        raise OperationError(f"a level is {' or '.join(LEVELS)}, not {quoted(request['level'])}")
+        known = " or ".join(each.name for each in LEVELS)
+        raise OperationError(f"a level is {known}, not {quoted(request['level'])}")
     if request["logger"] not in NAMES:
         raise OperationError(
             f"a logger of the hub is {' or '.join(NAMES)}, not {quoted(request['logger'])}"
         )
-    LOGGER.setLevel(level)
+    LOGGER.setLevel(level.python)
     return {}

@@ -11,7 +11,7 @@ from typing import Any
 from fibws.hub.clock import Clock, Timer
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.service import Answer, Function, Later
-from fibws.hub.log import printable, shortened
+from fibws.hub.logtext import printable, shortened
 from fibws.hub.rosapi.clients import Client, ConnectedClients
 from fibws.hub.rosapi.introspection import global_name
 from fibws.protocol.closing import KILLED

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fibws.errors import InvalidMessage
-from fibws.hub.graph.action import Action, Goal, GoalStatus, cancel_service
+from fibws.hub.graph.action import Action, Goal, Ros2GoalStatus, cancel_service
 from fibws.hub.session.client import Client, check_room
 from fibws.protocol.operations import (
     ActionFeedback,
@@ -113,16 +113,16 @@ class Actions:
         if goal is None:
             self._unknown(result)
             return
-        status = GoalStatus(result.status)
+        status = Ros2GoalStatus(result.status)
         if not result.result:
             reason = result.values
             text = reason if isinstance(reason, str) and reason else "the goal failed"
-            canceled = status is GoalStatus.CANCELED
-            goal.fail(text, GoalStatus.CANCELED if canceled else GoalStatus.ABORTED)
+            canceled = status is Ros2GoalStatus.CANCELED
+            goal.fail(text, Ros2GoalStatus.CANCELED if canceled else Ros2GoalStatus.ABORTED)
             return
         try:
             values = {} if result.values is None else result.values
-            goal.finish(status or GoalStatus.SUCCEEDED, values)
+            goal.finish(status or Ros2GoalStatus.SUCCEEDED, values)
         except InvalidMessage as error:
             goal.fail(str(error))
             raise

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from fibws.errors import FibwsError, OperationError
-from fibws.hub.graph.action import Goal, GoalStatus
+from fibws.hub.graph.action import Goal, Ros2GoalStatus
 from fibws.hub.outbox import Queue
 from fibws.hub.session.client import Client, check_room
 from fibws.protocol.operations import (
@@ -41,7 +41,7 @@ class Goals:
         try:
             goal = self._goal(request)
         except FibwsError as error:
-            self._result(request, GoalStatus.ABORTED, json_of(str(error)), ok=False)
+            self._result(request, Ros2GoalStatus.ABORTED, json_of(str(error)), ok=False)
             return
         # The arguments may be large, and the server has been told them.
         request = request.model_copy(update={"args": None})
@@ -60,7 +60,7 @@ class Goals:
         action, id_ = fields.get("action"), legal_id(fields.get("id"))
         if isinstance(action, str) and id_ is not None and id_ not in self._by_id:
             request = SendActionGoal(id=id_, action=action, action_type="")
-            self._result(request, GoalStatus.ABORTED, json_of(text), ok=False)
+            self._result(request, Ros2GoalStatus.ABORTED, json_of(text), ok=False)
 
     def cancel(self, request: CancelActionGoal) -> None:
         """Want a goal no more; its result still comes."""
@@ -79,7 +79,7 @@ class Goals:
             text = _text(request, {"op": "action_feedback"}, feedback)
             self._client.outbox.put(self._client.frames(text, request.fragment_size), queue)
 
-    def end(self, goal: Goal, status: GoalStatus, result: bytes, *, ok: bool) -> None:
+    def end(self, goal: Goal, status: Ros2GoalStatus, result: bytes, *, ok: bool) -> None:
         """Send the client a goal's result."""
         self._result(self._forget(goal), status, result, ok=ok)
 
@@ -110,7 +110,7 @@ class Goals:
         return graph.new_goal(action, action.type.ask(request.args), self)
 
     def _result(
-        self, request: SendActionGoal, status: GoalStatus, values: bytes, *, ok: bool
+        self, request: SendActionGoal, status: Ros2GoalStatus, values: bytes, *, ok: bool
     ) -> None:
         fields = {"op": "action_result", "status": int(status), "result": ok}
         self._client.reply(_text(request, fields, values), request.fragment_size)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 
 from fibws.hub.frames import text_frame
-from fibws.hub.log import is_power_of_ten, printable, shortened
+from fibws.hub.logtext import is_power_of_ten, printable, shortened
 from fibws.hub.outbox import Outbox
 from fibws.protocol.operations import Level, Status, encode, legal_id
 

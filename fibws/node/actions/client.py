@@ -13,7 +13,7 @@ from fibws.node.actions.action_type import ActionType
 from fibws.node.actions.actions import Actions
 from fibws.node.actions.client_goal import ClientGoal
 from fibws.node.actions.status import GoalStatus
-from fibws.node.fault import tell
+from fibws.node.fault import throw
 from fibws.node.limits import check_queue_size, check_timeout
 from fibws.node.part import Part
 
@@ -76,7 +76,7 @@ class ActionClient(Part, Generic[G, R, F]):
         """
         check_queue_size(queue_size)
         values = self._type.goal.write(goal)
-        await self._session.hub()
+        await self._session.wait_for_hub()
         self._check()
         id_ = self._new_id()
         sent = self._goals[id_] = ClientGoal[R, F](id_, queue_size, self._tell_cancel)
@@ -100,7 +100,7 @@ class ActionClient(Part, Generic[G, R, F]):
         self._waits.add(wait)
         try:
             async with wait:
-                await self._session.hub()
+                await self._session.wait_for_hub()
                 await self._served()
         except TimeoutError:
             self._check()
@@ -131,7 +131,7 @@ class ActionClient(Part, Generic[G, R, F]):
 
     def _check(self) -> None:
         if self._fault is not None:
-            tell(self._fault)
+            throw(self._fault)
 
     def _refuse(self, fault: NodeError) -> None:
         """The hub does not let this client have what it needs."""

@@ -10,7 +10,7 @@ from typing import Generic
 from fibws.errors import WaitTimeout
 from fibws.interfaces.bases import F, R
 from fibws.node.actions.status import GoalStatus
-from fibws.node.fault import tell
+from fibws.node.fault import throw
 from fibws.node.limits import check_timeout
 
 
@@ -85,7 +85,7 @@ class ClientGoal(Generic[R, F]):
             text = f"timeout exceeded while waiting for the result of goal {self.id}"
             raise WaitTimeout(text) from None
         if self._fault is not None:
-            tell(self._fault)
+            throw(self._fault)
         assert self._result is not None
         return self._result
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from fibws.node.actions.status import GoalStatus, Turn, following
+from fibws.node.actions.status import GoalStatus, Transition, following
 
 KEPT = 5.0
 """Seconds that a goal is told about after its end (actionlib's status_list_timeout)."""
@@ -30,9 +30,9 @@ class Record:
     status: GoalStatus = GoalStatus.PENDING
     text: str = ""
 
-    def turn(self, turn: Turn, text: str = "") -> bool:
+    def go(self, transition: Transition, text: str = "") -> bool:
         """Go on to the status that follows; tell whether there is one."""
-        status = following(self.status, turn)
+        status = following(self.status, transition)
         if status is None:
             return False
         self.status, self.text = status, text
@@ -70,9 +70,9 @@ class Records:
             record = self._records[id_] = Record(id_, stamp)
             if stamp > self._last_cancel:
                 return record
-            record.turn(Turn.CANCEL, OUTDATED)
+            record.go(Transition.CANCEL, OUTDATED)
         elif record.status is GoalStatus.RECALLING:
-            record.turn(Turn.CANCEL)
+            record.go(Transition.CANCEL)
         else:
             return None
         self.ended(record, now)

@@ -14,8 +14,8 @@ from fibws.node.actions.action_type import ActionType
 from fibws.node.actions.actions import Actions
 from fibws.node.actions.record import Record
 from fibws.node.actions.server_goal import ServerGoal
-from fibws.node.actions.status import Turn
-from fibws.node.fault import tell
+from fibws.node.actions.status import Transition
+from fibws.node.fault import throw
 from fibws.node.part import Part
 from fibws.node.tasks import Tasks
 from fibws.node.text import sendable
@@ -101,7 +101,7 @@ class ActionServer(Part, Generic[G, R, F]):
         """
         await self._ended.wait()
         if self._fault is not None:
-            tell(self._fault)
+            throw(self._fault)
 
     def close(self) -> None:
         """Pursue no more goals. Does nothing when called again."""
@@ -120,7 +120,9 @@ class ActionServer(Part, Generic[G, R, F]):
         self._fault = fault
         self._ended.set()
         for goal in list(self._goals.values()):
-            self._finish(goal, Turn.REJECT if goal is self._next else Turn.ABORT, text=ENDED)
+            self._finish(
+                goal, Transition.REJECT if goal is self._next else Transition.ABORT, text=ENDED
+            )
         self._next = None
         self._tasks.cancel()
 
@@ -131,7 +133,7 @@ class ActionServer(Part, Generic[G, R, F]):
         goal = ServerGoal(record, request, self._type.result.message_class, self._feedback)
         self._goals[record.id] = goal
         if len(self._tasks) >= MOST_GOALS:
-            self._finish(goal, Turn.REJECT, text=f"{MOST_GOALS} goals are pursued already")
+            self._finish(goal, Transition.REJECT, text=f"{MOST_GOALS} goals are pursued already")
         elif self._concurrent or self._current is None:
             self._start(goal)
         else:
@@ -144,9 +146,9 @@ class ActionServer(Part, Generic[G, R, F]):
             return
         if goal is self._next:
             self._next = None
-            self._finish(goal, Turn.CANCEL)
+            self._finish(goal, Transition.CANCEL)
         else:
-            if goal.record.turn(Turn.CANCEL_REQUEST):
+            if goal.record.go(Transition.CANCEL_REQUEST):
                 self._tell_status()
             goal.want_no_more()
 
@@ -156,34 +158,36 @@ class ActionServer(Part, Generic[G, R, F]):
         """Have a goal begin after the current one, which has to end: only the latest one counts."""
         latest = self._next or current
         if goal.record.stamp < latest.record.stamp:
-            self._finish(goal, Turn.CANCEL, text=SUPERSEDED)
+            self._finish(goal, Transition.CANCEL, text=SUPERSEDED)
             return
         if self._next is not None:
-            self._finish(self._next, Turn.CANCEL, text=SUPERSEDED)
+            self._finish(self._next, Transition.CANCEL, text=SUPERSEDED)
         self._next = goal
         current.want_no_more()
 
     def _start(self, goal: ServerGoal[G, R, F]) -> None:
         self._current = goal
-        goal.record.turn(Turn.ACCEPT)
+        goal.record.go(Transition.ACCEPT)
         self._tell_status()
         self._tasks.start(self._pursue(goal), f"goal {goal.id} of {self.name}")
 
     async def _pursue(self, goal: ServerGoal[G, R, F]) -> None:
         try:
-            turn, values, text = await self._outcome(goal)
+            transition, values, text = await self._outcome(goal)
         except BrokenPipeError as error:
             # Nobody reads what the program prints, as behind `| head`: that ends it everywhere.
             self._session.end(error)
             return
-        self._finish(goal, turn, values, text)
+        self._finish(goal, transition, values, text)
         if goal is self._current:
             self._current = None
             if self._next is not None:
                 goal, self._next = self._next, None
                 self._start(goal)
 
-    async def _outcome(self, goal: ServerGoal[G, R, F]) -> tuple[Turn, dict[str, Any] | None, str]:
+    async def _outcome(
+        self, goal: ServerGoal[G, R, F]
+    ) -> tuple[Transition, dict[str, Any] | None, str]:
         """How a goal ends, its result if it has one, and why."""
         try:
             result = self._execute(goal)
@@ -194,17 +198,17 @@ class ActionServer(Part, Generic[G, R, F]):
         except Exception as error:
             text = sendable(str(error) or type(error).__name__)
             self._log_abort(goal, text, error)
-            return Turn.ABORT, None, text
+            return Transition.ABORT, None, text
         except asyncio.CancelledError:
             # Of a task that the function waited for; or of this one, whose goal has ended then.
-            return Turn.ABORT, None, "it was interrupted"
-        turn, text = goal.ending
+            return Transition.ABORT, None, "it was interrupted"
+        transition, text = goal.ending
         try:
-            return turn, self._type.result.write(result), sendable(text)
+            return transition, self._type.result.write(result), sendable(text)
         except Exception as error:
             text = sendable(str(error))
             self._log_abort(goal, text)
-            return Turn.ABORT, None, text
+            return Transition.ABORT, None, text
 
     def _log_abort(
         self, goal: ServerGoal[G, R, F], text: str, error: Exception | None = None
@@ -216,14 +220,14 @@ class ActionServer(Part, Generic[G, R, F]):
     def _finish(
         self,
         goal: ServerGoal[G, R, F],
-        turn: Turn,
+        transition: Transition,
         values: dict[str, Any] | None = None,
         text: str = "",
     ) -> None:
         """End a goal, once."""
         if self._goals.get(goal.id) is goal:
             del self._goals[goal.id]
-            goal.record.turn(turn, text)
+            goal.record.go(transition, text)
             self._tell_result(goal.record, values)
 
     async def _feedback(self, goal: ServerGoal[G, R, F], feedback: F | Mapping[str, Any]) -> None:

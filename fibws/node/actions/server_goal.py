@@ -9,7 +9,7 @@ from typing import Any, Generic
 
 from fibws.interfaces.bases import F, G, R
 from fibws.node.actions.record import Record
-from fibws.node.actions.status import GoalStatus, Turn
+from fibws.node.actions.status import GoalStatus, Transition
 from fibws.node.limits import check_timeout
 
 
@@ -33,7 +33,7 @@ class ServerGoal(Generic[G, R, F]):
         self._result = result
         self._publish = publish
         self._cancel = asyncio.Event()
-        self._ending = (Turn.SUCCEED, "")
+        self._ending = (Transition.SUCCEED, "")
 
     def __repr__(self) -> str:
         return f"<ServerGoal {self.id} {self.status.name}>"
@@ -89,7 +89,7 @@ class ServerGoal(Generic[G, R, F]):
             result: what was reached so far; else an empty result.
             text: the reason. Operations have room for this or for a result: the text goes first.
         """
-        return self._end(Turn.CANCEL, result, text)
+        return self._end(Transition.CANCEL, result, text)
 
     def aborted(self, result: R | None = None, text: str = "") -> R:
         """Have the goal end as given up: ``return goal.aborted(text="the door is shut")``.
@@ -98,7 +98,7 @@ class ServerGoal(Generic[G, R, F]):
             result: what was reached so far; else an empty result.
             text: the reason. Operations have room for this or for a result: the text goes first.
         """
-        return self._end(Turn.ABORT, result, text)
+        return self._end(Transition.ABORT, result, text)
 
     # What its server does
 
@@ -107,10 +107,10 @@ class ServerGoal(Generic[G, R, F]):
         self._cancel.set()
 
     @property
-    def ending(self) -> tuple[Turn, str]:
+    def ending(self) -> tuple[Transition, str]:
         """How it ends once the function returns, and why."""
         return self._ending
 
-    def _end(self, turn: Turn, result: R | None, text: str) -> R:
-        self._ending = (turn, text)
+    def _end(self, transition: Transition, result: R | None, text: str) -> R:
+        self._ending = (transition, text)
         return self._result() if result is None else result

@@ -49,7 +49,7 @@ class GoalStatus(IntEnum):
         return _ROS2[self]
 
 
-class Turn(Enum):
+class Transition(Enum):
     """What can happen to a goal."""
 
     ACCEPT = auto()
@@ -72,29 +72,29 @@ _FINAL = frozenset(
 )
 
 _FOLLOWING = {
-    Turn.ACCEPT: {
+    Transition.ACCEPT: {
         GoalStatus.PENDING: GoalStatus.ACTIVE,
         GoalStatus.RECALLING: GoalStatus.PREEMPTING,
     },
-    Turn.REJECT: {
+    Transition.REJECT: {
         GoalStatus.PENDING: GoalStatus.REJECTED,
         GoalStatus.RECALLING: GoalStatus.REJECTED,
     },
-    Turn.CANCEL_REQUEST: {
+    Transition.CANCEL_REQUEST: {
         GoalStatus.PENDING: GoalStatus.RECALLING,
         GoalStatus.ACTIVE: GoalStatus.PREEMPTING,
     },
-    Turn.CANCEL: {
+    Transition.CANCEL: {
         GoalStatus.PENDING: GoalStatus.RECALLED,
         GoalStatus.RECALLING: GoalStatus.RECALLED,
         GoalStatus.ACTIVE: GoalStatus.PREEMPTED,
         GoalStatus.PREEMPTING: GoalStatus.PREEMPTED,
     },
-    Turn.SUCCEED: {
+    Transition.SUCCEED: {
         GoalStatus.ACTIVE: GoalStatus.SUCCEEDED,
         GoalStatus.PREEMPTING: GoalStatus.SUCCEEDED,
     },
-    Turn.ABORT: {
+    Transition.ABORT: {
         GoalStatus.ACTIVE: GoalStatus.ABORTED,
         GoalStatus.PREEMPTING: GoalStatus.ABORTED,
     },
@@ -124,9 +124,9 @@ _OF_ROS2 = (
 )
 
 
-def following(status: GoalStatus, turn: Turn) -> GoalStatus | None:
-    """The status after ``turn``; None if that changes nothing or cannot happen any more."""
-    return _FOLLOWING[turn].get(status)
+def following(status: GoalStatus, transition: Transition) -> GoalStatus | None:
+    """The status after ``transition``; None if that changes nothing or cannot happen any more."""
+    return _FOLLOWING[transition].get(status)
 
 
 def of_ros2(number: int) -> GoalStatus:

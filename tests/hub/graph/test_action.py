@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 import pytest
 
 from fibws.errors import InvalidMessage
-from fibws.hub.graph.action import Action, Goal, GoalStatus, cancel_goals
+from fibws.hub.graph.action import Action, Goal, Ros2GoalStatus, cancel_goals
 from fibws.hub.graph.types import Types
 from fibws.interfaces import Interfaces
 
@@ -56,14 +56,14 @@ class Pursuit:
     def hear(self, goal: Goal, feedback: bytes) -> None:
         self.heard.append(feedback)
 
-    def end(self, goal: Goal, status: GoalStatus, result: bytes, *, ok: bool) -> None:
+    def end(self, goal: Goal, status: Ros2GoalStatus, result: bytes, *, ok: bool) -> None:
         self.heard.append((status, result, ok))
 
 
 def test_the_states_are_numbered_as_in_ros_2() -> None:
     constants = Interfaces().message("action_msgs/GoalStatus").constants
     numbers = {each.name.removeprefix("STATUS_"): each.value for each in constants}
-    assert numbers == {status.name: status.value for status in GoalStatus}
+    assert numbers == {status.name: status.value for status in Ros2GoalStatus}
 
 
 def test_a_goal_is_pursued_and_heard_of() -> None:
@@ -80,12 +80,12 @@ def test_a_goal_is_pursued_and_heard_of() -> None:
 
 ENDS: dict[str, tuple[Happening, object]] = {
     "finish": (
-        lambda pursuit: pursuit.told[0][1].finish(GoalStatus.CANCELED, {"sequence": [1]}),
-        (GoalStatus.CANCELED, b'{"sequence":[1]}', True),
+        lambda pursuit: pursuit.told[0][1].finish(Ros2GoalStatus.CANCELED, {"sequence": [1]}),
+        (Ros2GoalStatus.CANCELED, b'{"sequence":[1]}', True),
     ),
     "fail": (
         lambda pursuit: pursuit.told[0][1].fail("no"),
-        (GoalStatus.ABORTED, b'"no"', False),
+        (Ros2GoalStatus.ABORTED, b'"no"', False),
     ),
     "abandon": (lambda pursuit: pursuit.told[0][1].abandon(), None),
 }
@@ -112,7 +112,7 @@ def test_what_does_not_fit_neither_ends_a_goal_nor_is_heard(values: object) -> N
     with pytest.raises(InvalidMessage):
         goal.feedback(values)
     with pytest.raises(InvalidMessage):
-        goal.finish(GoalStatus.SUCCEEDED, values)
+        goal.finish(Ros2GoalStatus.SUCCEEDED, values)
     assert pursuit.heard == []
     assert pursuit.action.goals == {goal.uuid: goal}
 

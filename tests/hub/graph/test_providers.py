@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from fibws.errors import InvalidTypeName, OperationError, UnknownPackage, UnknownType
-from fibws.hub.graph.action import Action, Goal, GoalStatus
+from fibws.hub.graph.action import Action, Goal, Ros2GoalStatus
 from fibws.hub.graph.graph import CANCEL_GOAL, Graph
 from fibws.hub.graph.service import Call, OwnProvider, Service
 from fibws.interfaces import Interfaces
@@ -40,7 +40,7 @@ class Someone:
     def hear(self, goal: Goal, feedback: bytes) -> None:
         raise AssertionError("nobody tells")
 
-    def end(self, goal: Goal, status: GoalStatus, result: bytes, *, ok: bool) -> None:
+    def end(self, goal: Goal, status: Ros2GoalStatus, result: bytes, *, ok: bool) -> None:
         raise AssertionError("nothing ends")
 
 

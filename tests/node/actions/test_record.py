@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fibws.node.actions.record import KEPT, KEPT_COUNT, OUTDATED, Record, Records
-from fibws.node.actions.status import GoalStatus, Turn
+from fibws.node.actions.status import GoalStatus, Transition
 
 
 def added(records: Records, id_: str, stamp: int = 1) -> Record:
@@ -24,10 +24,10 @@ def test_a_goal_is_pending_when_it_comes_and_counts_once() -> None:
     assert records.listed(now=0) == [record]
 
 
-def test_a_turn_that_cannot_be_taken_leaves_text_and_status() -> None:
+def test_a_transition_that_cannot_be_taken_leaves_text_and_status() -> None:
     record = Record("a")
-    assert record.turn(Turn.CANCEL, "why not")
-    assert not record.turn(Turn.SUCCEED, "too late")
+    assert record.go(Transition.CANCEL, "why not")
+    assert not record.go(Transition.SUCCEED, "too late")
     assert (record.status, record.text) == (GoalStatus.RECALLED, "why not")
 
 

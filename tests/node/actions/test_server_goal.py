@@ -9,7 +9,7 @@ import pytest
 from fibws.msg.actionlib_tutorials import FibonacciFeedback, FibonacciGoal, FibonacciResult
 from fibws.node.actions.record import Record
 from fibws.node.actions.server_goal import ServerGoal
-from fibws.node.actions.status import GoalStatus, Turn
+from fibws.node.actions.status import GoalStatus, Transition
 
 FibonacciServerGoal = ServerGoal[FibonacciGoal, FibonacciResult, FibonacciFeedback]
 
@@ -29,18 +29,18 @@ def test_it_says_what_is_wanted(goal: FibonacciServerGoal) -> None:
 
 
 def test_it_succeeds_unless_it_was_told_otherwise(goal: FibonacciServerGoal) -> None:
-    assert goal.ending == (Turn.SUCCEED, "")
+    assert goal.ending == (Transition.SUCCEED, "")
 
 
 def test_it_can_end_otherwise_with_a_result_or_without(goal: FibonacciServerGoal) -> None:
     assert goal.canceled(FibonacciResult([0])) == FibonacciResult([0])
-    assert goal.ending == (Turn.CANCEL, "")
+    assert goal.ending == (Transition.CANCEL, "")
     assert goal.aborted(text="no more numbers") == FibonacciResult()
-    assert goal.ending == (Turn.ABORT, "no more numbers")
+    assert goal.ending == (Transition.ABORT, "no more numbers")
 
 
 async def test_who_waits_for_its_cancellation_is_woken(goal: FibonacciServerGoal) -> None:
-    async with asyncio.timeout(5), asyncio.TaskGroup() as tasks:
+    async with asyncio.timeout(60), asyncio.TaskGroup() as tasks:
         waiting = tasks.create_task(goal.cancellation())
         long = tasks.create_task(goal.cancellation(timeout=60))
         await asyncio.sleep(0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from fibws.msg import actionlib_msgs
-from fibws.node.actions.status import GoalStatus, Turn, following, of_ros2
+from fibws.node.actions.status import GoalStatus, Transition, following, of_ros2
 
 FINAL = {
     GoalStatus.PREEMPTED,
@@ -27,48 +27,50 @@ def test_the_numbers_are_those_of_actionlib(status: GoalStatus) -> None:
 def test_nothing_follows_a_final_status_and_something_follows_all_others(
     status: GoalStatus,
 ) -> None:
-    goes_on = any(following(status, turn) is not None for turn in Turn)
+    goes_on = any(following(status, transition) is not None for transition in Transition)
     assert status.is_final == (status in FINAL) == (not goes_on)
 
 
 @pytest.mark.parametrize(
-    ("turns", "end"),
+    ("transitions", "end"),
     [
-        ([Turn.ACCEPT, Turn.SUCCEED], GoalStatus.SUCCEEDED),
-        ([Turn.ACCEPT, Turn.ABORT], GoalStatus.ABORTED),
-        ([Turn.ACCEPT, Turn.CANCEL], GoalStatus.PREEMPTED),
-        ([Turn.ACCEPT, Turn.CANCEL_REQUEST], GoalStatus.PREEMPTING),
-        ([Turn.ACCEPT, Turn.CANCEL_REQUEST, Turn.CANCEL], GoalStatus.PREEMPTED),
-        ([Turn.ACCEPT, Turn.CANCEL_REQUEST, Turn.SUCCEED], GoalStatus.SUCCEEDED),
-        ([Turn.ACCEPT, Turn.CANCEL_REQUEST, Turn.ABORT], GoalStatus.ABORTED),
-        ([Turn.REJECT], GoalStatus.REJECTED),
-        ([Turn.CANCEL], GoalStatus.RECALLED),
-        ([Turn.CANCEL_REQUEST], GoalStatus.RECALLING),
-        ([Turn.CANCEL_REQUEST, Turn.CANCEL], GoalStatus.RECALLED),
-        ([Turn.CANCEL_REQUEST, Turn.REJECT], GoalStatus.REJECTED),
-        ([Turn.CANCEL_REQUEST, Turn.ACCEPT], GoalStatus.PREEMPTING),
+        ([Transition.ACCEPT, Transition.SUCCEED], GoalStatus.SUCCEEDED),
+        ([Transition.ACCEPT, Transition.ABORT], GoalStatus.ABORTED),
+        ([Transition.ACCEPT, Transition.CANCEL], GoalStatus.PREEMPTED),
+        ([Transition.ACCEPT, Transition.CANCEL_REQUEST], GoalStatus.PREEMPTING),
+        ([Transition.ACCEPT, Transition.CANCEL_REQUEST, Transition.CANCEL], GoalStatus.PREEMPTED),
+        ([Transition.ACCEPT, Transition.CANCEL_REQUEST, Transition.SUCCEED], GoalStatus.SUCCEEDED),
+        ([Transition.ACCEPT, Transition.CANCEL_REQUEST, Transition.ABORT], GoalStatus.ABORTED),
+        ([Transition.REJECT], GoalStatus.REJECTED),
+        ([Transition.CANCEL], GoalStatus.RECALLED),
+        ([Transition.CANCEL_REQUEST], GoalStatus.RECALLING),
+        ([Transition.CANCEL_REQUEST, Transition.CANCEL], GoalStatus.RECALLED),
+        ([Transition.CANCEL_REQUEST, Transition.REJECT], GoalStatus.REJECTED),
+        ([Transition.CANCEL_REQUEST, Transition.ACCEPT], GoalStatus.PREEMPTING),
     ],
 )
-def test_a_goal_goes_through_actionlibs_states(turns: list[Turn], end: GoalStatus) -> None:
+def test_a_goal_goes_through_actionlibs_states(
+    transitions: list[Transition], end: GoalStatus
+) -> None:
     status: GoalStatus | None = GoalStatus.PENDING
-    for turn in turns:
+    for transition in transitions:
         assert status is not None
-        status = following(status, turn)
+        status = following(status, transition)
     assert status is end
 
 
 @pytest.mark.parametrize(
-    ("status", "turn"),
+    ("status", "transition"),
     [
-        (GoalStatus.PENDING, Turn.SUCCEED),
-        (GoalStatus.PENDING, Turn.ABORT),
-        (GoalStatus.ACTIVE, Turn.REJECT),
-        (GoalStatus.ACTIVE, Turn.ACCEPT),
-        (GoalStatus.PREEMPTING, Turn.CANCEL_REQUEST),
+        (GoalStatus.PENDING, Transition.SUCCEED),
+        (GoalStatus.PENDING, Transition.ABORT),
+        (GoalStatus.ACTIVE, Transition.REJECT),
+        (GoalStatus.ACTIVE, Transition.ACCEPT),
+        (GoalStatus.PREEMPTING, Transition.CANCEL_REQUEST),
     ],
 )
-def test_what_cannot_happen_changes_nothing(status: GoalStatus, turn: Turn) -> None:
-    assert following(status, turn) is None
+def test_what_cannot_happen_changes_nothing(status: GoalStatus, transition: Transition) -> None:
+    assert following(status, transition) is None
 
 
 def test_ros_2_has_a_number_for_each_and_each_of_its_numbers_a_status() -> None:

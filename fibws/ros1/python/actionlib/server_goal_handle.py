@@ -7,22 +7,26 @@ from typing import TYPE_CHECKING, Any
 import rospy
 from actionlib_msgs.msg import GoalID, GoalStatus
 
-from fibws.node.actions.status import Turn
+from fibws.node.actions.status import Transition
 
 if TYPE_CHECKING:
     from actionlib.action_server import ActionServer
     from fibws.node.actions.record import Record
 
 _STEPS = {
-    Turn.ACCEPT: ("Accepting goal", "an active", "pending or recalling"),
-    Turn.REJECT: ("Setting status to rejected on goal", "a rejected", "pending or recalling"),
-    Turn.CANCEL: (
+    Transition.ACCEPT: ("Accepting goal", "an active", "pending or recalling"),
+    Transition.REJECT: ("Setting status to rejected on goal", "a rejected", "pending or recalling"),
+    Transition.CANCEL: (
         "Setting status to canceled on goal",
         "a cancelled",
         "pending, recalling, active, or preempting",
     ),
-    Turn.SUCCEED: ("Setting status to succeeded on goal", "a succeeded", "preempting or active"),
-    Turn.ABORT: ("Setting status to aborted on goal", "an aborted", "preempting or active"),
+    Transition.SUCCEED: (
+        "Setting status to succeeded on goal",
+        "a succeeded",
+        "preempting or active",
+    ),
+    Transition.ABORT: ("Setting status to aborted on goal", "an aborted", "preempting or active"),
 }
 """What each step is called in the log, the state that it leads to, and those that it leads from."""
 
@@ -84,23 +88,23 @@ class ServerGoalHandle:
 
     def set_accepted(self, text: str = "") -> None:
         """Begin with the goal: it is ACTIVE, or PREEMPTING if it has been canceled already."""
-        self._turn(Turn.ACCEPT, text)
+        self._go(Transition.ACCEPT, text)
 
     def set_canceled(self, result: Any = None, text: str = "") -> None:
         """End the goal since it is wanted no more: RECALLED, or PREEMPTED if it had begun."""
-        self._end(Turn.CANCEL, result, text)
+        self._end(Transition.CANCEL, result, text)
 
     def set_rejected(self, result: Any = None, text: str = "") -> None:
         """Refuse the goal."""
-        self._end(Turn.REJECT, result, text)
+        self._end(Transition.REJECT, result, text)
 
     def set_aborted(self, result: Any = None, text: str = "") -> None:
         """Give the goal up."""
-        self._end(Turn.ABORT, result, text)
+        self._end(Transition.ABORT, result, text)
 
     def set_succeeded(self, result: Any = None, text: str = "") -> None:
         """Tell that the goal was reached."""
-        self._end(Turn.SUCCEED, result, text)
+        self._end(Transition.SUCCEED, result, text)
 
     def publish_feedback(self, feedback: Any) -> None:
         """Tell the goal's client how far it has come."""
@@ -115,35 +119,35 @@ class ServerGoalHandle:
         if self._record is None or self._server is None:
             return False
         with self._server.lock:
-            if not self._record.turn(Turn.CANCEL_REQUEST, self._record.text):
+            if not self._record.go(Transition.CANCEL_REQUEST, self._record.text):
                 return False
             self._server.publish_status()
             return True
 
-    def _turn(self, turn: Turn, text: str) -> bool:
+    def _go(self, transition: Transition, text: str) -> bool:
         if self._record is None or self._server is None:
             rospy.logerr("Attempt to set status on an uninitialized ServerGoalHandle")
             return False
-        step, state, allowed = _STEPS[turn]
+        step, state, allowed = _STEPS[transition]
         with self._server.lock:
             record = self._record
             rospy.logdebug("%s, id: %s, stamp: %.2f", step, record.id, record.stamp / 1e9)
-            if not record.turn(turn, text):
+            if not record.go(transition, text):
                 rospy.logerr(
                     f"To transition to {state} state, the goal must be in a {allowed} state, "
                     f"it is currently in state: {record.status:d}"
                 )
                 return False
-            if turn is Turn.ACCEPT:
+            if transition is Transition.ACCEPT:
                 self._server.publish_status()
             return True
 
-    def _end(self, turn: Turn, result: Any, text: str) -> None:
+    def _end(self, transition: Transition, result: Any, text: str) -> None:
         if self._server is None:
-            self._turn(turn, text)
+            self._go(transition, text)
             return
         with self._server.lock:
-            if self._turn(turn, text) and self._record is not None:
+            if self._go(transition, text) and self._record is not None:
                 self._server.goal_ended(self._record, result)
 
 

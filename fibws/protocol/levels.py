@@ -21,8 +21,19 @@ LEVELS = (
     Level("error", logging.ERROR, 8),
     Level("fatal", logging.CRITICAL, 16),
 )
+"""From the least to the gravest."""
 
 
-def level(number: int) -> Level:
-    """The level for one of Python's numbers, which may be in between: then it is the one below."""
+def named(name: str) -> Level | None:
+    """The level of a name, which may be in capitals."""
+    return next((each for each in LEVELS if each.name == name.lower()), None)
+
+
+def severity(number: int) -> Level:
+    """How grave a line with one of Python's numbers is: in between, as grave as the level below."""
     return next((each for each in reversed(LEVELS) if each.python <= number), LEVELS[0])
+
+
+def threshold(number: int) -> Level:
+    """The least level that a logger with one of Python's numbers logs: in between, that above."""
+    return next((each for each in LEVELS if each.python >= number), LEVELS[-1])
