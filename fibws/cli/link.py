@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator
 from typing import Any, Self, TypeAlias
 
 from fibws import names
+from fibws.cli.answers import ANSWERS, fault
 from fibws.cli.stream import Stream
 from fibws.errors import (
     OperationRejected,
@@ -139,7 +140,11 @@ class Link:
             check(operation)
 
     def call(
-        self, service: str, request: Operation | None = None, timeout: float = PATIENCE
+        self,
+        service: str,
+        request: Operation | None = None,
+        timeout: float = PATIENCE,
+        headers: dict[str, str] | None = None,
     ) -> dict[str, Any]:
         """Call a service and return its response; what else comes meanwhile is kept for `receive`.
 
@@ -147,6 +152,7 @@ class Link:
             service: its global name.
             request: its arguments by name; what is left out has its default.
             timeout: the most seconds to wait for the response; 0 for ever.
+            headers: what a provider that asks for headers is told beside the request.
 
         Raises:
             UnknownService: nobody offers it.
@@ -163,6 +169,7 @@ class Link:
                 "service": service,
                 "args": request or {},
                 **({"timeout": timeout} if timeout else {}),
+                **({"headers": headers} if headers else {}),
             }
         )
         # The hub gives up first, and says so.
@@ -237,16 +244,27 @@ def _response(service: str, operation: Operation) -> dict[str, Any]:
 class Values(dict[str, Any]):
     """A service's response by the names of its fields.
 
-    A field that is not there raises `ServiceError`: another kind of hub may lack it.
+    A field that is not there, or is not what the hub's service of that name answers, raises
+    `ServiceError` when it is asked for: another kind of hub may lack it.
     """
 
     def __init__(self, service: str, values: dict[str, Any]) -> None:
         super().__init__(values)
         self._service = service
 
+    def __getitem__(self, name: str) -> Any:
+        value = super().__getitem__(name)
+        shape = ANSWERS.get(self._service, {}).get(name)
+        if shape is not None and (wrong := fault(value, shape, name)):
+            raise self._error(f"told what is none of its answers, {wrong}")
+        return value
+
     def __missing__(self, name: str) -> Any:
-        raise ServiceError(
-            self._service, f"{self._service} told no {name}: this may be another kind of hub"
+        raise self._error(f"told no {name}")
+
+    def _error(self, told: str) -> ServiceError:
+        return ServiceError(
+            self._service, f"{self._service} {told}: this may be another kind of hub"
         )
 
 

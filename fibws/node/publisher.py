@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, Generic, Self, TypeVar, overload
 
 from typing_extensions import ParamSpec
@@ -12,6 +13,7 @@ from fibws.node.advertisement import Advertisement
 from fibws.node.peers import Peers
 from fibws.node.topics import Topics
 from fibws.node.wire import Wire
+from fibws.protocol.headers import check_headers
 from fibws.protocol.infinity import exact_json_of
 from fibws.protocol.operations import encode_fields, json_of
 
@@ -153,6 +155,14 @@ class Publisher(Generic[M, P]):
         """
         to_all = not isinstance(text, _ToOne)
         self._topics.publish(self._advertisement, text, to_all=to_all)
+
+    def introduce(self, headers: Mapping[str, str]) -> None:
+        """From now on have subscribers told these headers, as `Node.advertise` has it.
+
+        Raises:
+            ValueError: the headers are no short strings.
+        """
+        self._topics.introduce(self._advertisement, check_headers(headers))
 
     def close(self) -> None:
         """Publish no more. Does nothing when called again."""

@@ -114,7 +114,8 @@ class CallService(Operation):
     fragment_size: FragmentSize = None
     timeout: Annotated[float, Field(allow_inf_nan=False)] | None = None
     headers: Headers | None = None
-    """What the caller says beside its request (an addition of fibws)."""
+    """What the caller says beside its request; ``md5sum`` must be that of the service's type, if it
+    is there (an addition of fibws)."""
     header: HubHeader = None
     """For a provider that asks for headers: ``callerid``, the caller's node, and its headers (an
     addition of fibws)."""

@@ -50,6 +50,25 @@ async def test_a_message_is_given_whole_or_by_its_fields(
     assert published(session) == [{"x": 0.0, "y": 0.0, "z": 3.0}, {"x": 0.0, "y": 0.0, "z": 0.0}]
 
 
+async def test_it_may_introduce_itself_anew(session: Session, points: Publisher[Point]) -> None:
+    session.outbox.open()
+    points.introduce({})
+    assert not session.outbox
+    points.introduce({"user": "ann"})
+    advertised = json.loads(session.outbox.pop())
+    assert (advertised["op"], advertised["id"]) == ("advertise", 1)
+    assert advertised["headers"] == {"user": "ann"}
+    session.lose()
+    assert [json.loads(text)["headers"] for text in session.greeting()] == [{"user": "ann"}]
+    with pytest.raises(ValueError, match="headers are an object of strings"):
+        points.introduce({"": "nobody"})
+    session.outbox.open()
+    points.close()
+    points.introduce({"user": "bob"})
+    assert json.loads(session.outbox.pop())["op"] == "unadvertise"
+    assert not session.outbox
+
+
 async def test_it_may_be_left_before_its_node(session: Session, points: Publisher[Point]) -> None:
     assert repr(points) == "<Publisher /points [geometry_msgs/Point]>"
     async with points:

@@ -7,12 +7,15 @@ from typing import Any, NamedTuple
 
 from fibws.errors import FibwsError, OperationError
 from fibws.hub.clock import Timer
-from fibws.hub.graph.service import Call
+from fibws.hub.graph.service import Call, Service
 from fibws.hub.session.client import Client, check_room
 from fibws.protocol.operations import CallService, Id, encode_fields, json_of, legal_id
 
 LONGEST_TIMEOUT = 86400.0
 """Seconds that a call may ask for: a day."""
+
+ANY_MD5SUM = "*"
+"""What a caller says that leaves open which type it means."""
 
 
 class Waiting(NamedTuple):
@@ -72,6 +75,7 @@ class Calls:
         if service is None:
             raise OperationError(f"Service {name} does not exist")
         check_room(len(self._calls), self._client.settings.max_calls, "calls")
+        self._check_md5sum(service, headers)
         valid = service.type.ask(args)
         call = Call(service, valid, self._client.node, self._succeeded, self._failed, headers)
         call.due = self._client.clock.time() + waiting.patience
@@ -82,6 +86,15 @@ class Calls:
         except Exception:
             self._calls.pop(call, None)
             raise
+
+    def _check_md5sum(self, service: Service, headers: dict[str, str] | None) -> None:
+        """Refuse who means another type, as ROS 1 does where two nodes connect, with its text."""
+        known, given = service.type.md5sum, (headers or {}).get("md5sum", ANY_MD5SUM)
+        if known is not None and given not in (known, ANY_MD5SUM):
+            node = self._client.node
+            raise OperationError(
+                f"request from [{node}]: md5sums do not match: [{given}] vs. [{known}]"
+            )
 
     def _succeeded(self, call: Call, values: bytes) -> None:
         self._respond(self._calls.pop(call), values, result=True)

@@ -316,6 +316,32 @@ def test_a_call_of_an_unknown_type_cannot_have_its_arguments_in_order() -> None:
     assert caller.forgotten
 
 
+MD5SUM = "6a2e34150c00229791cc89ff309fff21"
+"""What stands for rospy_tutorials/AddTwoInts in ROS."""
+
+
+def test_who_means_another_type_is_refused_with_the_text_of_ros() -> None:
+    _, provider, caller = adder_and_caller()
+    caller.says("call_service", service="/add", args={"number": 1}, headers={"md5sum": "0123"})
+    fault = f"request from [/caller]: md5sums do not match: [0123] vs. [{MD5SUM}]"
+    assert hears_failure(caller) == fault
+    assert provider.hears() == []
+    assert caller.forgotten
+
+
+@pytest.mark.parametrize("md5sum", [MD5SUM, "*"])
+def test_who_means_the_same_type_or_any_is_answered(md5sum: str) -> None:
+    _, provider, caller = adder_and_caller()
+    calls(caller, headers={"md5sum": md5sum})
+    assert len(is_asked(provider)) == 1
+
+
+def test_nobody_knows_what_stands_for_an_unknown_type() -> None:
+    provider, caller = unchecked()
+    caller.says("call_service", service="/do", args={}, headers={"md5sum": "0123"})
+    assert len(is_asked(provider)) == 1
+
+
 @pytest.mark.parametrize("fields", [{"timeout": "soon"}, {"fragment_size": []}])
 def test_a_call_that_is_none_has_an_answer_all_the_same(fields: dict[str, Any]) -> None:
     """Its caller waits by the id, whatever was wrong."""

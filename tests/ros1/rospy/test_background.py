@@ -128,7 +128,7 @@ def test_it_can_be_stopped_while_it_waits_for_its_hub(background: Background) ->
         return fibws.Node("worker", hub="ws://127.0.0.1:1")
 
     def stop() -> None:
-        waiting.wait(10)
+        waiting.wait(60)
         background.stop()
 
     stopping = threading.Thread(target=stop)
@@ -136,7 +136,7 @@ def test_it_can_be_stopped_while_it_waits_for_its_hub(background: Background) ->
     began = time.monotonic()
     with pytest.raises(ROSInterruptException, match="rospy shutdown"):
         background.start(node, print)
-    stopping.join(10)
+    stopping.join(60)
     assert time.monotonic() - began < 10
 
 
@@ -155,3 +155,21 @@ async def test_what_the_loops_end_has_forestalled_is_closed(running: Background)
         await asyncio.to_thread(running.call, coroutine)
     assert inspect.getcoroutinestate(coroutine) == inspect.CORO_CLOSED
     loop.close()
+
+
+async def test_who_gives_way_waits_for_a_node_that_runs_and_for_no_other(
+    running: Background, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Patience(Exception):
+        """It would wait."""
+
+    def join(timeout: float) -> None:
+        raise Patience
+
+    monkeypatch.setattr(running._thread, "join", join)
+    with pytest.raises(Patience):
+        running.give_way()
+    monkeypatch.undo()
+    await asyncio.to_thread(running.stop)
+    running.give_way()
+    Background().give_way()

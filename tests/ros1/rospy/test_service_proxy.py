@@ -14,6 +14,9 @@ from ros1.rospy.programs import world
 NODE = "import rospy; rospy.init_node('caller')\n"
 NO_NODE = "import rospy\n"
 
+ADD, EMPTY = "6a2e34150c00229791cc89ff309fff21", "d41d8cd98f00b204e9800998ecf8427e"
+"""What stands for rospy_tutorials/AddTwoInts and std_srvs/Empty in ROS."""
+
 
 async def serve(node: fibws.Node) -> None:
     def add(request: Any, header: dict[str, str]) -> int:
@@ -35,7 +38,7 @@ from rospy_tutorials.srv import AddTwoInts, AddTwoIntsRequest
 
 rospy.wait_for_service("add", rospy.Duration(10))
 add = rospy.ServiceProxy("add", AddTwoInts, persistent=True)
-add.wait_for_service(timeout=10)
+add.wait_for_service(timeout=60)
 print(add(1, 2).sum, add(a=3).sum, add.call(AddTwoIntsRequest(4, 5)).sum, add().sum)
 print(add()._connection_header["service"])
 for arguments in ((13, 0), ("one", 2), (AddTwoIntsRequest,), (1, 2, 3)):
@@ -61,6 +64,51 @@ for call in (lambda: rospy.ServiceProxy("none", AddTwoInts)(1, 2), lambda: add(1
             "ServiceException service [/none] unavailable",
             "TypeError publish() can be called with arguments or keywords, but not both.",
         ]
+
+
+@pytest.mark.parametrize("beginning", [NODE, NO_NODE], ids=["a node", "no node"])
+async def test_a_service_of_another_type_is_refused(beginning: str) -> None:
+    async with world() as it, fibws.Node("server", hub=it.hub.url) as node:
+        await serve(node)
+        said = await it.run(
+            beginning
+            + """
+from std_srvs.srv import Empty
+
+for persistent in (False, True):
+    try:
+        print(rospy.ServiceProxy("add", Empty, persistent)())
+    except rospy.ServiceException as fault:
+        print(fault)
+"""
+        )
+        assert len(said) == 2
+        for line in said:
+            assert line.startswith("unable to connect to service: remote error reported: request ")
+            assert line.endswith(f"]: md5sums do not match: [{EMPTY}] vs. [{ADD}]")
+
+
+@pytest.mark.parametrize("beginning", [NODE, NO_NODE], ids=["a node", "no node"])
+async def test_the_handler_is_told_what_the_caller_says_of_itself(beginning: str) -> None:
+    async with world() as it, fibws.Node("server", hub=it.hub.url) as node:
+        headers: list[dict[str, str]] = []
+
+        async def tell(request: Any, header: dict[str, str]) -> dict[str, Any]:
+            headers.append(header)
+            return {}
+
+        await node.service("tell", "std_srvs/Empty", tell, headers=True)
+        await it.run(
+            beginning
+            + """
+from std_srvs.srv import Empty
+
+rospy.ServiceProxy("tell", Empty, headers={"number": 5})()
+"""
+        )
+        [header] = headers
+        del header["callerid"]
+        assert header == {"number": "5", "md5sum": EMPTY}
 
 
 @pytest.mark.parametrize("beginning", [NODE, NO_NODE], ids=["a node", "no node"])
@@ -121,8 +169,9 @@ async def test_the_end_of_the_node_ends_a_call() -> None:
         await node.service("slow", "std_srvs/Empty", slow, headers=True)
         program = await it.start(NODE + CALL)
         assert await program.says() == "calling"
-        async with asyncio.timeout(20):
-            assert await headers.get() == {"callerid": "/caller", "number": "5"}
+        async with asyncio.timeout(60):
+            header = await headers.get()
+        assert header == {"callerid": "/caller", "number": "5", "md5sum": EMPTY}
         program.interrupt()
         fault = "node shutdown interrupted service call"
         assert await program.ends() == [f"ROSInterruptException {fault}"]
@@ -140,7 +189,7 @@ async def test_a_server_that_leaves_is_a_transport_error(beginning: str) -> None
         async with fibws.Node("server", hub=it.hub.url) as node:
             await node.service("slow", "std_srvs/Empty", slow)
             program = await it.start(beginning + CALL)
-            async with asyncio.timeout(20):
+            async with asyncio.timeout(60):
                 await called.wait()
         assert await program.ends() == [
             "calling",

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
+MOMENT = 0.001
+"""Seconds for which a thread gives way to the node's."""
+
 
 class Background:
     """Runs a node until it is stopped, or ends by itself."""
@@ -131,8 +134,16 @@ class Background:
         self._stopped = True
         if self._stop is not None:
             self.soon(self._stop.set)
+        if timeout:
+            self._await_end(timeout)
+
+    def give_way(self) -> None:
+        """Wait a moment if the node has not ended yet, so that its thread gets on with its end."""
+        self._await_end(MOMENT)
+
+    def _await_end(self, timeout: float) -> None:
         thread = self._thread
-        if timeout and thread is not None and thread is not threading.current_thread():
+        if thread is not None and thread is not threading.current_thread():
             thread.join(timeout)
 
     def _alive(self) -> bool:

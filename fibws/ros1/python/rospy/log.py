@@ -8,7 +8,7 @@ from __future__ import annotations
 import logging
 import sys
 from types import FrameType
-from typing import Any
+from typing import Any, Protocol
 
 from rospy.rostime import Duration, Time, get_rostime
 
@@ -31,180 +31,115 @@ _texts: dict[_Place, str] = {}
 _places: set[_Place] = set()
 
 
-def logdebug(msg: Any, *args: Any, **kwargs: Any) -> None:
-    """Log a line at level DEBUG.
-
-    Args:
-        msg: the text; with ``args``, what ``%`` makes of both.
-        args: what is put into the text.
-        kwargs: ``logger_name`` for a logger below ``rosout``; ``exc_info`` and ``extra`` as for
-            Python's `logging`.
-    """
-    _log(logging.DEBUG, msg, args, kwargs)
+class _Log(Protocol):
+    def __call__(self, msg: Any, *args: Any, **kwargs: Any) -> None: ...
 
 
-def loginfo(msg: Any, *args: Any, **kwargs: Any) -> None:
-    """Log a line at level INFO, as `logdebug` does at DEBUG."""
-    _log(logging.INFO, msg, args, kwargs)
+class _LogSeldom(Protocol):
+    def __call__(self, period: float, msg: Any, *args: Any, **kwargs: Any) -> None: ...
 
 
-def logwarn(msg: Any, *args: Any, **kwargs: Any) -> None:
-    """Log a line at level WARN, as `logdebug` does at DEBUG."""
-    _log(logging.WARNING, msg, args, kwargs)
+def _log(level: int) -> _Log:
+    def log(msg: Any, *args: Any, **kwargs: Any) -> None:
+        """Log a line, at the level of the function's name.
+
+        Args:
+            msg: the text; with ``args``, what ``%`` makes of both.
+            args: what is put into the text.
+            kwargs: ``logger_name`` for a logger below ``rosout``; ``exc_info`` and ``extra`` as
+                for Python's `logging`.
+        """
+        _write(sys._getframe(1), level, msg, args, **kwargs)
+
+    return log
 
 
-def logerr(msg: Any, *args: Any, **kwargs: Any) -> None:
-    """Log a line at level ERROR, as `logdebug` does at DEBUG."""
-    _log(logging.ERROR, msg, args, kwargs)
+def _log_throttle(level: int) -> _LogSeldom:
+    def log(period: float, msg: Any, *args: Any, **kwargs: Any) -> None:
+        """Log a line, but not more often than once in a time.
+
+        Args:
+            period: that time in seconds, for this place in the program.
+            msg: as for `logdebug`.
+            args: as for `logdebug`.
+            kwargs: as for `logdebug`.
+        """
+        frame = sys._getframe(1)
+        if not period or _is_due(_place(frame), period):
+            _write(frame, level, msg, args, **kwargs)
+
+    return log
 
 
-def logfatal(msg: Any, *args: Any, **kwargs: Any) -> None:
-    """Log a line at level FATAL, as `logdebug` does at DEBUG."""
-    _log(logging.CRITICAL, msg, args, kwargs)
+def _log_throttle_identical(level: int) -> _LogSeldom:
+    def log(period: float, msg: str, *args: Any, **kwargs: Any) -> None:
+        """Log a line, but the same text not more often than once in a time.
+
+        Args:
+            period: that time in seconds, for this place in the program.
+            msg: as for `logdebug`; it is compared without ``args``.
+            args: as for `logdebug`.
+            kwargs: as for `logdebug`.
+        """
+        frame = sys._getframe(1)
+        place = _place(frame)
+        due = _is_due(place, period)
+        if due or _texts.get(place) != msg:
+            _texts[place] = msg
+            _write(frame, level, msg, args, **kwargs)
+
+    return log
 
 
-logout = loginfo
-logerror = logerr
+def _log_once(level: int) -> _Log:
+    def log(msg: Any, *args: Any, **kwargs: Any) -> None:
+        """Log a line as `logdebug` does, the first time that this place in the program is come to.
+
+        It is at the level of the function's name.
+        """
+        frame = sys._getframe(1)
+        place = _place(frame)
+        if place not in _places:
+            _places.add(place)
+            _write(frame, level, msg, args, **kwargs)
+
+    return log
 
 
-def rospydebug(msg: Any, *args: Any) -> None:
-    """Log a line at level DEBUG for whoever looks for faults of the library; not on the console."""
-    logging.getLogger("rospy").debug(msg, *args)
+_LEVELS = PYTHON_LEVELS.values()
 
+logdebug, loginfo, logwarn, logerr, logfatal = map(_log, _LEVELS)
+logout, logerror = loginfo, logerr
 
-def rospyinfo(msg: Any, *args: Any) -> None:
-    """Log a line at level INFO, as `rospydebug` does at DEBUG."""
-    logging.getLogger("rospy").info(msg, *args)
+(
+    logdebug_throttle,
+    loginfo_throttle,
+    logwarn_throttle,
+    logerr_throttle,
+    logfatal_throttle,
+) = map(_log_throttle, _LEVELS)
 
+(
+    logdebug_throttle_identical,
+    loginfo_throttle_identical,
+    logwarn_throttle_identical,
+    logerr_throttle_identical,
+    logfatal_throttle_identical,
+) = map(_log_throttle_identical, _LEVELS)
 
-def rospywarn(msg: Any, *args: Any) -> None:
-    """Log a line at level WARN, as `rospydebug` does at DEBUG."""
-    logging.getLogger("rospy").warning(msg, *args)
+(
+    logdebug_once,
+    loginfo_once,
+    logwarn_once,
+    logerr_once,
+    logfatal_once,
+) = map(_log_once, _LEVELS)
 
+_library = logging.getLogger("rospy")
+"""For whoever looks for faults of the library; not on the console."""
 
-def rospyerr(msg: Any, *args: Any) -> None:
-    """Log a line at level ERROR, as `rospydebug` does at DEBUG."""
-    logging.getLogger("rospy").error(msg, *args)
-
-
-def logdebug_throttle(period: float, msg: Any, *args: Any, **kwargs: Any) -> None:
-    """Log a line at level DEBUG, but not more often than once in a time.
-
-    Args:
-        period: that time in seconds, for this place in the program.
-        msg: as for `logdebug`.
-        args: as for `logdebug`.
-        kwargs: as for `logdebug`.
-    """
-    _log_throttled(period, logging.DEBUG, msg, args, kwargs)
-
-
-def loginfo_throttle(period: float, msg: Any, *args: Any, **kwargs: Any) -> None:
-    """Log a line at level INFO, as `logdebug_throttle` does at DEBUG."""
-    _log_throttled(period, logging.INFO, msg, args, kwargs)
-
-
-def logwarn_throttle(period: float, msg: Any, *args: Any, **kwargs: Any) -> None:
-    """Log a line at level WARN, as `logdebug_throttle` does at DEBUG."""
-    _log_throttled(period, logging.WARNING, msg, args, kwargs)
-
-
-def logerr_throttle(period: float, msg: Any, *args: Any, **kwargs: Any) -> None:
-    """Log a line at level ERROR, as `logdebug_throttle` does at DEBUG."""
-    _log_throttled(period, logging.ERROR, msg, args, kwargs)
-
-
-def logfatal_throttle(period: float, msg: Any, *args: Any, **kwargs: Any) -> None:
-    """Log a line at level FATAL, as `logdebug_throttle` does at DEBUG."""
-    _log_throttled(period, logging.CRITICAL, msg, args, kwargs)
-
-
-def logdebug_throttle_identical(period: float, msg: str, *args: Any, **kwargs: Any) -> None:
-    """Log a line at level DEBUG, but the same text not more often than once in a time.
-
-    Args:
-        period: that time in seconds, for this place in the program.
-        msg: as for `logdebug`; it is compared without ``args``.
-        args: as for `logdebug`.
-        kwargs: as for `logdebug`.
-    """
-    _log_changed(period, logging.DEBUG, msg, args, kwargs)
-
-
-def loginfo_throttle_identical(period: float, msg: str, *args: Any, **kwargs: Any) -> None:
-    """Log a line at level INFO, as `logdebug_throttle_identical` does at DEBUG."""
-    _log_changed(period, logging.INFO, msg, args, kwargs)
-
-
-def logwarn_throttle_identical(period: float, msg: str, *args: Any, **kwargs: Any) -> None:
-    """Log a line at level WARN, as `logdebug_throttle_identical` does at DEBUG."""
-    _log_changed(period, logging.WARNING, msg, args, kwargs)
-
-
-def logerr_throttle_identical(period: float, msg: str, *args: Any, **kwargs: Any) -> None:
-    """Log a line at level ERROR, as `logdebug_throttle_identical` does at DEBUG."""
-    _log_changed(period, logging.ERROR, msg, args, kwargs)
-
-
-def logfatal_throttle_identical(period: float, msg: str, *args: Any, **kwargs: Any) -> None:
-    """Log a line at level FATAL, as `logdebug_throttle_identical` does at DEBUG."""
-    _log_changed(period, logging.CRITICAL, msg, args, kwargs)
-
-
-def logdebug_once(msg: Any, *args: Any, **kwargs: Any) -> None:
-    """Log a line at level DEBUG, the first time that this place in the program is come to."""
-    _log_once(logging.DEBUG, msg, args, kwargs)
-
-
-def loginfo_once(msg: Any, *args: Any, **kwargs: Any) -> None:
-    """Log a line at level INFO, as `logdebug_once` does at DEBUG."""
-    _log_once(logging.INFO, msg, args, kwargs)
-
-
-def logwarn_once(msg: Any, *args: Any, **kwargs: Any) -> None:
-    """Log a line at level WARN, as `logdebug_once` does at DEBUG."""
-    _log_once(logging.WARNING, msg, args, kwargs)
-
-
-def logerr_once(msg: Any, *args: Any, **kwargs: Any) -> None:
-    """Log a line at level ERROR, as `logdebug_once` does at DEBUG."""
-    _log_once(logging.ERROR, msg, args, kwargs)
-
-
-def logfatal_once(msg: Any, *args: Any, **kwargs: Any) -> None:
-    """Log a line at level FATAL, as `logdebug_once` does at DEBUG."""
-    _log_once(logging.CRITICAL, msg, args, kwargs)
-
-
-def _log_throttled(
-    period: float, level: int, msg: Any, args: tuple[Any, ...], kwargs: dict[str, Any]
-) -> None:
-    frame = sys._getframe(2)
-    if not period or _is_due(_place(frame), period):
-        _write(frame, level, msg, args, **kwargs)
-
-
-def _log_changed(
-    period: float, level: int, msg: str, args: tuple[Any, ...], kwargs: dict[str, Any]
-) -> None:
-    frame = sys._getframe(2)
-    place = _place(frame)
-    due = _is_due(place, period)
-    if due or _texts.get(place) != msg:
-        _texts[place] = msg
-        _write(frame, level, msg, args, **kwargs)
-
-
-def _log_once(level: int, msg: Any, args: tuple[Any, ...], kwargs: dict[str, Any]) -> None:
-    frame = sys._getframe(2)
-    place = _place(frame)
-    if place not in _places:
-        _places.add(place)
-        _write(frame, level, msg, args, **kwargs)
-
-
-def _log(level: int, msg: Any, args: tuple[Any, ...], kwargs: dict[str, Any]) -> None:
-    _write(sys._getframe(2), level, msg, args, **kwargs)
+rospydebug, rospyinfo = _library.debug, _library.info
+rospywarn, rospyerr = _library.warning, _library.error
 
 
 def _write(

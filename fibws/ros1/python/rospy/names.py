@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import warnings
 from collections.abc import Iterable, Mapping
 
 from rosgraph.names import (
@@ -13,6 +14,7 @@ from rosgraph.names import (
     canonicalize_name,
     get_ros_namespace,
     is_global,
+    is_legal_name,
     is_private,
     load_mappings,
     make_global_ns,
@@ -49,6 +51,7 @@ __all__ = [
     "resolve_name",
     "resolve_name_without_node_name",
     "scoped_name",
+    "warn_unless_legal",
 ]
 
 TOPIC_ANYTYPE = ANYTYPE
@@ -137,6 +140,16 @@ def scoped_name(caller_id: str, name: str) -> str:
     if not is_global(caller_id):
         raise ROSException("caller_id must be global")
     return canonicalize_name(name)[len(namespace(caller_id)) :]
+
+
+def warn_unless_legal(name: str, stacklevel: int) -> None:
+    """Warn of a name that ROS does not allow, as Python's `warnings` do; rospy goes on with it."""
+    if not is_legal_name(name):
+        warnings.warn(
+            f"'{name}' is not a legal ROS graph resource name. "
+            "This may cause problems with other ROS tools",
+            stacklevel=stacklevel,
+        )
 
 
 def reload_mappings(argv: Iterable[str]) -> None:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import warnings
 from typing import TYPE_CHECKING, Any
 
-from rosgraph.names import is_legal_name
+from rospy import names
 
 if TYPE_CHECKING:
     from rospy.msproxy import MasterProxy
@@ -60,12 +59,7 @@ def set_param(param_name: str, param_value: Any) -> None:
         TypeError, ValueError: JSON cannot hold the value, or something in it is None.
         ROSException: the hub refuses.
     """
-    if not is_legal_name(param_name):
-        warnings.warn(
-            f"'{param_name}' is not a legal ROS graph resource name. "
-            "This may cause problems with other ROS tools",
-            stacklevel=2,
-        )
+    names.warn_unless_legal(param_name, stacklevel=3)
     get_master()[param_name] = param_value
 
 

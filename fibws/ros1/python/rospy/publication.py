@@ -14,6 +14,7 @@ from rospy.foreign import count_nodes
 from rospy.handover import Handover
 from rospy.inbox import Inbox, call
 from rospy.names import ANYTYPE
+from rospy.registration import register
 
 if TYPE_CHECKING:
     import asyncio
@@ -59,7 +60,8 @@ class Publication:
         self._lock = threading.RLock()
         self._publisher: fibws.Publisher[Any, ...] | None = None
         self._handover: Handover | None = None
-        self._asked: tuple[bool, dict[str, str]] | None = None
+        self._latches = False
+        """Whether the publisher that is registered latches."""
         self._watching: asyncio.Task[None] | None = None
         self._peers: list[str] = []
         self._events: Inbox[Callable[[], None]] = Inbox(resolved_name, lambda event: event())
@@ -68,9 +70,9 @@ class Publication:
         self._seq = 0
 
     def register(self) -> None:
-        """Tell the hub of the topic, or tell it anew: the latch and the headers may be others."""
+        """Tell the hub of the topic, or that its latch or its headers are others now."""
         if core.is_initialized() and not self._closed:
-            core.background.call(self._register())
+            register("publication", self.resolved_name, self._register())
 
     def close(self) -> None:
         """Publish no more, once what was published has been sent."""
@@ -102,6 +104,7 @@ class Publication:
             ROSException: the topic was closed.
         """
         if core.is_shutdown():
+            core.background.give_way()  # Loops that do not look would take all the node's time.
             return
         if self._closed:
             raise ROSException("publish() to a closed topic")
@@ -152,37 +155,43 @@ class Publication:
             raise ROSSerializationException(str(error)) from None
 
     async def _register(self) -> None:
-        import asyncio
-
         if self._class is None:
             return
+        headers = {name: str(value) for name, value in self.headers.items()}
         lossless = self.queue_size is None
-        asked = (self.latch, dict(self.headers))
-        if asked == self._asked and self._publisher is not None:
+        if self._publisher is None or self.latch != self._latches:
+            # Up to the end this waits for nothing, so that no message is sent in between.
+            self._publisher = await self._advertise(self._class, headers)
+            if self._handover is None:
+                self._handover = Handover(self._publisher, lossless=lossless)
+        else:
             # Another publisher would not have what this one has latched.
-            if self._handover is not None:
-                self._handover.use(self._publisher, lossless=lossless)
-            return
-        self._asked = asked
+            self._publisher.introduce(headers)
+        if self._handover is not None:
+            self._handover.use(self._publisher, lossless=lossless)
+
+    async def _advertise(
+        self, message_class: type[Message], headers: dict[str, str]
+    ) -> fibws.Publisher[Any, ...]:
+        """Register a publisher, the first one or one that latches."""
+        import asyncio
+
         if self._publisher is not None:
             # For the hub a node's first advertisement of a topic says whether it latches.
             self._publisher.close()
         if self._watching is not None:
             self._watching.cancel()
-        # Up to the end this waits for nothing, so that no message is sent in between.
-        self._publisher = publisher = await core.background.node.advertise(
+        self._latches = self.latch
+        publisher = await core.background.node.advertise(
             self.resolved_name,
-            self._class,
+            message_class,
             queue_size=self.queue_size if self.queue_size and self.queue_size > 0 else INFINITE,
             latch=self.latch,
-            headers={name: str(value) for name, value in self.headers.items()} or None,
+            headers=headers or None,
             peers=True,
         )
-        if self._handover is None:
-            self._handover = Handover(publisher, lossless=lossless)
-        else:
-            self._handover.use(publisher, lossless=lossless)
         self._watching = asyncio.create_task(self._watch(publisher), name=f"watch {publisher}")
+        return publisher
 
     async def _leave(self) -> None:
         if self._publisher is not None and self._handover is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from time import time_ns
+from typing import overload
 
 import genpy
 
@@ -95,6 +96,19 @@ def set_rostime(time: genpy.Time) -> None:
     core.bell.ring()
 
 
+@overload
+def seconds_of(duration: genpy.Duration | float) -> float: ...
+
+
+@overload
+def seconds_of(duration: genpy.Duration | float | None) -> float | None: ...
+
+
+def seconds_of(duration: genpy.Duration | float | None) -> float | None:
+    """The seconds of a Duration, or of what is seconds already."""
+    return duration.to_sec() if isinstance(duration, genpy.Duration) else duration
+
+
 def wallsleep(duration: float) -> None:
     """Sleep for some seconds on the wall's clock, or until the node ends."""
     if duration > 0:
@@ -112,7 +126,7 @@ def sleep(duration: genpy.Duration | float) -> None:
         ROSTimeMovedBackwardsException: simulated time went back, to before the sleep.
     """
     if is_wallclock():
-        seconds = duration.to_sec() if isinstance(duration, genpy.Duration) else duration
+        seconds = seconds_of(duration)
         if seconds < 0:
             return
         if core.wait_for_shutdown(seconds):

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import threading
 import traceback
-import warnings
 from collections.abc import Callable
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
-from rosgraph.names import is_legal_name
-
 from rospy import core, names
+from rospy.impl.tcpros_base import DEFAULT_BUFF_SIZE
+from rospy.registration import register
 
 if TYPE_CHECKING:
     import asyncio
@@ -19,9 +18,6 @@ if TYPE_CHECKING:
     from genpy import Message
 
     import fibws
-
-DEFAULT_BUFF_SIZE = 65536
-"""Bytes that rospy reads at once from a socket; here they mean nothing."""
 
 _offered: dict[str, Service] = {}
 _lock = threading.RLock()
@@ -69,12 +65,7 @@ class Service(ServiceEnd):
         super().__init__(name, service_class)
         if not name or not isinstance(name, str):
             raise ValueError("service name is not a non-empty string")
-        if not is_legal_name(name):
-            warnings.warn(
-                f"'{name}' is not a legal ROS graph resource name. "
-                "This may cause problems with other ROS tools",
-                stacklevel=2,
-            )
+        names.warn_unless_legal(name, stacklevel=3)
         self.handler = handler
         self.error_handler = error_handler or _log_error
         self.buff_size = buff_size
@@ -108,7 +99,7 @@ class Service(ServiceEnd):
 
     def _register(self) -> None:
         if not self.done:
-            core.background.call(self._offer())
+            register("service", self.resolved_name, self._offer())
 
     async def _offer(self) -> None:
         node = core.background.node

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from rospy import core, names
 from rospy.arguments import args_kwds_to_message, serialized
 from rospy.exceptions import ROSException, ROSInterruptException
+from rospy.rostime import seconds_of
 from rospy.service import ServiceEnd, ServiceException
 
 if TYPE_CHECKING:
@@ -40,7 +41,8 @@ class ServiceProxy(ServiceEnd):
     ) -> None:
         super().__init__(name, service_class)
         self.persistent = persistent
-        self._headers = {name: str(value) for name, value in (headers or {}).items()}
+        self._headers = {"md5sum": service_class._md5sum}
+        self._headers.update((name, str(value)) for name, value in (headers or {}).items())
         if persistent:
             self._headers["persistent"] = "1"
 
@@ -56,7 +58,7 @@ class ServiceProxy(ServiceEnd):
         """Call the service with a request, or with its fields in order or by name.
 
         Raises:
-            ServiceException: nobody offers it, or it failed.
+            ServiceException: nobody offers it, it is of another type, or it failed.
             TypeError: fields both in order and by name, or a message of another class.
             genpy.SerializationError: a field does not fit the type.
             ROSInterruptException: the node ends.
@@ -87,6 +89,7 @@ class ServiceProxy(ServiceEnd):
             HubLost,
             HubUnreachable,
             InvalidMessage,
+            InvalidName,
             ServiceError,
             ServiceLost,
             ServiceTimeout,
@@ -99,12 +102,14 @@ class ServiceProxy(ServiceEnd):
             raise ROSInterruptException("node shutdown interrupted service call") from None
         except HubUnreachable:
             raise ServiceException("unable to contact master") from None
-        except UnknownService:
+        except (UnknownService, InvalidName):
             raise ServiceException(f"service [{self.resolved_name}] unavailable") from None
         except (ServiceLost, ServiceTimeout, HubLost) as error:
             raise ServiceException(f"transport error completing service call: {error}") from None
         except ServiceError as error:
-            if error.text.startswith(f"service [{self.resolved_name}] unavailable: "):
+            if "]: md5sums do not match: [" in error.text:
+                text = f"unable to connect to service: remote error reported: {error.text}"
+            elif error.text.startswith(f"service [{self.resolved_name}] unavailable: "):
                 text = f"transport error completing service call: {error.text}"
             else:
                 said = str(error.text.encode())
@@ -124,7 +129,8 @@ class ServiceProxy(ServiceEnd):
 
         with Link("unnamed") as link:
             serialized(request)  # It checks the fields, for which there is no node.
-            values = link.call(self.resolved_name, request.to_dict(), timeout=0)
+            fields = request.to_dict()
+            values = link.call(self.resolved_name, fields, timeout=0, headers=self._headers)
         return self.response_class.from_dict(values)
 
 
@@ -142,7 +148,7 @@ def wait_for_service(service: str, timeout: float | Duration | None = None) -> N
     """
     from fibws.errors import WaitTimeout
 
-    seconds = timeout if timeout is None or isinstance(timeout, float | int) else timeout.to_sec()
+    seconds = seconds_of(timeout)
     if seconds == 0:
         raise ValueError("timeout must be non-zero")
     resolved = names.resolve_name(service)

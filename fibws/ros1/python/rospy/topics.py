@@ -6,12 +6,12 @@ import warnings
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
-from rosgraph.names import is_legal_name
-
 from rospy import core, names
 from rospy.arguments import args_kwds_to_message
 from rospy.exceptions import ROSException, ROSInterruptException
+from rospy.impl.tcpros_base import DEFAULT_BUFF_SIZE
 from rospy.publication import Publication
+from rospy.rostime import seconds_of
 from rospy.shared import Shared
 from rospy.subscription import Subscription
 
@@ -19,9 +19,6 @@ if TYPE_CHECKING:
     from genpy import Message
 
     from rospy.rostime import Duration
-
-DEFAULT_BUFF_SIZE = 65536
-"""Bytes that rospy reads at once from a socket; here they mean nothing."""
 
 S = TypeVar("S", Publication, Subscription)
 
@@ -233,10 +230,9 @@ def wait_for_message(
         messages.append(message)
         core.bell.ring()
 
-    seconds = timeout if timeout is None or isinstance(timeout, float | int) else timeout.to_sec()
     subscriber = Subscriber(topic, topic_type, take)
     try:
-        core.bell.wait(lambda: bool(messages) or core.is_shutdown(), seconds)
+        core.bell.wait(lambda: bool(messages) or core.is_shutdown(), seconds_of(timeout))
     finally:
         subscriber.unregister()
     if core.is_shutdown():
@@ -259,9 +255,4 @@ def _check(name: object, data_class: object) -> None:
     if not issubclass(data_class, Message):
         kind = data_class.__class__.__name__
         raise ValueError(f"data_class [{kind}] is not a message data class")
-    if not is_legal_name(name):
-        warnings.warn(
-            f"'{name}' is not a legal ROS graph resource name. "
-            "This may cause problems with other ROS tools",
-            stacklevel=4,
-        )
+    names.warn_unless_legal(name, stacklevel=5)

@@ -1,5 +1,5 @@
 """The same as `rospy.impl.tcpros_base`."""
 
-from rospy.topics import DEFAULT_BUFF_SIZE
+from rospy.impl.tcpros_base import DEFAULT_BUFF_SIZE
 
 __all__ = ["DEFAULT_BUFF_SIZE"]

@@ -1,5 +1,4 @@
 """What is left of rospy's sockets: a number that scripts give to subscribers of big messages."""
 
-from rospy.topics import DEFAULT_BUFF_SIZE
-
-__all__ = ["DEFAULT_BUFF_SIZE"]
+DEFAULT_BUFF_SIZE = 65536
+"""Bytes that rospy reads at once from a socket; here they mean nothing."""
