@@ -37,12 +37,14 @@ class Plan:
     Attributes:
         sources: the packages, each behind those that it depends on.
         chosen: the names of those to be built, all of them unless some were asked for.
+        trees: what is made of each of these, by their names.
         faults: what is wrong; nothing is written then.
         warnings: what should be otherwise.
     """
 
     sources: list[Source] = field(default_factory=list)
     chosen: set[str] = field(default_factory=set)
+    trees: dict[str, Tree] = field(default_factory=dict)
     faults: list[FibwsError] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
 
@@ -79,6 +81,7 @@ class Workspace:
         Raises:
             WorkspaceError: two packages have one name, they depend on each other in a circle, there
                 is none of the names, or devel/ was made by another tool.
+            OSError: a file of a package cannot be read.
         """
         self._check_devel()
         plan = Plan()
@@ -92,24 +95,22 @@ class Workspace:
         compile_definitions(plan.sources, [each / "share" for _, each in self._below])
         for source in plan.built:
             check(source, known)
+            plan.trees[source.name] = devel.files(source)
             plan.warnings += source.recipe.warnings
         plan.faults += devel.collisions(plan.sources)
         plan.faults += [fault for source in plan.built for fault in source.recipe.faults]
-        plan.faults = _once(plan.faults)
+        # Without those that say the same, as of a definition that several others use.
+        plan.faults = list({str(fault): fault for fault in plan.faults}.values())
         return plan
 
     def make(self, plan: Plan) -> None:
-        """Write devel/, and take out of it what was made before and is no more.
+        """Write devel/, and take out what is no more; nothing is written if the plan has faults.
 
         Raises:
             OSError: something cannot be written.
         """
-        built = {source.name: devel.files(source) for source in plan.built}
-        faults = [fault for source in plan.built for fault in source.recipe.faults]
-        if faults or plan.faults:
-            plan.faults = _once([*plan.faults, *faults])
-            return
-        self._write(built, {source.name for source in plan.sources} - plan.chosen)
+        if not plan.faults:
+            self._write(plan.trees, {source.name for source in plan.sources} - plan.chosen)
 
     def clean(self) -> None:
         """Take out of devel/ what was made of packages; the files to be sourced stay.
@@ -212,11 +213,6 @@ class Workspace:
         if unknown:
             plan.warnings.append(f"Packages not found in the workspace: {', '.join(texts)}")
         return set(names) - set(unknown)
-
-
-def _once(faults: Sequence[FibwsError]) -> list[FibwsError]:
-    """The faults without those that say the same, as of a definition that several others use."""
-    return list({str(fault): fault for fault in faults}.values())
 
 
 def _json(value: Mapping[str, str]) -> File:

@@ -97,6 +97,7 @@ def _copy(source: Source, here: Path) -> dict[str, Path]:
 
 
 def _compile(source: Source, interfaces: Interfaces) -> Iterable[FibwsError]:
+    reachable = _reachable(source, interfaces)
     for kind, listed in source.recipe.definitions.items():
         for each in listed:
             name = f"{source.name}/{each.path.stem}"
@@ -112,17 +113,17 @@ def _compile(source: Source, interfaces: Interfaces) -> Iterable[FibwsError]:
             except FibwsError as error:
                 yield error
             else:
-                yield from _undeclared(source, each, parts, interfaces)
+                yield from _undeclared(each, parts, reachable)
 
 
 def _undeclared(
-    source: Source, listed: Listed, parts: list[MessageDefinition], interfaces: Interfaces
+    listed: Listed, parts: list[MessageDefinition], reachable: set[str]
 ) -> Iterable[FibwsError]:
     """The fields whose package generate_messages() does not depend on."""
     for part in parts:
         for field in part.fields:
             package, slash, _ = field.type.partition("/")
-            if not slash or package in _reachable(source, interfaces):
+            if not slash or package in reachable:
                 continue
             fault = f"generate_messages(DEPENDENCIES {package}) is missing in CMakeLists.txt for"
             yield DefinitionError(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ast
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any
 
 from fibws.errors import PackageFileError
@@ -63,12 +63,13 @@ def _called(node: ast.Call) -> str:
 def _value(keyword: ast.keyword, path: Path, folder: Path) -> Any:
     value = keyword.value
     if isinstance(value, ast.Call) and _called(value) == "find_packages":
-        where = next((each.value for each in value.args if isinstance(each, ast.Constant)), "")
+        given = [*value.args, *(each.value for each in value.keywords if each.arg == "where")]
+        where = next((each.value for each in given if isinstance(each, ast.Constant)), "")
         base = folder / str(where)
         return sorted(each.parent.name for each in base.glob("*/__init__.py"))
     try:
         found = ast.literal_eval(value)
-    except ValueError:
+    except (ValueError, TypeError, SyntaxError, RecursionError, MemoryError):
         found = None
     wanted = dict if keyword.arg == "package_dir" else (list, tuple)
     texts = found.items() if isinstance(found, dict) else [(each, "") for each in found or ()]
@@ -90,9 +91,9 @@ def _resolved(said: dict[str, Any], folder: Path, path: Path, line: int) -> Pyth
             raise PackageFileError(str(path), line, f"{name!r} is not the name of a module")
     for name in said.get("packages", ()):
         first = name.partition(".")[0]
-        packages[first] = folder / folders[first] if first in folders else base / first
+        where = folders.get(first, PurePosixPath(folders.get("", ""), first).as_posix())
+        packages[first] = folder / where
         if not packages[first].is_dir():
-            where = packages[first].relative_to(folder).as_posix()
             raise PackageFileError(str(path), line, f"there is no folder {where} for {first}")
     modules = {name: base / f"{name}.py" for name in said.get("py_modules", ())}
     for name, file in modules.items():

@@ -81,6 +81,18 @@ def test_nothing_is_written_if_anything_is_wrong(layout: Layout) -> None:
     assert snapshot(layout.devel) == before
 
 
+def test_a_plan_says_all_before_anything_is_written(layout: Layout) -> None:
+    layout.package(
+        "a",
+        before="catkin_python_setup()",
+        files={"setup.py": "setup(scripts=['scripts/a'])"},
+    )
+    plan = Workspace(layout.folder, {}).plan()
+    assert ["scripts are left where they are" in each for each in plan.warnings] == [True]
+    assert list(plan.trees) == ["a"]
+    assert not layout.devel.exists()
+
+
 def test_all_that_is_wrong_is_told_at_once(layout: Layout) -> None:
     layout.package("a", manifest="<?xml version='1.0'?><package/>")
     layout.package("b", cmake="project(b")

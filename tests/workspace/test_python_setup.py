@@ -30,7 +30,9 @@ def test_packages_are_found_by_their_folders(tmp_path: Path) -> None:
 
 def test_the_names_may_be_looked_for(tmp_path: Path) -> None:
     text = "import setuptools\nsetuptools.setup(package_dir={'': 'src'}, packages="
-    assert list(read(tmp_path, f"{text}setuptools.find_packages('src'))").packages) == ["a"]
+    for words in ("'src'", "where='src'"):
+        found = read(tmp_path, f"{text}setuptools.find_packages({words}))")
+        assert list(found.packages) == ["a"]
 
 
 def test_single_modules_and_scripts_are_read(tmp_path: Path) -> None:
@@ -51,7 +53,9 @@ def test_single_modules_and_scripts_are_read(tmp_path: Path) -> None:
         ("setup(package_dir=['src'])", "line 1: package_dir is to be written out here"),
         ("setup(packages=['../x'])", r"line 1: '\.\./x' is not the name of a module"),
         ("setup(py_modules=[''])", "line 1: '' is not the name of a module"),
+        ("setup(packages={['a']})", "line 1: packages is to be written out here"),
         ("setup(packages=['x'])", "line 1: there is no folder x for x"),
+        ("setup(packages=['x'], package_dir={'': '/y'})", "line 1: there is no folder /y/x for x"),
         ("setup(py_modules=['x'])", r"line 1: there is no x\.py in"),
     ],
 )

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Collection, Mapping
-from pathlib import Path
 
 from fibws.workspace.cmake.syntax import split
 
@@ -77,9 +77,9 @@ class _Condition:
         if self._take("TARGET"):
             return self._next() in self._targets
         if self._take("EXISTS"):
-            return Path(self._next()).exists()
+            return os.path.exists(self._next())
         if self._take("IS_DIRECTORY"):
-            return Path(self._next()).is_dir()
+            return os.path.isdir(self._next())
         if self._take("COMMAND"):
             return self._next().lower() in self._commands
         left = self._next()

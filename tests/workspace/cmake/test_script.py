@@ -73,6 +73,7 @@ def test_variables_have_values(tmp_path: Path, text: str, values: list[str]) -> 
         ("\N{SUPERSCRIPT TWO} GREATER 1", False),
         ("EXISTS ${HERE}", True),
         ("IS_DIRECTORY ${HERE}/none", False),
+        (f"EXISTS {'a' * 5000} OR IS_DIRECTORY {'a' * 5000}", False),
         ("TARGET X", False),
         ("COMMAND f", True),
         ("CATKIN_ENABLE_TESTING", False),
