@@ -64,6 +64,8 @@ def report(link: Link, show: Callable[[], None], count: int | None = None) -> No
     due = time.monotonic()
     while count is None or count > 0:
         due += PERIOD
+        if due <= (now := time.monotonic()):
+            due = now + PERIOD  # Whoever was stopped, by Ctrl-Z, does not make up for it.
         while (rest := due - time.monotonic()) > 0:
             operation = link.receive(rest)
             if operation is not None:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import cast
+
 import pytest
 
 from fibws.cli.link import Link
@@ -28,3 +31,40 @@ def test_a_refusal_ends_it(hub: HubThread) -> None:
     with Link("ear", hub.url) as ear, pytest.raises(OperationRejected):
         ear.send({"op": "subscribe", "topic": "/rosout", "type": "std_msgs/Int32"})
         every_second.report(ear, lambda: None)
+
+
+def test_what_was_missed_while_it_stood_still_is_not_made_up_for(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    now = 0.0
+    stops = iter([8.25])
+    shown: list[float] = []
+
+    def receive(seconds: float) -> None:
+        nonlocal now
+        now += next(stops, seconds)
+
+    monkeypatch.setattr(every_second, "time", SimpleNamespace(monotonic=lambda: now))
+    link = cast(Link, SimpleNamespace(receive=receive))
+    every_second.report(link, lambda: shown.append(now), 3)
+    assert shown == [8.25, 9.25, 10.25]
+
+
+def test_a_report_that_takes_its_time_does_not_put_off_the_next(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    now = 0.0
+    shown: list[float] = []
+
+    def receive(seconds: float) -> None:
+        nonlocal now
+        now += seconds
+
+    def show() -> None:
+        nonlocal now
+        shown.append(now)
+        now += 0.25
+
+    monkeypatch.setattr(every_second, "time", SimpleNamespace(monotonic=lambda: now))
+    every_second.report(cast(Link, SimpleNamespace(receive=receive)), show, 3)
+    assert shown == [1.0, 2.0, 3.0]
