@@ -219,7 +219,10 @@ class Runner:
         if self.is_told:
             return False
         self._screen.say(f"[{job.process.name}] restarting process")
-        return await self._begin(job)
+        if await self._begin(job):
+            return True
+        self.has_failed = True
+        return False
 
     def _ended(self, job: Job) -> None:
         """Say how a process has ended by itself."""

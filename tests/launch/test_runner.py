@@ -174,6 +174,17 @@ async def test_a_process_is_started_again(launched: Launched) -> None:
     assert not launched.runner.has_failed
 
 
+async def test_a_process_that_cannot_come_back_is_a_failure(launched: Launched) -> None:
+    program = launched.folder / "once"
+    program.write_text(f"#!{sys.executable}\nimport os\nos.remove(__file__)\n")
+    program.chmod(0o755)
+    start = Start([str(program)], dict(os.environ), launched.folder)
+    await launched.runner.start_node(Node("p", "t", "n", "a", 1, respawn=True), start, screen=True)
+    await launched.run()
+    assert "[n-1] restarting process" in launched.seen
+    assert launched.runner.has_failed
+
+
 async def test_a_process_that_is_to_come_back_is_not_waited_for(launched: Launched) -> None:
     await launched.start("pass", respawn=True, respawn_delay=1000.0)
     await launched.shows("process has finished cleanly")

@@ -156,7 +156,6 @@ def _run(launch: Launch, packages: Packages, url: str, options: dict[str, Any]) 
             packages,
             url,
             Options(
-                port=options["port"],
                 output=options["show"],
                 wait=options["wait"],
                 wait_interrupt=options["sigint_timeout"],

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from base64 import b64encode
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -19,8 +19,10 @@ ROOT = "/"
 Say = Callable[[str], None]
 
 
-def prepare(link: Link, launch: Launch, say: Say) -> None:
+def prepare(link: Link, launch: Launch, say: Say) -> Iterator[None]:
     """Dump and delete, clear, and set what a launch's files say, in this order.
+
+    It yields behind each step, for whoever wants to break it off there.
 
     Args:
         link: to the hub.
@@ -33,16 +35,19 @@ def prepare(link: Link, launch: Launch, say: Say) -> None:
     """
     for step in launch.steps:
         _do(link, step, say)
+        yield
     for name in _outermost(launch.cleared):
         if name == ROOT:
             _ask(link, "set_param", name=ROOT, value="{}")
         elif _has(link, name):
             _ask(link, "delete_param", name=name)
+        yield
     for name, value in launch.parameters.items():
         if isinstance(value, bytes):
             say(f"{name}: parameters hold no bytes here, so this is their base64")
             value = b64encode(value).decode()
         _ask(link, "set_param", name=name, value=json.dumps(value, ensure_ascii=False))
+        yield
 
 
 def read_yaml(text: str) -> Any:

@@ -33,12 +33,10 @@ class Options:
     """How to run.
 
     Attributes:
-        port: of the hub that is started if there is none; 0 for a free one.
         output: ``screen`` or ``log``, whatever the nodes say; None for what they say.
         wait: whether to wait for a hub rather than start one.
     """
 
-    port: int | None = None
     output: str | None = None
     wait: bool = False
     wait_interrupt: float = WAIT_INTERRUPT
@@ -51,7 +49,8 @@ def run(launch: Launch, packages: Packages, url: str, options: Options) -> int:
     Args:
         launch: what was read.
         packages: those that are known.
-        url: the hub's; if none is there, and that is this machine, one is started.
+        url: the hub's; if none is there, and that is this machine, one is started. Port 0 is one
+            that is free.
         options: how to run.
 
     Returns:
@@ -59,7 +58,7 @@ def run(launch: Launch, packages: Packages, url: str, options: Options) -> int:
 
     Raises:
         FibwsError: the hub cannot be started, will not have a parameter, or is gone.
-        BrokenPipeError: nobody reads any more what is printed.
+        OSError: what is printed cannot be written: `BrokenPipeError` if nobody reads it any more.
     """
     return asyncio.run(_Launch(launch, packages, url, options).run())
 
@@ -72,7 +71,7 @@ class _Launch:
         self._packages = packages
         self._url = url
         self._options = options
-        self._is_read = True
+        self._lost: OSError | None = None
         folder = log_folder(os.environ) / f"{time.strftime('%Y-%m-%d_%H-%M-%S')}-{os.getpid()}"
         self._folder = folder
         self._screen = Screen(self._write, colours=output.has_colours())
@@ -86,35 +85,36 @@ class _Launch:
     async def run(self) -> int:
         self._runner.obey_signals(end_line)
         try:
-            await self._find_hub()
-            if self._runner.is_told:
-                return 0
-            self._screen.say(f"FIBWS_HUB={self._url}", bold=True)
-            self._screen.say("")
-            with Link(TOOL, self._url) as link:
-                prepare(link, self._launch, self._screen.complain)
-            await self._start_nodes()
-            await self._runner.run()
+            for step in (self._find_hub, self._prepare, self._start_nodes, self._runner.run):
+                if not self._runner.is_told:
+                    await step()
         finally:
             await self._runner.shut_down()
-        if not self._is_read:
-            raise BrokenPipeError
+        if self._lost is not None:
+            raise self._lost
         self._screen.say("done", bold=True)
         return 1 if self._runner.has_failed else 0
 
+    async def _prepare(self) -> None:
+        self._screen.say(f"FIBWS_HUB={self._url}", bold=True)
+        self._screen.say("")
+        with Link(TOOL, self._url) as link:
+            for _ in prepare(link, self._launch, self._screen.complain):
+                await asyncio.sleep(0)  # Ctrl-C is heard between two parameters.
+                if self._runner.is_told:
+                    return
+
     async def _find_hub(self) -> None:
-        if self._options.port != 0 and await self._is_there():
+        where = urlsplit(self._url)
+        if where.port != 0 and await self._is_there():
             return
-        host = urlsplit(self._url).hostname or ""
         if self._runner.is_told:
             return
-        if host not in LOOPBACK:
+        if where.hostname not in LOOPBACK or where.scheme != "ws":
             raise NoHub(self._url, "nothing answers")
-        port = self._options.port
-        if port is None:
-            port = urlsplit(self._url).port or 80
         self._screen.say("auto-starting new hub")
-        job, self._url = await start_hub(host, port, self._folder)
+        port = 80 if where.port is None else where.port
+        job, self._url = await start_hub(where.hostname, port, self._folder)
         self._runner.add(job)
         process = job.process
         self._screen.say(f"process[{process.name}]: started with pid [{process.pid}]", bold=True)
@@ -139,7 +139,7 @@ class _Launch:
         nodes = [node for node in self._launch.nodes if not node.is_test]
         if not nodes:
             self._screen.say("No processes to monitor", bold=True)
-        if any(self._is_shown(node) is False for node in nodes):
+        if any(not self._is_shown(node) for node in nodes):
             self._screen.say(f"... logging to {self._folder}")
         for node in nodes:
             if self._runner.is_told:
@@ -161,12 +161,12 @@ class _Launch:
         return node.screen if self._options.output is None else self._options.output == "screen"
 
     def _write(self, line: str, is_error: bool) -> None:
-        if not self._is_read:
+        if self._lost is not None:
             return
         text = line.encode(output.encoding(), "backslashreplace").decode(output.encoding())
         try:
             # Else click would take out of a text what it thinks is a style.
             click.echo(text, err=is_error, color=True)
-        except OSError:  # A pipe that is closed, or a terminal: nodes must not be left over.
-            self._is_read = False
+        except OSError as error:  # A pipe is closed, a disk full: nodes must not be left over.
+            self._lost = error
             self._runner.stop()

@@ -5,8 +5,9 @@ from __future__ import annotations
 import os
 import re
 import signal
+import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -461,6 +462,12 @@ async def test_a_hub_elsewhere_is_not_started(start: Start, robot: Path) -> None
     assert (code, err) == (1, "Error: No hub at ws://127.0.0.2:1. Start one with: fibws hub\n")
 
 
+async def test_a_hub_that_speaks_tls_is_not_started(start: Start, robot: Path) -> None:
+    program = await start("fibws", "launch", write(robot, ""), "--hub", "wss://127.0.0.1:1")
+    code, _, err = await program.end()
+    assert (code, err) == (1, "Error: No hub at wss://127.0.0.1:1. Start one with: fibws hub\n")
+
+
 async def test_a_hub_that_cannot_start_is_said_in_a_line(start: Start, robot: Path) -> None:
     program = await start(
         "fibws", "launch", write(robot, ""), "--no-summary", "-p", "0", FIBWS_MAX_CALLS="x"
@@ -477,6 +484,30 @@ async def test_it_ends_when_nobody_reads_what_it_shows(begin: Begin, robot: Path
     await seen.shows("[talker-1]")
     seen.program.stop_reading()
     assert await seen.end() == (0, "")
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no such device")
+def test_a_disk_that_is_full_is_told_of(robot: Path, hub: HubThread) -> None:
+    file = write(robot, '<node pkg="robot" type="talker" name="talker" output="screen"/>')
+    words = (sys.executable, "-m", "fibws", "launch", file, "--no-summary", "--hub", hub.url)
+    with open("/dev/full", "wb") as full:
+        done = subprocess.run(words, stdout=full, stderr=subprocess.PIPE, text=True)
+    assert (done.returncode, done.stderr) == (1, "Error: No space left on device\n")
+
+
+def test_ctrl_c_is_heard_between_two_parameters(
+    robot: Path, hub: HubThread, launch: Launch, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def prepared(*_: object) -> Iterator[None]:
+        os.kill(os.getpid(), signal.SIGINT)
+        while True:
+            yield
+
+    monkeypatch.setattr("fibws.cli.launch.run.prepare", prepared)
+    file = write(robot, '<node pkg="robot" type="waiter" name="w"/>')
+    result = launch(file, "--hub", hub.url)
+    assert result.exit_code == 0, result.output
+    assert "process[" not in result.output
 
 
 async def test_its_id_is_kept_in_a_file(begin: Begin, robot: Path, tmp_path: Path) -> None:
