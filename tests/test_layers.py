@@ -23,7 +23,7 @@ MASK = {"websockets.speedups.apply_mask", "websockets.utils.apply_mask"}
 
 PURE_HUB = ["budget", "clock", "frames", "liveness", "logtext", "outbox", "settings", "splitter"]
 PURE_LAUNCH = ["attributes", "evaluation", "listing", "model", "node", "parameter", "reader"]
-PURE_LAUNCH += ["scope", "screen", "substitution", "tag", "value", "world"]
+PURE_LAUNCH += ["scope", "screen", "substitution", "tag", "value", "vocabulary", "world"]
 PURE_TF = ["buffer", "history", "messages", "selection", "transform"]
 CLASSES = {"msg", "srv", "action"}
 BELOW = {
