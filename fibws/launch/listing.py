@@ -20,7 +20,7 @@ def summary(launch: Launch) -> Iterator[str]:
     yield from ("", "PARAMETERS")
     yield from sorted(f" * {name}: {_short(each)}" for name, each in launch.parameters.items())
     yield from ("", "NODES")
-    nodes = [node for node in launch.nodes if not node.is_test]
+    nodes = [node for node in launch.nodes.values() if not node.is_test]
     for namespace in sorted({node.namespace for node in nodes}):
         yield f"  {namespace.rstrip('/')}/"
         yield from sorted(_named(node) for node in nodes if node.namespace == namespace)

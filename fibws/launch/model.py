@@ -78,6 +78,7 @@ class Launch:
     """What all files together say.
 
     Attributes:
+        nodes: by their global names, in the order in which they start.
         parameters: values by their global names; bytes are those of a binfile.
         cleared: the namespaces whose parameters are deleted first.
         arguments: those of the files that were named, not of the ones they include.
@@ -85,7 +86,7 @@ class Launch:
         warnings: what is probably not meant so, one line each.
     """
 
-    nodes: list[Node] = field(default_factory=list)
+    nodes: dict[str, Node] = field(default_factory=dict)
     parameters: dict[str, Any] = field(default_factory=dict)
     cleared: list[str] = field(default_factory=list)
     steps: list[Step] = field(default_factory=list)

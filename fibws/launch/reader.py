@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from fibws.errors import LaunchError
 from fibws.hint import hint_or_all
 from fibws.launch.attributes import Attributes, applies
-from fibws.launch.model import Argument, Launch, Node
+from fibws.launch.model import Argument, Launch
 from fibws.launch.node import namespace_of, read_env, read_node, read_remap
 from fibws.launch.parameter import read_param, read_rosparam
 from fibws.launch.scope import Scope
@@ -17,7 +17,6 @@ from fibws.launch.world import World
 
 TAGS = ("arg", "env", "group", "include", "machine", "node", "param", "remap", "rosparam", "test")
 MACHINE = ("name", "address", "env-loader", "ssh-port", "user", "password", "default", "timeout")
-HERE = ("localhost", "127.0.0.1", "::1")
 STANDARD_INPUT = "<stdin>"
 MOST_INCLUDES = 30
 """Files that include each other."""
@@ -41,8 +40,7 @@ class Reader:
         self._world = world
         self._values = dict(values or {})
         self._namespace = namespace
-        self._places: dict[str, Node] = {}
-        self._away: dict[str, str] = {}
+        self._machines: dict[str, str] = {}
         self._default_machine = ""
         self._including: list[tuple[str, int]] = []
         self._tags: dict[str, Callable[[Tag, Scope], None]] = {
@@ -173,25 +171,24 @@ class Reader:
 
     def _node(self, tag: Tag, scope: Scope) -> None:
         node = read_node(tag, scope, self.launch)
-        other = self._places.setdefault(node.resolved, node)
+        other = self.launch.nodes.setdefault(node.resolved, node)
         if other is not node:
             raise tag.fault(
                 f"{node.resolved} is the name of the node in {other.file}:{other.line}, too: each "
                 "must have its own, or the later one shuts the earlier one down"
             )
         machine = Attributes(tag, scope, None).text("machine") or self._default_machine
-        if machine in self._away:
+        address = self._machines.get(machine)
+        if address is not None and not self._world.is_here(address):
             raise tag.fault(
-                f"<{tag.name}>: the machine {machine} is {self._away[machine]}, and nodes are "
+                f"<{tag.name}>: the machine {machine} is {address}, and nodes are "
                 "started on this machine alone: start it there, with --hub naming this one's hub"
             )
-        self.launch.nodes.append(node)
 
     def _machine(self, tag: Tag, scope: Scope) -> None:
         attributes = Attributes(tag, scope, MACHINE)
-        name, address = attributes.required("name"), attributes.required("address")
-        if address not in HERE:
-            self._away[name] = address
+        name = attributes.required("name")
+        self._machines[name] = attributes.required("address")
         if attributes.one_of("default", "true", "false", "never") == "true":
             self._default_machine = name
 

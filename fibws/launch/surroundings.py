@@ -67,6 +67,14 @@ class Surroundings:
         """The value of a text in YAML; it raises `ValueError` if it is none."""
         return self._yaml(text)
 
+    def is_here(self, address: str) -> bool:
+        """Whether an address, or a host's name, is one of this machine's: one that it can bind."""
+        try:
+            found = socket.getaddrinfo(address, 0, type=socket.SOCK_STREAM)
+        except (OSError, ValueError):  # The latter if it cannot be a name at all.
+            return False
+        return any(_can_bind(family, where) for family, *_, where in found)
+
     def anonymous(self, name: str) -> str:
         """A name that no other node has, formed as roslaunch's: ``name_<host>_<pid>_<number>``."""
         self._made += 1  # A clock may be slow to go on.
@@ -76,6 +84,15 @@ class Surroundings:
     @cached_property
     def _host(self) -> str:
         return socket.gethostname()
+
+
+def _can_bind(family: int, where: tuple[Any, ...]) -> bool:
+    try:
+        with socket.socket(family, socket.SOCK_STREAM) as probe:
+            probe.bind(where)
+    except OSError:
+        return False
+    return True
 
 
 def split(command: str) -> list[str]:

@@ -35,6 +35,10 @@ class World(Protocol):
         """The value that a text in YAML stands for."""
         ...
 
+    def is_here(self, address: str) -> bool:
+        """Whether an address, or a host's name, is one of this machine's."""
+        ...
+
     def anonymous(self, name: str) -> str:
         """A name for a node that no other node has, beginning with ``name``."""
         ...

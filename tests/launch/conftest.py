@@ -23,6 +23,7 @@ class MadeUp:
         self.environment: Mapping[str, str] = {"HOME": "/home/me", "EMPTY": ""}
         self.files: dict[str, bytes] = {}
         self.commands: dict[str, str] = {}
+        self.here: tuple[str, ...] = ("localhost",)
 
     def find(self, package: str) -> Path:
         if package != "robot":
@@ -44,6 +45,9 @@ class MadeUp:
             return yaml.safe_load(text)
         except yaml.YAMLError as error:
             raise ValueError(str(error).partition("\n")[0]) from None
+
+    def is_here(self, address: str) -> bool:
+        return address in self.here
 
     def anonymous(self, name: str) -> str:
         return f"{name}_host_1"

@@ -35,7 +35,7 @@ START = '<node pkg="p" type="t" name="n"'
 def test_a_node_is_as_its_attributes_say(
     attributes: str, expected: dict[str, Any], read: Read
 ) -> None:
-    [node] = read(f"{START} {attributes}/>").nodes
+    [node] = read(f"{START} {attributes}/>").nodes.values()
     assert node == Node(package="p", type="t", name="n", file=MAIN, line=2, **expected)
 
 
@@ -75,7 +75,7 @@ def test_what_is_in_a_node_is_its_own(read: Read) -> None:
         '<param name="p" value="1" if="1"/><param name="q" value="1" if="0"/></node>'
         '<node pkg="p" type="t" name="m"/>'
     )
-    node, other = launch.nodes
+    node, other = launch.nodes.values()
     assert (node.remaps, node.environment) == ((("a", "/b/c"),), (("A", "1"),))
     assert (other.remaps, other.environment) == ((), ())
     assert launch.parameters == {"/n/p": 1}
@@ -87,7 +87,7 @@ def test_a_later_remap_or_variable_replaces_an_earlier_one(read: Read) -> None:
         f'{START}><remap from="a" to="x"/><env name="A" value="2"/></node>'
         '<node pkg="p" type="t" name="m"/>'
     )
-    node, other = launch.nodes
+    node, other = launch.nodes.values()
     assert (node.remaps, node.environment) == ((("c", "d"), ("a", "x")), (("A", "2"),))
     assert (other.remaps, other.environment) == ((("a", "b"), ("c", "d")), (("A", "1"),))
 
@@ -115,7 +115,7 @@ def test_a_remap_or_a_variable_that_cannot_be_is_an_error(
 
 
 def test_an_empty_variable_is_one(read: Read) -> None:
-    [node] = read(f'{START}><env name="A" value=""/></node>').nodes
+    [node] = read(f'{START}><env name="A" value=""/></node>').nodes.values()
     assert node.environment == (("A", ""),)
 
 
@@ -125,10 +125,10 @@ def test_a_node_may_clear_its_parameters(read: Read) -> None:
 
 def test_a_test_is_a_node_that_does_not_run(read: Read) -> None:
     text = '<test pkg="p" type="t" test-name="x" time-limit="5" retry="1"><remap from="a" to="b"/>'
-    [node] = read(f"{text}</test>").nodes
+    [node] = read(f"{text}</test>").nodes.values()
     assert node.is_test
     assert (node.name, node.remaps) == ("x", (("a", "b"),))
-    [node] = read('<test pkg="p" type="t" test-name="x" name="y"/>').nodes
+    [node] = read('<test pkg="p" type="t" test-name="x" name="y"/>').nodes.values()
     assert node.name == "y"
 
 

@@ -15,7 +15,7 @@ NODE = '<node pkg="p" type="t" name="{}"/>'
 
 def test_nodes_are_in_the_order_of_the_file(read: Read) -> None:
     launch = read(NODE.format("b") + NODE.format("a"))
-    assert [node.resolved for node in launch.nodes] == ["/b", "/a"]
+    assert [node.resolved for node in launch.nodes.values()] == ["/b", "/a"]
     assert launch.files == [MAIN]
 
 
@@ -30,7 +30,7 @@ def test_an_argument_has_its_default_or_what_was_given(read: Read) -> None:
 
 def test_an_argument_with_a_value_cannot_be_given_another(read: Read) -> None:
     text = '<arg name="n" value="1"/>'
-    assert read(text).nodes == []
+    assert read(text).nodes == {}
     with pytest.raises(LaunchError, match=r"main.launch:2: <arg>: n has the value '1' and was"):
         read(text, n="2")
 
@@ -135,7 +135,7 @@ def test_remaps_variables_and_arguments_have_conditions_too(read: Read) -> None:
         '<arg name="a" value="1" if="0"/><arg name="a" value="2" unless="0"/>'
         + NODE.format("n$(arg a)")
     )
-    [node] = launch.nodes
+    [node] = launch.nodes.values()
     assert (node.name, node.remaps, node.environment) == ("n2", (), ())
 
 
@@ -162,7 +162,7 @@ def test_a_group_has_a_namespace_for_what_is_in_it(read: Read) -> None:
         '<group ns="a"><group ns="b">' + NODE.format("n") + '</group><param name="p" value="1"/>'
         '<group ns="/c">' + NODE.format("n") + "</group></group>" + NODE.format("n")
     )
-    assert [node.resolved for node in launch.nodes] == ["/a/b/n", "/c/n", "/n"]
+    assert [node.resolved for node in launch.nodes.values()] == ["/a/b/n", "/c/n", "/n"]
     assert launch.parameters == {"/a/p": 1}
 
 
@@ -171,7 +171,7 @@ def test_what_a_group_changes_holds_in_it_alone_and_for_what_follows(read: Read)
         NODE.format("before") + '<group><remap from="a" to="b"/><env name="A" value="1"/>'
         '<param name="~p" value="1"/>' + NODE.format("within") + "</group>" + NODE.format("after")
     )
-    before, within, after = launch.nodes
+    before, within, after = launch.nodes.values()
     assert (within.remaps, within.environment) == ((("a", "b"),), (("A", "1"),))
     for node in (before, after):
         assert (node.remaps, node.environment) == ((), ())
@@ -193,7 +193,7 @@ def test_a_namespace_that_is_no_name_is_an_error(namespace: str, read: Read) -> 
 def test_all_may_be_in_a_namespace(world: MadeUp) -> None:
     reader = Reader(world, namespace="/robot")
     reader.read("a.launch", f"<launch>{NODE.format('n')}</launch>".encode())
-    assert reader.launch.nodes[0].resolved == "/robot/n"
+    assert reader.launch.nodes["/robot/n"].resolved == "/robot/n"
 
 
 # Includes
@@ -254,7 +254,7 @@ def test_an_include_has_a_namespace_and_variables(world: MadeUp, read: Read) -> 
         '<include file="one.launch" ns="a" clear_params="true"><env name="A" value="1"/></include>'
         + NODE.format("n")
     )
-    assert [(node.resolved, node.environment) for node in launch.nodes] == [
+    assert [(node.resolved, node.environment) for node in launch.nodes.values()] == [
         ("/a/n", (("A", "1"),)),
         ("/n", ()),
     ]
@@ -266,7 +266,7 @@ def test_the_remaps_of_the_file_hold_in_what_it_includes(world: MadeUp, read: Re
         f'<launch>{NODE.format("n")}<remap from="c" to="d"/></launch>'.encode()
     )
     launch = read('<remap from="a" to="b"/><include file="one.launch"/>' + NODE.format("m"))
-    assert [node.remaps for node in launch.nodes] == [(("a", "b"),), (("a", "b"),)]
+    assert [node.remaps for node in launch.nodes.values()] == [(("a", "b"),), (("a", "b"),)]
 
 
 @pytest.mark.parametrize(
@@ -379,11 +379,14 @@ def test_two_nodes_cannot_have_one_name(read: Read) -> None:
     read(NODE.format("n") + '<group ns="a">' + NODE.format("n") + "</group>")
 
 
-def test_nodes_are_of_this_machine(read: Read) -> None:
+def test_nodes_are_of_this_machine(read: Read, world: MadeUp) -> None:
     here = '<machine name="m" address="localhost" env-loader="/x" user="me"/>'
     assert len(read(here + '<node pkg="p" type="t" name="n" machine="m"/>').nodes) == 1
     away = '<machine name="m" address="robot.local" default="{}"/>'
     assert len(read(away.format("false") + NODE.format("n")).nodes) == 1
+    world.here = ("robot.local",)
+    assert len(read(away.format("true") + NODE.format("n")).nodes) == 1
+    world.here = ()
     for text in ('<node pkg="p" type="t" name="n" machine="m"/>', NODE.format("n")):
         default = "false" if "machine" in text else "true"
         with pytest.raises(LaunchError, match=r"the machine m is robot.local, and nodes are"):
@@ -396,7 +399,7 @@ def test_several_files_are_read_into_one_launch(world: MadeUp) -> None:
         "a.launch", b'<launch><arg name="a" default="0"/><env name="A" value="b"/></launch>'
     )
     reader.read("b.launch", f'<launch><arg name="a"/>{NODE.format("n$(arg a)")}</launch>'.encode())
-    [node] = reader.launch.nodes
+    [node] = reader.launch.nodes.values()
     assert (node.name, node.environment) == ("n1", ())
 
 

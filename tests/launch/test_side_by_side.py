@@ -211,7 +211,7 @@ def test_it_reads_what_roslaunch_reads(number: int, theirs: tuple[Path, list[Any
         assert expected[number] is None
         return
     launch = reader.launch
-    nodes = [node for node in launch.nodes if not node.is_test]
+    nodes = [node for node in launch.nodes.values() if not node.is_test]
     assert {
         "nodes": [
             [
@@ -222,7 +222,7 @@ def test_it_reads_what_roslaunch_reads(number: int, theirs: tuple[Path, list[Any
             ]
             for node in nodes
         ],
-        "tests": [[node.name, node.namespace] for node in launch.nodes if node.is_test],
+        "tests": [[node.name, node.namespace] for node in launch.nodes.values() if node.is_test],
         "parameters": launch.parameters,
         "cleared": launch.cleared,
         "steps": [[step.command, step.name] for step in launch.steps],

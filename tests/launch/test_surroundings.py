@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import socket
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 import yaml
@@ -72,6 +74,25 @@ def test_an_anonymous_name_is_legal_and_never_the_same(world: Surroundings) -> N
     assert first != second
     assert first.startswith("talker_")
     assert names.check_base(first) == first
+
+
+def test_an_address_is_of_this_machine_if_one_can_listen_there(
+    world: Surroundings, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for address in ("localhost", "127.0.0.1"):
+        assert world.is_here(address), address
+    for address in ("192.0.2.1", "a" * 100, "a\0"):  # One of no machine, and two of none at all.
+        assert not world.is_here(address), address
+    hosts = iter([["192.0.2.1", "127.0.0.1"]])
+
+    def found(*_: object, **__: object) -> list[Any]:
+        for each in hosts:
+            return [(socket.AF_INET, socket.SOCK_STREAM, 0, "", (host, 0)) for host in each]
+        raise socket.gaierror
+
+    monkeypatch.setattr("socket.getaddrinfo", found)
+    assert world.is_here("robot"), "one of its addresses is"
+    assert not world.is_here("nowhere")
 
 
 def test_the_environment_and_yaml_are_those_of_here(

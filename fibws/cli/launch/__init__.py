@@ -125,7 +125,7 @@ def _main(words: Sequence[str], listing: str | None, options: dict[str, Any]) ->
         return _print([_typed(_node(launch, options["args_of"]), sources.packages, url)])
     match listing:
         case "nodes":
-            return _print(node.resolved for node in launch.nodes)
+            return _print(launch.nodes)
         case "files":
             return _print(os.path.abspath(file) for file in dict.fromkeys(launch.files))
         case "parameters":
@@ -135,7 +135,8 @@ def _main(words: Sequence[str], listing: str | None, options: dict[str, Any]) ->
         case "check":
             return _check(launch, sources.packages, url)
     if options["required"]:
-        launch.nodes = [replace(node, required=True, respawn=False) for node in launch.nodes]
+        for name, node in launch.nodes.items():
+            launch.nodes[name] = replace(node, required=True, respawn=False)
     if options["verbose"]:
         _print(f"... loading XML file [{file}]" for file in launch.files)
         _print(f"Added parameter [{name}]" for name in launch.parameters)
@@ -179,13 +180,12 @@ def _url(options: dict[str, Any]) -> str:
 
 def _node(launch: Launch, name: str) -> Node:
     wanted = names.resolve(name)
-    found = {node.resolved: node for node in launch.nodes}
-    if wanted not in found:
-        known = "".join(f"\n * {each}" for each in found)
+    if wanted not in launch.nodes:
+        known = "".join(f"\n * {each}" for each in launch.nodes)
         raise click.ClickException(
-            f"Cannot find node {wanted}{hint(wanted, found) or '.'} There are:{known}"
+            f"Cannot find node {wanted}{hint(wanted, launch.nodes) or '.'} There are:{known}"
         )
-    return found[wanted]
+    return launch.nodes[wanted]
 
 
 def _typed(node: Node, packages: Packages, url: str) -> str:
@@ -200,7 +200,7 @@ def _check(launch: Launch, packages: Packages, url: str) -> int:
     from fibws.launch import command
 
     faults = []
-    for node in launch.nodes:
+    for node in launch.nodes.values():
         try:
             if not command.is_there(node, packages):
                 command.start_of(node, packages, url, os.environ)

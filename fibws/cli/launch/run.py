@@ -136,7 +136,7 @@ class _Launch:
             await asyncio.sleep(RETRY)
 
     async def _start_nodes(self) -> None:
-        nodes = [node for node in self._launch.nodes if not node.is_test]
+        nodes = [node for node in self._launch.nodes.values() if not node.is_test]
         if not nodes:
             self._screen.say("No processes to monitor", bold=True)
         if any(not self._is_shown(node) for node in nodes):
