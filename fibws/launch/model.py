@@ -80,6 +80,7 @@ class Launch:
     Attributes:
         nodes: by their global names, in the order in which they start.
         parameters: values by their global names; bytes are those of a binfile.
+        namespaces: those that they are in, each with one that is in it.
         cleared: the namespaces whose parameters are deleted first.
         arguments: those of the files that were named, not of the ones they include.
         files: all that were read, in that order.
@@ -88,6 +89,7 @@ class Launch:
 
     nodes: dict[str, Node] = field(default_factory=dict)
     parameters: dict[str, Any] = field(default_factory=dict)
+    namespaces: dict[str, str] = field(default_factory=dict)
     cleared: list[str] = field(default_factory=list)
     steps: list[Step] = field(default_factory=list)
     arguments: dict[str, Argument] = field(default_factory=dict)

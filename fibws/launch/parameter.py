@@ -75,12 +75,17 @@ def set_parameter(launch: Launch, tag: Tag, name: str, value: Any) -> None:
     if fault:
         raise tag.fault(f"<{tag.name}>: {name}: {fault}")
     parts = name.split("/")
-    for above in ("/".join(parts[:end]) for end in range(2, len(parts))):
-        if above in launch.parameters and not isinstance(launch.parameters[above], dict):
-            launch.warnings.append(
-                f"{tag.file}:{tag.line}: {name} cannot be beside {above}, which is no namespace"
-            )
-    launch.parameters[name] = value
+    above = ["/".join(parts[:end]) for end in range(2, len(parts))]
+    values = launch.parameters
+    beside = [(name, each) for each in above if not isinstance(values.get(each, {}), dict)]
+    if name in launch.namespaces and not isinstance(value, dict):
+        beside.append((launch.namespaces[name], name))
+    for inner, outer in beside:
+        launch.warnings.append(
+            f"{tag.file}:{tag.line}: {inner} cannot be beside {outer}, which is no namespace"
+        )
+    launch.namespaces |= dict.fromkeys(above, name)
+    values[name] = value
 
 
 def _value(tag: Tag, attributes: Attributes, scope: Scope) -> Any:

@@ -37,7 +37,7 @@ class Plan:
     Attributes:
         sources: the packages, each behind those that it depends on.
         chosen: the names of those to be built, all of them unless some were asked for.
-        trees: what is made of each of these, by their names.
+        trees: what each package is made into, by its name, be it built or not.
         faults: what is wrong; nothing is written then.
         warnings: what should be otherwise.
     """
@@ -93,11 +93,12 @@ class Workspace:
             plan.chosen = with_needed(plan.chosen, depends)
         known = Packages([self.source, *(source for source, _ in self._below)]).names()
         compile_definitions(plan.sources, [each / "share" for _, each in self._below])
+        for source in plan.sources:
+            plan.trees[source.name] = devel.files(source)
         for source in plan.built:
             check(source, known)
-            plan.trees[source.name] = devel.files(source)
             plan.warnings += source.recipe.warnings
-        plan.faults += devel.collisions(plan.sources)
+        plan.faults += devel.collisions(plan.sources, plan.trees)
         plan.faults += [fault for source in plan.built for fault in source.recipe.faults]
         # Without those that say the same, as of a definition that several others use.
         plan.faults = list({str(fault): fault for fault in plan.faults}.values())
@@ -110,7 +111,8 @@ class Workspace:
             OSError: something cannot be written.
         """
         if not plan.faults:
-            self._write(plan.trees, {source.name for source in plan.sources} - plan.chosen)
+            built = {source.name: plan.trees[source.name] for source in plan.built}
+            self._write(built, plan.trees.keys() - plan.chosen)
 
     def clean(self) -> None:
         """Take out of devel/ what was made of packages; the files to be sourced stay.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from fibws.errors import FibwsError, PackageFileError
@@ -71,16 +71,19 @@ def files(source: Source) -> Tree:
     return tree
 
 
-def collisions(sources: Sequence[Source]) -> list[PackageFileError]:
-    """What is wrong because two packages would make the same program."""
+def collisions(sources: Sequence[Source], trees: Mapping[str, Tree]) -> list[PackageFileError]:
+    """What is wrong because two packages would make the same file, of ``trees`` by their names."""
     made: dict[str, Source] = {}
     faults = []
     for source in sources:
-        for each in source.recipe.programs:
-            first = made.setdefault(each.target, source)
+        recipe = source.recipe
+        lines = {each.target: each.line for each in recipe.programs}
+        for path in trees[source.name]:
+            first = made.setdefault(path, source)
             if first is not source:
-                text = f"{first.name} installs a {each.target}, too"
-                faults.append(PackageFileError(source.recipe.source, each.line, text))
+                line = lines.get(path, recipe.python_setup or 1)
+                text = f"{first.name} makes {path}, too"
+                faults.append(PackageFileError(recipe.source, line, text))
     return faults
 
 

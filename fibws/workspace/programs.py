@@ -38,12 +38,19 @@ def looks_like_program(path: Path) -> bool:
 def find_files(folder: Path, name: str = "") -> Iterator[Path]:
     """The files below ``folder``, or those of them that ``name`` is the end of.
 
+    Symbolic links are followed, to each folder once.
+
     Args:
         folder: where to look; nothing is found where there is none.
         name: a file's name, perhaps with folders before it, as in ``scripts/talker.py``.
     """
     wanted = tuple(name.replace("\\", "/").split("/")) if name else ()
-    for root, folders, files in os.walk(folder):
+    seen: set[str] = set()
+    for root, folders, files in os.walk(folder, followlinks=True):
+        if (real := os.path.realpath(root)) in seen:
+            folders.clear()
+            continue
+        seen.add(real)
         folders[:] = sorted(each for each in folders if each not in _NO_PROGRAMS)
         for file in sorted(files):
             path = Path(root, file)

@@ -104,8 +104,11 @@ def test_a_later_parameter_replaces_an_earlier_one(read: Read) -> None:
 
 
 def test_a_parameter_beside_its_namespace_is_told(read: Read) -> None:
-    launch = read('<param name="p" value="1"/><param name="p/q" value="2"/>')
-    assert launch.warnings == ["main.launch:2: /p/q cannot be beside /p, which is no namespace"]
+    value, inner = '<param name="p" value="1"/>', '<param name="p/q" value="2"/>'
+    for text in (f"\n{value}\n{inner}", f"\n{inner}\n{value}"):
+        launch = read(text)
+        assert launch.warnings == ["main.launch:4: /p/q cannot be beside /p, which is no namespace"]
+    assert read(f'<param name="p" type="yaml" value="{{}}"/>{inner}').warnings == []
 
 
 # rosparam

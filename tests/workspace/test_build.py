@@ -133,7 +133,18 @@ def test_two_packages_cannot_make_one_program(layout: Layout) -> None:
             after="catkin_install_python(PROGRAMS talker.py DESTINATION bin)",
             programs={"talker.py": PROGRAM},
         )
-    assert layout.faults() == ["b/CMakeLists.txt, line 6: a installs a bin/talker.py, too"]
+    assert layout.faults() == ["b/CMakeLists.txt, line 6: a makes bin/talker.py, too"]
+
+
+def test_two_packages_cannot_make_one_module(layout: Layout) -> None:
+    for name in ("a", "b"):
+        layout.package(
+            name,
+            before="catkin_python_setup()",
+            files={"setup.py": "setup(packages=['common'])", "common/__init__.py": ""},
+        )
+    fault = "b/CMakeLists.txt, line 4: a makes lib/python3/dist-packages/common/__init__.py, too"
+    assert layout.faults() == [fault]
 
 
 def test_some_packages_are_built_and_others_stay_as_they_were(layout: Layout) -> None:

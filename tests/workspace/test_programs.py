@@ -36,3 +36,13 @@ def test_a_name_may_have_folders_before_it(tmp_path: Path) -> None:
     assert list(find_files(tmp_path, "scripts/a.py")) == [second]
     assert not list(find_files(tmp_path, "cripts/a.py"))
     assert not list(find_files(tmp_path / "none"))
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows lets few make links")
+def test_links_are_followed_to_each_folder_once(tmp_path: Path) -> None:
+    shared = write(tmp_path / "shared" / "a.py", "", 0o755)
+    package = tmp_path / "package"
+    package.mkdir()
+    (package / "scripts").symlink_to(shared.parent)
+    (shared.parent / "again").symlink_to(package)
+    assert list(find_files(package, "a.py")) == [package / "scripts" / "a.py"]
