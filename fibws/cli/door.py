@@ -1,4 +1,4 @@
-"""The doors: commands of ROS 1, each of which is a command of fibws under another name."""
+"""What is behind the doors of `fibws.ros1.doors`: the commands of fibws, under ROS's names."""
 
 from __future__ import annotations
 
@@ -7,29 +7,7 @@ import click
 from fibws.cli import Root, command
 from fibws.cli.tool import SETTINGS
 from fibws.hint import hint
-
-DOORS = {
-    "catkin_create_pkg": "pkg create",
-    "catkin_init_workspace": "workspace init",
-    "catkin_make": "workspace make",
-    "roscore": "core",
-    "roslaunch": "launch",
-    "rosmsg": "msg",
-    "rosnode": "node",
-    "rospack": "pkg",
-    "rosparam": "param",
-    "rosrun": "run",
-    "rosservice": "service",
-    "rossrv": "srv",
-    "rostopic": "topic",
-    "roswtf": "doctor",
-    "rqt": "open",
-    "rqt_console": "open console",
-    "rqt_graph": "open graph",
-    "rqt_plot": "open plot",
-    "rqt_topic": "open topics",
-}
-"""What each door has ``fibws`` do."""
+from fibws.ros1.doors import DOORS
 
 
 class _Doors(Root):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from shlex import quote
 
-from fibws.cli.door import DOORS
+from fibws.ros1.doors import DOORS
 from fibws.ros1.environment import PYTHON, Changes
 
 _FUNCTIONS = f"""\

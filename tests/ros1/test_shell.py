@@ -16,8 +16,8 @@ from hatchling.builders.sdist import SdistBuilder
 from hatchling.builders.wheel import WheelBuilder
 
 from fibws import __version__
-from fibws.cli.door import DOORS
 from fibws.ros1 import environment, shell
+from fibws.ros1.doors import DOORS
 from fibws.ros1.environment import BIN_FOLDER, PYTHON_FOLDER
 
 ROOT = Path(__file__).parents[2]

@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-from fibws.cli.door import DOORS
+from fibws.ros1.doors import DOORS
 from fibws.ros1.environment import BIN_FOLDER
 
 from .conftest import HubThread
