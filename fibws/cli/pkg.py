@@ -253,7 +253,7 @@ def _below(package: Package, packages: Packages) -> list[str]:
             if name not in begun:
                 begun.add(name)
                 # Another one is the system's, or not installed here.
-                if name in packages.names():
+                if packages.has(name):
                     add(packages.find(name))
                 found[name] = None
 

@@ -110,6 +110,7 @@ def make(
     """
     from fibws.workspace import place
     from fibws.workspace.build import Workspace
+    from fibws.workspace.recipe import FILE as LISTS
 
     if no_color:
         context.color = False
@@ -122,7 +123,7 @@ def make(
         click.echo(f"Took out of {visible(str(workspace.devel))} what was built")
         return
     _print_spaces(workspace)
-    if not os.path.lexists(workspace.source / place.LISTS):
+    if not os.path.lexists(workspace.source / LISTS):
         click.echo(f"Created file {visible(str(place.initialize(workspace.source)))}")
     plan = workspace.plan([*packages, *with_depends], with_depends=bool(with_depends))
     _print_packages(plan)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import shlex
+import subprocess
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -115,8 +117,6 @@ def shown(start: Mapping[str, str], command: list[str]) -> str:
     """A command as it can be typed into a shell, after the variables that it is given."""
     if os.name == "nt":
         sets = "".join(f"set {name}={value}&& " for name, value in start.items())
-        return f'cmd /c "{sets}{" ".join(command)}"'
-    import shlex
-
+        return f'cmd /c "{sets}{subprocess.list2cmdline(command)}"'
     sets = "".join(f"{name}={shlex.quote(value)} " for name, value in start.items())
     return sets + shlex.join(command)

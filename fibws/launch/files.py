@@ -23,7 +23,7 @@ def named(words: Sequence[str], packages: Packages) -> list[str]:
     """
     first, *others = words
     is_file = first == DASH or Path(first).is_file()
-    if others and (first in packages.names() or not is_file):
+    if others and (packages.has(first) or not is_file):
         return [str(_in_package(first, others[0], packages)), *map(_checked, others[1:])]
     if not is_file:
         raise _no_file(first, packages)
@@ -61,7 +61,7 @@ def _folder(package: str, file: str, packages: Packages) -> Path:
 
 
 def _no_file(word: str, packages: Packages) -> WorkspaceError:
-    if word in packages.names():
+    if packages.has(word):
         known = [path.name for path in launch_files(packages.find(word).folder)]
         return WorkspaceError(
             f"{word} is a package: name a launch file of it, too; {_have('', known)}"

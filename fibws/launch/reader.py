@@ -15,7 +15,6 @@ from fibws.launch.scope import Scope
 from fibws.launch.tag import Tag, read
 from fibws.launch.world import World
 
-TAGS = ("arg", "env", "group", "include", "machine", "node", "param", "remap", "rosparam", "test")
 MACHINE = ("name", "address", "env-loader", "ssh-port", "user", "password", "default", "timeout")
 STANDARD_INPUT = "<stdin>"
 MOST_INCLUDES = 30
@@ -114,8 +113,8 @@ class Reader:
     def _read(self, tag: Tag, scope: Scope) -> None:
         if tag.name == "master":
             self._warn(tag, "<master> has no meaning any more, and is read past")
-        elif tag.name not in TAGS:
-            near = hint_or_all(tag.name, TAGS)
+        elif tag.name not in self._tags:
+            near = hint_or_all(tag.name, self._tags)
             raise tag.fault(f"there is no tag <{tag.name}>{near}")
         elif applies(tag, scope):
             self._tags[tag.name](tag, scope)

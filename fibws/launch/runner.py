@@ -41,7 +41,7 @@ class Job:
     respawn_delay: float | None = None
     required: bool = False
     is_core: bool = False
-    watch: asyncio.Task[None] | None = field(default=None, repr=False)
+    watch: asyncio.Task[None] = field(init=False, repr=False)
 
 
 class Runner:
@@ -130,7 +130,7 @@ class Runner:
 
     async def run(self) -> None:
         """Wait until there is nothing left to run, or all is to end; then end all."""
-        nodes = [job.watch for job in self._jobs if job.watch is not None and not job.is_core]
+        nodes = [job.watch for job in self._jobs if not job.is_core]
         told = asyncio.create_task(self._told.wait())
         try:
             if nodes and not self.is_told:
@@ -156,9 +156,8 @@ class Runner:
                 if job.process.is_running:
                     self._screen.say(f"[{job.process.name}] killing on exit")
                     job.process.ask(Ask.INTERRUPT)
-            watches = [job.watch for job in jobs if job.watch is not None]
             await asyncio.gather(*(self._urge(job, urgency) for job in jobs))
-            await asyncio.gather(*watches, return_exceptions=True)
+            await asyncio.gather(*(job.watch for job in jobs), return_exceptions=True)
 
     async def _urge(self, job: Job, urgency: int) -> None:
         """Wait for a process that was interrupted, and ask ever more urgently.
@@ -167,8 +166,6 @@ class Runner:
             job: whose process it is.
             urgency: how urgent it was when it was interrupted.
         """
-        if job.watch is None:
-            return
         for level, (how, seconds) in enumerate(self._waits, urgency):
             hurry = asyncio.create_task(self._hurried(level))
             await asyncio.wait(

@@ -14,7 +14,6 @@ from fibws.launch.value import automatic
 if TYPE_CHECKING:
     from fibws.launch.scope import Scope
 
-COMMANDS = ("arg", "env", "optenv", "find", "anon", "eval", "dirname")
 MOST_CHARACTERS = 1_000_000
 """Of an attribute with all put in: arguments that hold each other twice grow without end."""
 _COMMAND = re.compile(r"\$\(([^()$]*)\)")
@@ -58,7 +57,8 @@ def substitute(text: str, scope: Scope) -> str:
 def _replaced(found: re.Match[str], scope: Scope) -> str:
     command, *words = found[1].split() or [""]
     if command not in _REPLACE:
-        raise ValueError(f"{found[0]}: there is no $({command}){hint_or_all(command, COMMANDS)}")
+        near = hint_or_all(command, [*_REPLACE, "eval"])
+        raise ValueError(f"{found[0]}: there is no $({command}){near}")
     return _REPLACE[command](words, scope)
 
 

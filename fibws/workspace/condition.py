@@ -7,8 +7,7 @@ import os
 import re
 from collections.abc import Callable, Mapping
 
-DEFAULTS = {"ROS_VERSION": "1", "ROS_DISTRO": "noetic", "ROS_PYTHON_VERSION": "3"}
-"""What the variables are where the environment does not say otherwise."""
+from fibws.ros1.environment import OF_ROS
 
 _WORD = re.compile(r"""\s*(?:([()])|([=!<>]=|[<>])|(["'])(.*?)\3|(\$\w+)|([\w.-]+))""", re.ASCII)
 _OPERATORS: dict[str, Callable[[str, str], bool]] = {
@@ -26,12 +25,12 @@ def holds(condition: str, variables: Mapping[str, str] | None = None) -> bool:
 
     Args:
         condition: the text of the attribute.
-        variables: what ``$NAME`` stands for; by default the environment, with `DEFAULTS`.
+        variables: what ``$NAME`` stands for; by default the environment, with `OF_ROS`.
 
     Raises:
         ValueError: the text is no condition.
     """
-    return _Condition(condition, {**DEFAULTS, **os.environ} if variables is None else variables)()
+    return _Condition(condition, {**OF_ROS, **os.environ} if variables is None else variables)()
 
 
 class _Condition:

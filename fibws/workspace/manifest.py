@@ -30,7 +30,6 @@ _TAGS = {
     3: _COMMON | _DEPEND_2 | {"doc_depend", "group_depend", "member_of_group"},
 }
 _INSTEAD = {"run_depend": "exec_depend", "exec_depend": "run_depend"}
-_ONCE = ("name", "version", "description")
 _BUILD = {"build_depend", "depend", "buildtool_depend"}
 _EXEC = {"exec_depend", "depend", "run_depend"}
 _EXPORTED = {"build_export_depend", "depend", "run_depend"}

@@ -89,7 +89,7 @@ def _not_sourced(name: str, program: str, packages: Packages, here: Path) -> str
         return ""
     known = packages.in_workspace(workspace)
     having = [each.name for each in known.having(program)] if program else []
-    if name in known.names() and not known.find(name).is_standard:
+    if known.has(name) and not known.find(name).is_standard:
         what = "it is"
     elif having:
         what = f"{having[0]} has it, which is"

@@ -113,36 +113,36 @@ class Packages:
             raise PackageNotFound(name, missing.package(name, "", self, self._here))
         return self._found[name]
 
+    def has(self, name: str) -> bool:
+        """Whether there is a package of that name."""
+        return name in self._found
+
     def has_own(self, name: str) -> bool:
         """Whether there is a package of that name that fibws does not bring."""
         return name in self._found and not self._found[name].is_standard
 
-    def executable(self, package: Package | str, name: str) -> Path:
+    def executable(self, package: str, name: str) -> Path:
         """The program of a package, as rosrun finds it.
 
         That is what catkin_make has put into ``devel/lib/<package>``, else whatever is executable
         in the package's folder.
 
         Args:
-            package: it, or its name.
+            package: its name.
             name: the program's, perhaps with folders before it.
 
         Raises:
             PackageNotFound: there is no such package; the text names one that has such a program.
             ExecutableNotFound: there is no such program, it is not executable, or there are two.
         """
-        if isinstance(package, str):
-            if package not in self._found:
-                raise PackageNotFound(package, missing.package(package, name, self, self._here))
-            package = self._found[package]
-        found = self._programs(package, name)
+        if package not in self._found:
+            raise PackageNotFound(package, missing.package(package, name, self, self._here))
+        owner = self._found[package]
+        found = self._programs(owner, name)
         if len(found) == 1:
             return found[0]
-        if found:
-            hint = missing.several(package, found)
-        else:
-            hint = missing.program(package, name, self)
-        raise ExecutableNotFound(package.name, name, hint)
+        hint = missing.several(owner, found) if found else missing.program(owner, name, self)
+        raise ExecutableNotFound(package, name, hint)
 
     def having(self, program: str) -> list[Package]:
         """The packages that have a program of that name, or one that was meant to be."""

@@ -8,12 +8,12 @@ from shlex import quote
 
 from fibws.errors import WorkspaceError
 from fibws.workspace.manifest import FILE as MANIFEST
+from fibws.workspace.recipe import FILE as LISTS
 from fibws.workspace.tree import File, write
 
 SOURCE, DEVEL, BUILD, MARK = "src", "devel", "build", ".catkin_workspace"
 SPACES = ".catkin"
 """The file in devel/ that names src/: catkin's mark of a folder that it has written."""
-LISTS = "CMakeLists.txt"
 
 _LISTS = """\
 # Made by catkin_init_workspace. It marks this folder as the source space of a catkin workspace: the

@@ -213,10 +213,8 @@ class _Reading:
         words |= {"CONFIGURATIONS", "COMPONENT", "RENAME", "PATTERN", "REGEX"}
         flags = {"OPTIONAL", "FILES_MATCHING", "EXCLUDE", "USE_SOURCE_PERMISSIONS"}
         for value in _sorted_out(call.values[1:], words, flags)[""]:
-            path = self._folder / value.text
-            if path.exists():
-                self.recipe.files.append(Listed(path, value.line))
-            elif not any(each.text == "OPTIONAL" for each in call.values):
+            is_there = (self._folder / value.text).exists()
+            if not is_there and not any(each.text == "OPTIONAL" for each in call.values):
                 missing = f"install(): there is no {value.text}{self._near(value.text)}"
                 self.recipe.warn(value.line, missing)
 

@@ -48,7 +48,6 @@ class Recipe:
         catkin_depends: what that depends on, each with its line.
         python_setup: the line of catkin_python_setup(), if it is there.
         programs: what catkin_install_python() installs.
-        files: what install() installs.
         compiled: the targets in C++, each with its line.
         faults: what is wrong, each with its line; nothing is made of the package then.
         warnings: what should be otherwise, each with its line.
@@ -67,7 +66,6 @@ class Recipe:
     catkin_depends: dict[str, int] = field(default_factory=dict)
     python_setup: int | None = None
     programs: list[Listed] = field(default_factory=list)
-    files: list[Listed] = field(default_factory=list)
     compiled: dict[str, int] = field(default_factory=dict)
     faults: list[FibwsError] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)

@@ -135,4 +135,4 @@ def test_a_command_can_be_typed_into_a_shell(monkeypatch: pytest.MonkeyPatch) ->
     text = shown({"A": "1 2"}, ["run", "a b"])
     assert shlex.split(text) == ["A=1 2", "run", "a b"]
     monkeypatch.setattr("os.name", "nt")
-    assert shown({"A": "1 2"}, ["run", "b"]) == 'cmd /c "set A=1 2&& run b"'
+    assert shown({"A": "1 2"}, ["run", "a b"]) == 'cmd /c "set A=1 2&& run "a b""'

@@ -75,7 +75,7 @@ class RosPack:
             if each in found:
                 continue
             found[each] = None
-            if implicit and each in self._packages.names():
+            if implicit and self._packages.has(each):
                 waiting += _needs(self.get_manifest(each))
         return [*found]
 
