@@ -128,7 +128,7 @@ def _extras(text: str | None) -> list[str]:
 def _warn(name: str, depends: Iterable[str], here: Path) -> None:
     """Say what is most likely a mistake, though catkin_create_pkg would not."""
     from fibws.workspace import place
-    from fibws.workspace.known import ELSEWHERE, PROVIDED
+    from fibws.workspace.elsewhere import ELSEWHERE, PROVIDED
     from fibws.workspace.manifest import BY_CONVENTION
     from fibws.workspace.packages import Packages
 

@@ -67,7 +67,7 @@ def command(workspace: Path | None, prefix: str | None, words: tuple[str, ...]) 
     """
     with ending():
         if workspace is not None:
-            use(workspace)
+            put_on_paths(workspace)
         if not words:
             raise click.UsageError("Write PACKAGE PROGRAM, or the path of a script.")
         become([*_prefix(prefix or ""), *_line(words, workspace)])
@@ -99,7 +99,7 @@ def _line(words: Sequence[str], workspace: Path | None) -> list[str]:
     return line
 
 
-def use(workspace: Path) -> None:
+def put_on_paths(workspace: Path) -> None:
     """Put a workspace on the paths of this process, and so of the program."""
     from fibws.workspace.place import DEVEL, SOURCE
     from fibws.workspace.setup_files import entries

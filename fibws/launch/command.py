@@ -67,12 +67,12 @@ def start_of(node: Node, packages: Packages, hub: str, environment: Mapping[str,
         raise _fault(node, f"cannot read {error.filename}: {error.strerror}") from None
     return Start(
         command=[*prefix, *program],
-        environment={**environment, **changes(node, hub, environment)},
+        environment={**environment, **variables_of(node, hub, environment)},
         folder=folder if node.cwd == "node" else ros_home(environment),
     )
 
 
-def changes(node: Node, hub: str, environment: Mapping[str, str]) -> dict[str, str]:
+def variables_of(node: Node, hub: str, environment: Mapping[str, str]) -> dict[str, str]:
     """The variables that a node has otherwise than they are: its namespace, its hub, its own."""
     own = {
         HUB: hub,
@@ -87,7 +87,7 @@ def changes(node: Node, hub: str, environment: Mapping[str, str]) -> dict[str, s
     return {name: value for name, value in own.items() if environment.get(name) != value}
 
 
-def is_there(node: Node, packages: Packages) -> bool:
+def hub_does_it(node: Node, packages: Packages) -> bool:
     """Whether a node needs no start, since the hub does what it does."""
     return node.package in ALREADY_THERE and not packages.has_own(node.package)
 
@@ -113,10 +113,10 @@ def _fault(node: Node, text: str) -> LaunchError:
     return LaunchError(node.file, node.line, f"<node {node.name}>: {text}")
 
 
-def shown(start: Mapping[str, str], command: list[str]) -> str:
+def shown(variables: Mapping[str, str], command: list[str]) -> str:
     """A command as it can be typed into a shell, after the variables that it is given."""
     if os.name == "nt":
-        sets = "".join(f"set {name}={value}&& " for name, value in start.items())
+        sets = "".join(f"set {name}={value}&& " for name, value in variables.items())
         return f'cmd /c "{sets}{subprocess.list2cmdline(command)}"'
-    sets = "".join(f"{name}={shlex.quote(value)} " for name, value in start.items())
+    sets = "".join(f"{name}={shlex.quote(value)} " for name, value in variables.items())
     return sets + shlex.join(command)

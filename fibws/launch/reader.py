@@ -43,7 +43,7 @@ class Reader:
         self._default_machine = ""
         self._including: list[tuple[str, int]] = []
         self._tags: dict[str, Callable[[Tag, Scope], None]] = {
-            "arg": self._arg,
+            "arg": self._declare,
             "env": lambda tag, scope: read_env(tag, scope, scope),
             "group": self._group,
             "include": self._include,
@@ -86,7 +86,7 @@ class Reader:
             if applies_or_none(tag, scope):
                 self._note_argument(tag, scope)
                 try:
-                    self._arg(tag, scope)
+                    self._declare(tag, scope)
                 except LaunchError:
                     continue
 
@@ -131,28 +131,27 @@ class Reader:
             name, Argument(name, default, tag.attributes.get("doc", ""), "value" in tag.attributes)
         )
 
-    def _arg(self, tag: Tag, scope: Scope, *, passed: Scope | None = None) -> None:
-        """Read an <arg>; one in an <include> is ``passed`` to what is included."""
-        attributes = Attributes(tag, scope, ("name", "value", "default", "doc"))
-        name = attributes.required("name")
-        value, default = attributes.text("value"), attributes.text("default")
-        attributes.text("doc")
-        if value is not None and default is not None:
-            raise tag.fault("<arg> has both value and default: one of them is enough")
-        into = scope if passed is None else passed
-        if name in into.declared and not into.passes_all:
-            raise tag.fault(f"<arg>: {name} has been declared already")
-        into.declared.add(name)
+    def _declare(self, tag: Tag, scope: Scope) -> None:
+        """Read an <arg> of a file."""
+        name, value, default = _argument(tag, scope, scope)
         if value is not None:
-            if name in into.values and not into.passes_all:
+            if name in scope.values and not scope.passes_all:
                 raise tag.fault(
-                    f"<arg>: {name} has the value {value!r} and was given {into.values[name]!r}: "
+                    f"<arg>: {name} has the value {value!r} and was given {scope.values[name]!r}: "
                     f"only one with a default, default={value!r}, may be given"
                 )
-            into.values[name] = value
+            scope.values[name] = value
         elif default is not None:
-            into.values.setdefault(name, default)
-        elif passed is not None and name not in into.values:
+            scope.values.setdefault(name, default)
+
+    def _pass(self, tag: Tag, scope: Scope, included: Scope) -> None:
+        """Read an <arg> of an <include>."""
+        name, value, default = _argument(tag, scope, included)
+        if value is not None:
+            included.values[name] = value
+        elif default is not None:
+            included.values.setdefault(name, default)
+        elif name not in included.values:
             raise tag.fault(f"<arg>: {name} has no value to pass on")
 
     def _group(self, tag: Tag, scope: Scope) -> None:
@@ -194,10 +193,8 @@ class Reader:
     def _include(self, tag: Tag, scope: Scope) -> None:
         attributes = Attributes(tag, scope, ("file", "ns", "clear_params", "pass_all_args"))
         file = attributes.required("file")
-        inner = scope.inner(namespace_of(tag, attributes))
-        inner.passes_all = attributes.flag("pass_all_args", False)
-        inner.file, inner.names, inner.declared = file, {}, set()
-        inner.values = dict(scope.values) if inner.passes_all else {}
+        passes_all = attributes.flag("pass_all_args", False)
+        inner = scope.included(file, namespace_of(tag, attributes), passes_all=passes_all)
         self._clear(tag, attributes, inner)
         given = scope.inner()
         for child in tag.children:
@@ -208,8 +205,8 @@ class Reader:
                 if child.name == "env":
                     read_env(child, given, inner)
                 else:
-                    self._arg(child, given, passed=inner)
-        passed = set(inner.values) if not inner.passes_all else set()
+                    self._pass(child, given, inner)
+        passed = set() if passes_all else set(inner.values)
         inner.declared = set()
         self._included(tag, file, inner)
         unused = sorted(passed - inner.declared)
@@ -253,6 +250,20 @@ def applies_or_none(tag: Tag, scope: Scope) -> bool:
         return applies(tag, scope)
     except LaunchError:
         return False
+
+
+def _argument(tag: Tag, scope: Scope, into: Scope) -> tuple[str, str | None, str | None]:
+    """The name, value and default of an <arg> in ``scope``, which is declared ``into`` another."""
+    attributes = Attributes(tag, scope, ("name", "value", "default", "doc"))
+    name = attributes.required("name")
+    value, default = attributes.text("value"), attributes.text("default")
+    attributes.text("doc")
+    if value is not None and default is not None:
+        raise tag.fault("<arg> has both value and default: one of them is enough")
+    if name in into.declared and not into.passes_all:
+        raise tag.fault(f"<arg>: {name} has been declared already")
+    into.declared.add(name)
+    return name, value, default
 
 
 def _meant(name: str, known: list[str]) -> str:

@@ -66,7 +66,7 @@ class Runner:
         self._folder = folder
         self._waits = ((Ask.TERMINATE, wait_interrupt), (Ask.KILL, wait_terminate))
         self._jobs: list[Job] = []
-        self._told = asyncio.Event()
+        self._stopping = asyncio.Event()
         self._hurry = asyncio.Event()
         self._urgency = 0
         self._count = 0
@@ -74,14 +74,14 @@ class Runner:
         """Whether a process could not be started, or has ended with an error by itself."""
 
     @property
-    def is_told(self) -> bool:
+    def is_stopping(self) -> bool:
         """Whether all is to end."""
-        return self._told.is_set()
+        return self._stopping.is_set()
 
     def stop(self) -> None:
         """Have all end; called again, do not wait any longer for those that take their time."""
-        if not self._told.is_set():
-            self._told.set()
+        if not self._stopping.is_set():
+            self._stopping.set()
         else:
             self._urgency += 1
             self._hurry.set()
@@ -131,24 +131,24 @@ class Runner:
     async def run(self) -> None:
         """Wait until there is nothing left to run, or all is to end; then end all."""
         nodes = [job.watch for job in self._jobs if not job.is_core]
-        told = asyncio.create_task(self._told.wait())
+        stopping = asyncio.create_task(self._stopping.wait())
         try:
-            if nodes and not self.is_told:
+            if nodes and not self.is_stopping:
                 everything = asyncio.create_task(asyncio.wait(nodes))
-                waits: list[asyncio.Future[Any]] = [told, everything]
+                waits: list[asyncio.Future[Any]] = [stopping, everything]
                 await asyncio.wait(waits, return_when=asyncio.FIRST_COMPLETED)
                 everything.cancel()
-                if not self.is_told:
+                if not self.is_stopping:
                     self._say_all_have_ended()
             if any(job.is_core for job in self._jobs):
-                await told
+                await stopping
         finally:
-            told.cancel()
+            stopping.cancel()
             await self.shut_down()
 
     async def shut_down(self) -> None:
         """End all that runs: the nodes, the latest first, and then the hub."""
-        self._told.set()
+        self._stopping.set()
         for is_core in (False, True):
             jobs = [job for job in reversed(self._jobs) if job.is_core is is_core]
             urgency = self._urgency
@@ -200,7 +200,7 @@ class Runner:
         try:
             while True:
                 await job.process.end()
-                if self.is_told:
+                if self.is_stopping:
                     return
                 self._ended(job)
                 if job.respawn_delay is None or not await self._respawn(job, job.respawn_delay):
@@ -212,8 +212,8 @@ class Runner:
     async def _respawn(self, job: Job, delay: float) -> bool:
         with suppress(TimeoutError):
             async with asyncio.timeout(max(delay, SHORTEST_DELAY)):
-                await self._told.wait()
-        if self.is_told:
+                await self._stopping.wait()
+        if self.is_stopping:
             return False
         self._screen.say(f"[{job.process.name}] restarting process")
         if await self._begin(job):
@@ -255,7 +255,7 @@ class Runner:
                 job.screen, job.log = True, None
         # What goes wrong is shown wherever the rest goes; not so what ending in haste makes Python
         # say, be it in the midst of its own start.
-        if job.screen or (is_error and not self.is_told):
+        if job.screen or (is_error and not self.is_stopping):
             self._screen.show(job.process.name, line, is_error=is_error)
 
     def _say_all_have_ended(self) -> None:

@@ -53,6 +53,20 @@ class Scope:
             environment=dict(self.environment),
         )
 
+    def included(self, file: str, namespace: str | None, *, passes_all: bool) -> Scope:
+        """The scope of a file that is included here; it has no arguments but all or none of these.
+
+        Args:
+            file: the launch file.
+            namespace: as for `inner`.
+            passes_all: whether it has all arguments that there are here.
+        """
+        inner = self.inner(namespace)
+        values = inner.values if passes_all else {}
+        return replace(
+            inner, file=file, values=values, declared=set(), passes_all=passes_all, names={}
+        )
+
     def join(self, name: str) -> str:
         """The global name that a name stands for in this namespace."""
         return name_of(name if name.startswith("/") else names.join(self.namespace, name))

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from fibws.errors import PackageFileError
 from fibws.hint import hint, nearest
-from fibws.workspace.known import ELSEWHERE, MODULES, PROVIDED
+from fibws.workspace.elsewhere import ELSEWHERE, MODULES, PROVIDED
 from fibws.workspace.missing import quoted
 from fibws.workspace.programs import find_files, has_shebang, has_windows_shebang, is_executable
 from fibws.workspace.source import Source

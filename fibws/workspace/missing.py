@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from fibws.workspace.packages import Package, Packages
 
 
-def package(name: str, program: str, packages: Packages, here: Path | None) -> str:
+def hint_for_package(name: str, program: str, packages: Packages, here: Path | None) -> str:
     """The end of the error's text when there is no package ``name``; empty if nothing is known.
 
     Args:
@@ -38,7 +38,7 @@ def package(name: str, program: str, packages: Packages, here: Path | None) -> s
     return ""
 
 
-def program(package: Package, name: str, packages: Packages) -> str:
+def hint_for_program(package: Package, name: str, packages: Packages) -> str:
     """The end of the error's text when there is no program ``name`` in a package."""
     meant = [path for path in find_files(package.folder, name) if looks_like_program(path)]
     if meant:
@@ -71,7 +71,7 @@ def _compiled(package: Package) -> dict[str, int]:
         return {}
 
 
-def several(package: Package, found: Sequence[Path]) -> str:
+def hint_for_several(package: Package, found: Sequence[Path]) -> str:
     """The end of the error's text when a package has several programs of one name."""
     names = [path.relative_to(package.folder).as_posix() for path in found]
     return f"there are {len(names)}, write which one: {', '.join(names)}"

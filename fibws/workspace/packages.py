@@ -110,7 +110,7 @@ class Packages:
             PackageNotFound: there is none; its text says what the person has missed, perhaps.
         """
         if name not in self._found:
-            raise PackageNotFound(name, missing.package(name, "", self, self._here))
+            raise PackageNotFound(name, missing.hint_for_package(name, "", self, self._here))
         return self._found[name]
 
     def has(self, name: str) -> bool:
@@ -136,12 +136,18 @@ class Packages:
             ExecutableNotFound: there is no such program, it is not executable, or there are two.
         """
         if package not in self._found:
-            raise PackageNotFound(package, missing.package(package, name, self, self._here))
+            raise PackageNotFound(
+                package, missing.hint_for_package(package, name, self, self._here)
+            )
         owner = self._found[package]
         found = self._programs(owner, name)
         if len(found) == 1:
             return found[0]
-        hint = missing.several(owner, found) if found else missing.program(owner, name, self)
+        hint = (
+            missing.hint_for_several(owner, found)
+            if found
+            else missing.hint_for_program(owner, name, self)
+        )
         raise ExecutableNotFound(package, name, hint)
 
     def having(self, program: str) -> list[Package]:

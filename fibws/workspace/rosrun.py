@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from fibws.ros1 import known, process
+from fibws.ros1 import process, stand_ins
 from fibws.workspace.packages import Packages
 
 
@@ -25,7 +25,7 @@ def command_line(
         OSError: the program's file cannot be read.
     """
     if not packages.has_own(package):
-        found = known.command_line(package, program, arguments)
+        found = stand_ins.command_line(package, program, arguments)
         if found is not None:
             return found, Path.cwd()
     executable = packages.executable(package, program)

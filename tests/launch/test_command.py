@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from fibws.errors import LaunchError
-from fibws.launch.command import changes, is_there, log_folder, ros_home, shown, start_of
+from fibws.launch.command import hub_does_it, log_folder, ros_home, shown, start_of, variables_of
 from fibws.launch.model import Node
 from fibws.workspace.packages import Packages
 
@@ -60,9 +60,9 @@ def test_a_node_has_its_hub_its_namespace_and_its_own_variables(packages: Packag
 
 
 def test_the_namespace_of_whoever_launches_is_not_that_of_a_node() -> None:
-    assert "ROS_NAMESPACE" not in changes(node(), HUB, {})
-    assert changes(node(), HUB, {"ROS_NAMESPACE": "/mine"})["ROS_NAMESPACE"] == "/"
-    assert "FIBWS_HUB" not in changes(node(), HUB, {"FIBWS_HUB": HUB})
+    assert "ROS_NAMESPACE" not in variables_of(node(), HUB, {})
+    assert variables_of(node(), HUB, {"ROS_NAMESPACE": "/mine"})["ROS_NAMESPACE"] == "/"
+    assert "FIBWS_HUB" not in variables_of(node(), HUB, {"FIBWS_HUB": HUB})
 
 
 def test_a_node_runs_in_ros_home_or_where_its_program_is(
@@ -106,10 +106,10 @@ def test_the_tutorials_talker_is_there(packages: Packages) -> None:
 
 
 def test_what_the_hub_does_needs_no_start(packages: Packages, tmp_path: Path) -> None:
-    assert is_there(node(package="rosbridge_server"), packages)
-    assert is_there(node(package="rosapi"), packages)
-    assert not is_there(node(), packages)
-    assert not is_there(node(package="rosapi"), package(tmp_path / "own", "rosapi"))
+    assert hub_does_it(node(package="rosbridge_server"), packages)
+    assert hub_does_it(node(package="rosapi"), packages)
+    assert not hub_does_it(node(), packages)
+    assert not hub_does_it(node(package="rosapi"), package(tmp_path / "own", "rosapi"))
 
 
 @pytest.mark.parametrize(

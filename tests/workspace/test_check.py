@@ -6,7 +6,7 @@ import os
 
 import pytest
 
-from fibws.workspace.known import ELSEWHERE, MODULES, PROVIDED
+from fibws.workspace.elsewhere import ELSEWHERE, MODULES, PROVIDED
 
 from .conftest import BIN, Layout, manifest_of
 

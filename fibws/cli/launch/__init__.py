@@ -192,7 +192,7 @@ def _typed(node: Node, packages: Packages, url: str) -> str:
     from fibws.launch import command
 
     start = command.start_of(node, packages, url, os.environ)
-    return command.shown(command.changes(node, url, os.environ), start.command)
+    return command.shown(command.variables_of(node, url, os.environ), start.command)
 
 
 def _check(launch: Launch, packages: Packages, url: str) -> int:
@@ -202,7 +202,7 @@ def _check(launch: Launch, packages: Packages, url: str) -> int:
     faults = []
     for node in launch.nodes.values():
         try:
-            if not command.is_there(node, packages):
+            if not command.hub_does_it(node, packages):
                 command.start_of(node, packages, url, os.environ)
         except FibwsError as error:
             faults.append(str(error))

@@ -15,7 +15,7 @@ from fibws.cli.ending import end_line
 from fibws.cli.launch.parameters import prepare
 from fibws.cli.link import Link
 from fibws.errors import LaunchError, NoHub
-from fibws.launch.command import is_there, log_folder, start_of
+from fibws.launch.command import hub_does_it, log_folder, start_of
 from fibws.launch.hub import start_hub
 from fibws.launch.model import Launch, Node
 from fibws.launch.runner import WAIT_INTERRUPT, WAIT_TERMINATE, Runner
@@ -86,7 +86,7 @@ class _Launch:
         self._runner.obey_signals(end_line)
         try:
             for step in (self._find_hub, self._prepare, self._start_nodes, self._runner.run):
-                if not self._runner.is_told:
+                if not self._runner.is_stopping:
                     await step()
         finally:
             await self._runner.shut_down()
@@ -101,14 +101,14 @@ class _Launch:
         with Link(TOOL, self._url) as link:
             for _ in prepare(link, self._launch, self._screen.complain):
                 await asyncio.sleep(0)  # Ctrl-C is heard between two parameters.
-                if self._runner.is_told:
+                if self._runner.is_stopping:
                     return
 
     async def _find_hub(self) -> None:
         where = urlsplit(self._url)
         if where.port != 0 and await self._is_there():
             return
-        if self._runner.is_told:
+        if self._runner.is_stopping:
             return
         if where.hostname not in LOOPBACK or where.scheme != "ws":
             raise NoHub(self._url, "nothing answers")
@@ -122,17 +122,17 @@ class _Launch:
 
     async def _is_there(self) -> bool:
         """Whether a hub answers, which is waited for if that is wanted."""
-        is_told = False
+        is_said = False
         while True:
             try:
                 Link(TOOL, self._url).close()
                 return True
             except NoHub:
-                if not self._options.wait or self._runner.is_told:
+                if not self._options.wait or self._runner.is_stopping:
                     return False
-            if not is_told:
+            if not is_said:
                 self._screen.say("no hub is running yet, will wait for it to start")
-                is_told = True
+                is_said = True
             await asyncio.sleep(RETRY)
 
     async def _start_nodes(self) -> None:
@@ -142,9 +142,9 @@ class _Launch:
         if any(not self._is_shown(node) for node in nodes):
             self._screen.say(f"... logging to {self._folder}")
         for node in nodes:
-            if self._runner.is_told:
+            if self._runner.is_stopping:
                 return
-            if is_there(node, self._packages):
+            if hub_does_it(node, self._packages):
                 self._screen.say(f"[{node.name}] the hub is {node.package} already: nothing to do")
                 continue
             try:

@@ -11,7 +11,7 @@ import click
 
 from fibws import names
 from fibws.cli.launch.parameters import read_yaml
-from fibws.cli.run import use
+from fibws.cli.run import put_on_paths
 from fibws.errors import FibwsError
 from fibws.launch import files
 from fibws.launch.reader import STANDARD_INPUT, Reader
@@ -39,7 +39,7 @@ class Sources:
 
     def __init__(self, words: Sequence[str], workspace: Path | None) -> None:
         if workspace is not None:
-            use(workspace)
+            put_on_paths(workspace)
         self.packages = Packages.from_environment(workspace)
         given = [word for word in words if MARK not in word]
         if not given:

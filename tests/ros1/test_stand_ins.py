@@ -10,12 +10,12 @@ import pytest
 
 from fibws.errors import WorkspaceError
 from fibws.hub import Hub, Settings
-from fibws.ros1 import known
+from fibws.ros1 import stand_ins
 
 
-@pytest.mark.parametrize(("package", "program"), known._MODULES)
+@pytest.mark.parametrize(("package", "program"), stand_ins._MODULES)
 def test_each_is_a_program_of_fibws(package: str, program: str) -> None:
-    line = known.command_line(package, program, ["--help"])
+    line = stand_ins.command_line(package, program, ["--help"])
     assert line is not None
     done = subprocess.run(line, capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (0, "")
@@ -23,20 +23,20 @@ def test_each_is_a_program_of_fibws(package: str, program: str) -> None:
 
 
 def test_the_name_may_end_in_py() -> None:
-    assert known.command_line("rospy_tutorials", "talker.py", []) == known.command_line(
+    assert stand_ins.command_line("rospy_tutorials", "talker.py", []) == stand_ins.command_line(
         "rospy_tutorials", "talker", []
     )
 
 
 def test_others_are_not_known() -> None:
-    assert known.command_line("fibonacci", "talker", []) is None
-    assert known.command_line("rospy_tutorials", "nothing", []) is None
+    assert stand_ins.command_line("fibonacci", "talker", []) is None
+    assert stand_ins.command_line("rospy_tutorials", "nothing", []) is None
 
 
-@pytest.mark.parametrize("package", known._NOT_THERE)
+@pytest.mark.parametrize("package", stand_ins._NOT_THERE)
 def test_what_has_no_like_here_says_why(package: str) -> None:
     with pytest.raises(WorkspaceError, match=f"^{package} "):
-        known.command_line(package, "anything", [])
+        stand_ins.command_line(package, "anything", [])
 
 
 async def test_the_listener_hears_the_talker(
@@ -49,7 +49,7 @@ async def test_the_listener_hears_the_talker(
         monkeypatch.setenv("PYTHONUNBUFFERED", "1")
         processes = []
         for program in ("listener", "talker"):
-            line = known.command_line("rospy_tutorials", program, [])
+            line = stand_ins.command_line("rospy_tutorials", program, [])
             assert line is not None
             processes.append(
                 await asyncio.create_subprocess_exec(*line, stdout=asyncio.subprocess.PIPE)
