@@ -18,6 +18,7 @@ import click
 from fibws import names
 from fibws.cli.link import Link
 from fibws.errors import FibwsError, InvalidName
+from fibws.ros1.folders import STANDARD, named_folders
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
@@ -185,9 +186,8 @@ def _beginning(found: Iterable[str], incomplete: str) -> list[CompletionItem]:
 
 def _types(kind: str) -> set[str]:
     """The names of types by their files, as no definition needs to be read for that."""
-    own = [each for each in os.environ.get("FIBWS_INTERFACES", "").split(os.pathsep) if each]
-    standard = Path(__file__).parents[1] / "interfaces" / "definitions"
-    return {name for folder in [standard, *map(Path, own)] for name in _types_in(folder, kind)}
+    folders = [STANDARD, *map(Path, named_folders())]
+    return {name for folder in folders for name in _types_in(folder, kind)}
 
 
 def _types_in(folder: Path, kind: str) -> Iterable[str]:

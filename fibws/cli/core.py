@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from urllib.parse import SplitResult, urlsplit
 
@@ -35,7 +34,7 @@ def command(port: int | None, verbose: bool, workers: str | None, timeout: str |
     with ending():
         if port is None:
             _warn_of_another_machine()
-            port = _told_port()
+            port = _told_port() or address.DEFAULT_PORT
         url = f"ws://{address.LOOPBACK[0]}:{port}"
         if port and _is_there(url):
             raise click.ClickException(
@@ -50,11 +49,13 @@ def command(port: int | None, verbose: bool, workers: str | None, timeout: str |
 
 def _told() -> SplitResult:
     """Where nodes look for the hub."""
-    return urlsplit(address.hub_url(os.environ.get(address.ENVIRONMENT) or address.DEFAULT))
+    return urlsplit(address.hub_url())
 
 
-def _told_port() -> int:
-    return _told().port or 80
+def _told_port() -> int | None:
+    """The port there, if a hub can listen there: it speaks no TLS, which is a proxy's."""
+    told = _told()
+    return (told.port or 80) if told.scheme == "ws" else None
 
 
 def _warn_of_another_machine() -> None:

@@ -50,7 +50,7 @@ class Link:
     """
 
     def __init__(self, tool: str, hub: str | None = None) -> None:
-        self.url = address.hub_url(hub or os.environ.get(address.ENVIRONMENT) or address.DEFAULT)
+        self.url = address.hub_url(hub)
         self.namespace = names.check_namespace(os.environ.get("ROS_NAMESPACE", "/"))
         name = names.anonymous(f"fibws_{tool}", pid=os.getpid(), milliseconds=_milliseconds())
         self.node = names.resolve(name)

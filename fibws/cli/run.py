@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,6 +19,12 @@ if TYPE_CHECKING:
 
     from fibws.workspace.packages import Packages
 
+workspace_option: Callable[[Callable[..., None]], Callable[..., None]] = click.option(
+    "--workspace",
+    metavar="FOLDER",
+    type=click.Path(path_type=Path, file_okay=False, exists=True),
+    help="Look into this workspace, too, though its devel/setup was not sourced.",
+)
 ARGUMENTS = {**SETTINGS, "ignore_unknown_options": True, "allow_interspersed_args": False}
 """What follows the program's name is the program's own, options too."""
 
@@ -45,12 +51,7 @@ def _complete(
 
 
 @click.command(context_settings=ARGUMENTS)
-@click.option(
-    "--workspace",
-    metavar="FOLDER",
-    type=click.Path(path_type=Path, file_okay=False, exists=True),
-    help="Look into this workspace, too, though its devel/setup was not sourced.",
-)
+@workspace_option
 @click.option("--prefix", metavar="COMMAND", help="Start the program by this, such as 'time -p'.")
 @click.argument(
     "words", metavar="PACKAGE PROGRAM [ARGUMENT]...", nargs=-1, shell_complete=_complete

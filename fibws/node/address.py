@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from urllib.parse import parse_qsl, quote, urlencode, urlsplit
 
 from fibws.errors import InvalidAddress
@@ -13,13 +14,16 @@ LOOPBACK = ("127.0.0.1", "::1", "localhost")
 """What names this machine."""
 
 
-def hub_url(address: str) -> str:
-    """The URL that ``address`` stands for: ``robot`` is ``ws://robot:9090``.
+def hub_url(address: str | None = None) -> str:
+    """The URL that an address stands for: ``robot`` is ``ws://robot:9090``.
+
+    Args:
+        address: where the hub is; by default where $FIBWS_HUB says, or else on this machine.
 
     Raises:
         InvalidAddress: it is no address of a hub.
     """
-    address = address.strip()
+    address = (address or os.environ.get(ENVIRONMENT) or DEFAULT).strip()
     url = address if "://" in address else f"ws://{address}"
     try:
         parts = urlsplit(url)

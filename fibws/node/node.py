@@ -94,7 +94,7 @@ class Node:
             name, anonymous=anonymous, namespace=namespace, remapping=remapping
         )
         environment = os.environ
-        self._hub = address.hub_url(hub or environment.get(address.ENVIRONMENT) or address.DEFAULT)
+        self._hub = address.hub_url(hub)
         self._types = Types(time.time_ns)
         self.log = log or node_log(
             self.name, log_format or environment.get("ROSCONSOLE_FORMAT") or FORMAT

@@ -13,11 +13,16 @@ STANDARD = Path(__file__).parents[1] / "interfaces" / "definitions"
 KINDS = ("msg", "srv", "action")
 
 
+def named_folders() -> list[str]:
+    """The user's folders, in the order of the variable."""
+    return [each for each in os.environ.get(VARIABLE, "").split(os.pathsep) if each]
+
+
 def hold_definitions(package: str) -> bool:
     """Whether a folder of the package is named; it is asked for hundreds of modules."""
     if os.path.isdir(os.path.join(STANDARD, package)):
         return True
-    for folder in filter(None, os.environ.get(VARIABLE, "").split(os.pathsep)):
+    for folder in named_folders():
         for place in (os.path.join(folder, package), os.path.realpath(folder)):
             if os.path.basename(place) == package and any(
                 os.path.isdir(os.path.join(place, kind)) for kind in KINDS

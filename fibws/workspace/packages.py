@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Self
 
 from fibws.errors import ExecutableNotFound, PackageNotFound, WorkspaceError
+from fibws.ros1.folders import STANDARD
 from fibws.workspace import missing
 from fibws.workspace.crawl import find_folders
 from fibws.workspace.manifest import Manifest, read_manifest, read_name
@@ -21,7 +22,6 @@ PREFIXES = "CMAKE_PREFIX_PATH"
 """Names the folders that catkin_make has written to, devel/ of each workspace."""
 
 _FIBWS = Path(__file__).parents[1]
-_DEFINITIONS = _FIBWS / "interfaces" / "definitions"
 _MODULES = _FIBWS / "ros1" / "python"
 SHARE = _FIBWS / "launch" / "share"
 """Holds the packages that are nothing but launch files, for others to include."""
@@ -136,19 +136,15 @@ class Packages:
             ExecutableNotFound: there is no such program, it is not executable, or there are two.
         """
         if package not in self._found:
-            raise PackageNotFound(
-                package, missing.hint_for_package(package, name, self, self._here)
-            )
+            hint = missing.hint_for_package(package, name, self, self._here)
+            raise PackageNotFound(package, hint)
         owner = self._found[package]
         found = self._programs(owner, name)
-        if len(found) == 1:
-            return found[0]
-        hint = (
-            missing.hint_for_several(owner, found)
-            if found
-            else missing.hint_for_program(owner, name, self)
-        )
-        raise ExecutableNotFound(package, name, hint)
+        if not found:
+            raise ExecutableNotFound(package, name, missing.hint_for_program(owner, name, self))
+        if len(found) > 1:
+            raise ExecutableNotFound(package, name, missing.hint_for_several(owner, found))
+        return found[0]
 
     def having(self, program: str) -> list[Package]:
         """The packages that have a program of that name, or one that was meant to be."""
@@ -182,7 +178,7 @@ class Packages:
     def _found(self) -> dict[str, Package]:
         standard = {
             folder.name: Package(folder.name, folder, is_standard=True)
-            for place in (_MODULES, _DEFINITIONS, SHARE)
+            for place in (_MODULES, STANDARD, SHARE)
             if place.is_dir()
             for folder in sorted(place.iterdir())
             if folder.is_dir() and folder.name.isidentifier() and folder.name != "__pycache__"

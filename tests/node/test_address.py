@@ -24,13 +24,23 @@ def test_an_address_may_leave_out_what_is_clear(address: str, url: str) -> None:
     assert hub_url(address) == url
 
 
+@pytest.mark.parametrize("address", [None, ""])
+def test_where_it_is_need_not_be_said(address: str | None, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("FIBWS_HUB", "robot")
+    assert hub_url(address) == "ws://robot:9090"
+    monkeypatch.setenv("FIBWS_HUB", "")
+    assert hub_url(address) == "ws://127.0.0.1:9090"
+    monkeypatch.delenv("FIBWS_HUB")
+    assert hub_url(address) == "ws://127.0.0.1:9090"
+
+
 @pytest.mark.parametrize(
     ("address", "fault"),
     [
         ("http://robot:9090", "not http://"),
         ("9090", "a number alone names no host"),
         ("ws://", "no host"),
-        ("", "no host"),
+        (" ", "no host"),
         ("ws://:9090", "no host"),
         ("my robot:9090", "no host"),
         ("ws://robot:ninety", "Port could not be cast"),

@@ -9,21 +9,20 @@ from typing import TYPE_CHECKING
 
 from fibws.cli.doctor.finding import Finding, ok, warning, wrong
 from fibws.errors import DefinitionError, FibwsError
+from fibws.ros1.folders import VARIABLE, named_folders
 
 if TYPE_CHECKING:
     from fibws.interfaces import Interfaces
     from fibws.interfaces.package import Package
 
-VARIABLE = "FIBWS_INTERFACES"
 MOST = 20
 """Files that are told of one by one."""
 
 
 def checks() -> Iterator[Finding]:
     """Look at each folder of $FIBWS_INTERFACES."""
-    folders = [Path(each) for each in os.environ.get(VARIABLE, "").split(os.pathsep) if each]
-    if folders:
-        yield from of(folders)
+    if folders := named_folders():
+        yield from of([Path(each) for each in folders])
 
 
 def of(folders: list[Path]) -> Iterator[Finding]:

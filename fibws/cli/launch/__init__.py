@@ -14,6 +14,7 @@ import click
 from fibws import names
 from fibws.cli import output
 from fibws.cli.ending import ending
+from fibws.cli.run import workspace_option
 from fibws.cli.tool import SETTINGS, hub_option
 from fibws.errors import FibwsError
 from fibws.hint import hint
@@ -58,12 +59,7 @@ def _complete(
     help="The hub's port on this machine, where it is started if it is not there.",
 )
 @hub_option
-@click.option(
-    "--workspace",
-    metavar="FOLDER",
-    type=click.Path(path_type=Path, file_okay=False, exists=True),
-    help="Look into this workspace, too, though its devel/setup was not sourced.",
-)
+@workspace_option
 @click.option("--nodes", "listing", flag_value="nodes", help="List the nodes' names.")
 @click.option("--find-node", "--find", metavar="NODE", help="Tell which file a node is in.")
 @click.option("--args", "args_of", metavar="NODE", help="Print the command that starts a node.")
@@ -175,7 +171,7 @@ def _url(options: dict[str, Any]) -> str:
         if hub is not None:
             raise click.UsageError("Give the hub's --port on this machine, or its --hub URL.")
         return f"ws://127.0.0.1:{port}"
-    return address.hub_url(hub or os.environ.get(address.ENVIRONMENT) or address.DEFAULT)
+    return address.hub_url(hub)
 
 
 def _node(launch: Launch, name: str) -> Node:

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from fibws.cli.types import shape
 from fibws.hint import nearest
+from fibws.ros1.folders import named_folders
 
 if TYPE_CHECKING:
     from fibws.interfaces import MessageDefinition
     from fibws.interfaces.package import Kind
-
-ENVIRONMENT = "FIBWS_INTERFACES"
-"""Names folders of definitions, as PATH does."""
 
 
 class Shown(NamedTuple):
@@ -40,8 +37,7 @@ class Installed:
     def __init__(self, kind: Kind, folders: Sequence[Path] = ()) -> None:
         from fibws.interfaces import Interfaces  # 0.1 s
 
-        named = os.environ.get(ENVIRONMENT, "").split(os.pathsep)
-        self._interfaces = Interfaces([*(Path(name) for name in named if name), *folders])
+        self._interfaces = Interfaces([*map(Path, named_folders()), *folders])
         self._kind = kind
 
     def packages(self) -> list[str]:

@@ -85,6 +85,14 @@ def test_a_port_at_which_nobody_looks_for_it_is_to_be_told(core: Core) -> None:
     assert line_of(process).startswith("The hub listens at")
 
 
+def test_a_proxy_that_speaks_tls_is_no_place_for_it(core: Core) -> None:
+    port = free_port()
+    process = core("--port", str(port), FIBWS_HUB=f"wss://127.0.0.1:{port}")
+    assert line_of(process) == (
+        f"Tell the other terminals: export FIBWS_HUB=ws://127.0.0.1:{port}\n"
+    )
+
+
 def test_a_second_one_says_that_one_is_running(core: Core, hub: HubThread) -> None:
     for process in (core("-p", str(hub.port)), core(FIBWS_HUB=hub.url)):
         assert said(process) == (
