@@ -5,8 +5,10 @@ from __future__ import annotations
 import asyncio
 import os
 import shutil
+import sqlite3
 import subprocess
 from collections.abc import Callable
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -32,13 +34,17 @@ def _lack(reason: str) -> None:
 
 
 @pytest.fixture(scope="session")
-def npm_packages() -> None:
+def npm_packages(tmp_path_factory: pytest.TempPathFactory) -> None:
     """The clients from npm, just as the lock names them."""
     if shutil.which("npm") is None:
         _lack("there is no npm to install the clients with")
-    if not INSTALLED.exists() or INSTALLED.read_bytes() != LOCK.read_bytes():
-        subprocess.run(["npm", "ci"], cwd=HERE, check=True, timeout=300)
-        shutil.copyfile(LOCK, INSTALLED)
+    # Processes that share the tests have the folder in common: one of them installs, others wait.
+    lock = tmp_path_factory.getbasetemp().parent / "npm_packages.lock"
+    with closing(sqlite3.connect(lock, timeout=900)) as alone:
+        alone.execute("BEGIN EXCLUSIVE")
+        if not INSTALLED.exists() or INSTALLED.read_bytes() != LOCK.read_bytes():
+            subprocess.run(["npm", "ci"], cwd=HERE, check=True, timeout=900)
+            shutil.copyfile(LOCK, INSTALLED)
 
 
 @pytest.fixture(scope="session")

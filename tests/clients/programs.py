@@ -13,7 +13,7 @@ from fibws import Node
 
 from .casts import Program
 
-PATIENCE = 20
+PATIENCE = 60
 
 
 class Hub:

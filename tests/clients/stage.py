@@ -11,7 +11,7 @@ from . import runtimes
 from .casts import Cast
 from .programs import Hub, running
 
-PATIENCE = 45
+PATIENCE = 120
 
 
 @dataclass

@@ -36,17 +36,16 @@ def test_a_late_listener_hears_the_latched_message_once(seen: Any) -> None:
 
 def test_a_throttled_listener_hears_the_first_message_and_then_the_newest(seen: Any) -> None:
     assert seen["heard"] == [0, 9]
-    assert 100 < seen["took"] < 1000, "300 ms, but for what keeps the listener waiting"
+    assert seen["rates"] > 0.9
 
 
 def test_the_queue_of_a_throttled_listener_is_drained_at_its_rate(seen: Any) -> None:
     assert seen["heard"] == [0, 7, 8, 9]
-    assert 600 < seen["took"] < 2000, "900 ms, but for what keeps the listener waiting"
+    assert seen["rates"] > 2.9
 
 
 def test_a_throttled_listener_without_a_queue_misses_what_comes_too_early(seen: Any) -> None:
     assert seen["heard"] == [0, 10]
-    assert 100 < seen["took"] < 1000, "300 ms, but for what keeps the listener waiting"
 
 
 def test_two_listeners_of_one_client_hear_each_message_once(seen: Any) -> None:

@@ -26,7 +26,7 @@ from fibws import __version__
 from fibws.hub import Settings
 from fibws.hub.__main__ import command
 
-PATIENCE = 10
+PATIENCE = 60
 
 
 class Program:

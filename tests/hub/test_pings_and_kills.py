@@ -53,7 +53,7 @@ async def test_a_pong_answers_the_ping(any_hub: Hub) -> None:
         await talker.send(frame(PONG, data))
         values = await hears_values(asker)
         assert (values["success"], values["message"]) == (True, "/talker has answered")
-        assert 0 < values["seconds"] < 3
+        assert 0 < values["seconds"] < 60
 
 
 async def test_a_bare_client_answers_a_ping_and_may_ping_itself(hub: Hub) -> None:

@@ -140,10 +140,10 @@ def test_a_large_frame_is_read_in_time_whatever_the_pieces() -> None:
     for piece in (64 * KIB, KIB):
         messages: list[bytes] = []
         splitter = Splitter(messages.append, lambda _: None, max_size=size)
-        began = time.perf_counter()
+        began = time.thread_time()
         for start in range(0, len(stream), piece):
             splitter.receive(stream[start : start + piece])
-        taken.append(time.perf_counter() - began)
+        taken.append(time.thread_time() - began)
         assert len(messages[0]) == size
     assert taken[1] < 20 * taken[0]
 

@@ -16,9 +16,9 @@ from fibws.hub import Hub
 from fibws.hub.rosapi.nodes import OWN_NODES, PUBLISHED
 
 TEXT, BINARY, CONT, CLOSE, PING, PONG = 0x1, 0x2, 0x0, 0x8, 0x9, 0xA
-PATIENCE = 5.0
+PATIENCE = 60
 """Seconds that anything may take before the test gives up."""
-PATIENT = 60.0
+PATIENT = 600.0
 """Seconds: a timeout that must not matter to the test."""
 
 _pings = itertools.count()
@@ -242,15 +242,18 @@ def timers() -> list[asyncio.TimerHandle]:
 
 @asynccontextmanager
 async def longest_turn() -> AsyncIterator[Callable[[], float]]:
-    """Measures for how many seconds the loop, and so the hub, did nothing else."""
+    """Measures for how many seconds of CPU time the loop, and so the hub, did nothing else.
+
+    Unlike the time by the clock, that is not lengthened by what else the machine does.
+    """
     longest = 0.0
 
     async def tick() -> None:
         nonlocal longest
-        before = time.perf_counter()
+        before = time.thread_time()
         while True:
             await asyncio.sleep(0)
-            now = time.perf_counter()
+            now = time.thread_time()
             longest = max(longest, now - before)
             before = now
 

@@ -28,7 +28,7 @@ class Heard:
         self._count.put_nowait(line)
 
     async def next(self) -> str:
-        async with asyncio.timeout(20):
+        async with asyncio.timeout(60):
             return await self._count.get()
 
 
@@ -145,7 +145,7 @@ async def test_a_child_of_it_that_lives_on_is_not_waited_for(processes: Processe
         heard,
     )
     await process.begin()
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(60):
         await process.end()
     os.kill(int(heard.lines[0][0]), signal.SIGKILL)
 

@@ -46,7 +46,7 @@ class Launched:
 
     async def shows(self, text: str) -> None:
         """Wait until a line has this in it."""
-        async with asyncio.timeout(20):
+        async with asyncio.timeout(60):
             while text not in await self._lines.get():
                 pass
 
@@ -70,7 +70,7 @@ class Launched:
         self.runner.add(job)
 
     async def run(self) -> None:
-        async with asyncio.timeout(20):
+        async with asyncio.timeout(60):
             await self.runner.run()
 
 

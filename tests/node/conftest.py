@@ -42,7 +42,7 @@ class Peer:
 
     async def hears(self, op: str) -> dict[str, Any]:
         """The next operation, which is this one; what has to do with its log is passed over."""
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(60):
             while True:
                 operation: dict[str, Any] = json.loads(await self.websocket.recv())
                 if not _is_about_the_log(operation):
@@ -51,7 +51,7 @@ class Peer:
 
     async def logged(self) -> dict[str, Any]:
         """The next line of the node's log."""
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(60):
             while True:
                 operation = json.loads(await self.websocket.recv())
                 if operation["op"] == "publish" and operation["topic"] == "/rosout":
@@ -90,12 +90,12 @@ class ScriptedHub:
 
     async def peer(self) -> Peer:
         """The next node's connection."""
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(60):
             return await self._peers.get()
 
     async def attempted(self, times: int) -> None:
         """Wait until nodes have tried to connect that often."""
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(60):
             while self.attempts < times:
                 self._attempted.clear()
                 await self._attempted.wait()
@@ -128,7 +128,7 @@ class Lines(logging.Handler):
         return [self._lines.get_nowait() for _ in range(self._lines.qsize())]
 
     async def next(self) -> str:
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(60):
             return await self._lines.get()
 
 
@@ -171,7 +171,7 @@ def greeted(session: Session) -> list[dict[str, Any]]:
 
 async def says(session: Session) -> dict[str, Any]:
     """The next operation to be sent, once there is one."""
-    async with asyncio.timeout(5):
+    async with asyncio.timeout(60):
         await session.outbox.arrival()
     operation: dict[str, Any] = json.loads(session.outbox.pop())
     return operation

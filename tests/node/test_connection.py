@@ -8,7 +8,6 @@ import re
 import socket
 from collections import Counter
 from collections.abc import AsyncIterator
-from contextlib import suppress
 from http import HTTPStatus
 from itertools import islice
 
@@ -257,7 +256,7 @@ async def test_a_hub_that_reads_nothing_does_not_keep_the_node(
         publishing = asyncio.create_task(texts.publish("last"))
         await asyncio.sleep(0)
         began = loop.time()
-    assert loop.time() - began < 1
+    assert loop.time() - began < 10
     assert re.search(r"Messages that were not sent: \d+\.", capsys.readouterr().err)
     with pytest.raises(fibws.NodeClosed):
         await publishing
@@ -283,12 +282,16 @@ LONG = "x" * 100_000
 
 
 async def _publish_until_it_waits(texts: fibws.Publisher[String]) -> int:
-    published = 0
-    with suppress(TimeoutError):
-        while True:
-            async with asyncio.timeout(0.2):
+    published = waits = 0
+    while waits < 2:  # One alone may be this machine's.
+        try:
+            async with asyncio.timeout(0.1):
                 await texts.publish(LONG)
+        except TimeoutError:
+            waits += 1
+        else:
             published += 1
+            waits = 0
     return published
 
 
@@ -378,7 +381,7 @@ async def test_within_a_burst_everything_else_has_its_turns(hub: ScriptedHub) ->
         heard: Counter[int] = Counter()
         node.subscribe("numbers", Int32).hand_to(lambda number: heard.update([turns]))
         await sends_a_burst(peer)
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(60):
             while heard.total() < 1000:
                 turns += 1
                 await asyncio.sleep(0)
@@ -390,7 +393,7 @@ async def test_a_prompt_reader_gets_all_of_a_burst(hub: ScriptedHub) -> None:
         peer = await hub.peer()
         numbers = node.subscribe("numbers", Int32, queue_size=10)
         await sends_a_burst(peer)
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(60):
             heard = [(await anext(numbers)).data for _ in range(1000)]
         assert heard == list(range(1000))
         assert numbers.dropped == 0

@@ -29,7 +29,7 @@ async def test_a_line_says_who_wrote_it_and_where(hub: ScriptedHub) -> None:
         node.log.warning("%d is large", 89)
         message = await peer.logged()
     stamp = message["header"]["stamp"]
-    assert abs(stamp["secs"] + stamp["nsecs"] / 1e9 - time.time()) < 5
+    assert abs(stamp["secs"] + stamp["nsecs"] / 1e9 - time.time()) < 60
     assert message["level"] == Log.WARN
     assert message["name"] == "/talker"
     assert message["msg"] == "89 is large"

@@ -27,7 +27,7 @@ async def answers(peer: Peer, type_: str, service: str = "/add") -> None:
 
 
 async def test_a_service_is_looked_for_until_it_is_there(hub: ScriptedHub) -> None:
-    async with fibws.Node("node", hub=hub.url) as node, asyncio.timeout(5):
+    async with fibws.Node("node", hub=hub.url) as node, asyncio.timeout(60):
         peer = await hub.peer()
         waiting = asyncio.create_task(node.wait_for_service("add"))
         for type_ in ("", "", "rospy_tutorials/AddTwoInts"):
@@ -52,7 +52,7 @@ async def test_what_is_waited_for_is_renamed_once(hub: ScriptedHub, over: str) -
 
 
 async def test_a_service_may_come_with_the_next_hub(hub: ScriptedHub) -> None:
-    async with fibws.Node("node", hub=hub.url) as node, asyncio.timeout(5):
+    async with fibws.Node("node", hub=hub.url) as node, asyncio.timeout(60):
         peer = await hub.peer()
         waiting = asyncio.create_task(node.wait_for_service("add"))
         await peer.hears("call_service")
@@ -98,7 +98,7 @@ async def test_the_nodes_end_ends_the_waiting_for_a_service(hub: ScriptedHub) ->
 
 
 async def test_a_message_is_listened_to_once(hub: ScriptedHub) -> None:
-    async with fibws.Node("node", hub=hub.url) as node, asyncio.timeout(5):
+    async with fibws.Node("node", hub=hub.url) as node, asyncio.timeout(60):
         peer = await hub.peer()
         waiting = asyncio.create_task(node.wait_for_message("numbers", Int32))
         subscribe = await peer.hears("subscribe")

@@ -38,7 +38,7 @@ def numbers(count: int) -> list[bytes]:
 
 
 async def heard(websocket: ServerConnection, count: int) -> list[bytes]:
-    async with asyncio.timeout(10):
+    async with asyncio.timeout(60):
         return [await websocket.recv(decode=False) for _ in range(count)]
 
 
@@ -103,7 +103,7 @@ class Reader:
 
     async def read(self, count: int) -> None:
         """Read until so many messages have come by either way."""
-        async with asyncio.timeout(10):
+        async with asyncio.timeout(60):
             while len(self.order) < count:
                 try:
                     async with asyncio.timeout(0.01):

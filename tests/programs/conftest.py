@@ -15,7 +15,7 @@ import pytest
 from fibws.hub import Hub, Settings
 
 ROOT = Path(__file__).parents[2]
-PATIENCE = 20
+PATIENCE = 60
 
 
 class Program:

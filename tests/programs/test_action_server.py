@@ -34,13 +34,13 @@ async def ros1(
     node: fibws.Node,
 ) -> fibws.ActionClient[Any, Any, Any]:
     client = node.action_client("fibonacci", actionlib_tutorials.Fibonacci)
-    await client.wait_for_server(timeout=20)
+    await client.wait_for_server(timeout=60)
     return client
 
 
 async def ros2(node: fibws.Node) -> fibws.ActionClient[Any, Any, Any]:
     client = node.action_client("fibonacci", example_interfaces.Fibonacci, over="operations")
-    await client.wait_for_server(timeout=20)
+    await client.wait_for_server(timeout=60)
     return client
 
 
@@ -87,7 +87,7 @@ async def canceled(client: fibws.ActionClient[Any, Any, Any]) -> None:
     await anext(goal.feedback())
     await goal.cancel()
     with pytest.raises(fibws.ActionError) as error:
-        await goal.result(timeout=20)
+        await goal.result(timeout=60)
     assert error.value.status is fibws.GoalStatus.PREEMPTED
     assert error.value.result.sequence == []
 
@@ -109,14 +109,14 @@ async def test_the_longest_sequence_ends_with_the_last_number_that_fits(
     async with fibws.Node("test", hub=hub.url) as node:
         for client, longest in ((await ros1(node), 45), (await ros2(node), 46)):
             goal = await client.send({"order": longest})
-            assert (await goal.result(timeout=20)).sequence == FIRST_INT32S
+            assert (await goal.result(timeout=60)).sequence == FIRST_INT32S
             for order in (longest + 1, 2**31 - 1):
                 goal = await client.send({"order": order})
                 with pytest.raises(
                     fibws.ActionError,
                     match=f"order {order} is too large: F.* does not fit an int32",
                 ):
-                    await goal.result(timeout=20)
+                    await goal.result(timeout=60)
 
 
 async def test_a_negative_order_is_refused_and_the_server_goes_on(hub: Hub, start: Start) -> None:
@@ -125,17 +125,17 @@ async def test_a_negative_order_is_refused_and_the_server_goes_on(hub: Hub, star
         for client in (await ros1(node), await ros2(node)):
             goal = await client.send({"order": -3})
             with pytest.raises(fibws.ActionError, match="ABORTED: order -3 is negative"):
-                await goal.result(timeout=20)
+                await goal.result(timeout=60)
             assert "order -3 is negative" in await server.error_line()
             goal = await client.send({"order": 0})
-            assert (await goal.result(timeout=20)).sequence == [0, 1]
+            assert (await goal.result(timeout=60)).sequence == [0, 1]
 
 
 async def test_names_can_be_chosen_and_ctrl_c_ends_it(hub: Hub, start: Start) -> None:
     server = await start(SERVER, "--hub", hub.url, "--node-name", "counter", "fibonacci:=numbers")
     async with fibws.Node("test", hub=hub.url) as node:
         client = node.action_client("numbers", actionlib_tutorials.Fibonacci)
-        await client.wait_for_server(timeout=20)
+        await client.wait_for_server(timeout=60)
         assert "/counter" in await node.graph.nodes()
     server.send(signal.SIGINT)
     code, _, err = await server.end()
@@ -153,11 +153,11 @@ async def test_it_ends_when_nobody_reads_what_it_prints(hub: Hub, start: Start) 
     server = await start(SERVER, "--hub", hub.url, "--rate", "100")
     async with fibws.Node("test", hub=hub.url) as node:
         client = await ros1(node)
-        await (await client.send({"order": 0})).result(timeout=20)
+        await (await client.send({"order": 0})).result(timeout=60)
         server.stop_reading()
         goal = await client.send({"order": 0})
         with pytest.raises(fibws.ActionError, match="ABORTED"):
-            await goal.result(timeout=20)
+            await goal.result(timeout=60)
     code, _, err = await server.end()
     assert (code, err) == (0, "")
 
@@ -167,7 +167,7 @@ async def test_it_ends_if_the_hub_refuses_it(hub: Hub, start: Start) -> None:
         node.subscribe("fibonacci/goal", String)
         await node.graph.topics()
         server = await start(SERVER, "--hub", hub.url)
-        async with asyncio.timeout(20):
+        async with asyncio.timeout(60):
             code, out, err = await server.end()
     assert (code, out) == (1, "")
     assert "already established with type std_msgs/String" in err

@@ -18,10 +18,10 @@ from typing import NamedTuple
 import fibws
 from fibws.hub import Hub, Settings
 
-PATIENCE = 30
+PATIENCE = 120
 IDLE = 0.03
 """Seconds after which a program that has just said something waits for its next turn."""
-TRIES = 6
+TRIES = 8
 """On a busy machine the threads of a program, the real rospy's too, may overtake each other or lose
 what a queue of one had: a difference counts if it comes each time."""
 SCRIPTS = Path(__file__).parent / "scripts"
@@ -52,6 +52,8 @@ class Part:
     """Whether what it logs on standard error counts."""
     interrupted: bool = True
     """Whether Ctrl-C ends it, or it ends by itself."""
+    hears: tuple[str, int] | None = None
+    """None is ended before so many lines of this one's standard output hold this."""
     last: str | None = None
     """Ctrl-C comes once a line of its standard output holds this."""
     environment: dict[str, str] = field(default_factory=dict)
@@ -63,6 +65,10 @@ class Outcome(NamedTuple):
     out: list[str]
     err: list[str]
     code: int
+
+
+class Stuck(AssertionError):
+    """A program does not say what it is waited for, or does not end."""
 
 
 class World:
@@ -81,6 +87,9 @@ class World:
                 running.append(program)
                 if part.until is not None:
                     await program.said(part.until, part.count)
+            for part, program in zip(parts, running, strict=True):
+                if part.hears is not None:
+                    await program.said(*part.hears)
             for part, program in zip(reversed(parts), reversed(running), strict=True):
                 if not part.interrupted:
                     await program.ended()
@@ -132,7 +141,7 @@ class _Program:
                     lambda: sum(text in line for line in self._out) >= count or self._reading.done()
                 )
         except TimeoutError:
-            raise AssertionError(f"{self._name} never said {text!r}: {self}") from None
+            raise Stuck(f"{self._name} never said {text!r}: {self}") from None
 
     def interrupt(self) -> None:
         if self._process.returncode is None:
@@ -144,7 +153,7 @@ class _Program:
                 await self._process.wait()
                 await self._reading
         except TimeoutError:
-            raise AssertionError(f"{self._name} did not end: {self}") from None
+            raise Stuck(f"{self._name} did not end: {self}") from None
 
     def kill(self) -> None:
         if self._process.returncode is None:
@@ -185,6 +194,41 @@ def plain(lines: list[str]) -> list[str]:
     for pattern, stand_in in _DIFFERENT:
         lines = [pattern.sub(stand_in, line) for line in lines]
     return lines
+
+
+@dataclass
+class _Said:
+    """What a program has said under fibws, and under the real ROS, each time that it was played."""
+
+    found: list[Outcome] = field(default_factory=list)
+    expected: list[Outcome] = field(default_factory=list)
+
+    def agrees(self) -> bool:
+        return any(outcome in self.expected for outcome in self.found)
+
+
+async def say_the_same(ros: World, *parts: Part) -> None:
+    """Play a scenario in both worlds, until each program has said what it once said in the other.
+
+    Raises:
+        AssertionError: one never did.
+    """
+    said = [_Said() for _ in parts]
+    for left in reversed(range(TRIES)):
+        async with our_ros() as ours:
+            try:
+                plays = await asyncio.gather(ours.play(*parts), ros.play(*parts))
+            except Stuck:  # The real rospy, too, loses messages and has deadlocks.
+                if not left:
+                    raise
+                continue
+        for so_far, found, expected in zip(said, *plays, strict=True):
+            so_far.found.append(found)
+            so_far.expected.append(expected)
+        if all(each.agrees() for each in said):
+            return
+    for part, each in zip(parts, said, strict=True):
+        assert each.agrees() or each.found[-1] == each.expected[-1], part.script
 
 
 def missing_ros() -> str | None:

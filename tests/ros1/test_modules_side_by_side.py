@@ -6,19 +6,19 @@ from collections.abc import Iterator
 
 import pytest
 
-from ros1.side_by_side import SCRIPTS, TRIES, Part, World, missing_ros, our_ros, real_ros
+from ros1.side_by_side import SCRIPTS, Part, World, missing_ros, real_ros, say_the_same
 
 SCENARIOS: dict[str, tuple[Part, ...]] = {
     "goals, one at a time": (
-        Part("actions/server.py", until="ready"),
+        Part("actions/server.py", until="ready", hears=("preempted", 4)),
         Part("actions/client.py", interrupted=False),
     ),
     "goals by their handles": (
-        Part("actions/handles_server.py", until="ready"),
+        Part("actions/handles_server.py", until="ready", hears=("cancel ", 4)),
         Part("actions/handles_client.py", interrupted=False),
     ),
     "goals in callbacks": (
-        Part("actions/polling_server.py", until="ready"),
+        Part("actions/polling_server.py", until="ready", hears=("accepted", 4)),
         Part("actions/polling_client.py", interrupted=False),
     ),
     "filters": (Part("filters/fed.py", interrupted=False),),
@@ -39,15 +39,7 @@ def ros(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
 
 @pytest.mark.parametrize("name", SCENARIOS)
 async def test_a_scenario_goes_as_in_ros(ros: World, name: str) -> None:
-    parts = SCENARIOS[name]
-    for _ in range(TRIES):
-        expected = await ros.play(*parts)
-        async with our_ros() as ours:
-            found = await ours.play(*parts)
-        if found == expected:
-            break
-    for part, ours_said, ros_said in zip(parts, found, expected, strict=True):
-        assert ours_said == ros_said, part.script
+    await say_the_same(ros, *SCENARIOS[name])
 
 
 @pytest.mark.parametrize("folder", ["actions", "filters", "tools"])

@@ -22,7 +22,7 @@ from fibws.tf.transform import Transform
 Place: TypeAlias = tuple[str, str, float]
 """A frame, its parent, and how far along x it is there."""
 
-PATIENCE = 20
+PATIENCE = 60
 
 Publish: TypeAlias = Callable[..., Awaitable[None]]
 Transforms: TypeAlias = Sequence[TransformStamped]

@@ -139,10 +139,10 @@ async def test_only_what_changed_by_more_than_the_threshold_is_told(
     assert await heard(arrays) == [("arm", "map", 1), ("base", "map", 1)]
     for x in count(2):
         await publish(("base", "map", 1 + 0.009 * (x % 2)), ("arm", "map", x))
-        told = await heard(arrays)
+        while ("arm", "map", x) not in (told := await heard(arrays)):
+            pass
         if len(told) == 1:  # The republisher may learn late that somebody listens.
             break
-    assert told == [("arm", "map", x)]
 
 
 async def test_with_a_threshold_of_0_everything_is_told_all_the_time(

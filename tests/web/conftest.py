@@ -44,8 +44,9 @@ STRANGER = "stranger.example"
 
 fixture = partial(pytest_asyncio.fixture, loop_scope="session")
 
-# A busy machine is no fault of the page's.
-expect.set_options(timeout=20_000)
+PATIENCE = 60_000
+"""Milliseconds: a busy machine is no fault of the page's."""
+expect.set_options(timeout=PATIENCE)
 
 OpenPage = Callable[..., Awaitable[Page]]
 
@@ -138,6 +139,7 @@ async def open_page(browser: Browser, complaints: Complaints, hub: Hub) -> Async
     ) -> Page:
         viewport: ViewportSize = {"width": width, "height": height}
         its_own = await browser.new_context(viewport=viewport, **context)
+        its_own.set_default_timeout(PATIENCE)
         page = await its_own.new_page()
         complaints.watch(page)
         await page.add_init_script(prepare)
@@ -162,7 +164,7 @@ async def until(page: Page, expression: str) -> None:
     `Page.wait_for_function` needs eval, which the page's policy forbids.
     """
     look = f"({expression}) ? done() : requestAnimationFrame(look)"
-    async with asyncio.timeout(30):
+    async with asyncio.timeout(60):
         await page.evaluate(f"new Promise((done) => {{ const look = () => {look}; look(); }})")
 
 

@@ -38,14 +38,15 @@ async def chain(
         fibws.Node(publisher, hub=hub.url, namespace=namespace) as one,
         fibws.Node(subscriber, hub=hub.url) as two,
     ):
+        numbers = await one.advertise(topic, Int32)
+        heard = two.subscribe(topic, Int32)
 
         async def publish() -> None:
-            numbers = await one.advertise(topic, Int32)
             async for _ in one.rate(20):
                 await numbers.publish(1)
 
         async def hear() -> None:
-            async for _ in two.subscribe(topic, Int32):
+            async for _ in heard:
                 pass
 
         async with asyncio.TaskGroup() as tasks:
@@ -111,11 +112,14 @@ async def test_what_is_looked_at_stays_where_it_is_when_others_come_and_go(
 ) -> None:
     async with chain(hub, "talker", "/chatter", "listener"):
         page = await open_page(hub)
+        edges = page.locator(".graph .edge")
+        await expect(edges).to_have_count(2)
         watched = [element(page, "node", "/talker"), element(page, "topic", "/chatter")]
         await middle(watched[0])
         await page.get_by_role("button", name="Zoom out").click()
         before = [await middle(each) for each in watched]
         async with chain(hub, "alpha", "/another", "omega"):
+            await expect(edges).to_have_count(4)
             await middle(element(page, "node", "/omega"))
             assert [await middle(each) for each in watched] == [
                 pytest.approx(each, abs=2) for each in before

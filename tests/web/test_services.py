@@ -133,6 +133,7 @@ async def test_actions_are_listed_with_type_and_node(
     await expect(page.get_by_role("heading", name="Actions")).to_be_hidden()
     await node.action_server("/fibonacci", Fibonacci, never)
     line = page.locator("tbody tr", has_text="actionlib_tutorials/Fibonacci")
+    await expect(line).to_contain_text("actionlib_tutorials/Fibonacci over topics")
     await expect(line).to_contain_text("/adder")
 
 

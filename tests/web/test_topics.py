@@ -74,7 +74,7 @@ async def test_the_list_shows_each_topic_with_its_type_and_rate(
     fibonacci = row(page, "/fibonacci")
     await expect(fibonacci.locator(".col-type")).to_have_text("std_msgs/Int32")
     await expect(fibonacci.locator(".col-publishers")).to_have_text("1")
-    await expect(fibonacci.locator(".col-rate")).to_have_text(re.compile(r"^[1-9]\d?\.\d Hz$"))
+    await expect(fibonacci.locator(".col-rate")).to_have_text(re.compile(r"^[\d.]*[1-9][\d.]* Hz$"))
     await expect(fibonacci.locator(".col-bandwidth")).to_have_text(re.compile(r"B/s$"))
 
 
@@ -289,7 +289,7 @@ async def test_what_the_form_publishes_is_heard(
 ) -> None:
     page = await open_page(hub, "#/topics")
     await node.advertise("/status", GoalStatus)
-    async with asyncio.timeout(20), node.subscribe("/status", GoalStatus) as heard:
+    async with asyncio.timeout(60), node.subscribe("/status", GoalStatus) as heard:
         await row(page, "/status").get_by_role("link").click()
         await open_publish(page)
         assert await page.locator("option[value='3']").inner_text() == "SUCCEEDED"
@@ -321,7 +321,7 @@ async def test_wrong_values_are_refused_with_words(
     await open_publish(page)
     field = page.get_by_label("data int8")
     publish = page.get_by_role("button", name="Publish", exact=True)
-    async with asyncio.timeout(20), node.subscribe("/small", Int8) as heard:
+    async with asyncio.timeout(60), node.subscribe("/small", Int8) as heard:
         await field.fill("300")
         await publish.click()
         await expect(field).to_have_attribute("aria-invalid", "true")
@@ -349,12 +349,12 @@ async def test_long_integers_are_sent_exactly_and_bytes_as_a_list(
     await node.advertise("/long", Int64)
     page = await open_page(hub, "#/topics/%2Flong")
     await open_publish(page)
-    async with asyncio.timeout(20), node.subscribe("/long", Int64) as heard:
+    async with asyncio.timeout(60), node.subscribe("/long", Int64) as heard:
         await page.get_by_label("data int64").fill("9007199254740993")
         await page.keyboard.press("Enter")
         assert (await anext(heard)).data == 2**53 + 1
     await node.advertise("/bytes", UInt8MultiArray)
-    async with asyncio.timeout(20), node.subscribe("/bytes", UInt8MultiArray) as bytes_heard:
+    async with asyncio.timeout(60), node.subscribe("/bytes", UInt8MultiArray) as bytes_heard:
         await row(page, "/bytes").get_by_role("link").click()
         await open_publish(page)
         await page.get_by_label("data uint8[]").fill("[1, 2, 255]")
@@ -378,7 +378,7 @@ async def test_a_message_is_published_again_and_again_until_stopped(
     await node.advertise("/fibonacci", Int32)
     page = await open_page(hub, FIBONACCI)
     await open_publish(page)
-    async with asyncio.timeout(20), node.subscribe("/fibonacci", Int32) as heard:
+    async with asyncio.timeout(60), node.subscribe("/fibonacci", Int32) as heard:
         await page.get_by_label("data int32").fill("8")
         await page.get_by_label("Messages a second").fill("50")
         await page.get_by_role("button", name="Repeat").click()
@@ -407,7 +407,7 @@ async def test_a_new_topic_is_made_by_its_first_message(
     await form.get_by_label("Type").fill("std_msgs/String")
     await page.keyboard.press("Enter")
     await expect(page.locator(".browse-page .notice")).to_contain_text("not there yet")
-    async with asyncio.timeout(20), node.subscribe("/chatter", String) as heard:
+    async with asyncio.timeout(60), node.subscribe("/chatter", String) as heard:
         await page.get_by_label("data string").fill("hello")
         await page.keyboard.press("Enter")
         assert (await anext(heard)).data == "hello"
@@ -461,7 +461,7 @@ async def test_who_comes_back_finds_the_form_as_it_was(
     await expect(page.locator(".topics")).to_have_count(0)
     await page.go_back()
     await expect(page.get_by_label("data int32")).to_have_value("8")
-    async with asyncio.timeout(20), node.subscribe("/fibonacci", Int32) as heard:
+    async with asyncio.timeout(60), node.subscribe("/fibonacci", Int32) as heard:
         await page.get_by_role("button", name="Publish", exact=True).click()
         assert (await anext(heard)).data == 8
         await expect(value(page, "data")).to_have_text("8")

@@ -10,7 +10,7 @@ from typing import Any
 
 import roslibpy
 
-PATIENCE = 20
+PATIENCE = 60
 
 
 class World:

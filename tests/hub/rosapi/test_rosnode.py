@@ -97,7 +97,10 @@ def test_a_name_without_end_is_not_repeated_to_the_end(pinging: Pinging) -> None
     assert len(answer["message"]) < 1100
 
 
-def test_who_does_not_answer_is_waited_for_no_longer_than_three_seconds(pinging: Pinging) -> None:
+def test_who_does_not_answer_is_waited_for_no_longer_than_three_seconds(
+    pinging: Pinging, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("fibws.hub.rosapi.rosnode.PATIENCE", PATIENCE)
     pinging.pings()
     pinging.hub.clock.advance(PATIENCE - 0.01)
     assert pinging.hears_nothing()

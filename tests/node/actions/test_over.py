@@ -65,13 +65,13 @@ async def ready(
     node: fibws.Node, over: Over, name: str = "fibonacci"
 ) -> fibws.ActionClient[FibonacciGoal, FibonacciResult, FibonacciFeedback]:
     client = node.action_client(name, Fibonacci, over=over)
-    await client.wait_for_server(timeout=10)
+    await client.wait_for_server(timeout=60)
     return client
 
 
 async def fault_of(goal: FibonacciClientGoal) -> fibws.ActionError:
     with pytest.raises(fibws.ActionError) as error:
-        await goal.result(timeout=10)
+        await goal.result(timeout=60)
     return error.value
 
 
@@ -112,7 +112,7 @@ async def test_an_error_aborts_its_goal_and_nothing_else(
     fault = await fault_of(await fibonacci.send(Fibonacci.Goal(13)))
     assert (fault.status, fault.text) == (fibws.GoalStatus.ABORTED, "bad luck")
     goal = await fibonacci.send(Fibonacci.Goal(1))
-    assert (await goal.result(timeout=10)).sequence == [0]
+    assert (await goal.result(timeout=60)).sequence == [0]
 
 
 async def test_unless_told_otherwise_goals_over_topics_preempt_each_other(
@@ -124,7 +124,7 @@ async def test_unless_told_otherwise_goals_over_topics_preempt_each_other(
     await anext(first.feedback())
     second = await fibonacci.send(Fibonacci.Goal(2))
     assert (await fault_of(first)).status is fibws.GoalStatus.PREEMPTED
-    assert (await second.result(timeout=10)).sequence == [0, 1]
+    assert (await second.result(timeout=60)).sequence == [0, 1]
 
 
 async def test_unless_told_otherwise_goals_over_operations_do_not(
@@ -134,7 +134,7 @@ async def test_unless_told_otherwise_goals_over_operations_do_not(
     fibonacci = await ready(client, "operations")
     first = await fibonacci.send(Fibonacci.Goal(-1))
     second = await fibonacci.send(Fibonacci.Goal(2))
-    assert (await second.result(timeout=10)).sequence == [0, 1]
+    assert (await second.result(timeout=60)).sequence == [0, 1]
     assert first.status is fibws.GoalStatus.ACTIVE
 
 
@@ -161,9 +161,9 @@ async def test_a_type_may_be_named_and_a_goal_a_dict(
 
     await server.action_server("fibonacci", "actionlib_tutorials/Fibonacci", execute, over=over)
     fibonacci = client.action_client("fibonacci", "actionlib_tutorials/Fibonacci", over=over)
-    await fibonacci.wait_for_server(timeout=10)
+    await fibonacci.wait_for_server(timeout=60)
     goal = await fibonacci.send({"order": 8})
-    assert (await goal.result(timeout=10)).sequence == [8]
+    assert (await goal.result(timeout=60)).sequence == [8]
 
 
 @both_ways
@@ -176,7 +176,7 @@ async def test_names_are_resolved_and_remapped(real_hub: Hub, over: Over) -> Non
         served = await server.action_server("fibonacci", Fibonacci, count, over=over)
         assert served.name == "/robot/numbers"
         goal = await (await ready(client, over, "numbers")).send(Fibonacci.Goal(1))
-        assert (await goal.result(timeout=10)).sequence == [0]
+        assert (await goal.result(timeout=60)).sequence == [0]
 
 
 @both_ways
@@ -201,7 +201,7 @@ async def test_the_users_own_action_reaches_a_hub_that_does_not_know_it(
     async with fibws.Node("node", hub=real_hub.url) as node:
         await node.action_server("count", f"{package.name}/Count", execute, over=over)
         client = node.action_client("count", f"{package.name}/Count", over=over)
-        await client.wait_for_server(timeout=10)
+        await client.wait_for_server(timeout=60)
         with pytest.raises(fibws.InvalidMessage, match="name"):
             await client.send({"sheep": [{"name": 5}]})
         goal = await client.send({"sheep": [{"name": "Dolly"}, {"name": "Molly"}]})
@@ -255,7 +255,7 @@ async def test_when_a_client_leaves_its_goals_over_operations_are_wanted_no_more
     async with fibws.Node("client", hub=real_hub.url) as client:
         goal = await (await ready(client, "operations")).send(Fibonacci.Goal())
         await anext(goal.feedback())
-    async with asyncio.timeout(10):
+    async with asyncio.timeout(60):
         await ended.wait()
 
 
@@ -280,9 +280,9 @@ async def test_when_the_hub_is_lost_so_is_the_goal_and_the_next_hub_has_all_agai
             "Action /fibonacci is unavailable: /server has left",
         )
         async with Hub(Settings(port=port, close_timeout=0.1)):
-            await fibonacci.wait_for_server(timeout=10)
+            await fibonacci.wait_for_server(timeout=60)
             again = await fibonacci.send(Fibonacci.Goal(2))
-            assert (await again.result(timeout=10)).sequence == [0, 1]
+            assert (await again.result(timeout=60)).sequence == [0, 1]
 
 
 @both_ways
@@ -321,10 +321,10 @@ async def test_over_operations_a_type_that_is_not_the_servers(
 ) -> None:
     await server.action_server("fibonacci", Fibonacci, count, over="operations")
     other = client.action_client("fibonacci", "example_interfaces/Fibonacci", over="operations")
-    await other.wait_for_server(timeout=10)
+    await other.wait_for_server(timeout=60)
     goal = await other.send({"order": 1})
     with pytest.raises(fibws.ActionError, match="is of type actionlib_tutorials/Fibonacci"):
-        await goal.result(timeout=10)
+        await goal.result(timeout=60)
 
 
 async def test_there_is_no_third_way(server: fibws.Node) -> None:

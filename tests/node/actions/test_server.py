@@ -49,7 +49,7 @@ class Told(ActionServer[FibonacciGoal, FibonacciResult, FibonacciFeedback]):
 
     async def ended(self, id_: str) -> tuple[str, str, Any]:
         """Status, text and result of a goal, once it has ended."""
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(60):
             while id_ not in self.results:
                 self.over.clear()
                 await self.over.wait()
@@ -113,7 +113,7 @@ class Patient:
         self._free.setdefault(id_, asyncio.Event()).set()
 
     async def begins(self, id_: str) -> None:
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(60):
             while id_ not in self.begun:
                 self._news.clear()
                 await self._news.wait()

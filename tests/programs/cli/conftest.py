@@ -32,12 +32,12 @@ class HubThread:
 
     def start(self) -> None:
         self._thread.start()
-        assert self._started.wait(20), "the hub does not start"
+        assert self._started.wait(60), "the hub does not start"
 
     def stop(self) -> None:
         if self._thread.is_alive() and self._loop is not None and self._end is not None:
             self._loop.call_soon_threadsafe(self._end.set)
-        self._thread.join(20)
+        self._thread.join(60)
 
     async def _serve(self) -> None:
         self._loop, self._end = asyncio.get_running_loop(), asyncio.Event()

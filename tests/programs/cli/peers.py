@@ -9,7 +9,7 @@ from contextlib import contextmanager
 
 import fibws
 
-PATIENCE = 20.0
+PATIENCE = 60
 
 ACTION_TOPICS = {
     "goal": "actionlib_tutorials/FibonacciActionGoal",

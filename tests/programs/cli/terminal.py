@@ -42,13 +42,26 @@ class Terminal:
         """Press keys."""
         os.write(self._master, keys.encode())
 
+    def type_until(self, keys: str, text: str) -> None:
+        """Press keys, and again if a completion gave its hub up, as it soon does."""
+        for _ in range(10):
+            self.type(keys)
+            if self._is_sent(text, 10):
+                return
+        raise AssertionError(f"no {text!r} in {self._unread!r}")
+
     def wait_for(self, text: str) -> None:
         """Read until the terminal has been sent a text, and go on behind it next time."""
-        deadline = time.monotonic() + PATIENCE
+        assert self._is_sent(text, PATIENCE), f"no {text!r} in {self._unread!r}"
+
+    def _is_sent(self, text: str, seconds: float) -> bool:
+        deadline = time.monotonic() + seconds
         while text.encode() not in self._unread:
             rest = deadline - time.monotonic()
-            assert rest > 0 and self._read(rest), f"no {text!r} in {self._unread!r}"
+            if rest <= 0 or not self._read(rest):
+                return False
         self._unread = self._unread.partition(text.encode())[2]
+        return True
 
     def modes(self) -> list[Any]:
         """How the terminal is set: whether it echoes keys and the like."""

@@ -131,7 +131,7 @@ def liar(answers: Mapping[str, Any], message: Any = None) -> Iterator[str]:
         thread.start()
         yield f"ws://127.0.0.1:{server.socket.getsockname()[1]}"
         server.shutdown()
-        thread.join(20)
+        thread.join(60)
 
 
 def run(hub: str, *words: str) -> Result:

@@ -547,7 +547,7 @@ def test_when_the_terminal_is_gone_nothing_is_left_over(robot: Path) -> None:
         found = re.search(r"FIBWS_HUB=(ws:[\d.:/]+)", terminal.told)
         assert found is not None
         terminal.hang_up()
-        terminal.process.wait(20)
+        terminal.process.wait(60)
         with pytest.raises(NoHub):
             Link("test", found[1])
     finally:

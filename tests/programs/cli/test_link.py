@@ -124,7 +124,7 @@ def stranger(*texts: str | bytes | list[str]) -> Iterator[str]:
         thread.start()
         yield f"ws://127.0.0.1:{server.socket.getsockname()[1]}"
         server.shutdown()
-        thread.join(20)
+        thread.join(60)
 
 
 @pytest.mark.parametrize(
@@ -182,7 +182,7 @@ def test_a_call_ends_though_something_else_comes_without_end() -> None:
             link.call("/s", timeout=0.01)
         link._stream.leave()
         server.shutdown()
-        thread.join(20)
+        thread.join(60)
 
 
 def test_what_comes_during_a_call_is_kept_within_bounds(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,7 +6,6 @@ import json
 import os
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -18,7 +17,7 @@ SLOW |= {"multiprocessing", "pydantic", "pydantic_core", "rich", "ssl", "unittes
 MOST = 1.3
 """Times that ``fibws topic echo -n 1`` may take what a bare script takes."""
 ROUNDS = 7
-PATIENCE = 20
+PATIENCE = 60
 
 BARE = """
 import asyncio, json, sys, websockets
@@ -83,18 +82,20 @@ def test_echo_takes_little_longer_than_a_bare_script(
     monkeypatch.setitem(ENVIRONMENT, "PYTHONPYCACHEPREFIX", str(tmp_path))
     publish("/number", "std_msgs/Int32", {"data": 8})
     echo = ["-m", "fibws", "topic", "echo", "-n", "1", "/number", "--hub", hub.url]
-    # In turns, so that what else this machine does falls on both; the quickest are the truest.
+    # In turns, so that what else this machine does falls on both; the smallest are the truest.
     mine, bare = [], []
     for _ in range(ROUNDS):
-        mine.append(seconds([sys.executable, *echo]))
-        bare.append(seconds([sys.executable, "-c", BARE, hub.url]))
+        mine.append(cpu_time([sys.executable, *echo]))
+        bare.append(cpu_time([sys.executable, "-c", BARE, hub.url]))
     assert min(mine) <= MOST * min(bare)
 
 
-def seconds(script: list[str]) -> float:
-    began = time.perf_counter()
+def cpu_time(script: list[str]) -> float:
+    """Seconds that it works, however long it has to wait for that."""
+    before = os.times()
     output(script)
-    return time.perf_counter() - began
+    after = os.times()
+    return sum(after[2:4]) - sum(before[2:4])
 
 
 def output(script: list[str]) -> str:

@@ -56,7 +56,7 @@ def test_what_will_not_have_it_is_an_error(response: bytes, said: str) -> None:
         thread.start()
         with pytest.raises(HubUnreachable, match=said):
             Link("test", f"ws://127.0.0.1:{server.getsockname()[1]}")
-        thread.join(20)
+        thread.join(60)
 
 
 @pytest.mark.skipif(not shutil.which("openssl"), reason="a certificate is made by openssl")
@@ -82,7 +82,7 @@ def test_a_hub_may_be_behind_tls(
                         back = threading.Thread(target=pump, args=(plain, tls))
                         back.start()
                         pump(tls, plain)
-                        back.join(20)
+                        back.join(60)
 
         relaying = threading.Thread(target=relay)
         relaying.start()
@@ -93,7 +93,7 @@ def test_a_hub_may_be_behind_tls(
         with Link("test", url) as link:
             assert link.receive(0) is None
             assert "time" in link.call("/rosapi/get_time")
-        relaying.join(20)
+        relaying.join(60)
 
 
 def test_a_hub_that_speaks_no_tls_is_told_by_what_to_write(hub: HubThread) -> None:

@@ -24,7 +24,7 @@ SUPERSEDED = "This goal was canceled because another goal was received by the si
 async def test_a_server_is_heard_by_its_client() -> None:
     async with our_ros() as ros:
         server, client = await ros.play(
-            Part("actions/server.py", until="ready"),
+            Part("actions/server.py", until="ready", hears=("preempted", 4)),
             Part("actions/client.py", interrupted=False),
         )
     assert server.code == client.code == 0, client.err
@@ -40,7 +40,7 @@ async def test_a_server_is_heard_by_its_client() -> None:
     assert "text: 'Exception in execute callback: one hundred'" in heard["goal 100"]
     assert "text: 'No terminal state was set.'" in heard["goal 101"]
     assert heard["too long"][1] == "finished: False"
-    assert heard["too long"][-3:] == ["state: 2 PREEMPTED", "text: 'no more'", "result: result: 1"]
+    assert heard["too long"][-3:] == ["state: 2 PREEMPTED", "text: 'no more'", "result: result: 7"]
     assert heard["and wait"][0] == "True"
     assert heard["a later goal"][2] == "state: 2 PREEMPTED"
     assert heard["a later goal"][-2:] == ["text: 'counted'", "result: result: 1"]
@@ -56,7 +56,7 @@ async def test_a_server_is_heard_by_its_client() -> None:
 async def test_goals_are_accepted_in_callbacks() -> None:
     async with our_ros() as ros:
         server, client = await ros.play(
-            Part("actions/polling_server.py", until="ready"),
+            Part("actions/polling_server.py", until="ready", hears=("accepted", 4)),
             Part("actions/polling_client.py", interrupted=False),
         )
     assert client.out == [
@@ -73,7 +73,7 @@ async def test_ctrl_c_ends_a_server_in_the_midst_of_a_goal(
     assert "ready" in await server.line()
     async with fibws.Node("test", hub=hub.url) as node:
         client = node.action_client("fibonacci", Fibonacci)
-        await client.wait_for_server(timeout=20)
+        await client.wait_for_server(timeout=60)
         goal = await client.send({"order": 45})
         async for _ in goal.feedback():
             break
@@ -88,7 +88,7 @@ async def test_fibws_own_clients_are_served(hub: Hub, start_script: StartScript)
     assert "ready" in await server.line()
     async with fibws.Node("test", hub=hub.url) as node:
         client = node.action_client("fibonacci", Fibonacci)
-        await client.wait_for_server(timeout=20)
+        await client.wait_for_server(timeout=60)
         goal = await client.send({"order": 3})
         feedback = [each.sequence async for each in goal.feedback()]
         assert feedback == [[0, 1, 1], [0, 1, 1, 2]]
@@ -142,7 +142,7 @@ async def test_what_an_owner_does_wrong_is_logged(
     assert "because an executeCallback exists" in await server.error_line()
     async with fibws.Node("test", hub=hub.url) as node:
         client = node.action_client("early", Fibonacci)
-        await client.wait_for_server(timeout=20)
+        await client.wait_for_server(timeout=60)
         await client.send({"order": 3})
         assert "internal_goal_callback - exception not this one" in await server.error_line()
 

@@ -13,7 +13,7 @@ from textwrap import dedent
 
 from fibws.hub import Hub, Settings
 
-PATIENCE = 30
+PATIENCE = 60
 PYTHONPATH = Path(__file__).parents[3] / "fibws" / "ros1" / "python"
 
 

@@ -39,7 +39,7 @@ def test_a_ring_without_news_wakes_nobody() -> None:
     assert sleeper.is_alive()
     news.append("it is over")
     bell.ring()
-    sleeper.join(10)
+    sleeper.join(60)
     assert not sleeper.is_alive()
 
 
@@ -51,7 +51,7 @@ def test_it_rings_for_all() -> None:
     over.set()
     bell.ring()
     for sleeper in sleepers:
-        sleeper.join(10)
+        sleeper.join(60)
         assert not sleeper.is_alive()
 
 
@@ -66,6 +66,6 @@ def test_a_signal_may_ring_it() -> None:
     earlier = signal.signal(signal.SIGALRM, ring)
     try:
         signal.setitimer(signal.ITIMER_REAL, 0.01)
-        assert bell.wait(rung.is_set, timeout=10)
+        assert bell.wait(rung.is_set, timeout=60)
     finally:
         signal.signal(signal.SIGALRM, earlier)

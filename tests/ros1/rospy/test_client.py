@@ -279,7 +279,7 @@ async def test_signals_can_be_left_to_the_program() -> None:
             rospy.init_node("careless", disable_signals=True)
             rospy.on_shutdown(lambda: print("hook"))
             # Not before it spins: until then Ctrl-C is Python's.
-            threading.Timer(0.3, print, ["ready"], {"flush": True}).start()
+            threading.Timer(1, print, ["ready"], {"flush": True}).start()
             rospy.spin()
             print("end", rospy.is_shutdown())
         """)

@@ -82,7 +82,7 @@ def test_who_waits_for_the_end_is_woken() -> None:
     waiting = threading.Thread(target=core.wait_for_shutdown)
     waiting.start()
     core.signal_shutdown("enough")
-    waiting.join(10)
+    waiting.join(60)
     assert not waiting.is_alive()
     assert core.wait_for_shutdown()
 

@@ -20,7 +20,7 @@ class Looping:
         self._debug = debug
         self.thread = threading.Thread(target=self._run, daemon=True)
         self.thread.start()
-        assert self._begun.wait(10)
+        assert self._begun.wait(60)
 
     def _run(self) -> None:
         self.loop = self.gate.new_loop()
@@ -38,16 +38,16 @@ class Looping:
 
         def work() -> None:
             begun.set()
-            over.wait(10)
+            over.wait(60)
 
         self.loop.call_soon_threadsafe(work)
-        assert begun.wait(10)
+        assert begun.wait(60)
         return over
 
     def stop(self) -> None:
         if self.thread.is_alive():
             self.loop.call_soon_threadsafe(self.loop.stop)
-            self.thread.join(10)
+            self.thread.join(60)
 
 
 @pytest.fixture
@@ -77,7 +77,7 @@ def test_the_loop_waits_for_who_acts_for_it(looping: Looping) -> None:
     looping.loop.call_soon_threadsafe(ran.set)
     assert not ran.wait(0.02)
     looping.gate.leave()
-    assert ran.wait(10)
+    assert ran.wait(60)
 
 
 def test_only_one_thread_acts_for_it(looping: Looping) -> None:
@@ -85,7 +85,7 @@ def test_only_one_thread_acts_for_it(looping: Looping) -> None:
     entered(looping.gate)
     other = threading.Thread(target=lambda: others.append(looping.gate.enter()))
     other.start()
-    other.join(10)
+    other.join(60)
     assert others == [False]
     assert not looping.gate.enter(), "nor does the same one twice"
     looping.gate.leave()
@@ -97,7 +97,7 @@ def test_what_is_scheduled_meanwhile_runs_when_the_loop_is_woken(looping: Loopin
     looping.loop.call_soon(ran.set)
     looping.gate.leave()
     looping.loop.call_soon_threadsafe(lambda: None)
-    assert ran.wait(10)
+    assert ran.wait(60)
 
 
 def test_a_signals_handler_comes_after_the_main_thread_has_left(looping: Looping) -> None:
@@ -134,7 +134,7 @@ def test_other_threads_are_admitted_when_the_main_thread_is_not(looping: Looping
 
     other = threading.Thread(target=act, daemon=True)
     other.start()
-    other.join(10)
+    other.join(60)
     assert others == [True]
 
 
@@ -144,15 +144,15 @@ def test_other_threads_are_no_concern_of_signal_handlers(looping: Looping) -> No
     def act() -> None:
         entered(looping.gate)
         inside.set()
-        over.wait(10)
+        over.wait(60)
         looping.gate.leave()
 
     other = threading.Thread(target=act)
     other.start()
-    assert inside.wait(10)
+    assert inside.wait(60)
     assert not looping.gate.after_leaving(lambda: None)
     over.set()
-    other.join(10)
+    other.join(60)
 
 
 def test_after_the_loop_s_end_nobody_gets_in(looping: Looping) -> None:
@@ -165,7 +165,7 @@ def test_a_loop_that_looks_for_mistakes_is_left_alone() -> None:
     looping = Looping(debug=True)
     asleep = threading.Event()
     looping.loop.call_soon_threadsafe(asleep.set)
-    assert asleep.wait(10)
+    assert asleep.wait(60)
     assert not any(looping.gate.enter() for _ in range(1000))
     looping.stop()
 

@@ -17,7 +17,7 @@ def test_items_are_handled_in_order_in_a_thread_of_that_name() -> None:
     )
     for number in range(3):
         assert not inbox.put(number)
-    assert [handled.get(timeout=5) for _ in range(3)] == [
+    assert [handled.get(timeout=60) for _ in range(3)] == [
         (0, "/chatter"),
         (1, "/chatter"),
         (2, "/chatter"),
@@ -31,16 +31,16 @@ def test_the_newest_items_wait_for_who_is_slow() -> None:
 
     def handle(item: int) -> None:
         begun.set()
-        go_on.wait(5)
+        go_on.wait(60)
         handled.put(item)
 
     inbox = Inbox("slow", handle)
     inbox.put(0, 2)
-    assert begun.wait(5)
+    assert begun.wait(60)
     assert [inbox.put(number, 2) for number in range(1, 5)] == [False, False, True, True]
     assert len(inbox) == 2
     go_on.set()
-    assert [handled.get(timeout=5) for _ in range(3)] == [0, 3, 4]
+    assert [handled.get(timeout=60) for _ in range(3)] == [0, 3, 4]
     inbox.close()
 
 
@@ -52,16 +52,16 @@ def test_what_is_closed_handles_nothing_more() -> None:
     def handle(item: int) -> None:
         threads.append(threading.current_thread())
         begun.set()
-        go_on.wait(5)
+        go_on.wait(60)
         handled.append(item)
 
     inbox = Inbox("closed", handle)
     inbox.put(1)
     inbox.put(2)
-    assert begun.wait(5)
+    assert begun.wait(60)
     inbox.close()
     go_on.set()
-    threads[0].join(5)
+    threads[0].join(60)
     assert handled == [1]
 
 
@@ -71,7 +71,7 @@ def test_the_end_of_the_node_is_the_end(monkeypatch: pytest.MonkeyPatch) -> None
     inbox = Inbox("over", handled.append)
     inbox.put(1)
     assert inbox._thread is not None
-    inbox._thread.join(5)
+    inbox._thread.join(60)
     assert handled == []
 
 

@@ -71,7 +71,7 @@ async def test_calls_are_answered_at_the_same_time() -> None:
             both = threading.Barrier(2)
 
             def add(request):
-                both.wait(20)
+                both.wait(60)
                 header = request._connection_header
                 names = ("callerid", "service", "cookies")
                 sys.stdout.write(" ".join(header[name] for name in names) + "\\n")
@@ -182,7 +182,7 @@ async def test_a_service_that_is_shut_down_is_gone() -> None:
             rospy.spin()
         """)
         assert await program.says() == "False"
-        await node.wait_for_service("end", timeout=20)
+        await node.wait_for_service("end", timeout=60)
         await node.call("end", "std_srvs/Empty")
         program.interrupt()
         assert await program.ends() == []

@@ -51,7 +51,7 @@ async def test_a_slow_callback_gets_the_newest_messages() -> None:
 
             def hear(message):
                 print(message.data, flush=True)
-                all_sent.wait(20)
+                all_sent.wait(60)
 
             rospy.Subscriber("chatter", Int32, hear, queue_size=2)
             rospy.Subscriber("after", Int32, lambda message: all_sent.set())
@@ -161,7 +161,7 @@ def test_what_waits_for_its_callbacks_is_not_told_before_them() -> None:
 
     def slow(message: String) -> None:
         begun.set()
-        told.wait(10)
+        told.wait(60)
 
     def last(message: String) -> None:
         if message.data == "second":
@@ -169,13 +169,13 @@ def test_what_waits_for_its_callbacks_is_not_told_before_them() -> None:
 
     topic.add_callback(slow, None)
     topic._take(String("first"))
-    assert begun.wait(10)
+    assert begun.wait(60)
     topic._take(String("second"))
     topic.add_callback(lambda message: heard.append(message.data), None)
     assert heard == ["first"]
     topic.add_callback(last, None)
     told.set()
-    assert over.wait(10)
+    assert over.wait(60)
     assert heard == ["first", "second"]
     topic._inbox.close()
 

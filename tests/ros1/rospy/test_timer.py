@@ -149,7 +149,7 @@ def test_a_timer_tells_when_it_was_due_and_when_it_was_called() -> None:
 @pytest.mark.usefixtures("simulated", "sleeps")
 def test_a_timer_may_go_off_once() -> None:
     events: queue.Queue[TimerEvent] = queue.Queue()
-    Timer(genpy.Duration(1), events.put, oneshot=True).join(10)
+    Timer(genpy.Duration(1), events.put, oneshot=True).join(60)
     assert events.qsize() == 1
 
 
@@ -159,15 +159,15 @@ def test_the_end_of_the_node_ends_a_timer(monkeypatch: pytest.MonkeyPatch) -> No
 
     def sleep(duration: genpy.Duration) -> None:
         asleep.set()
-        over.wait(10)
+        over.wait(60)
         raise ROSInterruptException("ROS shutdown request")
 
     monkeypatch.setattr("rospy.timer.sleep", sleep)
     timer = Timer(genpy.Duration(1), print)
-    asleep.wait(10)
+    asleep.wait(60)
     monkeypatch.setattr(core, "_shutdown", True)
     over.set()
-    timer.join(10)
+    timer.join(60)
     assert not timer.is_alive()
 
 

@@ -102,7 +102,7 @@ async def test_what_is_unregistered_hears_no_more_and_publishes_no_more() -> Non
             while not publisher.get_num_connections():
                 rospy.sleep(0.01)
             publisher.publish("something")
-            heard.wait(10)
+            heard.wait(60)
             publisher.unregister()
             print(publisher.resolved_name, publisher.type, publisher.name)
             try:

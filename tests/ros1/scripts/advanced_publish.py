@@ -64,7 +64,7 @@ for make in (
     try:
         print(make())
     except Exception as e:
-        print(type(e).__name__, e)
+        print(type(e).__name__, str(e).removesuffix(" and no __dict__ for setting new attributes"))
 print(repr(Int32(5)), Int32(), String("a: b\n'c' \"d\""), String(""), sep="\n")
 print(Twist(Vector3(1, 2, 3), Vector3()))
 pose = PoseStamped()

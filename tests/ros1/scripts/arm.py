@@ -65,7 +65,7 @@ for i in range(3):
     trajectory.points.append(copy.deepcopy(p))
 command = rospy.Publisher('arm_controller/command', JointTrajectory, queue_size=1, latch=True)
 command.publish(trajectory)
-back = rospy.wait_for_message('arm_controller/command', JointTrajectory, timeout=5)
+back = rospy.wait_for_message('arm_controller/command', JointTrajectory, timeout=60)
 print([(p.positions, p.time_from_start.to_sec()) for p in back.points], back.joint_names)
 print(back.points[1])
 rospy.delete_param('joints')

@@ -29,7 +29,7 @@ class TurtleBot:
         print(repr(rospy.ServiceProxy('/turtle1/teleport_absolute', TeleportAbsolute)(5, 5, 0.5)))
         print(rospy.ServiceProxy('spawn', Spawn)(4, 2, 0, 'turtle2'))
         print(type(rospy.ServiceProxy('/clear', Empty)()).__name__)
-        rospy.wait_for_message('/turtle1/pose', Pose, timeout=5)
+        rospy.wait_for_message('/turtle1/pose', Pose, timeout=60)
 
     def move2goal(self):
         goal = Pose()

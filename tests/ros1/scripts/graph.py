@@ -5,7 +5,8 @@ from std_msgs.msg import String
 rospy.init_node('graph_node')
 pub = rospy.Publisher('robot/chatter', String, queue_size=1)
 sub = rospy.Subscriber('robot/chatter', String, lambda m: None)
-rospy.sleep(0.2)
+while not (pub.get_num_connections() and sub.get_num_connections()):
+    rospy.sleep(0.02)
 print([each for each in rospy.get_published_topics() if 'robot/chatter' in each[0]])
 print(rospy.get_published_topics('/robot'), rospy.get_published_topics('/nothing'))
 master = rospy.get_master()

@@ -24,8 +24,10 @@ def on_any(m):
     pkg, name = m._connection_header['type'].split('/')
     pose = getattr(importlib.import_module(pkg + '.msg'), name)().deserialize(m._buff)
     print(name, len(m._buff), pose.pose.position.x, m._connection_header['md5sum'])
+    poses.append(pose)
 
 
+poses = []
 rospy.Subscriber('some/pose', AnyMsg, on_any, buff_size=DEFAULT_BUFF_SIZE * 10)
 got = {}
 subs = []
@@ -38,9 +40,8 @@ while not is_shutdown() and any(each.get_num_connections() == 0 for each in pubs
     rospy.rostime.wallsleep(0.02)
 for i, each in enumerate(pubs):
     each.publish(i / 2)
-while len(got) < 20:
+while len(got) < 20 or not poses:
     rospy.rostime.wallsleep(0.02)
-rospy.sleep(0.1)
 print(len(got), sum(got.values()), pubs[7].resolved_name)
 for each in subs + pubs:
     each.unregister()

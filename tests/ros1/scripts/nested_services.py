@@ -25,7 +25,7 @@ done = threading.Event()
 
 def callback(msg):
     print(msg.data, call().message)
-    print(rospy.wait_for_message('again', String, 5).data)
+    print(rospy.wait_for_message('again', String, 60).data)
     done.set()
 
 
@@ -36,7 +36,7 @@ again.publish('again!')
 while go.get_num_connections() == 0:
     rospy.sleep(0.01)
 go.publish('go')
-print(done.wait(5))
+print(done.wait(60))
 try:
     rospy.Service('inner', Trigger, inner)
 except rospy.ServiceException as e:

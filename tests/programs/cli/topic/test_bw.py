@@ -63,8 +63,8 @@ def test_the_bytes_are_those_of_the_messages(run: Run, publish: Publish) -> None
     thread = threading.Thread(target=publish_more)
     thread.start()
     result = run("topic", "bw", "-n", "1", "--json", "/number")
-    thread.join(20)
+    thread.join(60)
     found = json.loads(result.output)
     assert found["mean"] == found["min"] == found["max"] == len('{"data":8}')
-    assert found["window"] == 4
-    assert 0 < found["rate"] < 100
+    assert 2 <= found["window"] <= 4
+    assert found["rate"] > 0

@@ -67,7 +67,7 @@ def test_a_filter_leaves_out_what_is_not_wanted(run: Run, publish: Publish) -> N
     thread = threading.Thread(target=publish_more)
     thread.start()
     result = run("topic", "echo", "-n", "2", "--filter", "m.data > 5", "/number/data")
-    thread.join(20)
+    thread.join(60)
     assert (result.exit_code, result.output) == (0, "7\n---\n9\n---\n")
 
 

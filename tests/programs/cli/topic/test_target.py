@@ -58,6 +58,6 @@ def test_a_topic_is_waited_for(hub: HubThread, link: Link, publish: Publish) -> 
         ):
             pass
         publish("/late", "std_msgs/Int32", {"data": 8})
-        waiting.join(20)
+        waiting.join(60)
         assert [(each.topic, str(each.path)) for each in found] == [("/late", "data")]
         assert next(other.messages("/late", 20)) == {"data": 8}

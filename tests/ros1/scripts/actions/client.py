@@ -20,6 +20,13 @@ def feedback(message):
     heard.append(message.feedback)
 
 
+def until_it_counts(client, **callbacks):
+    counted = []
+    client.send_goal(TestGoal(1000), active_cb=active, feedback_cb=counted.append, **callbacks)
+    while not (begun and counted):
+        rospy.sleep(0.05)
+
+
 def show(client, finished):
     # Each topic has its thread: what one says before another is different each time.
     print('%s, feedback %s' % (begun, heard))
@@ -48,10 +55,10 @@ if __name__ == '__main__':
     for number in (3, -5, 100, 101, 102):
         print('goal %d' % number)
         client.send_goal(TestGoal(goal=number), done, active, feedback)
-        show(client, client.wait_for_result(rospy.Duration.from_sec(10.0)))
+        show(client, client.wait_for_result(rospy.Duration.from_sec(60.0)))
 
     print('too long')
-    client.send_goal(TestGoal(1000), done_cb=done)
+    until_it_counts(client, done_cb=done)
     show(client, client.wait_for_result(rospy.Duration(0.5)))
     client.cancel_goal()
     show(client, client.wait_for_result())
@@ -60,21 +67,19 @@ if __name__ == '__main__':
     print('and wait')
     state = client.send_goal_and_wait(TestGoal(2))
     print(state == GoalStatus.SUCCEEDED)
-    state = client.send_goal_and_wait(TestGoal(1000), rospy.Duration(0.5), rospy.Duration(5))
+    state = client.send_goal_and_wait(TestGoal(1000), rospy.Duration(0.5), rospy.Duration(60))
     show(client, state)
 
     print('a later goal')
     other = actionlib.SimpleActionClient('test_server', TestAction)
     other.wait_for_server()
-    client.send_goal(TestGoal(1000))
-    rospy.sleep(0.5)
-    other.send_goal(TestGoal(1), done_cb=done)
+    until_it_counts(client)
+    other.send_goal(TestGoal(1))
     show(client, client.wait_for_result())
     show(other, other.wait_for_result())
 
     print('all of them')
-    client.send_goal(TestGoal(1000))
-    rospy.sleep(0.5)
+    until_it_counts(client)
     other.cancel_all_goals()
     show(client, client.wait_for_result())
 

@@ -20,7 +20,7 @@ class Follower:
             self.done.set()
 
     def show(self, handle):
-        print('%s done: %s' % (self.name, self.done.wait(10)))
+        print('%s done: %s' % (self.name, self.done.wait(60)))
         print(self.states[-2:])
         print(TerminalState.to_string(handle.get_terminal_state()))
         print(GoalStatus.to_string(handle.get_goal_status()), handle.get_goal_status_text())
@@ -28,10 +28,15 @@ class Follower:
         sys.stdout.flush()
 
 
+def until(state, *handles):
+    while not all(handle.get_comm_state() == state for handle in handles):
+        rospy.sleep(0.02)
+
+
 if __name__ == '__main__':
     rospy.init_node('handles_client')
     client = actionlib.ActionClient('handles', TwoIntsAction)
-    print(client.wait_for_server(rospy.Duration(10)))
+    print(client.wait_for_server(rospy.Duration(60)))
     for a in (1, 2, 3):
         follower = Follower('goal %d' % a)
         handle = client.send_goal(TwoIntsGoal(a, 2), follower.transition)
@@ -41,7 +46,8 @@ if __name__ == '__main__':
     begun = Follower('begun')
     first = client.send_goal(TwoIntsGoal(4, 0), waiting.transition)
     second = client.send_goal(TwoIntsGoal(5, 0), begun.transition)
-    rospy.sleep(0.5)
+    until(CommState.PENDING, first)
+    until(CommState.ACTIVE, second)
     print(first == second, first != second, len({first, second}))
     print(CommState.to_string(first.get_comm_state()), CommState.to_string(second.get_comm_state()))
     first.cancel()
@@ -50,7 +56,7 @@ if __name__ == '__main__':
     begun.show(second)
 
     early = [client.send_goal(TwoIntsGoal(number, 0)) for number in (6, 7)]
-    rospy.sleep(0.5)
+    until(CommState.ACTIVE, *early)
     client.cancel_goals_at_and_before_time(rospy.Time.now())
-    rospy.sleep(0.5)
+    until(CommState.DONE, *early)
     print([GoalStatus.to_string(handle.get_terminal_state()) for handle in early])

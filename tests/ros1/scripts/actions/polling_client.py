@@ -4,6 +4,12 @@ import rospy
 from actionlib.msg import TestAction, TestGoal
 from std_msgs.msg import Int32
 
+
+def until_active(client):
+    while client.get_state() != actionlib.GoalStatus.ACTIVE:
+        rospy.sleep(0.02)
+
+
 if __name__ == '__main__':
     rospy.init_node('polling_client')
     numbers = rospy.Publisher('numbers', Int32, queue_size=10)
@@ -14,23 +20,23 @@ if __name__ == '__main__':
     print(client.get_state())
 
     client.send_goal(TestGoal(3))
+    until_active(client)
     for number in (4, 5, 6):
-        rospy.sleep(0.2)
         numbers.publish(number)
-    print(client.wait_for_result(rospy.Duration(5)), client.get_state(), client.get_result())
+    print(client.wait_for_result(rospy.Duration(60)), client.get_state(), client.get_result())
 
     client.send_goal(TestGoal(3))
-    rospy.sleep(0.2)
+    until_active(client)
     client.cancel_goal()
-    print(client.wait_for_result(rospy.Duration(5)), client.get_state(), client.get_result())
+    print(client.wait_for_result(rospy.Duration(60)), client.get_state(), client.get_result())
 
     other = actionlib.SimpleActionClient('polling', TestAction)
     other.wait_for_server()
     client.send_goal(TestGoal(3))
-    rospy.sleep(0.2)
+    until_active(client)
     other.send_goal(TestGoal(1))
-    print(client.wait_for_result(rospy.Duration(5)), client.get_state())
+    print(client.wait_for_result(rospy.Duration(60)), client.get_state())
     print(client.get_goal_status_text())
-    rospy.sleep(0.2)
+    until_active(other)
     numbers.publish(7)
-    print(other.wait_for_result(rospy.Duration(5)), other.get_state(), other.get_result())
+    print(other.wait_for_result(rospy.Duration(60)), other.get_state(), other.get_result())

@@ -34,11 +34,11 @@ class TestServer:
         for number in range(goal):
             if self.server.is_preempt_requested() or rospy.is_shutdown():
                 rospy.loginfo('preempted')
-                self.server.set_preempted(TestResult(number > 0), 'no more')
+                self.server.set_preempted(TestResult(7), 'no more')
                 return
             self.server.publish_feedback(TestFeedback(number))
             rate.sleep()
-        rospy.sleep(0.2)  # The result must not overtake the feedback, which goes by another topic.
+        rospy.sleep(0.5)  # The result must not overtake the feedback, which goes by another topic.
         self.server.set_succeeded(TestResult(goal), 'counted')
 
 

