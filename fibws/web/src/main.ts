@@ -1,8 +1,9 @@
 /** The page: a connection, a model of the graph, and a view for each tab. */
 import { offer } from "./browser_console";
 import { h, replace } from "./dom";
+import { isHidden } from "./hidden";
 import { Hub } from "./hub";
-import { Model, isHidden } from "./model";
+import { Model } from "./model";
 import { Shell, TABS, type Tab } from "./shell";
 import { type MakeView, type View, pathOf } from "./view";
 import { welcome } from "./welcome";

@@ -6,7 +6,6 @@ import { type Signal, Source } from "./signal";
 import type { TypeDef } from "./types";
 
 export type { ClientStatistics, Flow, Rates } from "./rates";
-export { isHidden } from "./hidden";
 
 export interface Time {
   secs: number;

@@ -44,12 +44,15 @@ export interface Flow {
 export interface Rates {
   /** By topic. */
   topics: Map<string, Flow>;
-  /** By topic and node, a space between. */
+  /** By `flowKey`. */
   publishers: Map<string, Flow>;
   subscriptions: Map<string, Flow>;
-  /** Totals, by topic and node. */
+  /** Totals, by `flowKey`. */
   dropped: Map<string, number>;
 }
+
+/** The key of what flows from a node to a topic, or from there to a node. */
+export const flowKey = (topic: string, node: string): string => `${topic} ${node}`;
 
 export const NO_RATES: Rates = {
   topics: new Map(),
@@ -69,7 +72,7 @@ interface Count {
   readonly dropped: number;
 }
 
-/** What one answer said, by topic and node. */
+/** What one answer said, by `flowKey`. */
 interface Answer {
   readonly secs: number;
   readonly publishers: ReadonlyMap<string, Count>;
@@ -105,9 +108,9 @@ function answer({ stamp, topics }: Statistics): Answer {
   const subscriptions = new Map<string, Count>();
   for (const each of topics) {
     for (const { node, messages, bytes } of each.publishers)
-      publishers.set(`${each.topic} ${node}`, { messages, bytes, dropped: 0 });
+      publishers.set(flowKey(each.topic, node), { messages, bytes, dropped: 0 });
     for (const { node, messages, dropped } of each.subscriptions)
-      subscriptions.set(`${each.topic} ${node}`, { messages, bytes: 0, dropped });
+      subscriptions.set(flowKey(each.topic, node), { messages, bytes: 0, dropped });
   }
   return { secs: stamp.secs + stamp.nsecs / 1e9, publishers, subscriptions };
 }
@@ -124,7 +127,7 @@ function flows({ topics }: Statistics, latest: Answer, former: readonly Answer[]
     const whole: Flow = { messages: 0, bytes: 0, dropped: 0 };
     result.topics.set(topic, whole);
     for (const { node } of publishers) {
-      const key = `${topic} ${node}`;
+      const key = flowKey(topic, node);
       const flow = flowOf(key, "publishers", latest, former);
       result.publishers.set(key, flow);
       whole.messages += flow.messages;
@@ -132,7 +135,7 @@ function flows({ topics }: Statistics, latest: Answer, former: readonly Answer[]
     }
     const size = whole.messages > 0 ? whole.bytes / whole.messages : 0;
     for (const { node, dropped } of subscriptions) {
-      const key = `${topic} ${node}`;
+      const key = flowKey(topic, node);
       const flow = flowOf(key, "subscriptions", latest, former);
       // The hub counts bytes where they come in; a message's mean size tells the rest.
       flow.bytes = flow.messages * size;

@@ -3,8 +3,9 @@ import "./shell.css";
 
 import { h, replace, say, svg } from "./dom";
 import { hertz } from "./format";
+import { isHidden } from "./hidden";
 import type { Hub, State } from "./hub";
-import { type Graph, type Model, type Rates, isHidden } from "./model";
+import type { Graph, Model, Rates } from "./model";
 import { route } from "./view";
 import { help } from "./welcome";
 

@@ -3,10 +3,19 @@
 import { definitions } from "../definition";
 import { type Child, h, replace, say } from "../dom";
 import { ago, bandwidth, bytes, hertz, moment, whole } from "../format";
-import type { ClientStatistics, Graph, Model, Rates } from "../model";
+import type {
+  ActionInfo,
+  ClientStatistics,
+  Graph,
+  Model,
+  Rates,
+  ServiceInfo,
+  TopicInfo,
+} from "../model";
+import { flowKey } from "../rates";
 import type { TypeDef } from "../types";
 import { route } from "../view";
-import { facts } from "./facts";
+import { type Facts, facts } from "./facts";
 import type { Kind } from "./picture";
 
 type Live = (rates: Rates, clients: readonly ClientStatistics[]) => void;
@@ -74,7 +83,7 @@ export class Details {
     const reading = this.#body.contains(document.activeElement);
     replace(this.#kind, shown.kind);
     replace(this.#title, shown.name);
-    replace(this.#body, ...this.#describe(graph, shown));
+    replace(this.#body, ...this.#describe(shown.name, known));
     this.measure();
     // The link that was followed is gone, and the keyboard with it.
     if (reading) this.#title.focus();
@@ -85,36 +94,30 @@ export class Details {
     for (const tell of this.#live) tell(this.#model.rates.value, this.#model.clients.value);
   }
 
-  #describe(graph: Graph, { kind, name }: { kind: Kind; name: string }): Child[] {
-    switch (kind) {
+  #describe(name: string, known: Facts | undefined): Child[] {
+    switch (known?.kind) {
       case "node":
-        return this.#node(graph, name);
+        return this.#node(known);
       case "topic":
-        return this.#topic(graph, name);
+        return this.#topic(known.topic);
       case "service":
-        return this.#service(graph, name);
+        return this.#service(known.service);
       case "action":
-        return this.#action(graph, name);
+        return this.#action(known.action, known.topics);
+      case undefined:
+        return [h("p", { class: "soft" }, `${name} is not in the graph now.`)];
     }
   }
 
-  #node(graph: Graph, name: string): Child[] {
-    const node = graph.nodes.find((each) => each.name === name);
-    if (node === undefined) return [gone(name)];
+  #node({ node, publishes, subscribes, actions, services }: Facts & { kind: "node" }): Child[] {
     const since = node.since.secs + node.since.nsecs / 1e9;
     const kept = this.#lively((_, clients) => {
-      const client = clients.find((each) => each.node === name);
+      const client = clients.find((each) => each.node === node.name);
       if (client === undefined) return "–";
       const slow = client.slow ? ", slow: its socket takes no more now" : "";
       return `${bytes(client.kept_bytes)} waiting, ${whole(client.dropped)} dropped${slow}`;
     });
-    const publishes = graph.topics.filter(({ publishers }) =>
-      publishers.some((each) => each.node === name),
-    );
-    const subscribes = graph.topics.filter(({ subscriptions }) =>
-      subscriptions.some((each) => each.node === name),
-    );
-    const key = (topic: string): string => `${topic} ${name}`;
+    const key = (topic: string): string => flowKey(topic, node.name);
     return [
       terms([
         ["address", node.address || (node.own ? "the hub itself" : "unknown")],
@@ -124,36 +127,35 @@ export class Details {
       list(
         "Publishes",
         publishes.map((topic) => [
-          link("topic", topic.name),
-          this.#lively((rates) => hertz(rates.publishers.get(key(topic.name))?.messages ?? 0)),
+          link("topic", topic),
+          this.#lively((rates) => hertz(rates.publishers.get(key(topic))?.messages ?? 0)),
         ]),
       ),
       list(
         "Subscribes",
         subscribes.map((topic) => [
-          link("topic", topic.name),
-          this.#lively((rates) => hertz(rates.subscriptions.get(key(topic.name))?.messages ?? 0)),
+          link("topic", topic),
+          this.#lively((rates) => hertz(rates.subscriptions.get(key(topic))?.messages ?? 0)),
         ]),
       ),
       list(
         "Actions",
-        graph.actions.filter((each) => each.node === name).map((each) => [link("action", each.name)]),
+        actions.map((action) => [link("action", action)]),
       ),
       list(
         "Services",
-        graph.services.filter((each) => each.node === name).map((each) => [link("service", each.name)]),
+        services.map((service) => [link("service", service)]),
       ),
     ];
   }
 
-  #topic(graph: Graph, name: string): Child[] {
-    const topic = graph.topics.find((each) => each.name === name);
-    if (topic === undefined) return [gone(name)];
+  #topic(topic: TopicInfo): Child[] {
+    const { name } = topic;
+    const key = (node: string): string => flowKey(name, node);
     const flowing = this.#lively((rates) => {
       const flow = rates.topics.get(name);
       return `${hertz(flow?.messages ?? 0)}, ${bandwidth(flow?.bytes ?? 0)}`;
     });
-    const key = (node: string): string => `${name} ${node}`;
     return [
       h(
         "p",
@@ -208,37 +210,30 @@ export class Details {
     ];
   }
 
-  #service(graph: Graph, name: string): Child[] {
-    const service = graph.services.find((each) => each.name === name);
-    if (service === undefined) return [gone(name)];
+  #service({ name, type, node }: ServiceInfo): Child[] {
     return [
       h("p", { class: "links" }, h("a", { class: "button", href: route("services", name) }, "call")),
       terms([
-        ["type", h("code", {}, service.type)],
-        ["node", link("node", service.node)],
+        ["type", h("code", {}, type)],
+        ["node", link("node", node)],
       ]),
-      this.#definition(service.type, "Request", (type) => this.#model.requestTypedefs(type)),
-      this.#definition(service.type, "Response", (type) => this.#model.responseTypedefs(type)),
+      this.#definition(type, "Request", (each) => this.#model.requestTypedefs(each)),
+      this.#definition(type, "Response", (each) => this.#model.responseTypedefs(each)),
     ];
   }
 
-  #action(graph: Graph, name: string): Child[] {
-    const action = graph.actions.find((each) => each.name === name);
-    if (action === undefined) return [gone(name)];
-    const topics = graph.topics.filter(
-      (each) => action.over_topics && each.name.startsWith(`${name}/`),
-    );
+  #action({ type, node, over_topics }: ActionInfo, topics: readonly string[]): Child[] {
     return [
       terms([
-        ["type", h("code", {}, action.type)],
-        ["server", link("node", action.node)],
-        ["carried by", action.over_topics ? "five topics, as in ROS 1" : "operations, as in ROS 2"],
+        ["type", h("code", {}, type)],
+        ["server", link("node", node)],
+        ["carried by", over_topics ? "five topics, as in ROS 1" : "operations, as in ROS 2"],
       ]),
       list(
         "Topics",
         topics.map((topic) => [
-          link("topic", topic.name),
-          this.#lively((rates) => hertz(rates.topics.get(topic.name)?.messages ?? 0)),
+          link("topic", topic),
+          this.#lively((rates) => hertz(rates.topics.get(topic)?.messages ?? 0)),
         ]),
       ),
     ];
@@ -266,10 +261,6 @@ export class Details {
 
 function link(kind: Kind, name: string): HTMLElement {
   return h("a", { href: route("graph", kind, name) }, name);
-}
-
-function gone(name: string): HTMLElement {
-  return h("p", { class: "soft" }, `${name} is not in the graph now.`);
 }
 
 function terms(rows: ([string, Child] | null)[]): HTMLElement {

@@ -5,15 +5,11 @@ import type { Rates } from "../model";
 import { NO_RATES } from "../rates";
 import { flowText } from "./flow";
 import { type EdgeMark, type ElementMark, look, makeEdge, makeElement, put } from "./marks";
+import { MANY, Motion } from "./motion";
 import { rising } from "./order";
 import type { Edge, Element as Drawn, Group, Picture } from "./picture";
 import type { Box, Places } from "./places";
-import { between, curve } from "./ways";
 
-/** How long things take to their new places, in ms. */
-const GLIDE = 350;
-/** More than these are set down at once: each frame of a glide costs time for each of them. */
-const MANY = 250;
 /** So many new marks are drawn at once. */
 const PORTION = 100;
 const FAR = 0.35;
@@ -37,9 +33,9 @@ export class Drawing {
   readonly #elementMarks = new Map<string, ElementMark>();
   readonly #edgeMarks = new Map<string, EdgeMark>();
   readonly #groupMarks = new Map<string, { frame: SVGRectElement; title: SVGTextElement }>();
+  readonly #motion = new Motion(this.#elementMarks, this.#edgeMarks);
   readonly #still = matchMedia("(prefers-reduced-motion: reduce)");
   #down = false;
-  #frame = 0;
   #rest = 0;
   #rates = NO_RATES;
   #chosen: string | null = null;
@@ -92,9 +88,8 @@ export class Drawing {
     this.choose(this.#chosen);
     const jumps =
       this.#still.matches || document.hidden || turned || !whole || this.#edgeMarks.size > MANY;
-    cancelAnimationFrame(this.#frame);
-    if (jumps) this.#settle();
-    else this.#start(performance.now());
+    if (jumps) this.#motion.jump(down);
+    else this.#motion.glide(down);
     if (!whole) {
       // One portion a frame: timers may run twice between two, which then has twice the work.
       this.#rest = requestAnimationFrame(() => this.draw(picture, places, down, this.#rates));
@@ -256,58 +251,6 @@ export class Drawing {
       Object.assign(mark, { edge, from: mark.at, to });
     }
   }
-
-  #start(since: number): void {
-    this.#frame = requestAnimationFrame((now) => {
-      const part = Math.min(1, Math.max(0, (now - since) / GLIDE));
-      this.#glide(1 - (1 - part) ** 3);
-      if (part < 1) this.#start(since);
-    });
-  }
-
-  /** Set all down at its place; very many arrows in portions, a frame for each. */
-  #settle(): void {
-    this.#move(1);
-    let left = MANY;
-    for (const mark of this.#edgeMarks.values()) {
-      if (left === 0) {
-        this.#frame = requestAnimationFrame(() => this.#settle());
-        return;
-      }
-      if (this.#bend(mark, 1)) left -= 1;
-    }
-  }
-
-  #glide(part: number): void {
-    this.#move(part);
-    for (const mark of this.#edgeMarks.values()) this.#bend(mark, part);
-  }
-
-  #move(part: number): void {
-    for (const mark of this.#elementMarks.values()) {
-      const { from, to } = mark;
-      mark.at = { ...to, x: mix(from.x, to.x, part), y: mix(from.y, to.y, part) };
-      put(mark.mark, "transform", `translate(${mark.at.x} ${mark.at.y})`);
-    }
-  }
-
-  /** Tells whether the arrow looks otherwise now. */
-  #bend(mark: EdgeMark, part: number): boolean {
-    const { from, to, edge } = mark;
-    const label = { x: mix(from.label.x, to.label.x, part), y: mix(from.label.y, to.label.y, part) };
-    const points = part === 1 ? to.points : between(from.points, to.points, part);
-    mark.at = { points, label };
-    const ends = [this.#elementMarks.get(edge.from), this.#elementMarks.get(edge.to)] as const;
-    if (ends[0] === undefined || ends[1] === undefined) return false;
-    const middles = [ends[0].at, ends[1].at] as const;
-    const { line, heads } = curve(points, middles, this.#down, edge.bothWays);
-    const high = edge.label === "" ? 4 : -3;
-    const bent = put(mark.line, "d", line);
-    if (bent) put(mark.hit, "d", line);
-    const turned = put(mark.heads, "d", heads);
-    const moved = put(mark.words, "transform", `translate(${label.x} ${label.y + high})`);
-    return bent || turned || moved;
-  }
 }
 
 /** Those that are drawn already, and so many of the others. */
@@ -328,5 +271,3 @@ function keep<T>(marks: Map<string, T>, ids: ReadonlySet<string>, gone: (mark: T
     marks.delete(id);
   }
 }
-
-const mix = (a: number, b: number, part: number): number => a + (b - a) * part;

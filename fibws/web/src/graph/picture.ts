@@ -1,11 +1,12 @@
 // The graph as it is to be drawn: elements, arrows and namespaces, before anything has its place.
 
+import { isHidden } from "../hidden";
+import type { ActionInfo, Graph, TopicInfo } from "../model";
+import { flowKey } from "../rates";
+import { actionTopics } from "./action_topics";
 import type { Choices } from "./choices";
 import { passes } from "./choices";
-import { actionTopics } from "./folding";
 import { namespaces } from "./namespaces";
-import { isHidden } from "../hidden";
-import type { Graph } from "../model";
 
 export type Kind = "node" | "topic" | "service" | "action";
 
@@ -63,113 +64,15 @@ export const idOf = (kind: Kind, name: string): string => `${kind} ${name}`;
 type Sketch = Omit<Element, "group" | "label" | "second" | "about">;
 type Line = Pick<Edge, "from" | "to" | "about"> & Partial<Edge>;
 
-/** Draw what the choices ask for; `keep` names elements that stay whatever the filter says. */
+/** Draw what the choices ask for. */
 export function picture(graph: Graph, choices: Choices): Picture {
-  const shown = (name: string): boolean => choices.debug || !isHidden(name);
-  const elements = new Map<string, Sketch>();
-  const edges: Edge[] = [];
-  const put = (kind: Kind, name: string, type = ""): string => {
-    const id = idOf(kind, name);
-    elements.set(id, { id, kind, name, type });
-    return id;
-  };
-  const draw = (line: Line): void => {
-    if (!elements.has(line.from) || !elements.has(line.to)) return;
-    const id = `${line.from} > ${line.to}${line.label ? ` ${line.label}` : ""}`;
-    edges.push({
-      id,
-      publishers: [],
-      subscriptions: [],
-      label: "",
-      latched: false,
-      dashed: false,
-      bothWays: false,
-      ...line,
-    });
-  };
-
-  for (const node of graph.nodes) {
-    if (shown(node.name) && (choices.debug || !node.own)) put("node", node.name);
-  }
-  const folded = new Set<string>();
-  for (const action of graph.actions) {
-    if (!shown(action.name)) continue;
-    if (action.over_topics && choices.debug) continue;
-    if (action.over_topics) for (const topic of actionTopics(action.name)) folded.add(topic);
-    if (choices.actions) drawAction(graph, action, put, draw);
-  }
-  for (const topic of graph.topics) {
-    if (!shown(topic.name) || folded.has(topic.name)) continue;
-    const publishers = topic.publishers.filter(({ node }) => elements.has(idOf("node", node)));
-    const subscribers = topic.subscriptions.filter(({ node }) => elements.has(idOf("node", node)));
-    const dead = publishers.length === 0 || subscribers.length === 0;
-    if (dead && (!choices.deadEnds || !choices.topics)) continue;
-    if (choices.topics) {
-      const box = put("topic", topic.name, topic.type);
-      for (const { node, latch } of publishers) {
-        draw({
-          from: idOf("node", node),
-          to: box,
-          publishers: [`${topic.name} ${node}`],
-          latched: latch,
-          about: `${node} publishes ${topic.name}${latch ? ", latched" : ""}`,
-        });
-      }
-      for (const { node } of subscribers) {
-        draw({
-          from: box,
-          to: idOf("node", node),
-          subscriptions: [`${topic.name} ${node}`],
-          about: `${node} subscribes to ${topic.name}`,
-        });
-      }
-    } else {
-      for (const { node: publisher, latch } of publishers) {
-        for (const { node: subscriber } of subscribers) {
-          draw({
-            from: idOf("node", publisher),
-            to: idOf("node", subscriber),
-            label: topic.name,
-            publishers: [`${topic.name} ${publisher}`],
-            subscriptions: [`${topic.name} ${subscriber}`],
-            latched: latch,
-            about: `${publisher} publishes ${topic.name}${latch ? ", latched," : ""} to ${subscriber}`,
-          });
-        }
-      }
-    }
-  }
-  if (choices.services) {
-    for (const service of graph.services) {
-      if (!shown(service.name)) continue;
-      draw({
-        from: put("service", service.name, service.type),
-        to: idOf("node", service.node),
-        dashed: true,
-        about: `${service.node} provides ${service.name}`,
-      });
-    }
-  }
-
-  const near = new Set<string>();
-  for (const { id, name } of elements.values()) {
-    if (passes(name, choices.filter)) near.add(id);
-  }
-  const matched = new Set(near);
-  for (const { from, to } of edges) {
-    if (matched.has(from)) near.add(to);
-    if (matched.has(to)) near.add(from);
-  }
-  const kept = [...elements.values()].filter(({ id }) => near.has(id)).sort(byKindAndName);
-  const lines = edges
-    .filter(({ from, to }) => (matched.has(from) || matched.has(to)) && near.has(from) && near.has(to))
-    .sort((a, b) => compare(a.id, b.id));
-  const leaving = tally(lines.map(({ from }) => from));
-  const arriving = tally(lines.filter(({ dashed }) => !dashed).map(({ to }) => to));
-  const typed = choices.types ?? kept.length <= FEW;
-  const { groups, of } = namespaces(kept, choices.namespaces);
+  const { elements, edges } = chosen(gathered(graph, choices), choices.filter);
+  const leaving = tally(edges.map(({ from }) => from));
+  const arriving = tally(edges.filter(({ dashed }) => !dashed).map(({ to }) => to));
+  const typed = choices.types ?? elements.length <= FEW;
+  const { groups, of } = namespaces(elements, choices.namespaces);
   return {
-    elements: kept.map((element) => {
+    elements: elements.map((element) => {
       const group = of.get(element.id) ?? null;
       return {
         ...element,
@@ -179,23 +82,133 @@ export function picture(graph: Graph, choices: Choices): Picture {
         about: about(element, leaving(element.id), arriving(element.id)),
       };
     }),
-    edges: lines,
+    edges,
     groups,
     typed,
   };
 }
 
+/** Elements and the arrows between them. */
+class Draft {
+  readonly elements = new Map<string, Sketch>();
+  readonly edges: Edge[] = [];
+
+  /** Have an element in it; returns its id. */
+  put(kind: Kind, name: string, type = ""): string {
+    const id = idOf(kind, name);
+    this.elements.set(id, { id, kind, name, type });
+    return id;
+  }
+
+  has(kind: Kind, name: string): boolean {
+    return this.elements.has(idOf(kind, name));
+  }
+
+  /** Have an arrow in it, if both its ends are. */
+  draw(line: Line): void {
+    if (!this.elements.has(line.from) || !this.elements.has(line.to)) return;
+    const id = `${line.from} > ${line.to}${line.label ? ` ${line.label}` : ""}`;
+    this.edges.push({
+      id,
+      publishers: [],
+      subscriptions: [],
+      label: "",
+      latched: false,
+      dashed: false,
+      bothWays: false,
+      ...line,
+    });
+  }
+}
+
+/** All that the choices ask for, whatever its name. */
+function gathered(graph: Graph, choices: Choices): Draft {
+  const shown = ({ name }: { name: string }): boolean => choices.debug || !isHidden(name);
+  const draft = new Draft();
+  for (const node of graph.nodes.filter(shown)) {
+    if (choices.debug || !node.own) draft.put("node", node.name);
+  }
+  const folded = new Set<string>();
+  for (const action of graph.actions.filter(shown)) {
+    if (action.over_topics && choices.debug) continue;
+    if (action.over_topics) for (const topic of actionTopics(action.name)) folded.add(topic);
+    if (choices.actions) drawAction(draft, action, graph.topics);
+  }
+  for (const topic of graph.topics.filter(shown)) {
+    if (!folded.has(topic.name)) drawTopic(draft, topic, choices);
+  }
+  for (const service of choices.services ? graph.services.filter(shown) : []) {
+    draft.draw({
+      from: draft.put("service", service.name, service.type),
+      to: idOf("node", service.node),
+      dashed: true,
+      about: `${service.node} provides ${service.name}`,
+    });
+  }
+  return draft;
+}
+
+/** Those that pass the filter, their neighbours, and the arrows that either has to the first. */
+function chosen(draft: Draft, filter: string): { elements: Sketch[]; edges: Edge[] } {
+  const all = [...draft.elements.values()];
+  const matched = new Set(all.filter(({ name }) => passes(name, filter)).map(({ id }) => id));
+  const edges = draft.edges.filter(({ from, to }) => matched.has(from) || matched.has(to));
+  const near = new Set([...matched, ...edges.flatMap(({ from, to }) => [from, to])]);
+  return {
+    elements: all.filter(({ id }) => near.has(id)).sort(byKindAndName),
+    edges: edges.sort((a, b) => compare(a.id, b.id)),
+  };
+}
+
+/** As a box with arrows to and from it, or as arrows from node to node. */
+function drawTopic(draft: Draft, topic: TopicInfo, { topics, deadEnds }: Choices): void {
+  const { name, type } = topic;
+  const publishers = topic.publishers.filter(({ node }) => draft.has("node", node));
+  const subscribers = topic.subscriptions.filter(({ node }) => draft.has("node", node));
+  const dead = publishers.length === 0 || subscribers.length === 0;
+  if (dead && (!deadEnds || !topics)) return;
+  if (topics) {
+    const box = draft.put("topic", name, type);
+    for (const { node, latch } of publishers) {
+      draft.draw({
+        from: idOf("node", node),
+        to: box,
+        publishers: [flowKey(name, node)],
+        latched: latch,
+        about: `${node} publishes ${name}${latch ? ", latched" : ""}`,
+      });
+    }
+    for (const { node } of subscribers) {
+      draft.draw({
+        from: box,
+        to: idOf("node", node),
+        subscriptions: [flowKey(name, node)],
+        about: `${node} subscribes to ${name}`,
+      });
+    }
+    return;
+  }
+  for (const { node: publisher, latch } of publishers) {
+    for (const { node: subscriber } of subscribers) {
+      draft.draw({
+        from: idOf("node", publisher),
+        to: idOf("node", subscriber),
+        label: name,
+        publishers: [flowKey(name, publisher)],
+        subscriptions: [flowKey(name, subscriber)],
+        latched: latch,
+        about: `${publisher} publishes ${name}${latch ? ", latched," : ""} to ${subscriber}`,
+      });
+    }
+  }
+}
+
 /** A client sends goals to the action and hears of them: one arrow tells both. */
-function drawAction(
-  graph: Graph,
-  action: Graph["actions"][number],
-  put: (kind: Kind, name: string, type: string) => string,
-  draw: (line: Line) => void,
-): void {
-  const box = put("action", action.name, action.type);
+function drawAction(draft: Draft, action: ActionInfo, all: readonly TopicInfo[]): void {
+  const box = draft.put("action", action.name, action.type);
   const server = idOf("node", action.node);
   if (!action.over_topics) {
-    draw({ from: box, to: server, dashed: true, about: `${action.node} serves ${action.name}` });
+    draft.draw({ from: box, to: server, dashed: true, about: `${action.node} serves ${action.name}` });
     return;
   }
   const topics = new Set(actionTopics(action.name));
@@ -204,12 +217,12 @@ function drawAction(
   const note = (to: Map<string, string[]>, node: string, key: string): void => {
     to.set(node, [...(to.get(node) ?? []), key]);
   };
-  for (const topic of graph.topics) {
+  for (const topic of all) {
     if (!topics.has(topic.name)) continue;
-    for (const { node } of topic.publishers) note(sends, node, `${topic.name} ${node}`);
-    for (const { node } of topic.subscriptions) note(hears, node, `${topic.name} ${node}`);
+    for (const { node } of topic.publishers) note(sends, node, flowKey(topic.name, node));
+    for (const { node } of topic.subscriptions) note(hears, node, flowKey(topic.name, node));
   }
-  draw({
+  draft.draw({
     from: box,
     to: server,
     publishers: sends.get(action.node) ?? [],
@@ -220,7 +233,7 @@ function drawAction(
   for (const node of new Set([...sends.keys(), ...hears.keys()])) {
     if (node === action.node) continue;
     const asks = sends.has(node);
-    draw({
+    draft.draw({
       from: asks ? idOf("node", node) : box,
       to: asks ? box : idOf("node", node),
       publishers: sends.get(node) ?? [],

@@ -3,10 +3,8 @@
 import "./view.css";
 
 import { h, replace, say } from "../dom";
-import type { Graph } from "../model";
-import type { MakeView, View } from "../view";
-import { route } from "../view";
-import { type Box, type Places, around } from "./places";
+import type { Graph, Model, Rates } from "../model";
+import { type MakeView, type View, route } from "../view";
 import { asText } from "./as_text";
 import { recall, remember } from "./choices";
 import { Details } from "./details";
@@ -14,6 +12,7 @@ import { Drawing } from "./drawing";
 import { Layout } from "./layout";
 import type { Kind, Picture } from "./picture";
 import { idOf, picture } from "./picture";
+import { type Box, type Places, around } from "./places";
 import { anchored, planOf } from "./plan";
 import { ruler } from "./shapes";
 import { Toolbar, icon } from "./toolbar";
@@ -26,27 +25,30 @@ const NARROW = 560;
 /** A layout that takes longer, in ms, is excused in words. */
 const LONG = 700;
 
-export const makeView: MakeView = (_hub, model): View => {
-  const choices = recall();
-  const measure = ruler();
-  let shown: Picture = NOTHING;
-  let asked: { picture: Picture; down: boolean } = { picture: NOTHING, down: false };
-  let plan = "";
-  let places: Places | null = null;
-  let hint: number | undefined;
-  let stops: (() => void)[] = [];
-  let chosen: string | null = null;
+export const makeView: MakeView = (_hub, model) => new GraphView(model);
 
-  const drawing = new Drawing({
+class GraphView implements View {
+  readonly element: HTMLElement;
+  readonly #model: Model;
+  readonly #choices = recall();
+  readonly #measure = ruler();
+  readonly #notice = h("p", { class: "hint", role: "status" });
+  readonly #empty = h("p", { class: "empty", hidden: true });
+  readonly #legend = h("p", { class: "legend", "aria-hidden": "true" });
+  readonly #text = h("pre", { tabindex: 0 });
+  readonly #unfolded = h(
+    "details",
+    { class: "as-text", ontoggle: () => this.#tellText() },
+    h("summary", {}, "As text"),
+    this.#text,
+  );
+  readonly #drawing = new Drawing({
     choose: ({ id, kind, name }) => {
-      location.hash = id === chosen ? route("graph") : route("graph", kind, name);
+      location.hash = id === this.#chosen ? route("graph") : route("graph", kind, name);
     },
-    visit: (box) => viewport.reveal(box, details.covers()),
+    visit: (box) => this.#viewport.reveal(box, this.#details.covers()),
   });
-  const notice = h("p", { class: "hint", role: "status" });
-  const empty = h("p", { class: "empty", hidden: true });
-  const legend = h("p", { class: "legend", "aria-hidden": "true" });
-  const stage = h(
+  readonly #stage = h(
     "div",
     {
       class: "stage",
@@ -54,166 +56,188 @@ export const makeView: MakeView = (_hub, model): View => {
       tabindex: 0,
       "aria-label": "Graph: arrow keys move it, plus and minus zoom, 0 shows all",
     },
-    drawing.element,
-    empty,
-    legend,
-    notice,
+    this.#drawing.element,
+    this.#empty,
+    this.#legend,
+    this.#notice,
   );
-  const viewport = new Viewport(stage, drawing.root, (zoom) => drawing.zoom(zoom));
-  const button = (label: string, title: string, act: () => void, face: string): HTMLElement =>
-    h("button", { class: "icon", "aria-label": label, title, onclick: act }, face);
-  const zoom = h(
-    "div",
-    { class: "zoom", role: "group", "aria-label": "Zoom" },
-    button("Zoom out", "Zoom out (−)", () => viewport.zoom(0.8), "−"),
-    button("Zoom in", "Zoom in (+)", () => viewport.zoom(1.25), "+"),
-    button("Fit", "Show everything (0)", () => viewport.fit(), "Fit"),
+  readonly #viewport = new Viewport(this.#stage, this.#drawing.root, (zoom) =>
+    this.#drawing.zoom(zoom),
   );
-  const details = new Details(model, close);
-  const text = h("pre", { tabindex: 0 });
-  const unfolded = h(
-    "details",
-    { class: "as-text", ontoggle: () => tellText() },
-    h("summary", {}, "As text"),
-    text,
-  );
-  const toolbar = new Toolbar(choices, () => {
-    remember(choices);
-    follow(model.graph.value);
+  readonly #details: Details;
+  readonly #toolbar = new Toolbar(this.#choices, () => {
+    remember(this.#choices);
+    this.#follow(this.#model.graph.value);
   });
-  const layout = new Layout(
-    (answer) => {
-      window.clearTimeout(hint);
-      say(notice, "");
-      // Who has moved the drawing looks at something: that stays where it is.
-      places = places === null || viewport.fits ? answer : anchored(answer, places);
-      shown = asked.picture;
-      drawing.draw(shown, places, asked.down, model.rates.value);
-      viewport.contain(places.bounds);
-      tellText();
-    },
+  readonly #layout = new Layout(
+    (places) => this.#place(places),
     (why) => {
-      window.clearTimeout(hint);
-      say(notice, `The graph could not be laid out: ${why}`);
+      window.clearTimeout(this.#hint);
+      say(this.#notice, `The graph could not be laid out: ${why}`);
     },
   );
+  readonly #resized = new ResizeObserver(() => this.#follow(this.#model.graph.value));
+  readonly #escape = ({ key, target }: KeyboardEvent): void => {
+    const taken = target instanceof HTMLInputElement || document.querySelector("dialog[open]");
+    if (key === "Escape" && this.#chosen !== null && !taken) this.#close();
+  };
+  #shown: Picture = NOTHING;
+  #asked: { picture: Picture; down: boolean } = { picture: NOTHING, down: false };
+  #plan = "";
+  #places: Places | null = null;
+  #hint: number | undefined;
+  #stops: (() => void)[] = [];
+  #chosen: string | null = null;
 
-  function follow(graph: Graph | null): void {
-    details.follow(graph);
-    if (graph === null) {
-      empty.hidden = false;
-      say(empty, "Asking the hub for its graph …");
-      return;
-    }
-    const next = picture(graph, choices);
-    toolbar.tell({ namespaces: next.groups.length > 0, types: next.typed });
-    tellLegend(next);
-    empty.hidden = next.elements.length > 0;
-    say(
-      empty,
-      choices.filter === ""
-        ? "No nodes yet. Each one appears here as it comes."
-        : `Nothing has ${choices.filter} in its name. Clear the filter to see everything.`,
+  constructor(model: Model) {
+    this.#model = model;
+    this.#details = new Details(model, () => this.#close());
+    this.element = h(
+      "section",
+      { class: "graph", "aria-label": "Graph" },
+      this.#toolbar.element,
+      h("div", { class: "beside" }, this.#stage, this.#details.element, this.#zoom()),
+      this.#unfolded,
     );
-    const down = viewport.width > 0 && viewport.width < NARROW;
-    const aspect = Math.round(viewport.aspect * 4) / 4;
-    const nextPlan = planOf(next, measure, { aspect, down });
-    // The size of the window alone moves nothing, unless the layers turn.
-    const key = JSON.stringify({ ...nextPlan, aspect: 0 });
-    asked = { picture: next, down };
-    if (key === plan) {
-      if (!layout.busy && places !== null) {
-        shown = next;
-        drawing.draw(shown, places, down, model.rates.value);
-      }
+  }
+
+  /** `["node", "/talker"]` shows the details of that. */
+  show(path: string[]): void {
+    if (this.#stops.length === 0) {
+      this.#resized.observe(this.#stage);
+      document.addEventListener("keydown", this.#escape);
+      this.#stops = [
+        this.#model.graph.watch((graph) => this.#follow(graph)),
+        this.#model.rates.watch((rates) => this.#tellRates(rates)),
+        this.#model.clients.watch(() => this.#details.measure()),
+        () => this.#resized.disconnect(),
+        () => document.removeEventListener("keydown", this.#escape),
+      ];
+    }
+    this.#choose(path);
+  }
+
+  hide(): void {
+    for (const stop of this.#stops) stop();
+    this.#stops = [];
+  }
+
+  #zoom(): HTMLElement {
+    const button = (label: string, title: string, act: () => void, face: string): HTMLElement =>
+      h("button", { class: "icon", "aria-label": label, title, onclick: act }, face);
+    return h(
+      "div",
+      { class: "zoom", role: "group", "aria-label": "Zoom" },
+      button("Zoom out", "Zoom out (−)", () => this.#viewport.zoom(0.8), "−"),
+      button("Zoom in", "Zoom in (+)", () => this.#viewport.zoom(1.25), "+"),
+      button("Fit", "Show everything (0)", () => this.#viewport.fit(), "Fit"),
+    );
+  }
+
+  #follow(graph: Graph | null): void {
+    this.#details.follow(graph);
+    if (graph === null) {
+      this.#empty.hidden = false;
+      say(this.#empty, "Asking the hub for its graph …");
       return;
     }
-    plan = key;
-    layout.ask(nextPlan);
-    window.clearTimeout(hint);
-    hint = window.setTimeout(() => {
-      if (layout.busy) say(notice, `Laying out ${next.elements.length} elements …`);
+    const next = picture(graph, this.#choices);
+    this.#toolbar.tell({ namespaces: next.groups.length > 0, types: next.typed });
+    this.#tellLegend(next);
+    this.#empty.hidden = next.elements.length > 0;
+    say(
+      this.#empty,
+      this.#choices.filter === ""
+        ? "No nodes yet. Each one appears here as it comes."
+        : `Nothing has ${this.#choices.filter} in its name. Clear the filter to see everything.`,
+    );
+    this.#arrange(next);
+  }
+
+  /** Have a picture laid out, or draw it at once where its places are known. */
+  #arrange(next: Picture): void {
+    const { width, aspect: exact } = this.#viewport;
+    const down = width > 0 && width < NARROW;
+    const aspect = Math.round(exact * 4) / 4;
+    const plan = planOf(next, this.#measure, { aspect, down });
+    // The size of the window alone moves nothing, unless the layers turn.
+    const key = JSON.stringify({ ...plan, aspect: 0 });
+    this.#asked = { picture: next, down };
+    if (key === this.#plan) {
+      if (!this.#layout.busy && this.#places !== null) this.#draw(this.#places);
+      return;
+    }
+    this.#plan = key;
+    this.#layout.ask(plan);
+    window.clearTimeout(this.#hint);
+    this.#hint = window.setTimeout(() => {
+      if (this.#layout.busy) say(this.#notice, `Laying out ${next.elements.length} elements …`);
     }, LONG);
   }
 
-  function tellText(): void {
-    if (unfolded.open) say(text, asText(shown, model.rates.value) || "Nothing is in sight.");
+  /** The answer to what was asked. */
+  #place(answer: Places): void {
+    window.clearTimeout(this.#hint);
+    say(this.#notice, "");
+    // Who has moved the drawing looks at something: that stays where it is.
+    const former = this.#viewport.fits ? null : this.#places;
+    const places = former === null ? answer : anchored(answer, former);
+    this.#places = places;
+    this.#draw(places);
+    this.#viewport.contain(places.bounds);
+    this.#tellText();
   }
 
-  function tellLegend({ elements }: Picture): void {
+  #draw(places: Places): void {
+    this.#shown = this.#asked.picture;
+    this.#drawing.draw(this.#shown, places, this.#asked.down, this.#model.rates.value);
+  }
+
+  #tellRates(rates: Rates): void {
+    this.#drawing.measure(rates);
+    this.#details.measure();
+    this.#tellText();
+  }
+
+  #tellText(): void {
+    if (!this.#unfolded.open) return;
+    say(this.#text, asText(this.#shown, this.#model.rates.value) || "Nothing is in sight.");
+  }
+
+  #tellLegend({ elements }: Picture): void {
     const kinds = KINDS.filter((kind) => elements.some((element) => element.kind === kind));
-    if (legend.dataset["kinds"] === kinds.join()) return;
-    legend.dataset["kinds"] = kinds.join();
-    replace(legend, ...kinds.map((kind) => h("span", {}, icon(kind), kind)));
+    if (this.#legend.dataset["kinds"] === kinds.join()) return;
+    this.#legend.dataset["kinds"] = kinds.join();
+    replace(this.#legend, ...kinds.map((kind) => h("span", {}, icon(kind), kind)));
   }
 
-  function neighbourhood(id: string | null): Box[] {
-    return shown.edges
-      .filter(({ from, to }) => from === id || to === id)
-      .flatMap(({ from, to }) => [places?.boxes.get(from), places?.boxes.get(to)])
-      .filter((box) => box !== undefined);
-  }
-
-  function close(): void {
-    const back = chosen;
-    location.hash = route("graph");
-    if (back !== null) drawing.focus(back);
-  }
-
-  function escape({ key, target }: KeyboardEvent): void {
-    const taken = target instanceof HTMLInputElement || document.querySelector("dialog[open]");
-    if (key === "Escape" && chosen !== null && !taken) close();
-  }
-
-  function choose(path: readonly string[]): void {
-    const [word = "", name = ""] = path;
+  #choose([word = "", name = ""]: readonly string[]): void {
     const kind = KINDS.find((each) => each === word);
     const wanted = kind === undefined || name === "" ? null : { kind, name };
-    chosen = wanted && idOf(wanted.kind, wanted.name);
-    details.show(wanted);
-    drawing.choose(chosen);
-    const box = chosen === null ? undefined : places?.boxes.get(chosen);
+    this.#chosen = wanted && idOf(wanted.kind, wanted.name);
+    this.#details.show(wanted);
+    this.#drawing.choose(this.#chosen);
+    const box = this.#chosen === null ? undefined : this.#places?.boxes.get(this.#chosen);
     if (box === undefined) {
-      if (viewport.fits) viewport.fit();
+      if (this.#viewport.fits) this.#viewport.fit();
       return;
     }
     // With its neighbours, if there is room for them.
-    viewport.reveal(around(neighbourhood(chosen)) ?? box, details.covers());
-    viewport.reveal(box, details.covers());
+    const near = around(this.#neighbourhood(this.#chosen)) ?? box;
+    this.#viewport.reveal(near, this.#details.covers());
+    this.#viewport.reveal(box, this.#details.covers());
   }
 
-  const resized = new ResizeObserver(() => follow(model.graph.value));
-  const element = h(
-    "section",
-    { class: "graph", "aria-label": "Graph" },
-    toolbar.element,
-    h("div", { class: "beside" }, stage, details.element, zoom),
-    unfolded,
-  );
+  #neighbourhood(id: string | null): Box[] {
+    return this.#shown.edges
+      .filter(({ from, to }) => from === id || to === id)
+      .flatMap(({ from, to }) => [this.#places?.boxes.get(from), this.#places?.boxes.get(to)])
+      .filter((box) => box !== undefined);
+  }
 
-  return {
-    element,
-    show(path) {
-      if (stops.length === 0) {
-        resized.observe(stage);
-        document.addEventListener("keydown", escape);
-        stops = [
-          model.graph.watch(follow),
-          model.rates.watch((rates) => {
-            drawing.measure(rates);
-            details.measure();
-            tellText();
-          }),
-          model.clients.watch(() => details.measure()),
-          () => resized.disconnect(),
-          () => document.removeEventListener("keydown", escape),
-        ];
-      }
-      choose(path);
-    },
-    hide() {
-      for (const stop of stops) stop();
-      stops = [];
-    },
-  };
-};
+  #close(): void {
+    const back = this.#chosen;
+    location.hash = route("graph");
+    if (back !== null) this.#drawing.focus(back);
+  }
+}

@@ -1,10 +1,10 @@
 /** Call a service: a form for its request, and the response as a tree. */
 import { copyButton } from "../copy";
 import { h, replace, say } from "../dom";
+import { MessageForm } from "../form/form";
 import type { Hub, Message } from "../hub";
 import type { Model } from "../model";
-import { MessageForm } from "../topics/form/form";
-import { Tree } from "../topics/tree";
+import { Tree } from "../tree/tree";
 import { Types } from "../types";
 import { route } from "../view";
 

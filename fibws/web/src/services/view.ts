@@ -1,9 +1,10 @@
 /** The services of the graph, a form to call the chosen one, and the actions. */
 import { h, replace, say } from "../dom";
+import { matches } from "../filter";
 import { plural } from "../format";
+import { isHidden } from "../hidden";
 import type { Hub } from "../hub";
-import { type ActionInfo, type Graph, type Model, isHidden } from "../model";
-import { matches } from "../topics/rows";
+import type { ActionInfo, Graph, Model } from "../model";
 import "../browse.css";
 import { type MakeView, route } from "../view";
 import { Call } from "./call";

@@ -3,9 +3,9 @@ import { copyButton } from "../copy";
 import { h, say } from "../dom";
 import { ago, plural } from "../format";
 import type { Hub, Message } from "../hub";
+import type { PlotPath } from "../tree/leaf";
+import { Tree } from "../tree/tree";
 import type { Types } from "../types";
-import type { Plot } from "./leaf";
-import { Tree } from "./tree";
 
 /** Least time between two messages, in ms. */
 const THROTTLE = 100;
@@ -30,7 +30,7 @@ export class Echo {
   #stop: (() => void) | undefined;
   #timer: number | undefined;
 
-  constructor(hub: Hub, topic: string, type: string, types: Types | undefined, plot: Plot) {
+  constructor(hub: Hub, topic: string, type: string, types: Types | undefined, plot: PlotPath) {
     this.#hub = hub;
     this.#topic = topic;
     this.#tree = new Tree(types, type, plot);

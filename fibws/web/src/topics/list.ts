@@ -2,9 +2,9 @@
 import { h, say } from "../dom";
 import { bandwidth, hertz, plural, whole } from "../format";
 import type { Model } from "../model";
+import { plotButton } from "../tree/leaf";
 import { route } from "../view";
 import { type Column, type Order, type TopicRow, topicRows } from "./rows";
-import { plotButton } from "./leaf";
 
 const COLUMNS: readonly { column: Column; label: string; number: boolean }[] = [
   { column: "name", label: "Topic", number: false },

@@ -6,8 +6,8 @@ import type { Hub } from "../hub";
 import type { Model, TopicInfo } from "../model";
 import { type TypeDef, Types } from "../types";
 import { route } from "../view";
-import type { Dock } from "./dock";
 import { Echo } from "./echo";
+import type { Plot } from "./plot";
 import { Publish } from "./publish";
 import { topicRow } from "./rows";
 
@@ -15,7 +15,7 @@ export class TopicPage {
   readonly element: HTMLElement;
   readonly #hub: Hub;
   readonly #model: Model;
-  readonly #dock: Dock;
+  readonly #plot: Plot;
   readonly #name: string;
   readonly #expected: string;
   readonly #type = h("code", { class: "soft" });
@@ -35,10 +35,10 @@ export class TopicPage {
   #stops: (() => void)[] = [];
 
   /** `expected` is the type that the topic will have if it is not there yet. */
-  constructor(hub: Hub, model: Model, dock: Dock, name: string, expected: string) {
+  constructor(hub: Hub, model: Model, plot: Plot, name: string, expected: string) {
     this.#hub = hub;
     this.#model = model;
-    this.#dock = dock;
+    this.#plot = plot;
     this.#name = name;
     this.#expected = expected;
     this.element = h(
@@ -136,7 +136,7 @@ export class TopicPage {
     const known = typedefs.length > 0;
     this.#tools = {
       echo: new Echo(this.#hub, this.#name, type, known ? types : undefined, (path) =>
-        this.#dock.add(this.#name, path),
+        this.#plot.add(this.#name, path),
       ),
       publish: known ? new Publish(this.#hub, this.#name, type, types) : undefined,
     };
@@ -171,7 +171,7 @@ export class TopicPage {
     });
     const add = (event: Event): void => {
       event.preventDefault();
-      this.#dock.add(this.#name, input.value.trim());
+      this.#plot.add(this.#name, input.value.trim());
     };
     return h(
       "form",

@@ -1,9 +1,9 @@
 /** Publish on a topic through a form: once, or again and again. */
 import { h, say } from "../dom";
+import { MessageForm } from "../form/form";
 import { plural } from "../format";
 import type { Hub, Publication } from "../hub";
 import type { Types } from "../types";
-import { MessageForm } from "./form/form";
 
 /** Messages a second that a browser's timer can keep up with. */
 const FASTEST = 100;

@@ -1,5 +1,8 @@
 /** What the list of topics says of each, which of them it shows, and in which order. */
-import { type Graph, type Rates, type TopicInfo, isHidden } from "../model";
+import { matches } from "../filter";
+import { isHidden } from "../hidden";
+import type { Graph, Rates, TopicInfo } from "../model";
+import { flowKey } from "../rates";
 
 export interface TopicRow {
   readonly name: string;
@@ -26,7 +29,7 @@ export interface Order {
 export function topicRow(topic: TopicInfo, rates: Rates): TopicRow {
   const flow = rates.topics.get(topic.name);
   const drops = topic.subscriptions.reduce(
-    (sum, { node }) => sum + (rates.dropped.get(`${topic.name} ${node}`) ?? 0),
+    (sum, { node }) => sum + (rates.dropped.get(flowKey(topic.name, node)) ?? 0),
     0,
   );
   return {
@@ -53,14 +56,6 @@ export function topicRows(
     .filter(({ name, type }) => (debug || !isHidden(name)) && matches(text, name, type))
     .map((topic) => topicRow(topic, rates))
     .sort((one, other) => compare(one, other, order));
-}
-
-export function matches(text: string, ...fields: string[]): boolean {
-  const all = fields.join(" ").toLowerCase();
-  return text
-    .toLowerCase()
-    .split(/\s+/)
-    .every((word) => all.includes(word));
 }
 
 function compare(one: TopicRow, other: TopicRow, { column, descending }: Order): number {

@@ -4,7 +4,7 @@ import type { Hub } from "../hub";
 import type { Model } from "../model";
 import { Types } from "../types";
 import type { MakeView } from "../view";
-import { Dock } from "./dock";
+import { Plot } from "./plot";
 import { TopicList } from "./list";
 import { NewTopic } from "./new_topic";
 import { TopicPage } from "./page";
@@ -17,7 +17,7 @@ class TopicsView {
   readonly element: HTMLElement;
   readonly #hub: Hub;
   readonly #model: Model;
-  readonly #dock: Dock;
+  readonly #plot: Plot;
   readonly #list: TopicList;
   readonly #place = h("div", { class: "browse-place scroll" });
   readonly #new: NewTopic;
@@ -28,11 +28,11 @@ class TopicsView {
   constructor(hub: Hub, model: Model) {
     this.#hub = hub;
     this.#model = model;
-    this.#dock = new Dock(hub, model);
+    this.#plot = new Plot(hub, model);
     this.#new = new NewTopic(model);
     this.#list = new TopicList(
       model,
-      (topic, type) => void this.#plot(topic, type),
+      (topic, type) => void this.#plotTopic(topic, type),
       this.#new.button,
     );
     this.#list.element.children[0]?.after(this.#new.element);
@@ -41,7 +41,7 @@ class TopicsView {
       { class: "browse topics" },
       this.#list.element,
       this.#place,
-      this.#dock.element,
+      this.#plot.element,
     );
   }
 
@@ -50,7 +50,7 @@ class TopicsView {
     const expected = this.#new.typeOf(name);
     if (this.#page?.name !== name || this.#page.expected !== expected) {
       this.#page?.page.hide();
-      const page = new TopicPage(this.#hub, this.#model, this.#dock, name, expected);
+      const page = new TopicPage(this.#hub, this.#model, this.#plot, name, expected);
       this.#page = name === "" ? undefined : { name, expected, page };
       replace(this.#place, this.#page?.page.element);
       this.#place.scrollTop = 0;
@@ -59,7 +59,7 @@ class TopicsView {
     this.element.classList.toggle("has-page", name !== "");
     this.#place.hidden = name === "";
     this.#list.show(name);
-    this.#dock.show();
+    this.#plot.show();
     this.#wanted?.();
     this.#wanted = undefined;
     if (tool === "plot") this.#plotOnce(name);
@@ -73,7 +73,7 @@ class TopicsView {
       if (done || !type) return;
       done = true;
       this.#wanted?.();
-      void this.#plot(name, type);
+      void this.#plotTopic(name, type);
     });
     if (done) stop();
     else this.#wanted = stop;
@@ -82,14 +82,14 @@ class TopicsView {
   hide(): void {
     this.#wanted?.();
     this.#list.hide();
-    this.#dock.hide();
+    this.#plot.hide();
     this.#page?.page.hide();
   }
 
   /** All numbers of a small message, or the first of a large one. */
-  async #plot(topic: string, type: string): Promise<void> {
+  async #plotTopic(topic: string, type: string): Promise<void> {
     const types = new Types(await this.#model.typedefs(type).catch(() => []));
-    for (const path of types.plotPaths()) this.#dock.add(topic, path);
-    if (types.plotPaths().length === 0) this.#dock.say(`${topic} has no numbers to plot.`);
+    for (const path of types.plotPaths()) this.#plot.add(topic, path);
+    if (types.plotPaths().length === 0) this.#plot.say(`${topic} has no numbers to plot.`);
   }
 }

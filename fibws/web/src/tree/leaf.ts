@@ -8,7 +8,7 @@ const CHARACTERS = 2000;
 const BYTES = 16;
 
 /** Called with the path of a number that somebody wants to see plotted. */
-export type Plot = (path: string) => void;
+export type PlotPath = (path: string) => void;
 
 /** One line of a tree, or a branch of it. */
 export interface Item {
@@ -23,7 +23,7 @@ export class Leaf implements Item {
   readonly #field: Field | undefined;
 
   constructor(
-    plot: Plot | undefined,
+    plot: PlotPath | undefined,
     label: string,
     path: string,
     value: unknown,
@@ -60,7 +60,7 @@ function isPlottable(value: unknown, field: Field | undefined): boolean {
 }
 
 /** A small button with a curve on it. */
-export function plotButton(path: string, plot: Plot): HTMLButtonElement {
+export function plotButton(path: string, plot: PlotPath): HTMLButtonElement {
   return h(
     "button",
     {

@@ -36,7 +36,7 @@ interface Row {
   readonly entry: LegendEntry;
 }
 
-export class Dock {
+export class Plot {
   readonly element: HTMLElement;
   readonly #hub: Hub;
   readonly #model: Model;

@@ -2,7 +2,7 @@
 import { h, say } from "../dom";
 import { plural, whole } from "../format";
 import { type Field, type Types, kindOf, own, typeText } from "../types";
-import { type Item, Leaf, type Plot, leafText } from "./leaf";
+import { type Item, Leaf, type PlotPath, leafText } from "./leaf";
 import "./tree.css";
 
 /** Elements of an array that are shown at first, with each click, and at most. */
@@ -22,7 +22,7 @@ export class Tree {
   readonly #type: string;
 
   /** Without types a message is shown as what its JSON says. */
-  constructor(types: Types | undefined, type: string, plot?: Plot) {
+  constructor(types: Types | undefined, type: string, plot?: PlotPath) {
     this.#type = type;
     this.#branch = new Children(this.element, { types, plot }, "", 0);
   }
@@ -34,7 +34,7 @@ export class Tree {
 
 interface Context {
   readonly types: Types | undefined;
-  readonly plot: Plot | undefined;
+  readonly plot: PlotPath | undefined;
 }
 
 /** What is in a message or in an array. */

@@ -1,6 +1,6 @@
 /** The inputs of a form for single values. */
-import { h } from "../../dom";
-import { type Field, isBytes, kindOf, rangeOf, typeText } from "../../types";
+import { h } from "../dom";
+import { type Field, isBytes, kindOf, rangeOf, typeText } from "../types";
 import { type Problem, type Reading, textOf } from "./readings";
 
 export interface Control {

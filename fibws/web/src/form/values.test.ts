@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
-import { typedef } from "../../typedef.fixture";
-import { Types } from "../../types";
+import { typedef } from "../typedef.fixture";
+import { Types } from "../types";
 import { type Problem, parseJson } from "./readings";
 import { checkMessage, initial, initialMessage, sendable } from "./values";
 

@@ -1,6 +1,6 @@
 /** A form made from a type: the same value as inputs or as JSON text. */
-import { h } from "../../dom";
-import type { Types } from "../../types";
+import { h } from "../dom";
+import type { Types } from "../types";
 import { MessageControl } from "./fields";
 import { type Problem, parseJson } from "./readings";
 import { checkMessage, initialMessage, sendable } from "./values";

@@ -1,5 +1,5 @@
 /** The values of messages: what they are at first, whether they are right, and how they are sent. */
-import { type Field, type Types, isBytes, kindOf, own, typeText } from "../../types";
+import { type Field, type Types, isBytes, kindOf, own, typeText } from "../types";
 import {
   type Problem,
   type Reading,

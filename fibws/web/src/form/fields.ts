@@ -1,6 +1,6 @@
 /** The fields of a message and the elements of arrays, and so on inwards. */
-import { h, replace } from "../../dom";
-import { type Field, type Types, isBytes, kindOf, own } from "../../types";
+import { h, replace } from "../dom";
+import { type Field, type Types, isBytes, kindOf, own } from "../types";
 import { CheckControl, type Control, Folded, TextControl, typeOf } from "./controls";
 import {
   type Problem,
