@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import asyncio
+from importlib import import_module
 from typing import Any
 
 import pytest
-from rospy.service_proxy import wait_for_service
+from rospy import core
+from rospy.exceptions import ROSInterruptException
+from rospy.service import ServiceException
+from rospy.service_proxy import ServiceProxy, wait_for_service
 
 import fibws
+from fibws.errors import HubLost, ServiceError, ServiceLost
 from ros1.rospy.programs import world
 
 NODE = "import rospy; rospy.init_node('caller')\n"
@@ -175,6 +180,29 @@ async def test_the_end_of_the_node_ends_a_call() -> None:
         program.interrupt()
         fault = "node shutdown interrupted service call"
         assert await program.ends() == [f"ROSInterruptException {fault}"]
+
+
+FAILURES = [
+    ServiceError("/slow", "error processing request: ROS shutdown request"),
+    ServiceLost("/slow"),
+    HubLost("ws://127.0.0.1:1", "it ends"),
+]
+
+
+@pytest.mark.parametrize("failure", FAILURES, ids=repr)
+def test_a_failure_at_the_end_of_the_node_is_an_interruption(
+    failure: Exception, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object) -> None:
+        raise failure
+
+    slow = ServiceProxy("slow", import_module("std_srvs.srv").Empty)
+    monkeypatch.setattr(slow, "_ask", fail)
+    with pytest.raises(ServiceException):
+        slow()
+    monkeypatch.setattr(core, "is_shutdown", lambda: True)
+    with pytest.raises(ROSInterruptException, match="node shutdown interrupted service call"):
+        slow()
 
 
 @pytest.mark.parametrize("beginning", [NODE, NO_NODE], ids=["a node", "no node"])

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 LOOK = 0.3
 """Seconds between two looks for a service, by programs that are no node."""
+INTERRUPTED = "node shutdown interrupted service call"
 
 
 class ServiceProxy(ServiceEnd):
@@ -99,13 +100,13 @@ class ServiceProxy(ServiceEnd):
         try:
             return self._ask(request)
         except ROSInterruptException:
-            raise ROSInterruptException("node shutdown interrupted service call") from None
+            raise ROSInterruptException(INTERRUPTED) from None
         except HubUnreachable:
             raise ServiceException("unable to contact master") from None
         except (UnknownService, InvalidName):
             raise ServiceException(f"service [{self.resolved_name}] unavailable") from None
         except (ServiceLost, ServiceTimeout, HubLost) as error:
-            raise ServiceException(f"transport error completing service call: {error}") from None
+            text = f"transport error completing service call: {error}"
         except ServiceError as error:
             if "]: md5sums do not match: [" in error.text:
                 text = f"unable to connect to service: remote error reported: {error.text}"
@@ -114,10 +115,13 @@ class ServiceProxy(ServiceEnd):
             else:
                 said = str(error.text.encode())
                 text = f"service [{self.resolved_name}] responded with an error: {said}"
-            raise ServiceException(text) from None
         except InvalidMessage as error:
             request._check_types(error)
             raise
+        # A node that calls itself may hear of its handler's end before that of the call.
+        if core.is_shutdown():
+            raise ROSInterruptException(INTERRUPTED)
+        raise ServiceException(text)
 
     def _ask(self, request: Message) -> Any:
         if core.background.running:
