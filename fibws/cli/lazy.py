@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
-from fibws.hint import hint
+from fibws.hint import hint, nearest
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
@@ -32,6 +32,18 @@ class LazyGroup(click.Group):
     def __init__(self, *args: Any, modules: dict[str, Command], **others: Any) -> None:
         super().__init__(*args, **others)
         self.modules = modules
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Parse the words; a `UsageError` says that a command's options go behind it."""
+        try:
+            return super().parse_args(ctx, args)
+        except click.NoSuchOption as error:
+            option = error.option_name
+            own = [each.strip("-") for parameter in self.get_params(ctx) for each in parameter.opts]
+            if nearest(option.strip("-"), own):
+                raise  # It says which was meant.
+            place = f"options go behind the command, as in {ctx.command_path} COMMAND {option}"
+            raise click.UsageError(f"No such option {option!r} here: {place}", ctx) from None
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """The names, in order."""

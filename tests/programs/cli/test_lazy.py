@@ -52,6 +52,15 @@ def test_what_is_no_command_is_told(group: LazyGroup) -> None:
     assert "No such command 'x'.\n" in CliRunner().invoke(group, ["x"]).output
 
 
+def test_what_is_no_option_of_the_group_may_be_one_of_a_command(group: LazyGroup) -> None:
+    result = CliRunner().invoke(group, ["--json", "completion"])
+    assert result.exit_code == 2
+    place = "options go behind the command, as in tools COMMAND --json"
+    assert f"Error: No such option '--json' here: {place}\n" in result.output
+    result = CliRunner().invoke(group, ["--hlp"])
+    assert "Did you mean" in result.output
+
+
 def test_a_shell_is_told_the_commands_with_their_help_and_none_is_imported(
     group: LazyGroup,
 ) -> None:
