@@ -7,7 +7,6 @@ moment, and nothing where there is no hub.
 from __future__ import annotations
 
 import os
-import time
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from threading import Thread
@@ -137,8 +136,7 @@ def _asked(ask: Callable[[Link], Found], hub: str | None) -> Found:
     # A look-up of a host's name heeds no time limit, but nobody needs to wait for a thread.
     thread = Thread(target=answer, daemon=True)
     thread.start()
-    deadline = time.monotonic() + PATIENCE
-    thread.join(deadline - time.monotonic())
+    thread.join(PATIENCE)
     return dict(found)
 
 

@@ -56,7 +56,7 @@ class Link:
         self.node = names.resolve(name)
         """The global name that the tool has as a node."""
         self._operations: deque[Operation] = deque()
-        self._heard: dict[bytes, Hear] = {}
+        self._heard: dict[str, tuple[bytes, Hear]] = {}
         self._calls = 0
         self._stream = Stream(self.url, self.node)
 
@@ -118,7 +118,7 @@ class Link:
 
         Much less is done with each than with an operation. The topic is to be subscribed to, too.
         """
-        self._heard[b'{"op":"publish","topic":%b,"msg":' % _json(topic)] = hear
+        self._heard[topic] = b'{"op":"publish","topic":%b,"msg":' % _json(topic), hear
 
     def messages(self, topic: str, timeout: float | None = None) -> Iterator[Any]:
         """The messages of a topic that was subscribed to, as they come.
@@ -138,6 +138,21 @@ class Link:
                 if isinstance(message, dict):
                     yield message
             check(operation)
+
+    def heed(self, seconds: float | None = None) -> None:
+        """Take in what the hub says, and answer its pings, for so many seconds, or for ever.
+
+        Raises:
+            OperationRejected: the hub has refused something.
+            HubLost: there is no hub any more.
+        """
+        deadline = None if seconds is None else time.monotonic() + seconds
+        rest = seconds
+        while (operation := self.receive(rest)) is not None:
+            check(operation)
+            rest = None if deadline is None else max(0.0, deadline - time.monotonic())
+            if rest == 0 and not self._operations:
+                return  # Who never stops talking is not heeded for ever.
 
     def call(
         self,
@@ -198,11 +213,16 @@ class Link:
         return is_news
 
     def _take(self, message: bytes) -> None:
-        for head, hear in self._heard.items():
+        for head, hear in self._heard.values():
             if message.startswith(head):
                 hear(message[len(head) : -1])
                 return
-        self._operations.append(self._operation(message))
+        operation = self._operation(message)
+        for topic, (_, hear) in self._heard.items():
+            if operation.get("op") == "publish" and operation.get("topic") == topic:
+                hear(_json(operation.get("msg")))  # Another kind of hub writes it otherwise.
+                return
+        self._operations.append(operation)
 
     def _operation(self, data: bytes) -> Operation:
         try:

@@ -96,7 +96,7 @@ def ping(link: Link, node: str | None, everyone: bool, count: int | None) -> Non
             took.append(_ping(link, name, snapshot.address(name)))
             if len(took) == count:
                 break
-            _pause(link, PING_INTERVAL)
+            link.heed(PING_INTERVAL)
     except KeyboardInterrupt:
         end_line()  # That is how it ends.
     if len(took) > 1:
@@ -278,13 +278,6 @@ def _ping(link: Link, name: str, address: str) -> float:
     milliseconds = 1000 * float(answer["seconds"])
     output.line(f"reply from {name} at {address}: time={milliseconds:.2f}ms")
     return milliseconds
-
-
-def _pause(link: Link, seconds: float) -> None:
-    """Wait, but not for a hub that is gone."""
-    end = time.monotonic() + seconds
-    while (rest := end - time.monotonic()) > 0:
-        link.receive(rest)
 
 
 def _chosen(names: list[str]) -> str:

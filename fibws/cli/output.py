@@ -59,6 +59,11 @@ def visible(text: str, keep: str = "\n\t") -> str:
     return _CONTROL.sub(lambda found: found[0] if found[0] in keep else ascii(found[0])[1:-1], text)
 
 
+def counted(number: int, noun: str) -> str:
+    """A number of things, whose plural has an s: ``1 node``, ``2 nodes``."""
+    return f"{number} {noun}{'' if number == 1 else 's'}"
+
+
 def line(text: str = "", *, colour: str | None = None, bold: bool = False) -> None:
     """Print a line now, also into a pipe; on a terminal control characters do nothing.
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from fibws.cli.output import visible
+from fibws.cli.output import counted, visible
 from fibws.cli.tool import SETTINGS
 from fibws.cli.words import spread
 from fibws.errors import WorkspaceError
@@ -137,7 +137,7 @@ def make(
         text = visible(str(fault).replace(prefix, ""))
         click.secho(f"Error: {text}", fg="red", err=True)
     if plan.faults:
-        count = _counted(len(plan.faults), "error", "errors")
+        count = counted(len(plan.faults), "error")
         raise click.ClickException(f"nothing was built, because of {count}")
     for source in plan.built:
         click.echo(f"{source.name}: {_made(source)}")
@@ -189,7 +189,7 @@ def _print_spaces(workspace: Workspace) -> None:
 def _print_packages(plan: Plan) -> None:
     if not plan.sources:
         return
-    count = _counted(len(plan.built), "package", "packages")
+    count = counted(len(plan.built), "package")
     click.echo(RULE)
     click.echo(f"~~  traversing {count} in topological order:")
     for source in plan.built:
@@ -219,14 +219,8 @@ def _print_next(workspace: Workspace, plan: Plan) -> None:
 def _made(source: Source) -> str:
     recipe = source.recipe
     parts = [
-        _counted(len(files), KINDS[kind], f"{KINDS[kind]}s")
-        for kind, files in recipe.definitions.items()
-        if files
+        counted(len(files), KINDS[kind]) for kind, files in recipe.definitions.items() if files
     ]
     parts += [visible(each.path.name) for each in recipe.programs]
     parts += ["Python modules"] if recipe.python_setup is not None else []
     return ", ".join(parts) or "nothing to build"
-
-
-def _counted(count: int, one: str, many: str) -> str:
-    return f"{count} {one if count == 1 else many}"

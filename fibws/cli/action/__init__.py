@@ -186,7 +186,7 @@ def _way(ways: list[Entry], named: str | None) -> tuple[Entry, str]:
 
 def _wait(link: Link, name: str) -> None:
     while all(action["name"] != name for action in Snapshot(link).actions):
-        link.receive(POLL)
+        link.heed(POLL)
 
 
 def _publishers(snapshot: Snapshot, name: str) -> list[str]:

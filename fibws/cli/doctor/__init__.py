@@ -5,7 +5,6 @@ from __future__ import annotations
 import shutil
 import sys
 import textwrap
-import time
 from collections.abc import Iterator
 
 import click
@@ -70,7 +69,7 @@ def findings(hub_: str | None) -> Iterator[Finding]:
         try:
             yield from hub.distance(link)
             before = _look(link)
-            _wait(link)
+            link.heed(MOMENT)
             yield from graph.checks(before, _look(link), but=link.node)
         except NodeError as error:
             yield wrong("hub", str(error), "Look at the hub's log. Is it a fibws hub?")
@@ -78,12 +77,6 @@ def findings(hub_: str | None) -> Iterator[Finding]:
 
 def _look(link: Link) -> graph.Look:
     return link.call("/rosapi/graph"), link.call("/rosapi/statistics")
-
-
-def _wait(link: Link) -> None:
-    deadline = time.monotonic() + MOMENT
-    while link.receive(max(0.0, deadline - time.monotonic())) is not None:
-        pass
 
 
 def tell(finding: Finding) -> None:

@@ -10,6 +10,7 @@ from typing import Any, TypeAlias
 from fibws.cli.doctor.finding import Finding, listed, ok, warning
 from fibws.cli.doctor.spelling import meant
 from fibws.cli.graph.view import Topic, View
+from fibws.cli.output import counted
 
 Look: TypeAlias = tuple[dict[str, Any], dict[str, Any]]
 """What /rosapi/graph and /rosapi/statistics said at one time."""
@@ -24,9 +25,8 @@ def checks(before: Look, now: Look, *, but: str) -> Iterator[Finding]:
         but: the node that asks, which is no part of it.
     """
     view = View.of(now[0], but=but)
-    yield ok(
-        "graph", f"{_count(len(view.nodes), 'node')}, {_count(len(view.topics), 'topic')} of theirs"
-    )
+    nodes, topics = counted(len(view.nodes), "node"), counted(len(view.topics), "topic")
+    yield ok("graph", f"{nodes}, {topics} of theirs")
     yield from _or(ok("types", "Every topic's type is defined"), types(view))
     yield from _or(ok("ends", "Every topic has publishers and subscribers"), ends(view))
     everything = View.of(now[0], but=but, everything=True)
@@ -136,11 +136,11 @@ def clients(before: dict[str, Any], now: dict[str, Any], *, but: str) -> Iterato
             yield warning(
                 "clients",
                 f"{name} ({client['address']}) is too slow: {client['kept_bytes']} bytes wait for "
-                f"it, {_count(dropped, 'message')} dropped in all, {max(0, more)} just now",
+                f"it, {counted(dropped, 'message')} dropped in all, {max(0, more)} just now",
                 "Subscribe with a throttle_rate, or to less. Live: fibws top",
             )
         elif dropped:
-            yield ok("clients", f"{name} keeps up now; it once lost {_count(dropped, 'message')}")
+            yield ok("clients", f"{name} keeps up now; it once lost {counted(dropped, 'message')}")
 
 
 def _may_be_one(topic: Topic, other: Topic) -> bool:
@@ -149,7 +149,3 @@ def _may_be_one(topic: Topic, other: Topic) -> bool:
 
 def _or(fine: Finding, found: Iterable[Finding]) -> Iterator[Finding]:
     yield from list(found) or [fine]
-
-
-def _count(number: int, noun: str) -> str:
-    return f"{number} {noun}{'' if number == 1 else 's'}"

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from itertools import zip_longest
 
 from fibws.cli.graph.view import Action, Topic, View
-from fibws.cli.output import visible
+from fibws.cli.output import counted, visible
 
 NOBODY = ("(no publisher)", "(no subscriber)")
 
@@ -147,14 +147,10 @@ def _joined(blocks: list[list[str]]) -> list[str]:
 
 
 def _summary(view: View) -> Iterator[str]:
-    parts = [_count(len(view.nodes), "node"), _count(len(view.topics), "topic")]
-    parts += [_count(len(view.services), "service"), _count(len(view.actions), "action")]
+    parts = [counted(len(view.nodes), "node"), counted(len(view.topics), "topic")]
+    parts += [counted(len(view.services), "service"), counted(len(view.actions), "action")]
     yield f"{', '.join(parts)}."
     hidden = [(view.hidden_topics, "topic"), (view.hidden_services, "service")]
-    left_out = [_count(number, noun) for number, noun in hidden if number]
+    left_out = [counted(number, noun) for number, noun in hidden if number]
     if left_out:
         yield f"Left out: {' and '.join(left_out)} of ROS itself; --all shows them."
-
-
-def _count(number: int, noun: str) -> str:
-    return f"{number} {noun}{'' if number == 1 else 's'}"

@@ -202,8 +202,8 @@ def _check(launch: Launch, packages: Packages, url: str) -> int:
                 command.start_of(node, packages, url, os.environ)
         except FibwsError as error:
             faults.append(str(error))
-    files, nodes = len(launch.files), len(launch.nodes)
-    told = f"{files} file{'s'[: files != 1]}, {nodes} node{'s'[: nodes != 1]}: nothing is wrong"
+    files = output.counted(len(launch.files), "file")
+    told = f"{files}, {output.counted(len(launch.nodes), 'node')}: nothing is wrong"
     _print(faults or [told])
     return 1 if faults else 0
 

@@ -77,4 +77,4 @@ def _table(
 def _left_out(number: int, noun: str) -> RenderableType:
     from rich.text import Text
 
-    return Text(f"and {number} more {noun}{'' if number == 1 else 's'}" if number else "")
+    return Text(f"and {output.counted(number, f'more {noun}')}" if number else "")

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import click
 
 from fibws.cli import output
-from fibws.cli.link import Hear, Link, check
+from fibws.cli.link import Hear, Link
 from fibws.cli.topic.target import Target, wait
 
 QUEUE_LENGTH = 10_000
@@ -66,10 +66,7 @@ def report(link: Link, show: Callable[[], None], count: int | None = None) -> No
         due += PERIOD
         if due <= (now := time.monotonic()):
             due = now + PERIOD  # Whoever was stopped, by Ctrl-Z, does not make up for it.
-        while (rest := due - time.monotonic()) > 0:
-            operation = link.receive(rest)
-            if operation is not None:
-                check(operation)
+        link.heed(due - time.monotonic())
         show()
         if count is not None:
             count -= 1

@@ -7,7 +7,7 @@ import click
 from fibws.cli import complete, output
 from fibws.cli.link import Link
 from fibws.cli.tool import json_option, linked
-from fibws.cli.types.whole import whole
+from fibws.cli.types.full_name import full_name
 
 
 @click.command()
@@ -16,5 +16,5 @@ from fibws.cli.types.whole import whole
 @linked()
 def command(link: Link, type_: str, as_json: bool) -> None:
     """List the topics of TYPE."""
-    found = link.call("/rosapi/topics_for_type", {"type": whole(type_)})["topics"]
+    found = link.call("/rosapi/topics_for_type", {"type": full_name(type_)})["topics"]
     output.names(found, json_=as_json)

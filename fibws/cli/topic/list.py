@@ -63,7 +63,6 @@ def _all(link: Link) -> list[Entry]:
 
 def _print_numbers(topics: list[Entry], end: str) -> None:
     for topic in topics:
-        number = len(topic[f"{end}s"])
-        plural = "s" if number > 1 else ""
+        number = output.counted(len(topic[f"{end}s"]), end)
         type_ = topic["type"] or "unknown type"
-        output.line(f" * {topic['name']} [{type_}] {number} {end}{plural}")
+        output.line(f" * {topic['name']} [{type_}] {number}")

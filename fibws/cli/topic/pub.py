@@ -16,7 +16,7 @@ from fibws.cli.message.typedefs import Typedefs
 from fibws.cli.tool import linked
 from fibws.cli.topic import pipe
 from fibws.cli.topic.publisher import Publisher
-from fibws.cli.types.whole import whole
+from fibws.cli.types.full_name import full_name
 from fibws.cli.words import DigitOptions
 
 LINGER = 3.0
@@ -78,7 +78,7 @@ def command(
     if words and file is not None:
         raise click.UsageError("args conflict with -f setting")
     values = [reading.parse(word) for word in words]
-    publisher = Publisher(link, link.resolve(topic), whole(type_), latch=latch or rate is None)
+    publisher = Publisher(link, link.resolve(topic), full_name(type_), latch=latch or rate is None)
     typedefs = publisher.typedefs
     if values or _has_no_fields(typedefs):
         messages = _of_words(values, typedefs, anew=substitute)
@@ -96,7 +96,7 @@ def command(
         what = f"[{printing.text(message, typedefs)}]" if verbose else "message"
         until = f" for {LINGER} seconds" if once else ". Press ctrl-C to terminate"
         output.line(f"publishing and latching {what}{until}")
-        publisher.stay(LINGER if once else None)
+        link.heed(LINGER if once else None)
         return
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import click
 
-from fibws.cli.link import Link, check
+from fibws.cli.link import Link
 from fibws.cli.message.typedefs import Typedefs, if_known
 
 
@@ -29,7 +29,7 @@ class Publisher:
         link.send({"op": "advertise", "topic": topic, "type": type_, "latch": latch})
         self.typedefs = if_known(Typedefs.of_message, link, type_)
         """Of the type; none if nobody has defined it."""
-        self.stay(0)
+        link.heed(0)
         if self.typedefs.root not in self.typedefs:
             click.echo(f"WARNING: nobody has defined {type_}: messages are not checked", err=True)
 
@@ -41,7 +41,7 @@ class Publisher:
         """
         self._send(message)
         self.link.call("/rosapi/get_time")
-        self.stay(0)
+        self.link.heed(0)
 
     def publish_all(self, messages: Iterable[dict[str, Any]], rate: float) -> None:
         """Publish messages, so many a second; raises as `publish`."""
@@ -55,24 +55,9 @@ class Publisher:
                 self._send(message)
             # Whoever falls behind by more than a message does not make up for it.
             due = max(due, time.monotonic() - 1 / rate) + 1 / rate
-            self.stay(due - time.monotonic())
+            self.link.heed(due - time.monotonic())
         self.link.call("/rosapi/get_time")
-        self.stay(0)
-
-    def stay(self, seconds: float | None = None) -> None:
-        """Heed what the hub says for so many seconds, or for ever.
-
-        Raises:
-            OperationRejected: it has refused something.
-            HubLost: there is no hub any more.
-        """
-        deadline = None if seconds is None else time.monotonic() + seconds
-        while True:
-            rest = None if deadline is None else max(0.0, deadline - time.monotonic())
-            operation = self.link.receive(rest)
-            if operation is None:
-                return
-            check(operation)
+        self.link.heed(0)
 
     def _send(self, message: dict[str, Any]) -> None:
         self.link.send({"op": "publish", "topic": self.topic, "msg": message})

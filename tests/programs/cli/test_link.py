@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from types import SimpleNamespace
 
 import pytest
 from websockets.exceptions import ConnectionClosed
@@ -12,7 +13,7 @@ from websockets.sync.server import ServerConnection, serve
 
 from fibws.cli import link as module
 from fibws.cli import stream
-from fibws.cli.link import Link, check
+from fibws.cli.link import Link, Operation, check
 from fibws.errors import (
     HubUnreachable,
     InvalidAddress,
@@ -105,6 +106,30 @@ def test_a_refusal_is_an_operation_until_it_is_checked(link: Link) -> None:
     check({"op": "publish"})
 
 
+@pytest.mark.parametrize(("comes", "waits"), [(1, [1.0, 0.6]), (9, [1.0, 0.6, 0.1])])
+def test_the_hub_is_heeded_for_so_long_whatever_it_says(
+    comes: int, waits: list[float], link: Link, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    waited: list[float | None] = []
+    times, operations = iter([0.0, 0.4, 0.9, 1.2]), iter([{"op": "publish"}] * comes)
+
+    def receive(timeout: float | None = None) -> Operation | None:
+        waited.append(timeout)
+        return next(operations, None)
+
+    monkeypatch.setattr(link, "receive", receive)
+    monkeypatch.setattr(module, "time", SimpleNamespace(monotonic=lambda: next(times)))
+    link.heed(1.0)
+    assert waited == [pytest.approx(each) for each in waits]
+
+
+@pytest.mark.parametrize("seconds", [60, None])
+def test_what_the_hub_refuses_meanwhile_raises(link: Link, seconds: float | None) -> None:
+    link.send({"op": "advertise", "topic": "/x", "type": "std_msgs/Strin"})
+    with pytest.raises(OperationRejected, match="std_msgs/Strin"):
+        link.heed(seconds)
+
+
 def test_what_is_no_address_is_refused() -> None:
     with pytest.raises(InvalidAddress):
         Link("test", "http://127.0.0.1:1")
@@ -125,6 +150,16 @@ def stranger(*texts: str | bytes | list[str]) -> Iterator[str]:
         yield f"ws://127.0.0.1:{server.socket.getsockname()[1]}"
         server.shutdown()
         thread.join(60)
+
+
+def test_messages_are_heard_however_a_hub_writes_them() -> None:
+    heard: list[bytes] = []
+    texts = '{"op": "publish", "msg": {"data": 8}, "topic": "/x"}', '{"op": "end"}'
+    with stranger(*texts) as url, Link("test", url) as link:
+        link.hear("/x", heard.append)
+        link.subscribe("/x")
+        assert link.receive(60) == {"op": "end"}
+    assert heard == [b'{"data": 8}']
 
 
 @pytest.mark.parametrize(

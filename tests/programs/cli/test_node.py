@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator
-from types import SimpleNamespace
 
 import pytest
 from click.testing import CliRunner
@@ -171,11 +170,11 @@ def test_ping_tells_the_time_and_the_average(
 def test_ctrl_c_ends_a_ping_with_the_average(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     waits = iter([None, None])
 
-    def pause(link: Link, seconds: float) -> None:
+    def heed(link: Link, seconds: float) -> None:
         if next(waits, "end") == "end":
             raise KeyboardInterrupt
 
-    monkeypatch.setattr(node, "_pause", pause)
+    monkeypatch.setattr(Link, "heed", heed)
     monkeypatch.setattr(node, "end_line", lambda: print("the line of ^C"))
     result = run("node", "ping", "rosapi")
     assert result.exit_code == 0
@@ -185,17 +184,15 @@ def test_ctrl_c_ends_a_ping_with_the_average(run: Run, monkeypatch: pytest.Monke
     assert average.startswith("ping average: ")
 
 
-def test_between_two_pings_there_is_a_pause(link: Link, monkeypatch: pytest.MonkeyPatch) -> None:
-    waited: list[float | None] = []
-    times = iter([0.0, 0.0, 0.4, 1.0])
+def test_between_two_pings_there_is_a_pause(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    waited: list[float] = []
 
-    def receive(timeout: float | None = None) -> None:
-        waited.append(timeout)
+    def heed(link: Link, seconds: float) -> None:
+        waited.append(seconds)
 
-    monkeypatch.setattr(link, "receive", receive)
-    monkeypatch.setattr(node, "time", SimpleNamespace(monotonic=lambda: next(times)))
-    node._pause(link, 1.0)
-    assert waited == [1.0, 0.6]
+    monkeypatch.setattr(Link, "heed", heed)
+    assert run("node", "ping", "-c", "3", "rosapi").exit_code == 0
+    assert waited == [node.PING_INTERVAL] * 2
 
 
 def test_a_node_that_does_not_answer_is_an_error(

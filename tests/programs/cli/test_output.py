@@ -16,6 +16,14 @@ from fibws.cli import output
 HOSTILE = "\x1b]0;owned\x07\x9b31m red\r\x08\x7f \u202ereversed"
 
 
+def test_things_are_counted() -> None:
+    assert [output.counted(number, "node") for number in range(3)] == [
+        "0 nodes",
+        "1 node",
+        "2 nodes",
+    ]
+
+
 class Stream(io.TextIOWrapper):
     """Standard output as a terminal or a pipe of some encoding."""
 

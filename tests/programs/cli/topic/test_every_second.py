@@ -40,12 +40,12 @@ def test_what_was_missed_while_it_stood_still_is_not_made_up_for(
     stops = iter([8.25])
     shown: list[float] = []
 
-    def receive(seconds: float) -> None:
+    def heed(seconds: float) -> None:
         nonlocal now
         now += next(stops, seconds)
 
     monkeypatch.setattr(every_second, "time", SimpleNamespace(monotonic=lambda: now))
-    link = cast(Link, SimpleNamespace(receive=receive))
+    link = cast(Link, SimpleNamespace(heed=heed))
     every_second.report(link, lambda: shown.append(now), 3)
     assert shown == [8.25, 9.25, 10.25]
 
@@ -56,7 +56,7 @@ def test_a_report_that_takes_its_time_does_not_put_off_the_next(
     now = 0.0
     shown: list[float] = []
 
-    def receive(seconds: float) -> None:
+    def heed(seconds: float) -> None:
         nonlocal now
         now += seconds
 
@@ -66,5 +66,5 @@ def test_a_report_that_takes_its_time_does_not_put_off_the_next(
         now += 0.25
 
     monkeypatch.setattr(every_second, "time", SimpleNamespace(monotonic=lambda: now))
-    every_second.report(cast(Link, SimpleNamespace(receive=receive)), show, 3)
+    every_second.report(cast(Link, SimpleNamespace(heed=heed)), show, 3)
     assert shown == [1.0, 2.0, 3.0]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import click
 
 
-def whole(type_: str) -> str:
+def full_name(type_: str) -> str:
     """Return the name of a message type; one without a package raises `UsageError`."""
     if "/" in type_:
         return type_

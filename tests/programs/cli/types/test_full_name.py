@@ -5,12 +5,12 @@ from __future__ import annotations
 import click
 import pytest
 
-from fibws.cli.types.whole import whole
+from fibws.cli.types.full_name import full_name
 
 
 @pytest.mark.parametrize("name", ["std_msgs/String", "std_msgs/msg/String", "nobody/Knows"])
 def test_a_name_with_a_package_is_returned(name: str) -> None:
-    assert whole(name) == name
+    assert full_name(name) == name
 
 
 @pytest.mark.parametrize(
@@ -24,5 +24,5 @@ def test_a_name_with_a_package_is_returned(name: str) -> None:
 )
 def test_without_one_the_error_says_what_was_meant(name: str, meant: str) -> None:
     with pytest.raises(click.UsageError) as error:
-        whole(name)
+        full_name(name)
     assert str(error.value) == f"{name!r} lacks its package{meant}"
