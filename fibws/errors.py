@@ -96,9 +96,10 @@ class UnknownType(InterfaceError, LookupError):
         self.package = package
         self.name = name
         self.nearest = nearest
-        hint = f"did you mean {nearest}?" if nearest else f"no such {kind} in {package}"
+        hint = f"; did you mean {nearest}?" if nearest else ""
         super().__init__(
-            f"Unable to import {kind} class {name} from package {package}. Caused by: {hint}"
+            f"Unable to import {kind} class {name} from package {package}. "
+            f"Caused by: no such {kind} in {package}{hint}"
         )
 
 

@@ -47,7 +47,7 @@ def test_the_tree_in_the_docstring_is_the_tree() -> None:
         (
             UnknownType("msg", "std_msgs", "Sting", "std_msgs/String"),
             "Unable to import msg class Sting from package std_msgs. "
-            "Caused by: did you mean std_msgs/String?",
+            "Caused by: no such msg in std_msgs; did you mean std_msgs/String?",
         ),
         (
             UnknownType("srv", "std_srvs", "Qwertz", None),

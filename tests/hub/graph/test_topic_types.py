@@ -84,7 +84,7 @@ def test_a_type_is_free_when_the_request_that_named_it_is_replaced() -> None:
         (
             "std_msgs/Sting",
             "Unable to import msg class Sting from package std_msgs. "
-            "Caused by: did you mean std_msgs/String?",
+            "Caused by: no such msg in std_msgs; did you mean std_msgs/String?",
         ),
     ],
 )

@@ -44,7 +44,8 @@ def test_what_a_client_serves_is_acknowledged_at_level_info() -> None:
         (
             {"type": "example_interfaces/Fibonaci"},
             "Unable to import action class Fibonaci from package example_interfaces. "
-            "Caused by: did you mean example_interfaces/Fibonacci?",
+            "Caused by: no such action in example_interfaces; "
+            "did you mean example_interfaces/Fibonacci?",
         ),
         ({"type": None}, "Expected a type field but none was found."),
         ({"action": None}, "Expected a action field but none was found."),

@@ -55,7 +55,7 @@ def test_what_a_client_provides_is_acknowledged_at_level_info() -> None:
         (
             {"type": "rospy_tutorials/AddTwoInt"},
             "Unable to import srv class AddTwoInt from package rospy_tutorials. "
-            "Caused by: did you mean rospy_tutorials/AddTwoInts?",
+            "Caused by: no such srv in rospy_tutorials; did you mean rospy_tutorials/AddTwoInts?",
         ),
         (
             {"type": "std_msgs/Int32"},
