@@ -31,12 +31,13 @@ _OPERATORS: dict[type[ast.AST], Callable[..., Any]] = {
     ast.NotIn: lambda part, all_: part not in all_,
     ast.Add: operator.add,
     ast.Sub: operator.sub,
-    ast.Mult: operator.mul,
+    ast.Mult: lambda a, b: operator.mul(_number(a), _number(b)),
     ast.Div: operator.truediv,
-    ast.Mod: operator.mod,
+    ast.Mod: lambda a, b: operator.mod(_number(a), _number(b)),
     ast.Not: operator.not_,
     ast.USub: operator.neg,
 }
+"""Texts and lists are neither repeated nor formatted: a few characters would fill the memory."""
 _FUNCTIONS: dict[str, Callable[[Any], Any]] = {"abs": abs, "len": len}
 
 
@@ -115,3 +116,9 @@ class Filter:
             return float("nan") if found is None and field.type in FLOATS else found
 
         return value
+
+
+def _number(value: Any) -> Any:
+    if not isinstance(value, int | float):
+        raise TypeError(f"{value!r} is no number")
+    return value

@@ -109,7 +109,17 @@ def test_an_array_may_turn_out_too_short() -> None:
 
 
 @pytest.mark.parametrize(
-    "text", ["m.name > 1", "m.x / 0 > 1", "len(m.x)", "m.x in 1", "-" * 900 + "m.x"]
+    "text",
+    [
+        "m.name > 1",
+        "m.x / 0 > 1",
+        "len(m.x)",
+        "m.x in 1",
+        "-" * 900 + "m.x",
+        "m.name * 99999999999999 == ''",
+        "(1, 2) * 99999999999999",
+        "'%99999999999999d' % 5 == m.name",
+    ],
 )
 def test_what_cannot_be_calculated_is_wrong_usage(text: str) -> None:
     with pytest.raises(click.UsageError, match="--filter"):
