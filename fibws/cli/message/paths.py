@@ -84,9 +84,9 @@ def splits(name: str, topics: Iterable[str]) -> Iterator[tuple[str, str]]:
 
 def _pick(value: Any, field: Field, steps: list[Step], typedefs: Typedefs) -> Any:
     for i, step in enumerate(steps):
-        value = value[step.name]
         fields = _TIME if field.type in TIMES else typedefs.fields(field.type)
         field = _named(step.name, fields, field.type)
+        value = value[step.name]
         if step.which is None:
             continue
         several = elements(value, field)

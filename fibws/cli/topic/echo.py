@@ -87,8 +87,8 @@ def command(
         except LookupError as error:
             raise click.UsageError(f"--filter: {error}") from None
     for message in link.messages(target.topic):
+        target = _up_to_date(link, target, message)
         try:
-            target = _up_to_date(link, target, message)
             if wanted is not None and not wanted.passes(message, target.typedefs):
                 continue
             value = target.path.pick(message, target.typedefs)
@@ -103,11 +103,7 @@ def command(
 
 
 def _up_to_date(link: Link, target: Target, message: dict[str, Any]) -> Target:
-    """The target as it is now: a topic may come back with another type.
-
-    Raises:
-        LookupError: the messages of that type have no such field.
-    """
+    """The target as it is now: a topic may come back with another type."""
     if target.typedefs.fit(message):
         return target
     type_ = link.call("/rosapi/topic_type", {"topic": target.topic})["type"]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from contextlib import suppress
 from typing import NamedTuple
 
 import click
@@ -10,6 +11,8 @@ import click
 from fibws.cli.link import QUEUE_LENGTH, Link
 from fibws.cli.message.paths import Path, splits
 from fibws.cli.message.typedefs import Field, Typedefs, if_known
+from fibws.errors import ServiceError
+from fibws.hint import hint
 
 INTERVAL = 0.1
 """Seconds between two looks at whether a topic is there now, as rostopic takes them."""
@@ -64,7 +67,8 @@ def wait(link: Link, name: str, *, queue_length: int = QUEUE_LENGTH) -> Target:
         link.subscribe(name, queue_length=queue_length)
     target = find(link, name)
     if target is None:
-        click.echo(f"WARNING: topic [{name}] does not appear to be published yet", err=True)
+        meant = hint(name, (topic for topic, type_ in all_types(link).items() if type_))
+        click.echo(f"WARNING: topic [{name}] does not appear to be published yet{meant}", err=True)
         while target is None:
             time.sleep(INTERVAL)
             target = find(link, name)
@@ -76,14 +80,21 @@ def wait(link: Link, name: str, *, queue_length: int = QUEUE_LENGTH) -> Target:
 
 
 def retarget(link: Link, target: Target, type_: str) -> Target:
-    """The same topic and field, of another type; it raises `LookupError` if that has none such."""
-    return _target(link, target.topic, type_, target.path)
+    """The same topic and field, of another type, which may have no such field."""
+    target = target._replace(type=type_, typedefs=if_known(Typedefs.of_message, link, type_))
+    with suppress(LookupError):
+        target = target._replace(field=target.path.field(target.typedefs))
+    return target
 
 
 def all_types(link: Link) -> dict[str, str]:
     """The names of all topics, each with its type's, which is empty if it has none."""
     found = link.call("/rosapi/topics")
-    return dict(zip(found["topics"], found["types"], strict=False))
+    topics, types = found["topics"], found["types"]
+    if len(topics) != len(types):
+        fault = f"/rosapi/topics told {len(topics)} topics, but {len(types)} types"
+        raise ServiceError("/rosapi/topics", f"{fault}: this may be another kind of hub")
+    return dict(zip(topics, types, strict=True))
 
 
 def _target(link: Link, topic: str, type_: str, path: Path) -> Target:

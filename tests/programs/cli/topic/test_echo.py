@@ -207,9 +207,10 @@ async def test_a_reader_who_leaves_is_the_end(
 async def test_a_topic_that_is_not_there_yet_is_waited_for(
     start: Start, hub: HubThread, publish: Publish
 ) -> None:
+    publish("/later", "std_msgs/Int32")
     program = await start("fibws", "topic", "echo", "-n", "1", "/late", FIBWS_HUB=hub.url)
-    warning = "WARNING: topic [/late] does not appear to be published yet\n"
-    assert await program.error_line() == warning
+    warning = "WARNING: topic [/late] does not appear to be published yet"
+    assert await program.error_line() == f"{warning}; did you mean /later?\n"
     publish("/late", "std_msgs/Int32", {"data": 8})
     assert await program.end() == (0, "data: 8\n---\n", "")
 

@@ -9,7 +9,7 @@ import pytest
 
 from fibws.cli.link import Link
 from fibws.cli.topic import target
-from fibws.errors import InvalidName
+from fibws.errors import InvalidName, ServiceError
 
 from ..conftest import HubThread, Publish
 
@@ -45,6 +45,29 @@ def test_what_nobody_publishes_is_not_found(link: Link, publish: Publish) -> Non
     assert target.find(link, "/heard") is None
     with pytest.raises(click.ClickException, match="no field named b in std_msgs/Int32"):
         target.find(link, "/a/b")
+
+
+def test_another_type_is_known_though_it_has_no_such_field(link: Link, publish: Publish) -> None:
+    publish("/a", "std_msgs/Int32")
+    found = target.find(link, "/a/data")
+    assert found is not None
+    changed = target.retarget(link, found, "geometry_msgs/Point")
+    assert (changed.type, changed.path, changed.field) == (
+        "geometry_msgs/Point",
+        found.path,
+        found.field,
+    )
+    with pytest.raises(LookupError, match="no field named data in geometry_msgs/Point"):
+        changed.path.pick({"x": 1.0, "y": 0.0, "z": 0.0}, changed.typedefs)
+
+
+def test_topics_without_their_types_are_another_hub_s(
+    link: Link, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told = {"topics": ["/a", "/b"], "types": ["std_msgs/Int32"]}
+    monkeypatch.setattr(link, "call", lambda service: told)
+    with pytest.raises(ServiceError, match="2 topics, but 1 types"):
+        target.all_types(link)
 
 
 def test_a_topic_is_waited_for(hub: HubThread, link: Link, publish: Publish) -> None:
