@@ -81,7 +81,7 @@ class Workspace:
         Raises:
             WorkspaceError: two packages have one name, they depend on each other in a circle, there
                 is none of the names, or devel/ was made by another tool.
-            OSError: a file of a package cannot be read.
+            OSError: a manifest, a recipe or a definition cannot be read.
         """
         self._check_devel()
         plan = Plan()
@@ -94,7 +94,12 @@ class Workspace:
         known = Packages([self.source, *(source for source, _ in self._below)]).names()
         compile_definitions(plan.sources, [each / "share" for _, each in self._below])
         for source in plan.sources:
-            plan.trees[source.name] = devel.files(source)
+            try:
+                plan.trees[source.name] = devel.files(source)
+            except OSError as error:
+                line = source.recipe.python_setup or 1
+                source.recipe.fault(line, f"{error.filename}: {error.strerror}")
+                plan.trees[source.name] = {}
         for source in plan.built:
             check(source, known)
             plan.warnings += source.recipe.warnings

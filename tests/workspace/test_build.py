@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -155,6 +157,24 @@ def test_some_packages_are_built_and_others_stay_as_they_were(layout: Layout) ->
     layout.plan("b")
     assert layout.built() == {"lib/a/talker.py", "share/a/package.xml", "share/b/package.xml"}
     assert not (layout.devel / "share/a/package.xml").read_text().endswith("\n\n")
+
+
+def test_what_cannot_be_read_of_a_package_harms_no_other(
+    layout: Layout, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    node(layout, "a", "a.py")
+    setup = layout.package("b", before="catkin_python_setup()", files={"setup.py": ""}) / "setup.py"
+    read_text = Path.read_text
+
+    def read(path: Path, *words: Any, **options: Any) -> str:
+        if path == setup:
+            raise PermissionError(errno.EACCES, "Permission denied", str(path))
+        return read_text(path, *words, **options)
+
+    monkeypatch.setattr(Path, "read_text", read)
+    assert not layout.plan("a").faults
+    assert "lib/a/a.py" in layout.built()
+    assert layout.faults() == ["b/CMakeLists.txt, line 4: b/setup.py: Permission denied"]
 
 
 def test_what_they_depend_on_is_built_with_them_if_asked_for(layout: Layout) -> None:
