@@ -32,12 +32,15 @@ def spread(words: Iterable[str], options: Collection[str]) -> list[str]:
 
     Returns:
         What click can read, where the option stands before each of its words: ``-s a -s b -v``. One
-        without any stands at the end, of which click says that it lacks one.
+        without any stands at the end, of which click says that it lacks one; what is behind ``--``
+        is left out then, lest it be that one.
     """
+    typed = list(words)
+    end = typed.index("--") if "--" in typed else len(typed)
     plain: list[str] = []
     lone: dict[str, None] = {}
     option = ""
-    for word in words:
+    for word in typed[:end]:
         if word in options:
             option = word
             lone[option] = None
@@ -47,7 +50,7 @@ def spread(words: Iterable[str], options: Collection[str]) -> list[str]:
         else:
             option = ""
             plain.append(word)
-    return [*plain, *lone]
+    return [*plain, *(lone or typed[end:])]
 
 
 class DigitOptions(click.Command):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+from itertools import takewhile
 from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING
@@ -23,6 +24,7 @@ RULE = "~" * 50
 KINDS = {"msg": "message", "srv": "service", "action": "action"}
 _JOBS = re.compile(r"-[jl]\d*(\.\d+)?|--jobs(=\d+)?|--load-average(=[\d.]+)?|-k")
 _MANY = {"--pkg", "--only-pkg-with-deps"}
+_OTHERS = ("--cmake-args", "--make-args")
 _WHITELIST = "-DCATKIN_WHITELIST_PACKAGES="
 _SPACES = re.compile(r"--(source|build)(=.*)?|-DCATKIN_DEVEL_PREFIX=.*")
 
@@ -58,7 +60,8 @@ class _Make(click.Command):
     """Takes catkin_make's options, some of which take all words up to the next option."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        return super().parse_args(ctx, _plain(spread(args, _MANY)))
+        ours = takewhile(lambda word: word not in _OTHERS, args)
+        return super().parse_args(ctx, _plain(spread(ours, _MANY)))
 
 
 @command.command("make", cls=_Make)
@@ -149,8 +152,6 @@ def _plain(args: list[str]) -> list[str]:
     plain: list[str] = []
     skip_number = False
     for word in args:
-        if word in ("--cmake-args", "--make-args"):
-            break
         if skip_number and re.fullmatch(r"[\d.]+", word):
             continue
         skip_number = word in ("-j", "-l", "--jobs", "--load-average")

@@ -48,6 +48,9 @@ def test_what_is_neither_is_said_to_be_no_option(word: str) -> None:
         ("-s -v", "-v -s"),
         ("-s -v -s a", "-v -s a"),
         ("-s=a b", "-s=a b"),
+        ("-s a -- -s b", "-s a -- -s b"),
+        ("x -s --", "x -s"),
+        ("-s -b -- x", "-s -b"),
     ],
 )
 def test_an_option_of_many_words_stands_before_each(typed: str, plain: str) -> None:

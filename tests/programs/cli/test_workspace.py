@@ -190,7 +190,12 @@ def test_some_packages_are_chosen(type_: Type) -> None:
     unknown = make(type_, "--pkg", "x")
     assert unknown.stderr == "Error: Packages not found in the workspace: x\n"
     assert built("--pkg", "a", "c", "-j4", "all") == "ac"
-    for words in (["--pkg"], ["--pkg", "--no-color"]):
+    for words in (
+        ["--pkg"],
+        ["--pkg", "--no-color"],
+        ["--pkg", "--make-args", "x"],
+        ["--pkg", "--", "all"],
+    ):
         assert "Option '--pkg' requires an argument." in make(type_, *words).stderr
 
 
