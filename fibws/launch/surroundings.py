@@ -9,6 +9,7 @@ import subprocess
 import time
 from collections.abc import Mapping
 from functools import cached_property
+from ipaddress import IPv4Address, ip_address
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,8 @@ from fibws.workspace.packages import SHARE, Packages
 
 MOST_BYTES = 2**26
 """Of a file: no launch file has as many, and a device may have no end."""
+
+_EVERYBODY = IPv4Address("255.255.255.255")
 
 
 class Surroundings:
@@ -87,6 +90,9 @@ class Surroundings:
 
 
 def _can_bind(family: int, where: tuple[Any, ...]) -> bool:
+    address = ip_address(where[0])
+    if address.is_multicast or address == _EVERYBODY:
+        return False  # Linux binds these, too, and they are no machine's own.
     try:
         with socket.socket(family, socket.SOCK_STREAM) as probe:
             probe.bind(where)

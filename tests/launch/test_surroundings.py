@@ -83,6 +83,8 @@ def test_an_address_is_of_this_machine_if_one_can_listen_there(
         assert world.is_here(address), address
     for address in ("192.0.2.1", "a" * 100, "a\0"):  # One of no machine, and two of none at all.
         assert not world.is_here(address), address
+    for address in ("224.0.0.1", "255.255.255.255"):  # Those of many machines.
+        assert not world.is_here(address), address
     hosts = iter([["192.0.2.1", "127.0.0.1"]])
 
     def found(*_: object, **__: object) -> list[Any]:
