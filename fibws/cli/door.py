@@ -26,8 +26,9 @@ class _Doors(Root):
         while words and isinstance(found, click.Group):
             passed = f"{passed} {words[0]}"
             found = found.get_command(ctx, words.pop(0))
-        if not words:
-            _rename(found, passed, door, ctx, rest)
+        if words and found is not None:
+            _narrow(found, passed, words[0])
+        _rename(found, " ".join([passed, *words]), door, ctx, rest)
         return door, found, [*words, *rest]
 
 
@@ -35,6 +36,17 @@ def main() -> None:
     """Run the door that the first argument names."""
     doors = _Doors(modules={}, callback=command.callback, context_settings=SETTINGS)
     doors.main(prog_name="")
+
+
+def _narrow(found: click.Command, ours: str, part: str) -> None:
+    """Have the help of a command be that of the one part of the page which it is to open."""
+    from fibws.cli.open import WITH_NAMES
+
+    lines = (found.help or "").splitlines()
+    found.help = "\n".join(each for each in lines if ours not in each or f"{ours} {part}" in each)
+    for argument in found.params:
+        if isinstance(argument, click.Argument):
+            argument.metavar = "[NAME]..." if part in WITH_NAMES else ""
 
 
 def _rename(

@@ -29,7 +29,8 @@ def command(link: Link, words: tuple[str, ...]) -> None:
     """Open the hub's page in a browser, and print its address; without a browser, only that.
 
     \b
-      fibws open                        the graph, live; rqt
+      fibws open                        the page, at its graph; rqt
+      fibws open graph                  who talks to whom, live; rqt_graph
       fibws open plot /fibonacci/data   numbers over time; rqt_plot
       fibws open topics /fibonacci      echo, plot, publish
       fibws open services /add_two_ints

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 
@@ -37,8 +38,24 @@ def test_help_calls_the_command_as_the_person_did(door: str) -> None:
     told = enter(door, "--help")
     assert (told.returncode, told.stderr) == (0, "")
     assert told.stdout.startswith(f"Usage: {door} [OPTIONS]")
-    is_whole = not DOORS[door].startswith("open ")
-    assert not is_whole or f"fibws {DOORS[door]}" not in told.stdout
+    assert f"fibws {DOORS[door]}" not in told.stdout
+
+
+@pytest.mark.parametrize(
+    ("door", "usage", "example"),
+    [
+        ("rqt_plot", "[OPTIONS] [NAME]...", "rqt_plot /fibonacci/data"),
+        ("rqt_topic", "[OPTIONS] [NAME]...", "rqt_topic /fibonacci"),
+        ("rqt_graph", "[OPTIONS]", "rqt_graph"),
+        ("rqt_console", "[OPTIONS]", "rqt_console"),
+    ],
+)
+def test_the_help_of_a_part_of_the_page_is_of_that_alone(
+    door: str, usage: str, example: str
+) -> None:
+    told = enter(door, "--help").stdout
+    assert told.splitlines()[0] == f"Usage: {door} {usage}"
+    assert re.findall(r"^    (\S.*?)   ", told, re.MULTILINE) == [example]
 
 
 def test_the_help_of_a_command_behind_it_does_so_too() -> None:
