@@ -58,7 +58,8 @@ class Loggers:
         found = {NAME: self._log}
         for name, log in sorted(self._log.manager.loggerDict.items()):
             if isinstance(log, logging.Logger) and self._log in _ancestors(log):
-                found[NAME + name.removeprefix(self._log.name)] = log
+                below = name.removeprefix(f"{self._log.name}.")  # No name begins with the root's.
+                found[f"{NAME}.{below}"] = log
         return found
 
 

@@ -86,6 +86,21 @@ async def test_loggers_of_the_programs_below_it_are_told_and_changed_alone(
     )
 
 
+async def test_all_loggers_of_the_program_are_below_its_root(
+    session: Session, types: Types
+) -> None:
+    deep = logging.getLogger("library.deep")
+    Loggers(logging.getLogger(), Services(session, types), lambda name: f"/talker/{name[1:]}")
+    said(session)
+    hears(session, "call_service", id="get", service="/talker/get_loggers", args={})
+    first, *others = [each["name"] for each in (await says(session))["values"]["loggers"]]
+    assert first == "rosout"
+    assert "rosout.library.deep" in others
+    assert all(name.startswith("rosout.") for name in others)
+    assert await change(session, "rosout.library.deep", "error") == {}
+    assert deep.level == logging.ERROR
+
+
 @pytest.mark.parametrize(
     ("logger", "name", "text"),
     [
