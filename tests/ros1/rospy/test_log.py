@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import pickle
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -69,6 +70,15 @@ def test_a_line_has_its_level_and_its_place(records: Records, name: str) -> None
     assert record.name == "rosout"
     assert Path(record.pathname) == Path(__file__)
     assert record.funcName == "test_a_line_has_its_level_and_its_place"
+
+
+@pytest.mark.parametrize("kind", ["", "_throttle", "_throttle_identical", "_once"])
+@pytest.mark.parametrize("level", LEVELS)
+def test_each_function_knows_its_name(level: str, kind: str) -> None:
+    name = f"log{level}{kind}"
+    function = getattr(rospy, name)
+    assert (function.__name__, function.__qualname__) == (name, name)
+    assert pickle.loads(pickle.dumps(function)) is function
 
 
 def test_a_method_is_told_with_its_class(records: Records) -> None:

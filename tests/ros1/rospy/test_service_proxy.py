@@ -27,6 +27,8 @@ async def serve(node: fibws.Node) -> None:
     def add(request: Any, header: dict[str, str]) -> int:
         if request.a == 13:
             raise ValueError(f"no {request.a}")
+        if request.a == 14:
+            raise ValueError("request from [/me]: md5sums do not match: [1] vs. [2]")
         return int(request.a + request.b)
 
     await node.service("add", "rospy_tutorials/AddTwoInts", add, headers=True)
@@ -46,7 +48,7 @@ add = rospy.ServiceProxy("add", AddTwoInts, persistent=True)
 add.wait_for_service(timeout=60)
 print(add(1, 2).sum, add(a=3).sum, add.call(AddTwoIntsRequest(4, 5)).sum, add().sum)
 print(add()._connection_header["service"])
-for arguments in ((13, 0), ("one", 2), (AddTwoIntsRequest,), (1, 2, 3)):
+for arguments in ((13, 0), (14, 0), ("one", 2), (AddTwoIntsRequest,), (1, 2, 3)):
     try:
         print(add(*arguments))
     except Exception as fault:
@@ -63,6 +65,8 @@ for call in (lambda: rospy.ServiceProxy("none", AddTwoInts)(1, 2), lambda: add(1
             "/add",
             "ServiceException service [/add] responded with an error: "
             "b'error processing request: no 13'",
+            "ServiceException service [/add] responded with an error: b'error processing request: "
+            "request from [/me]: md5sums do not match: [1] vs. [2]'",
             "SerializationError field a must be an integer type",
             "TypeError request object is not a valid request message instance",
             "TypeError Invalid number of arguments, args should be ['a', 'b'] args are(1, 2, 3)",
@@ -123,15 +127,35 @@ async def test_who_waits_in_vain_is_told(beginning: str) -> None:
             await it.run(
                 beginning
                 + """
-for timeout in (0.05, rospy.Duration(0.05), -1):
-    try:
-        rospy.wait_for_service("never", timeout)
-    except rospy.ROSException as fault:
-        print(fault)
+for name in ("never", "not legal"):
+    for timeout in (0.05, rospy.Duration(0.05), -1):
+        try:
+            rospy.wait_for_service(name, timeout)
+        except rospy.ROSException as fault:
+            print(fault)
 """
             )
             == ["timeout exceeded while waiting for service /never"] * 3
+            + ["timeout exceeded while waiting for service /not legal"] * 3
         )
+
+
+@pytest.mark.parametrize("name", ["never", "not legal"])
+async def test_the_end_of_the_node_ends_a_wait(name: str) -> None:
+    async with world() as it:
+        program = await it.start(
+            NODE
+            + f"""
+print("waiting")
+try:
+    rospy.wait_for_service({name!r})
+except rospy.ROSInterruptException as fault:
+    print(fault)
+"""
+        )
+        assert await program.says() == "waiting"
+        program.interrupt()
+        assert await program.ends() == ["rospy shutdown"]
 
 
 def test_one_cannot_wait_for_no_time() -> None:

@@ -20,7 +20,7 @@ PYTHON_LEVELS = {
     INFO: logging.INFO,
     WARN: logging.WARNING,
     ERROR: logging.ERROR,
-    FATAL: logging.CRITICAL,
+    FATAL: logging.FATAL,
 }
 
 _Place = tuple[str, int, int]
@@ -39,7 +39,7 @@ class _LogSeldom(Protocol):
     def __call__(self, period: float, msg: Any, *args: Any, **kwargs: Any) -> None: ...
 
 
-def _log(level: int) -> _Log:
+def _log(name: str, level: int) -> _Log:
     def log(msg: Any, *args: Any, **kwargs: Any) -> None:
         """Log a line, at the level of the function's name.
 
@@ -51,10 +51,11 @@ def _log(level: int) -> _Log:
         """
         _write(sys._getframe(1), level, msg, args, **kwargs)
 
+    log.__name__ = log.__qualname__ = name
     return log
 
 
-def _log_throttle(level: int) -> _LogSeldom:
+def _log_throttle(name: str, level: int) -> _LogSeldom:
     def log(period: float, msg: Any, *args: Any, **kwargs: Any) -> None:
         """Log a line, but not more often than once in a time.
 
@@ -68,10 +69,11 @@ def _log_throttle(level: int) -> _LogSeldom:
         if not period or _is_due(_place(frame), period):
             _write(frame, level, msg, args, **kwargs)
 
+    log.__name__ = log.__qualname__ = name
     return log
 
 
-def _log_throttle_identical(level: int) -> _LogSeldom:
+def _log_throttle_identical(name: str, level: int) -> _LogSeldom:
     def log(period: float, msg: str, *args: Any, **kwargs: Any) -> None:
         """Log a line, but the same text not more often than once in a time.
 
@@ -88,10 +90,11 @@ def _log_throttle_identical(level: int) -> _LogSeldom:
             _texts[place] = msg
             _write(frame, level, msg, args, **kwargs)
 
+    log.__name__ = log.__qualname__ = name
     return log
 
 
-def _log_once(level: int) -> _Log:
+def _log_once(name: str, level: int) -> _Log:
     def log(msg: Any, *args: Any, **kwargs: Any) -> None:
         """Log a line as `logdebug` does, the first time that this place in the program is come to.
 
@@ -103,37 +106,34 @@ def _log_once(level: int) -> _Log:
             _places.add(place)
             _write(frame, level, msg, args, **kwargs)
 
+    log.__name__ = log.__qualname__ = name
     return log
 
 
-_LEVELS = PYTHON_LEVELS.values()
-
-logdebug, loginfo, logwarn, logerr, logfatal = map(_log, _LEVELS)
+logdebug = _log("logdebug", logging.DEBUG)
+loginfo = _log("loginfo", logging.INFO)
+logwarn = _log("logwarn", logging.WARNING)
+logerr = _log("logerr", logging.ERROR)
+logfatal = _log("logfatal", logging.FATAL)
 logout, logerror = loginfo, logerr
 
-(
-    logdebug_throttle,
-    loginfo_throttle,
-    logwarn_throttle,
-    logerr_throttle,
-    logfatal_throttle,
-) = map(_log_throttle, _LEVELS)
+logdebug_throttle = _log_throttle("logdebug_throttle", logging.DEBUG)
+loginfo_throttle = _log_throttle("loginfo_throttle", logging.INFO)
+logwarn_throttle = _log_throttle("logwarn_throttle", logging.WARNING)
+logerr_throttle = _log_throttle("logerr_throttle", logging.ERROR)
+logfatal_throttle = _log_throttle("logfatal_throttle", logging.FATAL)
 
-(
-    logdebug_throttle_identical,
-    loginfo_throttle_identical,
-    logwarn_throttle_identical,
-    logerr_throttle_identical,
-    logfatal_throttle_identical,
-) = map(_log_throttle_identical, _LEVELS)
+logdebug_throttle_identical = _log_throttle_identical("logdebug_throttle_identical", logging.DEBUG)
+loginfo_throttle_identical = _log_throttle_identical("loginfo_throttle_identical", logging.INFO)
+logwarn_throttle_identical = _log_throttle_identical("logwarn_throttle_identical", logging.WARNING)
+logerr_throttle_identical = _log_throttle_identical("logerr_throttle_identical", logging.ERROR)
+logfatal_throttle_identical = _log_throttle_identical("logfatal_throttle_identical", logging.FATAL)
 
-(
-    logdebug_once,
-    loginfo_once,
-    logwarn_once,
-    logerr_once,
-    logfatal_once,
-) = map(_log_once, _LEVELS)
+logdebug_once = _log_once("logdebug_once", logging.DEBUG)
+loginfo_once = _log_once("loginfo_once", logging.INFO)
+logwarn_once = _log_once("logwarn_once", logging.WARNING)
+logerr_once = _log_once("logerr_once", logging.ERROR)
+logfatal_once = _log_once("logfatal_once", logging.FATAL)
 
 _library = logging.getLogger("rospy")
 """For whoever looks for faults of the library; not on the console."""

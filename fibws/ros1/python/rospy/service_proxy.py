@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from time import monotonic, sleep
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
 
 LOOK = 0.3
 """Seconds between two looks for a service, by programs that are no node."""
+MEANS_ANOTHER_TYPE = re.compile(r"request from \[[^]]*\]: md5sums do not match: \[")
+"""How the hub refuses such a call. A handler's own text may hold the same, but further on."""
 INTERRUPTED = "node shutdown interrupted service call"
 
 
@@ -108,7 +111,7 @@ class ServiceProxy(ServiceEnd):
         except (ServiceLost, ServiceTimeout, HubLost) as error:
             text = f"transport error completing service call: {error}"
         except ServiceError as error:
-            if "]: md5sums do not match: [" in error.text:
+            if MEANS_ANOTHER_TYPE.match(error.text):
                 text = f"unable to connect to service: remote error reported: {error.text}"
             elif error.text.startswith(f"service [{self.resolved_name}] unavailable: "):
                 text = f"transport error completing service call: {error.text}"
@@ -160,12 +163,24 @@ def wait_for_service(service: str, timeout: float | Duration | None = None) -> N
         if seconds is not None and seconds < 0:
             raise WaitTimeout
         if core.background.running:
-            node = core.background.node
-            core.background.call(node.wait_for_service(resolved, timeout=seconds))
+            _wait_in_node(resolved, seconds)
         else:
             _look_for(resolved, seconds)
     except WaitTimeout:
         raise ROSException(f"timeout exceeded while waiting for service {resolved}") from None
+
+
+def _wait_in_node(service: str, timeout: float | None) -> None:
+    """Wait as a node until the service is there, or raise `WaitTimeout`."""
+    from fibws.errors import InvalidName, WaitTimeout
+
+    node = core.background.node
+    try:
+        core.background.call(node.wait_for_service(service, timeout=timeout))
+    except InvalidName:  # Nobody can ever offer it; ROS waits all the same.
+        if core.wait_for_shutdown(timeout):
+            raise ROSInterruptException("rospy shutdown") from None
+        raise WaitTimeout from None
 
 
 def _look_for(service: str, timeout: float | None) -> None:

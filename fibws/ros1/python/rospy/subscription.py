@@ -12,6 +12,7 @@ from rospy.exceptions import ROSException
 from rospy.foreign import count_nodes
 from rospy.inbox import Inbox, call
 from rospy.names import ANYTYPE
+from rospy.registration import register
 
 if TYPE_CHECKING:
     import asyncio
@@ -74,7 +75,7 @@ class Subscription:
     def register(self) -> None:
         """Ask the hub for the topic."""
         if core.is_initialized() and not self._closed and self._task is None:
-            core.background.call(self._register())
+            register("subscription", self.resolved_name, self._register())
 
     def close(self) -> None:
         """Listen no more."""
@@ -132,6 +133,7 @@ class Subscription:
     async def _register(self) -> None:
         import asyncio
 
+        core.background.node.resolve(self.resolved_name)  # It raises if the name is not legal.
         self._task = asyncio.create_task(self._listen(), name=f"listen {self.resolved_name}")
         # Its first step, which subscribes.
         await asyncio.sleep(0)
