@@ -222,11 +222,11 @@ async def test_who_is_woken_from_sleep_shows_no_traceback() -> None:
 async def test_the_second_ctrl_c_ends_what_does_not_heed_the_first() -> None:
     async with world() as it:
         program = await it.start("""
-            import rospy, time
+            import rospy, threading
             rospy.init_node("deaf")
             rospy.on_shutdown(lambda: print("hook"))
             print("ready")
-            time.sleep(60)
+            threading.Event().wait()
         """)
         assert await program.says() == "ready"
         program.interrupt()
