@@ -20,6 +20,9 @@ from fibws.workspace.tree import File, Tree, write
 EXTRAS = ("action", "config", "launch", "msg", "scripts", "srv")
 """The folders that a package may begin with besides."""
 
+NO_LICENSE = "TODO"
+"""What catkin_create_pkg writes as the license for the person to replace, if none is given."""
+
 _EXAMPLES = {
     "msg": ("Num.msg", "int64 num\n"),
     "srv": ("AddTwoInts.srv", "int64 a\nint64 b\n---\nint64 sum\n"),
@@ -125,7 +128,7 @@ class Skeleton:
             description=escape(self.description or f"The {self.name} package"),
             maintainers=_people("maintainer", self.maintainers or [_user()]),
             licenses=_lines(
-                f"<license>{escape(each)}</license>" for each in self.licenses or ["TODO"]
+                f"<license>{escape(each)}</license>" for each in self.licenses or [NO_LICENSE]
             ),
             authors=_people("author", self.authors),
             depends=_lines(self._depends()),

@@ -26,6 +26,7 @@ class Awaiting:
         """
         if "." in fullname or not _may_be_ours(fullname):
             return None
+        # A class with find_spec alone is a finder for Python, but not for what checks types.
         finders = sys.meta_path  # type: list[object] # type: ignore[assignment]
         if Awaiting in finders:  # It is not asked for what its own import takes.
             finders.remove(Awaiting)
