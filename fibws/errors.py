@@ -16,7 +16,10 @@ FibwsError
 │   └── TransformOutOfTime     the frames are connected, but not at the time that was asked for
 ├── InvalidUtf8            bytes that should be a text and are none
 ├── OperationError         an operation that the hub refuses; its text goes to the client
-│   └── TypeConflict           a topic that already has another type
+│   ├── TypeConflict           a topic that already has another type
+│   ├── NotAllowed             the hub's policy forbids it
+│   ├── LimitReached           a client has as many of something as it may have
+│   └── CallFailed             a call or a goal ends without a result
 ├── ParameterError         what cannot be done with a parameter
 │   ├── ParameterNotSet        there is no such parameter
 │   └── ParametersFull         there is no room for so much
@@ -56,9 +59,14 @@ from typing import Any
 class FibwsError(Exception):
     """The base of every error that fibws raises on purpose."""
 
+    code: str = "error"
+    """Names the kind of error for programs: the hub sends it beside the text (`fibws.v1`)."""
+
 
 class InvalidName(FibwsError, ValueError):
     """A graph name that ROS does not allow (http://wiki.ros.org/Names)."""
+
+    code = "invalid_name"
 
     def __init__(self, name: str, fault: str) -> None:
         self.name = name
@@ -69,9 +77,13 @@ class InvalidName(FibwsError, ValueError):
 class InterfaceError(FibwsError):
     """Something is wrong with a type, not with a message."""
 
+    code = "invalid_type"
+
 
 class DefinitionError(InterfaceError, ValueError):
     """A .msg, .srv or .action text that does not parse."""
+
+    code = "invalid_definition"
 
     def __init__(self, source: str, line: int, text: str, fault: str) -> None:
         self.source = source
@@ -84,6 +96,8 @@ class DefinitionError(InterfaceError, ValueError):
 class InvalidTypeName(InterfaceError, ValueError):
     """A type name that is not of the form ``package/Type``."""
 
+    code = "invalid_type_name"
+
     def __init__(self, name: str) -> None:
         self.name = name
         super().__init__(f"{name} is not a valid type string")
@@ -91,6 +105,8 @@ class InvalidTypeName(InterfaceError, ValueError):
 
 class UnknownType(InterfaceError, LookupError):
     """A type that its package, which is known, does not define: most likely a typing error."""
+
+    code = "unknown_type"
 
     def __init__(self, kind: str, package: str, name: str, nearest: str | None) -> None:
         self.package = package
@@ -106,6 +122,8 @@ class UnknownType(InterfaceError, LookupError):
 class UnknownPackage(InterfaceError, LookupError):
     """A package that nobody defined, so its types cannot be checked."""
 
+    code = "unknown_package"
+
     def __init__(self, package: str) -> None:
         self.package = package
         super().__init__(
@@ -116,6 +134,8 @@ class UnknownPackage(InterfaceError, LookupError):
 
 class InvalidMessage(FibwsError, ValueError):
     """A message that does not fit its type; the text says which field and why."""
+
+    code = "invalid_message"
 
 
 class TransformError(FibwsError):
@@ -165,9 +185,13 @@ class InvalidUtf8(FibwsError, ValueError):
 class OperationError(FibwsError):
     """An operation that the hub refuses; the text is what its client is told."""
 
+    code = "invalid_operation"
+
 
 class TypeConflict(OperationError):
     """A topic that is already established with another type."""
+
+    code = "type_conflict"
 
     def __init__(self, topic: str, asked: str, established: str, by: str) -> None:
         self.topic = topic
@@ -180,12 +204,46 @@ class TypeConflict(OperationError):
         )
 
 
+class NotAllowed(OperationError):
+    """The hub's policy does not let a node do something."""
+
+    code = "not_allowed"
+
+    def __init__(self, node: str, verb: str, name: str) -> None:
+        self.node = node
+        self.verb = verb
+        self.name = name
+        super().__init__(f"{node} is not allowed to {verb} {name}")
+
+
+class LimitReached(OperationError):
+    """A client has as many of something as it may have."""
+
+    code = "limit_reached"
+
+
+class CallFailed(OperationError):
+    """A call, or a goal, that ends without a result; ``code`` says why.
+
+    ``code`` is ``unknown_service``, ``unknown_action``, ``timeout``, ``server_lost`` (it left or
+    withdrew), ``server_busy`` (it reads too slowly), or ``server_failed`` (the text is its own).
+    """
+
+    def __init__(self, text: str, code: str) -> None:
+        self.code = code
+        super().__init__(text)
+
+
 class ParameterError(FibwsError):
     """What cannot be done with a parameter; the text says which and why."""
+
+    code = "invalid_parameter"
 
 
 class ParameterNotSet(ParameterError, KeyError):
     """There is no such parameter; rospy raises a KeyError, too."""
+
+    code = "parameter_not_set"
 
     def __init__(self, name: str) -> None:
         self.name = name
@@ -196,6 +254,8 @@ class ParameterNotSet(ParameterError, KeyError):
 
 class ParametersFull(ParameterError):
     """There is no room for so much among the parameters."""
+
+    code = "limit_reached"
 
     def __init__(self, name: str, needed: int, limit: int) -> None:
         self.name = name

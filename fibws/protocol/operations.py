@@ -17,6 +17,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 from pydantic_core import to_json
 
 from fibws.protocol.headers import Headers, HubHeader
+from fibws.protocol.serialized import MOST_PUBLISHERS
 
 LONGEST_ID = 2000
 """Characters: it is kept while its operation lasts."""
@@ -27,6 +28,9 @@ FragmentSize = Annotated[
     int | None, AfterValidator(lambda size: size if size and size > 0 else None)
 ]
 """Characters above which a text is to come in pieces; None for never, as what is not above 0."""
+Code = str | None
+"""What went wrong, for programs: the ``code`` of the error in `fibws.errors`. The hub sends it on
+connections of ``fibws.v1`` (an addition of fibws)."""
 Asked = bool | None
 """Whether a client asks for an addition of fibws; None, which is not sent, for no."""
 
@@ -54,6 +58,12 @@ class Advertise(Operation):
     The client's newest advertisement of the topic that has any decides."""
     peers: Asked = None
     """Whether the client wants to know who subscribes: see `Peers` (an addition of fibws)."""
+    publisher: Annotated[int, Field(ge=0, lt=MOST_PUBLISHERS)] | None = None
+    """On a connection of ``fibws.v1``: the number that binary frames of this publisher begin with;
+    it is free for another topic after ``unadvertise`` (see `protocol.serialized`)."""
+    md5sum: str | None = None
+    """The md5 of the type as the client knows it; the hub refuses another one (an addition of
+    fibws)."""
 
 
 class Unadvertise(Operation):
@@ -92,6 +102,8 @@ class Subscribe(Operation):
     Infinity is then a number that no float can hold, not null (an addition of fibws)."""
     peers: Asked = None
     """Whether the client wants to know who publishes: see `Peers` (an addition of fibws)."""
+    md5sum: str | None = None
+    """As in `Advertise`."""
 
 
 class Unsubscribe(Operation):
@@ -147,6 +159,7 @@ class ServiceResponse(Operation):
     service: str
     values: Any = None
     result: bool
+    code: Code = None
 
 
 class AdvertiseAction(Operation):
@@ -204,6 +217,7 @@ class ActionResult(Operation):
     values: Any = None
     status: Annotated[int, Field(ge=0, le=6)] = 0
     result: bool
+    code: Code = None
 
 
 class Png(Operation):
@@ -242,6 +256,20 @@ class Status(Operation):
     op: Literal["status"] = "status"
     level: Level
     msg: str
+    code: Code = None
+
+
+class Subscribed(Operation):
+    """The answer to a ``subscribe`` that asks for serialized messages (an addition of fibws).
+
+    ``topic_id`` is what binary frames of this topic begin with; see `protocol.serialized`.
+    """
+
+    op: Literal["subscribed"] = "subscribed"
+    topic: str
+    topic_id: int
+    type: str
+    md5sum: str
 
 
 class Peers(Operation):
@@ -290,6 +318,7 @@ Reply = (
     | Fragment
     | Png
     | Status
+    | Subscribed
     | Peers
 )
 """What a client may be sent."""

@@ -1,0 +1,87 @@
+"""A queue of frames in which every source keeps only its newest ones."""
+
+from __future__ import annotations
+
+from collections import OrderedDict, deque
+from collections.abc import Iterator
+
+
+class Lane:
+    """One source's share of a `FrameQueue`, such as a topic's messages.
+
+    Args:
+        limit: most frames that may wait; one more drops the oldest (ROS's queue_size).
+    """
+
+    __slots__ = ("dropped", "limit", "waiting")
+
+    def __init__(self, limit: int) -> None:
+        self.limit = limit
+        self.dropped = 0
+        self.waiting: deque[int] = deque()
+        """The numbers of its frames in the queue, the oldest first."""
+
+
+class FrameQueue:
+    """Frames that wait to be written, in the order in which they came.
+
+    Args:
+        cost: bytes that each frame counts for besides its own, to bound floods of small ones.
+    """
+
+    __slots__ = ("_cost", "_frames", "_number", "size")
+
+    def __init__(self, *, cost: int = 0) -> None:
+        self._cost = cost
+        self._frames: OrderedDict[int, tuple[bytes, Lane | None]] = OrderedDict()
+        self._number = 0
+        self.size = 0
+        """Bytes that wait."""
+
+    def __len__(self) -> int:
+        return len(self._frames)
+
+    def __iter__(self) -> Iterator[tuple[bytes, Lane | None]]:
+        return iter(self._frames.values())
+
+    def put(self, frame: bytes, lane: Lane | None = None) -> None:
+        """Append a frame; one without a lane is dropped by nobody. Limits are `trim`'s to keep."""
+        self._number += 1
+        self._frames[self._number] = (frame, lane)
+        self.size += len(frame) + self._cost
+        if lane is not None:
+            lane.waiting.append(self._number)
+
+    def pop(self) -> tuple[bytes, Lane | None]:
+        """Remove and return the oldest frame and its lane; raise KeyError if there is none."""
+        _, (frame, lane) = self._frames.popitem(last=False)
+        self.size -= len(frame) + self._cost
+        if lane is not None:
+            lane.waiting.popleft()
+        return frame, lane
+
+    def trim(self, lane: Lane, keep: int) -> int:
+        """Drop a lane's oldest frames down to ``keep``; return how many, which it counts, too."""
+        dropped = 0
+        while len(lane.waiting) > keep:
+            self._remove(lane.waiting.popleft())
+            dropped += 1
+        lane.dropped += dropped
+        return dropped
+
+    def forget(self, lane: Lane) -> None:
+        """Remove the frames of a lane that has ended, which does not count as dropping them."""
+        while lane.waiting:
+            self._remove(lane.waiting.popleft())
+
+    def clear(self) -> None:
+        """Remove all frames."""
+        for _, lane in self._frames.values():
+            if lane is not None:
+                lane.waiting.clear()
+        self._frames.clear()
+        self.size = 0
+
+    def _remove(self, number: int) -> None:
+        frame, _ = self._frames.pop(number)
+        self.size -= len(frame) + self._cost

@@ -1,0 +1,286 @@
+"""WebSocket frames (RFC 6455, section 5) and close reasons, for both ends of a connection.
+
+Nearly every frame is a whole text or binary message. `FrameParser` takes those straight from the
+bytes; all other frames, and everything that is wrong, go to the websockets library, which alone
+decides about errors. The parser therefore finds every frame's boundary itself and passes the bytes
+of all other frames on as they come.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final, TypeAlias
+
+try:
+    from websockets.speedups import apply_mask
+except ImportError:  # The library's pure Python build has it elsewhere.
+    from websockets.utils import apply_mask
+
+TEXT: Final = 0x81
+"""The first byte of a whole text message: final frame, no reserved bits, opcode 1."""
+BINARY: Final = 0x82
+"""The first byte of a whole binary message."""
+ZERO_KEY: Final = bytes(4)
+"""A masking key that changes nothing; see `client_frame`."""
+LARGE: Final = 64 * 1024
+"""Bytes of a payload from which on it is read into a buffer of its own."""
+
+Payload: TypeAlias = bytes | bytearray
+"""What a message holds; a large one is the buffer that it was read into."""
+
+_OPCODES = frozenset({0x0, 0x1, 0x2, 0x8, 0x9, 0xA})
+_LENGTH_16 = struct.Struct("!H")
+_LENGTH_64 = struct.Struct("!Q")
+
+
+@dataclass(frozen=True, slots=True)
+class CloseReason:
+    """A close code (RFC 6455, section 7.4.1) and a reason, which the peer's close event shows.
+
+    Codes from 4000 on are defined by fibws; a client that gets one should not reconnect by itself.
+    """
+
+    code: int
+    reason: str
+
+
+SHUTDOWN = CloseReason(1001, "the hub is shutting down")
+INVALID_UTF8 = CloseReason(1007, "a text is not UTF-8")
+STALLED = CloseReason(1008, "stopped reading for too long")
+OVERFULL = CloseReason(1008, "too many replies wait to be read")
+FRAGMENTS = CloseReason(1009, "too many fragments in one message")
+SILENT = CloseReason(1011, "no answer to a ping")
+REPLACED = CloseReason(4001, "new node registered with same name")
+KILLED = CloseReason(4002, "shutdown request: user request")
+
+
+def server_header(first: int, size: int) -> bytes:
+    """Return the header of an unmasked frame.
+
+    Args:
+        first: `TEXT` or `BINARY`.
+        size: bytes of the payload.
+    """
+    if size < 126:
+        return bytes((first, size))
+    if size < 65536:
+        return bytes((first, 126)) + _LENGTH_16.pack(size)
+    return bytes((first, 127)) + _LENGTH_64.pack(size)
+
+
+def server_frame(first: int, payload: bytes) -> bytes:
+    """Return an unmasked frame, as a server sends it; arguments as in `server_header`."""
+    return server_header(first, len(payload)) + payload
+
+
+def client_header(first: int, size: int, key: bytes = ZERO_KEY) -> bytes:
+    """Return the header of a masked frame, its key included.
+
+    The RFC asks for unpredictable keys so that a web page cannot choose the bytes that a proxy
+    sees. Between two programs on a direct connection neither exists: a connection of `fibws.v1`
+    uses the zero key, which saves masking at both ends.
+    """
+    if size < 126:
+        return bytes((first, size | 128)) + key
+    if size < 65536:
+        return bytes((first, 254)) + _LENGTH_16.pack(size) + key
+    return bytes((first, 255)) + _LENGTH_64.pack(size) + key
+
+
+def client_frame(first: int, payload: bytes, key: bytes = ZERO_KEY) -> bytes:
+    """Return a masked frame, as a client sends it; arguments as in `client_header`."""
+    masked = payload if key == ZERO_KEY else apply_mask(payload, key)
+    return client_header(first, len(payload), key) + masked
+
+
+class FrameParser:
+    """Splits the bytes that one peer sends after the handshake.
+
+    A large message is read into a buffer of its own: while `buffer` returns one, read the socket
+    into it and call `filled`; otherwise pass the bytes to `receive`.
+
+    Args:
+        on_text: takes the payload of a whole text message.
+        on_binary: takes the payload of a whole binary message; nobody else keeps it.
+        on_other: takes the bytes of all other frames, in order; after an error all that follow.
+        max_size: most bytes of a message; a longer one is left to the library.
+        masked: whether frames must be masked, as those of clients are.
+    """
+
+    __slots__ = (
+        "_filled",
+        "_given_up",
+        "_key",
+        "_key_size",
+        "_large",
+        "_mask_bit",
+        "_max_size",
+        "_message",
+        "_missing",
+        "_on_binary",
+        "_on_other",
+        "_on_text",
+        "_tail",
+        "_through",
+        "_view",
+        "fragmented",
+    )
+
+    def __init__(
+        self,
+        on_text: Callable[[Payload], None],
+        on_binary: Callable[[Payload], None],
+        on_other: Callable[[bytes], None],
+        *,
+        max_size: int,
+        masked: bool,
+    ) -> None:
+        self._on_text = on_text
+        self._on_binary = on_binary
+        self._on_other = on_other
+        self._max_size = max_size
+        self._mask_bit = 128 if masked else 0
+        self._key_size = 4 if masked else 0
+        self._tail = bytearray()
+        self._missing = 0
+        """Bytes without which the frame in `_tail` cannot be read."""
+        self._through = 0
+        """Bytes of the current frame that still belong to the library."""
+        self._given_up = False
+        self._large: Callable[[Payload], None] | None = None
+        """Takes the large message that is being read."""
+        self._key = ZERO_KEY
+        self._message = bytearray()
+        self._view = memoryview(self._message)
+        self._filled = 0
+        self.fragmented = False
+        """Whether a fragmented message has begun, within which no other message may come."""
+
+    def buffer(self) -> memoryview | None:
+        """Return where to read the rest of a large message, or None outside of one."""
+        return self._view[self._filled :] if self._large is not None else None
+
+    def filled(self, size: int) -> None:
+        """Take note that ``size`` bytes were read into `buffer`."""
+        self._filled += size
+        if self._filled == len(self._view):
+            self._finish_large()
+
+    def receive(self, data: bytes) -> None:
+        """Take what the socket gave, however it cuts the frames."""
+        if self._large is not None:
+            data = self._fill(data)
+        if self._tail:
+            self._tail += data
+            self._missing -= len(data)
+            if self._missing > 0:
+                return
+            data = bytes(self._tail)
+            self._tail = bytearray()
+            self._missing = 0
+        start, end = 0, len(data)
+        while start < end:
+            if self._given_up:
+                self._on_other(data[start:])
+                return
+            if self._through:
+                stop = min(end, start + self._through)
+                self._through -= stop - start
+                self._on_other(data[start:stop])
+                start = stop
+                continue
+            start = self._frame(data, start, end)
+            if self._missing:
+                self._tail += memoryview(data)[start:]
+                return
+
+    def end(self) -> None:
+        """Pass on what is left of a frame: the peer sends no more."""
+        if self._tail:
+            self._on_other(bytes(self._tail))
+            self._tail = bytearray()
+        self._drop_large()
+
+    def give_up(self) -> None:
+        """Pass on everything from here, whatever it is."""
+        self._given_up = True
+        self._drop_large()
+
+    def _frame(self, data: bytes, start: int, end: int) -> int:
+        """Read the frame at ``start`` if it is complete and ours to read.
+
+        Returns:
+            Where to go on: behind a message that was taken, otherwise ``start``.
+        """
+        size = end - start
+        if size < 2:
+            self._missing = 2 - size
+            return start
+        first, length = data[start], data[start + 1] - self._mask_bit
+        if not 0 <= length < 128 or first & 0x70 or first & 0x0F not in _OPCODES:
+            self.give_up()
+            return start
+        payload = 2 + self._key_size
+        if length == 126:
+            payload += 2
+            if size < payload:
+                self._missing = payload - size
+                return start
+            (length,) = _LENGTH_16.unpack_from(data, start + 2)
+        elif length == 127:
+            payload += 8
+            if size < payload:
+                self._missing = payload - size
+                return start
+            (length,) = _LENGTH_64.unpack_from(data, start + 2)
+        whole = payload + length
+        if first == TEXT:
+            take = self._on_text
+        elif first == BINARY:
+            take = self._on_binary
+        else:
+            self._through = whole
+            return start
+        if self.fragmented or length > self._max_size:
+            self._through = whole
+            return start
+        body = start + payload
+        if size < whole:
+            if length < LARGE or size < payload:
+                self._missing = (whole if length < LARGE else payload) - size
+                return start
+            self._key = data[body - 4 : body] if self._key_size else ZERO_KEY
+            self._large = take
+            self._message = bytearray(length)
+            self._view = memoryview(self._message)
+            self._filled = size - payload
+            self._view[: self._filled] = data[body:end]
+            return end
+        stop = start + whole
+        message = data[body:stop]
+        if self._key_size and (key := data[body - 4 : body]) != ZERO_KEY:
+            message = apply_mask(message, key)
+        take(message)
+        return stop
+
+    def _fill(self, data: bytes) -> bytes:
+        """Take the next bytes of a large message; return those behind it."""
+        rest = len(self._view) - self._filled
+        size = min(rest, len(data))
+        self._view[self._filled : self._filled + size] = data[:size]
+        self.filled(size)
+        return data[size:]
+
+    def _finish_large(self) -> None:
+        take, message, key = self._large, self._message, self._key
+        self._drop_large()
+        assert take is not None
+        take(message if key == ZERO_KEY else apply_mask(message, key))
+
+    def _drop_large(self) -> None:
+        self._large = None
+        self._message = bytearray()
+        self._view = memoryview(self._message)
+        self._filled = 0
