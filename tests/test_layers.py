@@ -1,4 +1,4 @@
-"""Dependencies point down only, the core is pure, and each module has its test file.
+"""Dependencies point down only, and the core is pure.
 
 programs        broadcaster  listener  action_server ...  cli/  tf/  ros1/  workspace/  launch/
     |
@@ -17,7 +17,6 @@ import pytest
 import fibws
 
 PACKAGE = Path(fibws.__file__).parent
-TESTS = Path(__file__).parent
 IMPURE = {"asyncio", "websockets", "time", "random", "socket", "threading", "select", "signal"}
 MASK = {"websockets.speedups.apply_mask", "websockets.utils.apply_mask"}
 
@@ -59,69 +58,6 @@ NO_TOOLS = {"cli/demo.py", "cli/launch/run.py", "cli/options.py", "cli/program.p
 PROGRAMS = ["action_client", "action_server", "add_two_ints_client", "add_two_ints_server"]
 PROGRAMS += ["broadcaster", "listener", "static_transform_publisher", "tf2_web_republisher"]
 """Modules to be read as well as to be run."""
-
-TESTED_ELSEWHERE = {
-    "__main__.py": "programs/test_cli.py",
-    "cli/demo.py": "programs/test_demo.py",
-    "cli/doctor/finding.py": "programs/cli/test_doctor.py",
-    "cli/launch/sources.py": "programs/cli/launch/test_listing.py",
-    "cli/launch/parameters.py": "programs/cli/launch/test_run.py",
-    "cli/options.py": "programs/test_listener.py",
-    "cli/program.py": "programs/test_listener.py",
-    "cli/top/keyboard.py": "programs/cli/test_top.py",
-    "cli/top/screen.py": "programs/cli/test_top.py",
-    "cli/types/commands.py": "programs/cli/test_msg.py",
-    "cli/types/installed.py": "programs/cli/test_msg.py",
-    "cli/types/shape.py": "programs/cli/test_msg.py",
-    "interfaces/binary.py": "interfaces/test_serialization.py",
-    "interfaces/builtin.py": "interfaces/test_validators.py",
-    "interfaces/definition.py": "interfaces/test_parser.py",
-    "interfaces/faults.py": "interfaces/test_validators.py",
-    "interfaces/layout.py": "interfaces/test_serialization.py",
-    "interfaces/leaves.py": "interfaces/test_validators.py",
-    "interfaces/linker.py": "interfaces/test_catalogue.py",
-    "interfaces/package.py": "interfaces/test_catalogue.py",
-    "interfaces/source.py": "interfaces/test_generator.py",
-    "launch/attributes.py": "launch/test_node.py",
-    "launch/hub.py": "programs/cli/launch/test_run.py",
-    "launch/model.py": "launch/test_node.py",
-    "launch/scope.py": "launch/test_substitution.py",
-    "msg/_finder.py": "msg/test_import.py",
-    "node/advertisement.py": "node/test_outbox.py",
-    "node/part.py": "node/test_session.py",
-    "node/rosapi.py": "node/test_params.py",
-    "ros1/__main__.py": "programs/cli/test_door.py",
-    "ros1/advice.py": "ros1/test_finder.py",
-    "ros1/doors.py": "programs/cli/test_door.py",
-    "ros1/folders.py": "ros1/test_finder.py",
-    "ros1/python/actionlib/exceptions.py": "ros1/actionlib/test_action_spec.py",
-    "ros1/python/genpy/codec.py": "ros1/genpy/test_side_by_side.py",
-    "ros1/python/genpy/errors.py": "ros1/genpy/test_message.py",
-    "ros1/python/genpy/lookup.py": "ros1/genpy/test_classes.py",
-    "ros1/python/genpy/member.py": "ros1/genpy/test_message.py",
-    "ros1/python/message_filters/stamp.py": "ros1/message_filters/test_cache.py",
-    "ros1/python/roslib/launcher.py": "ros1/roslib/test_message.py",
-    "ros1/python/roslib/rostime.py": "ros1/roslib/test_message.py",
-    "ros1/python/rospkg/common.py": "ros1/rospkg/test_rospack.py",
-    "ros1/python/rospkg/manifest.py": "ros1/rospkg/test_rospack.py",
-    "ros1/python/rospy/exceptions.py": "ros1/rospy/test_core.py",
-    "ros1/python/rospy/impl/tcpros.py": "ros1/rospy/impl/test_tcpros_service.py",
-    "ros1/python/rospy/impl/tcpros_base.py": "ros1/rospy/impl/test_tcpros_service.py",
-    "ros1/python/sitecustomize.py": "ros1/test_finder.py",
-    "ros1/tutorials/listener.py": "ros1/test_stand_ins.py",
-    "ros1/tutorials/talker.py": "ros1/test_stand_ins.py",
-    "rospy.py": "programs/test_rospy.py",
-    "workspace/cmake/condition.py": "workspace/cmake/test_script.py",
-    "workspace/elsewhere.py": "workspace/test_check.py",
-    "workspace/recipe.py": "workspace/test_reader.py",
-    "workspace/source.py": "workspace/test_build.py",
-    "workspace/templates.py": "workspace/test_skeleton.py",
-    "workspace/cmake/vocabulary.py": "workspace/test_reader.py",
-}
-"""Programs are tested as processes, and some modules only by way of the one they serve."""
-
-UNTESTED = {"hub/clock.py", "launch/world.py"}
-"""Modules of protocols, which mypy checks."""
 
 
 def modules(*patterns: str) -> list[Path]:
@@ -208,32 +144,3 @@ def test_nothing_in_the_core_is_imported_by_a_private_name(path: Path) -> None:
     names = {name for name in imports(path) if name.startswith("fibws.")}
     private = {name for name in names if name.rpartition(".")[2].startswith("_")}
     assert not private - {"fibws.__version__"}
-
-
-def test_every_module_has_its_test_file() -> None:
-    missing = {
-        path_id(path): f"tests/{mirror(path)}"
-        for path in modules("**/*.py")
-        if path.name != "__init__.py"
-        and path_id(path) not in UNTESTED
-        and (path.parent.name not in CLASSES or path.stem.startswith("_"))
-        and not (TESTS / mirror(path)).exists()
-    }
-    assert not missing, "\n".join(f"{name} needs {test}" for name, test in missing.items())
-
-
-def mirror(path: Path) -> str:
-    """``hub/test_gate.py`` for ``hub/gate.py``."""
-    if path.parent == PACKAGE and path.stem in PROGRAMS:
-        return f"programs/test_{path.stem}.py"
-    beside = path.relative_to(PACKAGE).with_name(f"test_{path.stem.strip('_')}.py")
-    if beside.parts[:2] == ("ros1", "python"):
-        beside = Path("ros1", *beside.parts[2:])
-    if beside.parts[0] == "cli":
-        beside = "programs" / beside
-    return TESTED_ELSEWHERE.get(path_id(path), beside.as_posix())
-
-
-@pytest.mark.parametrize("name", sorted({*TESTED_ELSEWHERE, *UNTESTED}))
-def test_every_exception_is_still_one(name: str) -> None:
-    assert (PACKAGE / name).is_file()
