@@ -26,6 +26,11 @@ class Service(Generic[Req, Res]):
     Request: type[Req]
     Response: type[Res]
 
+    def __init_subclass__(cls) -> None:
+        for name in ("Request", "Response"):
+            if name in cls.__dict__:
+                cls.__dict__[name]._service = cls._type
+
 
 class Action(Generic[G, R, F]):
     """An action: a ``Goal`` is sent, ``Feedback`` is heard, and a ``Result`` ends it."""

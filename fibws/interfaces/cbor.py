@@ -22,7 +22,7 @@ from fibws.interfaces.definition import Field, MessageDefinition
 _Convert: TypeAlias = Callable[[Any], Any]
 """Makes of a value what cbor2 should encode in its place; it leaves the value as it is."""
 
-_TYPED_ARRAYS: Final = {
+TYPED_ARRAYS: Final = {
     "uint16": (69, "H"),
     "uint32": (70, "I"),
     "uint64": (71, "Q"),
@@ -70,8 +70,8 @@ class CborEncoders:
     def _field(self, field: Field) -> _Convert | None:
         if field.is_bytes:
             return base64text.decode
-        if field.array is not None and field.type in _TYPED_ARRAYS:
-            return partial(_typed_array, *_TYPED_ARRAYS[field.type])
+        if field.array is not None and field.type in TYPED_ARRAYS:
+            return partial(_typed_array, *TYPED_ARRAYS[field.type])
         if field.type in builtin.FLOATS:
             return _float
         convert = self._nested(field.type) if field.is_nested else None

@@ -4,13 +4,29 @@ from __future__ import annotations
 
 import keyword
 from base64 import b64decode, b64encode
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import Field, dataclass, fields
-from functools import partial
+from functools import cache, partial
 from math import nan
-from typing import Any, ClassVar, NamedTuple, Self, TypeAlias, get_args, get_origin, get_type_hints
+from typing import (
+    TYPE_CHECKING,
+    Any,
+    ClassVar,
+    Literal,
+    NamedTuple,
+    Self,
+    TypeAlias,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
 
+from fibws.interfaces.catalogue import Interfaces
+from fibws.interfaces.definition import MessageDefinition
 from fibws.interfaces.times import Duration, Time
+
+if TYPE_CHECKING:
+    from fibws.interfaces.serialization import ClassCodec
 
 _Convert: TypeAlias = Callable[[Any], Any]
 
@@ -39,6 +55,13 @@ class Message:
     """A message; its classes are called as rospy's are, ``Int32(5)`` or ``Int32(data=5)``."""
 
     _type: ClassVar[str] = ""
+    _service: ClassVar[str] = ""
+    """The service whose request or response this is, if it is one."""
+    _style: ClassVar[ObjectStyle]
+    _find_interfaces: ClassVar[Callable[[], Interfaces]]
+    """Finds where the class's definition is looked up; `fibws.msg` sets it."""
+    _codecs: ClassVar[dict[Any, Any]]
+    """Belongs to `class_codec`."""
 
     def __eq__(self, other: object) -> bool:
         if type(self) is not type(other):
@@ -66,16 +89,70 @@ class Message:
             **{member.attribute: member.read(values[member.name]) for member in _members(cls)}
         )
 
+    # Used by `class_codec`. No field can have such a name: fields' names begin with letters.
+
+    @classmethod
+    def _definition_in(cls, interfaces: Interfaces) -> MessageDefinition:
+        """The class's definition."""
+        if not cls._service:
+            return interfaces.message(cls._type)
+        service = interfaces.service(cls._service)
+        return service.request if service.request.type == cls._type else service.response
+
+    @classmethod
+    def _nested_class(cls, name: str) -> type[Message]:
+        """The class of the messages in a field."""
+        found: type[Message] = next(each.nested for each in _members(cls) if each.name == name)
+        return found
+
+    @classmethod
+    def _make_codec(cls, interfaces: Interfaces, style: ObjectStyle) -> ClassCodec[Self]:
+        """A new codec of the class."""
+        from fibws.interfaces.serialization import ClassCodec
+
+        return ClassCodec(cls, interfaces, style)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ObjectStyle:
+    """How the objects of a kind of message classes look to `class_codec`.
+
+    Attributes:
+        attribute: gives the attribute for a field's name.
+        times: the classes for ``time`` and ``duration``, with ``secs`` and ``nsecs``.
+        carry: the method of a time that carries over whole seconds in ``nsecs``.
+        arrays: what a deserialized array of numbers is; one of uint8 is always `bytes`.
+        exact: whether values of nested messages and times must be of the very class.
+        on_invalid_text: is called when a string that is not UTF-8 is deserialized.
+    """
+
+    attribute: Callable[[str], str]
+    times: Mapping[str, type]
+    carry: str
+    arrays: Literal["list", "tuple", "numpy"]
+    exact: bool
+    on_invalid_text: Callable[[type[Message], UnicodeDecodeError], None] | None = None
+
+
+Message._style = ObjectStyle(
+    python_name, {"time": Time, "duration": Duration}, "__post_init__", "list", exact=True
+)
+Message._find_interfaces = cache(Interfaces)
+
 
 def _value(message: object, field: Field[Any]) -> Any:
     return getattr(message, field.name)
 
 
 class _Member(NamedTuple):
-    """A field of a message class: its names, and how its value becomes JSON and comes from it."""
+    """A field of a message class: its names, and how its value becomes JSON and comes from it.
+
+    ``nested`` is the class of the messages in it, if there are any.
+    """
 
     attribute: str
     name: str
+    nested: Any
     write: _Convert
     read: _Convert
 
@@ -88,7 +165,12 @@ def _members(message: type[Message]) -> tuple[_Member, ...]:
     if message not in _known_members:
         hints = get_type_hints(message)
         _known_members[message] = tuple(
-            _Member(field.name, ros_name(field.name), *_converters(hints[field.name]))
+            _Member(
+                field.name,
+                ros_name(field.name),
+                (get_args(hints[field.name]) or (hints[field.name],))[0],
+                *_converters(hints[field.name]),
+            )
             for field in fields(message)
         )
     return _known_members[message]

@@ -44,6 +44,9 @@ def default_interfaces() -> Interfaces:
     return _interfaces
 
 
+Message._find_interfaces = default_interfaces
+
+
 def add_folder(folder: Path) -> None:
     """Let this process know the types of one more folder.
 

@@ -12,7 +12,6 @@ from fibws.interfaces import Interfaces, MessageDefinition, Service
 from fibws.interfaces.fingerprint import message_md5
 from fibws.interfaces.full_text import write_message
 from fibws.msg import default_interfaces
-from genpy.codec import Codec
 from genpy.member import attribute, make_member
 from genpy.message import Message
 
@@ -102,7 +101,8 @@ def _make(definition: MessageDefinition, kind: str, module: str) -> type[Message
         "_has_header": definition.has_sequenced_header,
         "_full_text": write_message(definition, interfaces.message),
         "_members": members,
-        "_codec": Codec(definition, interfaces),
+        "_definition": definition,
+        "_find_interfaces": staticmethod(lambda: interfaces),
     }
     return type(definition.name, (Message,), namespace)
 

@@ -43,7 +43,8 @@ class Member(NamedTuple):
 
     ``attribute`` and ``name`` are what it is called in Python and in ROS, ``default`` makes what it
     holds at first. ``write`` makes its value in JSON, and ``read`` what stands for a valid one in
-    Python; ``read_numpy`` does so with numpy's arrays for arrays of numbers.
+    Python; ``read_numpy`` does so with numpy's arrays for arrays of numbers. ``nested`` is
+    the class of the messages in it, if there are any.
     """
 
     attribute: str
@@ -52,6 +53,7 @@ class Member(NamedTuple):
     write: Convert
     read: Convert
     read_numpy: Convert
+    nested: type[Message] | None
 
 
 def make_member(field: Field, nested: type[Message] | None) -> Member:
@@ -76,7 +78,7 @@ def make_member(field: Field, nested: type[Message] | None) -> Member:
         read_numpy = partial(_read_all, read_numpy)
     elif nested is not None or field.type in builtin.TIMES:
         default = _class_of(field, nested)
-    return Member(attribute(field.name), field.name, default, write, read, read_numpy)
+    return Member(attribute(field.name), field.name, default, write, read, read_numpy, nested)
 
 
 def attribute(name: str) -> str:

@@ -2,21 +2,24 @@
 
 from __future__ import annotations
 
+import logging
 import struct
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, BinaryIO, ClassVar, Self
 
 from fibws.errors import InvalidMessage
+from fibws.interfaces import Interfaces, MessageDefinition
 from fibws.interfaces import Message as GraphMessage
+from fibws.interfaces.message import ObjectStyle
+from fibws.interfaces.serialization import class_codec
 from genpy.checking import check_type
 from genpy.errors import DeserializationError, MessageException, SerializationError
 from genpy.filling import fill_message_args, get_printable_message_args
 from genpy.lookup import get_message_class, get_service_class
 from genpy.member import Member, refused
+from genpy.member import attribute as python_name
 from genpy.rostime import Duration, Time, TVal
 from genpy.text import strify_message
-
-if TYPE_CHECKING:
-    from genpy.codec import Codec
 
 __all__ = [
     "DeserializationError",
@@ -56,7 +59,7 @@ class Message(GraphMessage):
     _has_header: ClassVar[bool] = False
     _full_text: ClassVar[str] = ""
     _members: ClassVar[tuple[Member, ...]] = ()
-    _codec: ClassVar[Codec]
+    _definition: ClassVar[MessageDefinition]
 
     _connection_header: dict[str, str]
 
@@ -69,7 +72,7 @@ class Message(GraphMessage):
         if args or kwds:
             self._assign(args, kwds)
             return
-        for attribute, _, default, _, _, _ in self._members:
+        for attribute, _, default, *_ in self._members:
             setattr(self, attribute, default())
 
     def _assign(self, args: tuple[Any, ...], kwds: dict[str, Any]) -> None:
@@ -84,15 +87,14 @@ class Message(GraphMessage):
         for name in given:
             if name not in names:
                 raise AttributeError(f"{name} is not an attribute of {type(self).__name__}")
-        for attribute, _, default, _, _, _ in self._members:
+        for attribute, _, default, *_ in self._members:
             value = given.get(attribute)
             setattr(self, attribute, default() if value is None else value)
 
     def to_dict(self) -> dict[str, Any]:
         """The message as JSON has it; what genpy could not pack becomes what validation refuses."""
         return {
-            name: write(getattr(self, attribute))
-            for attribute, name, _, write, _, _ in self._members
+            name: write(getattr(self, attribute)) for attribute, name, _, write, *_ in self._members
         }
 
     @classmethod
@@ -101,7 +103,7 @@ class Message(GraphMessage):
         try:
             return {
                 name: write(getattr(value, attribute))
-                for attribute, name, _, write, _, _ in cls._members
+                for attribute, name, _, write, *_ in cls._members
             }
         except AttributeError:
             return refused(value)
@@ -110,7 +112,7 @@ class Message(GraphMessage):
     def from_dict(cls, values: dict[str, Any]) -> Self:
         """The message that a valid dict with every field in it stands for; None becomes NaN."""
         message = cls.__new__(cls)
-        for attribute, name, _, _, read, _ in cls._members:
+        for attribute, name, _, _, read, *_ in cls._members:
             setattr(message, attribute, read(values[name]))
         return message
 
@@ -118,7 +120,7 @@ class Message(GraphMessage):
     def from_dict_numpy(cls, values: dict[str, Any]) -> Self:
         """As `from_dict`, with numpy's arrays for arrays of numbers."""
         message = cls.__new__(cls)
-        for attribute, name, _, _, _, read in cls._members:
+        for attribute, name, _, _, _, read, _ in cls._members:
             setattr(message, attribute, read(values[name]))
         return message
 
@@ -129,7 +131,7 @@ class Message(GraphMessage):
             SerializationError: a value does not fit its field.
         """
         try:
-            data = self._codec.serialize(self.to_dict())
+            data = class_codec(type(self)).serialize(self)
         except InvalidMessage as error:
             self._check_types(error)
             raise SerializationError(str(error)) from None
@@ -141,7 +143,7 @@ class Message(GraphMessage):
         Raises:
             DeserializationError: they are no such message.
         """
-        return self._take(self.from_dict(self._values(str)))
+        return self._take(str, self._style)
 
     def serialize_numpy(self, buff: BinaryIO, numpy: Any) -> None:
         """As `serialize`, which takes numpy's arrays as well."""
@@ -149,18 +151,26 @@ class Message(GraphMessage):
 
     def deserialize_numpy(self, str: bytes, numpy: Any) -> Self:
         """As `deserialize`, with numpy's arrays for arrays of numbers."""
-        return self._take(self.from_dict_numpy(self._values(str)))
+        return self._take(str, NUMPY_STYLE)
 
-    def _values(self, data: bytes) -> dict[str, Any]:
+    def _take(self, data: bytes, style: ObjectStyle) -> Self:
         try:
-            return self._codec.deserialize(bytes(data))
+            other = class_codec(type(self), style=style).deserialize(data)
         except InvalidMessage as error:
             raise DeserializationError(str(error)) from None
-
-    def _take(self, other: Self) -> Self:
         for member in self._members:
             setattr(self, member.attribute, getattr(other, member.attribute))
         return self
+
+    @classmethod
+    def _definition_in(cls, interfaces: Interfaces) -> MessageDefinition:
+        return cls._definition
+
+    @classmethod
+    def _nested_class(cls, name: str) -> type[GraphMessage]:
+        nested = next(member.nested for member in cls._members if member.name == name)
+        assert nested is not None
+        return nested
 
     def _get_types(self) -> list[str]:
         return self._slot_types
@@ -208,3 +218,29 @@ def _are_equal(one: Any, other: Any) -> bool:
     if isinstance(one, (list, tuple)) and isinstance(other, (list, tuple)):
         return tuple(one) == tuple(other)
     return bool(one == other)
+
+
+_undecodable: set[str] = set()
+"""The types whose strings have been reported as invalid."""
+
+
+def _report_invalid_text(message_class: type[GraphMessage], error: UnicodeDecodeError) -> None:
+    """Log that a string is not UTF-8, once for each type, as genpy does."""
+    type_ = message_class._type
+    if type_ not in _undecodable:
+        _undecodable.add(type_)
+        logging.getLogger("rosout").error(
+            "Characters replaced when decoding message %s (will print only once): %s", type_, error
+        )
+
+
+STYLE = ObjectStyle(
+    python_name,
+    {"time": Time, "duration": Duration},
+    carry="canon",
+    arrays="tuple",
+    exact=False,
+    on_invalid_text=_report_invalid_text,
+)
+NUMPY_STYLE = replace(STYLE, arrays="numpy")
+Message._style = STYLE

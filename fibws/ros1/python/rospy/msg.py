@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any, BinaryIO, ClassVar, Self
+from typing import Any, BinaryIO, ClassVar, Self, TypeVar
 
 from genpy.message import Message
 
+from fibws.interfaces import Interfaces
+from fibws.interfaces.message import ObjectStyle
+from fibws.interfaces.serialization import Buffer, ClassCodec
 from rospy.arguments import args_kwds_to_message
 from rospy.exceptions import ROSException
 
@@ -42,7 +45,26 @@ class AnyMsg(Message):
             raise ROSException("AnyMsg is not initialized")
         buff.write(self._buff)
 
+    @classmethod
+    def _make_codec(cls, interfaces: Interfaces, style: ObjectStyle) -> ClassCodec[Self]:
+        return _RawCodec(cls, interfaces, style)
+
     def deserialize(self, str: bytes) -> Self:
         """Take the bytes; it returns the message itself."""
         self._buff = str
         return self
+
+
+A = TypeVar("A", bound=AnyMsg)
+
+
+class _RawCodec(ClassCodec[A]):
+    """Passes the bytes through unchanged."""
+
+    def serialize(self, message: A) -> bytes:
+        if message._buff is None:
+            raise ROSException("AnyMsg is not initialized")
+        return message._buff
+
+    def deserialize(self, data: Buffer) -> A:
+        return self.message_class().deserialize(bytes(data))

@@ -5,10 +5,11 @@ rospy.Subscriber("floats", numpy_msg(Floats), callback)
 
 from __future__ import annotations
 
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
-import numpy
-from genpy.message import Message
+from genpy.message import NUMPY_STYLE, Message
+
+from fibws.interfaces.message import ObjectStyle
 
 _classes: dict[type[Message], type[Message]] = {}
 
@@ -17,15 +18,12 @@ class _Numpy(Message):
     """What such classes do otherwise."""
 
     __slots__ = ()
+    _style: ClassVar[ObjectStyle] = NUMPY_STYLE
 
     @classmethod
     def from_dict(cls, values: dict[str, Any]) -> Self:
         """As others, with numpy's arrays for arrays of numbers."""
         return cls.from_dict_numpy(values)
-
-    def deserialize(self, str: bytes) -> Self:
-        """As others, with numpy's arrays for arrays of numbers."""
-        return self.deserialize_numpy(str, numpy)
 
 
 def numpy_msg(msg_type: type[Message]) -> type[Message]:
