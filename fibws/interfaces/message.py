@@ -181,7 +181,9 @@ def _converters(hint: Any) -> tuple[_Convert, _Convert]:
     if get_origin(hint) is list:
         (element,) = get_args(hint)
         if element is float:
-            return _same, _read_floats
+            return _write_numbers, _read_floats
+        if element in (int, bool):
+            return _write_numbers, _same
         write, read = _converters(element)
         if write is _same:
             return _same, _same
@@ -199,6 +201,13 @@ def _converters(hint: Any) -> tuple[_Convert, _Convert]:
 
 def _same(value: Any) -> Any:
     return value
+
+
+def _write_numbers(values: Any) -> Any:
+    """A list of numbers from a tuple or from an array, such as numpy's."""
+    if isinstance(values, tuple):
+        return list(values)
+    return values.tolist() if hasattr(values, "tolist") else values
 
 
 def _write_all(write: _Convert, values: Any) -> Any:

@@ -17,23 +17,31 @@ FEW = 3
 """How many elements an array has at most, unless its size is fixed."""
 
 
-def messages(interfaces: Interfaces, type_: str) -> st.SearchStrategy[dict[str, Any]]:
-    """Valid messages of the type, with every field in them."""
+def messages(
+    interfaces: Interfaces, type_: str, *, canonical: bool = False
+) -> st.SearchStrategy[dict[str, Any]]:
+    """Valid messages of the type, with every field in them.
+
+    If they are ``canonical``, no time has whole seconds in its nanoseconds.
+    """
     fields = interfaces.message(type_).fields
-    return st.fixed_dictionaries({field.name: _values(interfaces, field) for field in fields})
+    return st.fixed_dictionaries(
+        {field.name: _values(interfaces, field, canonical) for field in fields}
+    )
 
 
-def _values(interfaces: Interfaces, field: Field) -> st.SearchStrategy[Any]:
+def _values(interfaces: Interfaces, field: Field, canonical: bool) -> st.SearchStrategy[Any]:
     if field.array is None:
-        return _elements(interfaces, field.type)
+        return _elements(interfaces, field.type, canonical)
     size = field.array.fixed
     least, most = (0, FEW) if size is None else (size, size)
     if field.is_bytes:
         return st.binary(min_size=least, max_size=most).map(lambda data: b64encode(data).decode())
-    return st.lists(_elements(interfaces, field.type), min_size=least, max_size=most)
+    elements = _elements(interfaces, field.type, canonical)
+    return st.lists(elements, min_size=least, max_size=most)
 
 
-def _elements(interfaces: Interfaces, type_: str) -> st.SearchStrategy[Any]:
+def _elements(interfaces: Interfaces, type_: str, canonical: bool) -> st.SearchStrategy[Any]:
     if type_ in INTEGERS:
         return st.integers(*INTEGERS[type_])
     if type_ in FLOATS:
@@ -45,8 +53,9 @@ def _elements(interfaces: Interfaces, type_: str) -> st.SearchStrategy[Any]:
         return st.booleans()
     if type_ in TIMES:
         part = st.integers(*INTEGERS[TIMES[type_]])
-        return st.fixed_dictionaries({"secs": part, "nsecs": part})
-    return messages(interfaces, type_)
+        nsecs = st.integers(0, 999_999_999) if canonical else part
+        return st.fixed_dictionaries({"secs": part, "nsecs": nsecs})
+    return messages(interfaces, type_, canonical=canonical)
 
 
 def with_nan(value: Any) -> Any:
