@@ -4,7 +4,9 @@ programs        broadcaster  listener  action_server ...  cli/  tf/  ros1/  work
     |
 node/  hub/     with msg/  srv/  action/, the classes of messages, beside node/
     \\  /
-protocol/  interfaces/  names  errors  hint  xmltree  yamltext
+protocol/
+    |
+interfaces/  names  errors  hint  xmltree  yamltext
 """
 
 from __future__ import annotations
@@ -31,7 +33,7 @@ BELOW = {
     "yamltext": set[str](),
     "hint": set[str](),
     "xmltree": {"errors"},
-    "protocol": {"errors", "names", "protocol"},
+    "protocol": {"errors", "names", "interfaces", "protocol"},
     "interfaces": {"errors", "names", "interfaces"},
     "hub": {"errors", "names", "protocol", "interfaces", "hub", "__version__"},
     "node": {"errors", "names", "protocol", "interfaces", "node", *CLASSES, "__version__"},

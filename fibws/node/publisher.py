@@ -9,12 +9,12 @@ from typing_extensions import ParamSpec
 
 from fibws.errors import NodeError
 from fibws.interfaces import Message
+from fibws.interfaces.json_text import exact_json_of
 from fibws.node.advertisement import Advertisement
 from fibws.node.peers import Peers
 from fibws.node.topics import Topics
 from fibws.node.wire import Wire
 from fibws.protocol.headers import check_headers
-from fibws.protocol.infinity import exact_json_of
 from fibws.protocol.operations import encode_fields, json_of
 
 M = TypeVar("M", bound=Message)

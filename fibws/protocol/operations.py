@@ -9,13 +9,11 @@ asked for, so that no client of rosbridge is sent what it does not know.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import partial
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
-from pydantic_core import to_json
 
+from fibws.interfaces.json_text import json_of as json_of
 from fibws.protocol.headers import Headers, HubHeader
 from fibws.protocol.serialized import MOST_PUBLISHERS
 
@@ -329,10 +327,6 @@ def legal_id(id_: object) -> Id:
     if isinstance(id_, str):
         return id_ if len(id_) <= LONGEST_ID else None
     return id_ if isinstance(id_, int | float) else None
-
-
-json_of: Callable[[object], bytes] = partial(to_json, inf_nan_mode="null", bytes_mode="base64")
-"""Gives a value as JSON text, as rosbridge has it: NaN and infinity are null; bytes do no harm."""
 
 
 def encode(operation: Operation) -> bytes:

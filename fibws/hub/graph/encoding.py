@@ -15,7 +15,7 @@ from pydantic_core import from_json, to_json
 
 from fibws.hub.frames import binary_frame, text_frame, text_frames, text_header
 from fibws.hub.graph.types import MessageType
-from fibws.protocol.infinity import INFINITE, exact_json_of
+from fibws.interfaces.json_text import INFINITE, exact_json_of
 from fibws.protocol.operations import Png, Subscribe, encode
 from fibws.protocol.png import encode_png
 
