@@ -10,10 +10,9 @@
 Pure: no clock, no environment, no sockets; files are read when a type is first asked for.
 """
 
-from fibws.interfaces.bases import Action, Service
 from fibws.interfaces.catalogue import Interfaces
 from fibws.interfaces.definition import ActionDefinition, MessageDefinition, ServiceDefinition
-from fibws.interfaces.message import Message
+from fibws.interfaces.message import Action, Message, Service
 from fibws.interfaces.times import Duration, Time
 from fibws.interfaces.validators import MessageValidator, Validators
 

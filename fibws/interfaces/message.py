@@ -1,4 +1,4 @@
-"""The base of the Python classes that stand for messages, which `generator` writes."""
+"""The bases of the Python classes that `generator` writes for messages, services and actions."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from typing import (
     TYPE_CHECKING,
     Any,
     ClassVar,
+    Generic,
     Literal,
     NamedTuple,
     Self,
@@ -20,6 +21,8 @@ from typing import (
     get_origin,
     get_type_hints,
 )
+
+from typing_extensions import TypeVar
 
 from fibws.interfaces.catalogue import Interfaces
 from fibws.interfaces.definition import MessageDefinition
@@ -138,6 +141,39 @@ Message._style = ObjectStyle(
     python_name, {"time": Time, "duration": Duration}, "__post_init__", "list", exact=True
 )
 Message._find_interfaces = cache(Interfaces)
+
+
+Req = TypeVar("Req", bound=Message, default=Any)
+Res = TypeVar("Res", bound=Message, default=Any)
+G = TypeVar("G", bound=Message, default=Any)
+R = TypeVar("R", bound=Message, default=Any)
+F = TypeVar("F", bound=Message, default=Any)
+
+
+class Service(Generic[Req, Res]):
+    """The base of service classes: ``AddTwoInts.Request`` and ``AddTwoInts.Response`` are messages.
+
+    No objects are made of it. A function that takes a ``type[Service[Req, Res]]`` and a ``Req`` can
+    return a ``Res``.
+    """
+
+    _type: ClassVar[str]
+    Request: type[Req]
+    Response: type[Res]
+
+    def __init_subclass__(cls) -> None:
+        for name in ("Request", "Response"):
+            if name in cls.__dict__:
+                cls.__dict__[name]._service = cls._type
+
+
+class Action(Generic[G, R, F]):
+    """The base of action classes, whose messages are ``Goal``, ``Feedback`` and ``Result``."""
+
+    _type: ClassVar[str]
+    Goal: type[G]
+    Result: type[R]
+    Feedback: type[F]
 
 
 def _value(message: object, field: Field[Any]) -> Any:

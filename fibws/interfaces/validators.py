@@ -14,9 +14,11 @@ from typing import Any
 
 from pydantic_core import SchemaValidator, ValidationError, core_schema
 
-from fibws.interfaces import builtin, faults, leaves
+from fibws.interfaces import builtin
 from fibws.interfaces.catalogue import Interfaces
 from fibws.interfaces.definition import Array, Field, MessageDefinition
+from fibws.interfaces.schema import array_schema, scalar_schema, time_schema, zero_time
+from fibws.interfaces.validation_errors import explain
 
 
 class Validators:
@@ -32,12 +34,12 @@ class Validators:
         self._now = now
         self._by_name: dict[str, MessageValidator] = {}
         self._schemas: dict[str, core_schema.CoreSchema] = {
-            "time": leaves.time("time", base=leaves.zero, now=self._now_parts),
-            "duration": leaves.time("duration", base=leaves.zero, now=None),
+            "time": time_schema("time", base=zero_time, now=self._now_parts),
+            "duration": time_schema("duration", base=zero_time, now=None),
         }
         self._fields: dict[tuple[str, Array | None], core_schema.CoreSchema] = {}
         self._stamp = core_schema.with_default_schema(
-            leaves.time("time", base=self._now_parts, now=self._now_parts),
+            time_schema("time", base=self._now_parts, now=self._now_parts),
             default_factory=self._now_parts,
         )
 
@@ -88,12 +90,12 @@ class Validators:
         schema = self._element(field)
         if field.array is not None:
             most = self._interfaces.most_elements(field.type) if field.is_nested else None
-            schema = leaves.array(field, schema, most)
+            schema = array_schema(field, schema, most)
         return _with_default(field, schema)
 
     def _element(self, field: Field) -> core_schema.CoreSchema:
         if not field.is_nested and field.type not in builtin.TIMES:
-            return leaves.scalar(field)
+            return scalar_schema(field)
         if field.type not in self._schemas:
             self._schemas[field.type] = self._message(self._interfaces.message(field.type))
         return self._schemas[field.type]
@@ -122,7 +124,7 @@ class MessageValidator:
         try:
             valid: dict[str, Any] = self._validate(msg)
         except ValidationError as error:
-            raise faults.explain(self.definition, self._interfaces.message, error) from None
+            raise explain(self.definition, self._interfaces.message, error) from None
         return valid
 
     def missing(self, msg: dict[str, Any]) -> list[str]:
@@ -156,7 +158,7 @@ def _with_default(field: Field, schema: core_schema.CoreSchema) -> core_schema.C
             schema, default_factory=partial(_default_list, field), validate_default=True
         )
     if field.type in builtin.TIMES:
-        return with_default(schema, default_factory=leaves.zero)
+        return with_default(schema, default_factory=zero_time)
     if field.is_nested:
         # What stands in for a nested message is whatever its schema makes of an empty object.
         return with_default(schema, default_factory=dict, validate_default=True)

@@ -18,7 +18,7 @@ from fibws.errors import (
     UnknownService,
 )
 from fibws.interfaces import Service
-from fibws.interfaces.bases import Req, Res
+from fibws.interfaces.message import Req, Res
 from fibws.node.fault import throw
 from fibws.node.part import Part
 from fibws.node.session import Session

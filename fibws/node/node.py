@@ -14,7 +14,7 @@ from typing_extensions import TypeVar
 
 from fibws import names
 from fibws.interfaces import Action, Message, Service, Time
-from fibws.interfaces.bases import F, G, R, Req, Res
+from fibws.interfaces.message import F, G, R, Req, Res
 from fibws.node import address
 from fibws.node.calls import Calls
 from fibws.node.connection import Connection

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from fibws.interfaces import Service
-from fibws.interfaces.bases import Req, Res
+from fibws.interfaces.message import Req, Res
 from fibws.node.calls import Calls
 
 

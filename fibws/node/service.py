@@ -9,7 +9,7 @@ from inspect import isawaitable
 from typing import Any, Generic, Self, TypeAlias
 
 from fibws.errors import CallRefused, InvalidMessage
-from fibws.interfaces.bases import Req, Res
+from fibws.interfaces.message import Req, Res
 from fibws.node.fault import throw
 from fibws.node.service_type import ServiceType
 from fibws.node.session import Session

@@ -7,7 +7,7 @@ from typing import Any, Generic
 
 from fibws.errors import InvalidMessage
 from fibws.interfaces import Message
-from fibws.interfaces.bases import Req, Res
+from fibws.interfaces.message import Req, Res
 from fibws.node.wire import Wire
 
 

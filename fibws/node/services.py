@@ -7,7 +7,7 @@ from typing import Any
 
 from fibws.errors import AlreadyOffered, OperationRejected
 from fibws.interfaces import Service
-from fibws.interfaces.bases import Req, Res
+from fibws.interfaces.message import Req, Res
 from fibws.node.part import Part
 from fibws.node.service import Handler, HeaderHandler, ServiceServer
 from fibws.node.session import Session

@@ -9,7 +9,7 @@ from typing_extensions import TypeVar
 
 from fibws.action import action_class
 from fibws.interfaces import Action, Message, Service, Validators
-from fibws.interfaces.bases import F, G, R, Req, Res
+from fibws.interfaces.message import F, G, R, Req, Res
 from fibws.msg import default_interfaces, message_class
 from fibws.node.service_type import ServiceType
 from fibws.node.wire import Wire

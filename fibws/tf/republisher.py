@@ -14,7 +14,7 @@ from typing import Any, Protocol, TypeAlias
 import fibws
 from fibws.action import tf2_web_republisher, tf2_web_republisher_interfaces
 from fibws.errors import InvalidMessage, InvalidTransform
-from fibws.interfaces.bases import F, R
+from fibws.interfaces.message import F, R
 from fibws.msg import tf2_web_republisher as ros1
 from fibws.msg import tf2_web_republisher_interfaces as ros2
 from fibws.msg.geometry_msgs import TransformStamped

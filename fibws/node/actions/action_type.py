@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Generic
 
 from fibws.interfaces import Action
-from fibws.interfaces.bases import F, G, R
+from fibws.interfaces.message import F, G, R
 from fibws.node.types import Types
 
 

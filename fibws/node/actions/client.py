@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import Any, Generic, Self
 
 from fibws.errors import ActionError, NodeClosed, NodeError, WaitTimeout
-from fibws.interfaces.bases import F, G, R
+from fibws.interfaces.message import F, G, R
 from fibws.node.actions.action_type import ActionType
 from fibws.node.actions.actions import Actions
 from fibws.node.actions.client_goal import ClientGoal

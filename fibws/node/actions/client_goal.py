@@ -8,7 +8,7 @@ from collections.abc import AsyncIterator, Callable
 from typing import Generic
 
 from fibws.errors import WaitTimeout
-from fibws.interfaces.bases import F, R
+from fibws.interfaces.message import F, R
 from fibws.node.actions.status import GoalStatus
 from fibws.node.fault import throw
 from fibws.node.limits import check_timeout

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from fibws.errors import InvalidMessage, OperationRejected
-from fibws.interfaces.bases import F, G, R
+from fibws.interfaces.message import F, G, R
 from fibws.node.actions.client import ActionClient
 from fibws.node.actions.client_goal import ClientGoal
 from fibws.node.actions.status import GoalStatus, of_ros2

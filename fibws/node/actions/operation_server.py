@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from fibws.errors import InvalidMessage, OperationRejected
-from fibws.interfaces.bases import F, G, R
+from fibws.interfaces.message import F, G, R
 from fibws.node.actions.action_type import ActionType
 from fibws.node.actions.actions import Actions
 from fibws.node.actions.record import Record

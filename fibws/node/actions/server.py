@@ -9,7 +9,7 @@ from inspect import isawaitable
 from typing import Any, Generic, Self, TypeAlias
 
 from fibws.errors import AlreadyOffered, NodeError
-from fibws.interfaces.bases import F, G, R
+from fibws.interfaces.message import F, G, R
 from fibws.node.actions.action_type import ActionType
 from fibws.node.actions.actions import Actions
 from fibws.node.actions.record import Record

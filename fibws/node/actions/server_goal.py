@@ -7,7 +7,7 @@ from collections.abc import Awaitable, Callable, Mapping
 from contextlib import suppress
 from typing import Any, Generic
 
-from fibws.interfaces.bases import F, G, R
+from fibws.interfaces.message import F, G, R
 from fibws.node.actions.record import Record
 from fibws.node.actions.status import GoalStatus, Transition
 from fibws.node.limits import check_timeout

@@ -6,7 +6,7 @@ import asyncio
 from contextlib import suppress
 from typing import Any
 
-from fibws.interfaces.bases import F, G, R
+from fibws.interfaces.message import F, G, R
 from fibws.msg.actionlib_msgs import GoalID
 from fibws.node.actions.action_topics import CANCEL, FEEDBACK, GOAL, RESULT, STATUS, ActionTopics
 from fibws.node.actions.action_type import ActionType

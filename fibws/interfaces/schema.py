@@ -34,7 +34,7 @@ _FLOAT32 = Struct("<f")
 _pack, _unpack = _FLOAT32.pack, _FLOAT32.unpack
 
 
-def scalar(field: Field) -> core_schema.CoreSchema:
+def scalar_schema(field: Field) -> core_schema.CoreSchema:
     """The schema of one value of the field's type, which is neither a time nor nested."""
     if field.type in builtin.INTEGERS:
         low, high = builtin.INTEGERS[field.type]
@@ -50,7 +50,7 @@ def scalar(field: Field) -> core_schema.CoreSchema:
     return core_schema.nullable_schema(schema)
 
 
-def array(
+def array_schema(
     field: Field, element: core_schema.CoreSchema, most: int | None
 ) -> core_schema.CoreSchema:
     """The schema of the array field whose elements are ``element``, and ``most`` many."""
@@ -68,7 +68,7 @@ def array(
     return _list_of(element, field.array)
 
 
-def time(kind: str, base: Stamp, now: Stamp | None) -> core_schema.CoreSchema:
+def time_schema(kind: str, base: Stamp, now: Stamp | None) -> core_schema.CoreSchema:
     """The schema of ``time`` or ``duration``: an object of secs and nsecs.
 
     Args:
@@ -93,7 +93,7 @@ def time(kind: str, base: Stamp, now: Stamp | None) -> core_schema.CoreSchema:
     )
 
 
-def zero() -> dict[str, int]:
+def zero_time() -> dict[str, int]:
     """The time, or the duration, that an absent one is."""
     return {"secs": 0, "nsecs": 0}
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from fibws.errors import DefinitionError, InterfaceError, UnknownPackage, UnknownType
-from fibws.interfaces import Interfaces, full_text, learned
+from fibws.interfaces import Interfaces, client_definitions, full_text
 from fibws.interfaces.definition import Field
 
 SEPARATOR = "=" * 80
@@ -70,7 +70,7 @@ def test_a_wrong_definition_teaches_nothing(text: str, fault: str) -> None:
 
 
 def test_clients_can_bring_only_so_much(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(learned, "MOST", 1)
+    monkeypatch.setattr(client_definitions, "MOST", 1)
     interfaces = Interfaces()
     with pytest.raises(InterfaceError, match="more than 262144 characters"):
         interfaces.learn("new_msgs/Long", "#" * 300_000)
@@ -197,17 +197,17 @@ def test_services_and_actions_count_among_what_clients_bring(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     interfaces = Interfaces()
-    monkeypatch.setattr(learned, "MOST", 2)
+    monkeypatch.setattr(client_definitions, "MOST", 2)
     interfaces.learn_service("new_msgs/Ask", f"Point p\n---\n{POINT}")
     for _ in range(2):
         interfaces.learn_service("new_msgs/Ask", f"Point p\n---\n{POINT}")
         with pytest.raises(InterfaceError, match="new_msgs/Tell is too many"):
             interfaces.learn_service("new_msgs/Tell", "---")
-    monkeypatch.setattr(learned, "MOST", 9)
+    monkeypatch.setattr(client_definitions, "MOST", 9)
     with pytest.raises(InterfaceError, match="new_msgs/Go is too many"):
         interfaces.learn_action("new_msgs/Go", "---\n---")
     assert interfaces.messages("new_msgs") == ["new_msgs/Point"]
-    monkeypatch.setattr(learned, "MOST", 10)
+    monkeypatch.setattr(client_definitions, "MOST", 10)
     for _ in range(2):
         interfaces.learn_action("new_msgs/Go", "---\n---")
     for learn in (interfaces.learn_service, interfaces.learn_action):
@@ -248,7 +248,7 @@ def test_the_users_own_types_may_have_longer_ones(tmp_path: Path) -> None:
 
 
 def test_all_that_clients_bring_has_only_so_many_fields(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(learned, "MOST_FIELDS", 10)
+    monkeypatch.setattr(client_definitions, "MOST_FIELDS", 10)
     interfaces = Interfaces()
     interfaces.learn("new_msgs/Three", "int8 x\nint8 Y=1\nint8 z")
     interfaces.learn("new_msgs/Four", "Three three\nint8 x")

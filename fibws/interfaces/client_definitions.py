@@ -1,19 +1,16 @@
-"""The types that clients bring: what is taken over, and how much of it."""
+"""The definitions that clients send, and limits for them."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 from fibws.errors import DefinitionError, InterfaceError, UnknownPackage, UnknownType
 from fibws.interfaces import full_text
 from fibws.interfaces.definition import ActionDefinition, MessageDefinition, ServiceDefinition
 from fibws.interfaces.fingerprint import message_md5
-from fibws.interfaces.linker import Linker, Size
 from fibws.interfaces.package import Kind
-
-if TYPE_CHECKING:
-    from fibws.interfaces.catalogue import Interfaces
+from fibws.interfaces.resolver import Resolver, Size
 
 MOST = 1000
 """How many types clients may bring, so that they cannot fill the memory."""
@@ -29,121 +26,145 @@ LONGEST_TEXT = 2**18
 """How many characters a definition that a client brings may have."""
 
 
-class Learned:
-    """The types that are known from clients alone.
+class Known(Protocol):
+    """The types that are known already; each method raises an error if there is no such type."""
 
-    A type is taken over with all else that its text defines, or nothing is. What is known already
-    must be the same in the text.
+    def message(self, name: str) -> MessageDefinition:
+        """The message of that name."""
 
-    Args:
-        interfaces: all types, these among them.
+    def service(self, name: str) -> ServiceDefinition:
+        """The service of that name."""
+
+    def action(self, name: str) -> ActionDefinition:
+        """The action of that name."""
+
+
+class ClientDefinitions:
+    """The definitions that clients sent.
+
+    A type is added with all other types that its text defines, or nothing is added. Types that are
+    known already must be the same in the text.
     """
 
-    def __init__(self, interfaces: Interfaces) -> None:
-        self._interfaces = interfaces
-        self.messages: dict[str, MessageDefinition] = {}
-        self.services: dict[str, ServiceDefinition] = {}
-        self.actions: dict[str, ActionDefinition] = {}
+    def __init__(self) -> None:
+        self._messages: dict[str, MessageDefinition] = {}
+        self._services: dict[str, ServiceDefinition] = {}
+        self._actions: dict[str, ActionDefinition] = {}
         self._texts: dict[tuple[Kind, str], str] = {}
         self._text = 0
         self._fields = 0
 
-    def names(self, kind: Kind) -> Iterable[str]:
-        """The types of one kind as ``package/Name``."""
+    def find_message(self, name: str) -> MessageDefinition | None:
+        """The message of that name, if a client sent it."""
+        return self._messages.get(name)
+
+    def find_service(self, name: str) -> ServiceDefinition | None:
+        """The service of that name, if a client sent it."""
+        return self._services.get(name)
+
+    def find_action(self, name: str) -> ActionDefinition | None:
+        """The action of that name, if a client sent it."""
+        return self._actions.get(name)
+
+    def names(self, kind: Kind, package: str) -> Iterator[str]:
+        """The types of one kind in a package as ``package/Name``."""
+        known: Iterable[str]
         match kind:
             case "msg":
-                return self.messages
+                known = self._messages
             case "srv":
-                return self.services
+                known = self._services
             case "action":
-                return self.actions
+                known = self._actions
+        return (name for name in known if name.startswith(f"{package}/"))
 
     def packages(self) -> Iterator[str]:
         """The packages that the types belong to."""
-        for names in (self.messages, self.services, self.actions):
+        for names in (self._messages, self._services, self._actions):
             yield from (name.partition("/")[0] for name in names)
 
-    def learn_message(self, name: str, text: str) -> None:
-        """Take over a message.
+    def learn_message(self, name: str, text: str, known: Known) -> None:
+        """Add a message.
 
         Args:
             name: ``package/Name``.
             text: its full text, which may leave out nested types that are known.
+            known: the types that are known already, these among them.
 
         Raises:
-            DefinitionError: a text is wrong, or a type is already defined otherwise.
-            InterfaceError: there is no room for more.
+            DefinitionError: a text is wrong, or a type is already defined differently.
+            InterfaceError: a limit is exceeded.
         """
         if self._texts.get(("msg", name)) == text:
             return
         _check_length(name, text)
-        trial = _Trial(self._interfaces, full_text.read_message(text, name))
-        self._make_room("msg", name, text, trial)
-        self.messages.update(trial.unknown)
+        drafts = _Drafts(known, full_text.read_message(text, name))
+        self._make_room("msg", name, text, drafts)
+        self._messages.update(drafts.unknown)
 
-    def learn_service(self, name: str, text: str) -> None:
-        """Take over a service; arguments and errors are as with `learn_message`."""
+    def learn_service(self, name: str, text: str, known: Known) -> None:
+        """Add a service; arguments and errors are as with `learn_message`."""
         if self._texts.get(("srv", name)) == text:
             return
         _check_length(name, text)
         service, nested = full_text.read_service(text, name)
-        trial = _Trial(self._interfaces, nested)
+        drafts = _Drafts(known, nested)
         parts = (service.request, service.response)
         for part in parts:
-            trial.check(part)
+            drafts.check(part)
         services = {}
         try:
-            known = self._interfaces.service(name)
+            existing = known.service(name)
         except (UnknownType, UnknownPackage):
             services[name] = service
         else:
-            trial.compare(service.request, known.request)
-            trial.compare(service.response, known.response)
-        self._make_room("srv", name, text, trial, parts if services else ())
-        self.messages.update(trial.unknown)
-        self.services.update(services)
+            drafts.compare(service.request, existing.request)
+            drafts.compare(service.response, existing.response)
+        self._make_room("srv", name, text, drafts, parts if services else ())
+        self._messages.update(drafts.unknown)
+        self._services.update(services)
 
-    def learn_action(self, name: str, text: str) -> None:
-        """Take over an action and its seven messages; it is as with `learn_message`."""
+    def learn_action(self, name: str, text: str, known: Known) -> None:
+        """Add an action and its seven messages; it is as with `learn_message`."""
         if self._texts.get(("action", name)) == text:
             return
         _check_length(name, text)
         action, nested = full_text.read_action(text, name)
         # Backwards, so that what is at fault is the part and not what is made of it.
         made = {message.type: message for message in reversed(action.messages())}
-        trial = _Trial(self._interfaces, nested | made)
+        drafts = _Drafts(known, nested | made)
         actions = {}
         try:
-            self._interfaces.action(name)
+            known.action(name)
         except (UnknownType, UnknownPackage):
             actions[name] = action
         parts = (action.goal, action.result, action.feedback)
-        self._make_room("action", name, text, trial, parts if actions else ())
-        self.messages.update(trial.unknown)
-        self.actions.update(actions)
+        self._make_room("action", name, text, drafts, parts if actions else ())
+        self._messages.update(drafts.unknown)
+        self._actions.update(actions)
 
     def _make_room(
         self,
         kind: Kind,
         name: str,
         text: str,
-        trial: _Trial,
+        drafts: _Drafts,
         parts: tuple[MessageDefinition, ...] = (),
     ) -> None:
         """Count what a text defines; ``parts`` are those of a new service or action."""
-        additions = len(trial.unknown) + bool(parts)
+        additions = len(drafts.unknown) + bool(parts)
         if not additions:
             return
         fields = 0
-        for definition in (*trial.unknown.values(), *parts):
-            size = trial.check(definition)
+        for definition in (*drafts.unknown.values(), *parts):
+            size = drafts.check(definition)
             fields += size.fields + len(definition.constants)
             if size.values > MOST_VALUES:
                 raise InterfaceError(
                     f"{definition.type} has {size.values} values when its fixed arrays are full, "
                     f"a type that a client brings may have {MOST_VALUES}"
                 )
-        if len(self.messages) + len(self.services) + len(self.actions) + additions > MOST:
+        if len(self._messages) + len(self._services) + len(self._actions) + additions > MOST:
             raise InterfaceError(f"Clients have brought {MOST} types, {name} is too many")
         if self._text + len(text) > MOST_TEXT:
             raise InterfaceError(
@@ -160,32 +181,32 @@ class Learned:
         self._texts[kind, name] = text
 
 
-class _Trial:
+class _Drafts:
     """The messages that a text defines, linked with those that are known and compared to them."""
 
-    def __init__(self, interfaces: Interfaces, drafts: dict[str, MessageDefinition]) -> None:
-        self._known = interfaces.message
-        self._linker = Linker(lambda name: drafts.get(name) or interfaces.message(name))
+    def __init__(self, known: Known, drafts: dict[str, MessageDefinition]) -> None:
+        self._known = known.message
+        self._resolver = Resolver(lambda name: drafts.get(name) or known.message(name))
         self._known_md5s: dict[str, str] = {}
         self._md5s: dict[str, str] = {}
         self.unknown: dict[str, MessageDefinition] = {}
         for draft in drafts.values():
-            self._linker.message(draft.type)
+            self._resolver.message(draft.type)
             try:
-                known = interfaces.message(draft.type)
+                existing = known.message(draft.type)
             except (UnknownType, UnknownPackage):
                 self.unknown[draft.type] = draft
             else:
-                self.compare(draft, known)
+                self.compare(draft, existing)
 
     def check(self, draft: MessageDefinition) -> Size:
         """Make sure that all that a message holds is there, and tell how large it is."""
-        return self._linker.check(draft)
+        return self._resolver.check(draft)
 
     def compare(self, draft: MessageDefinition, known: MessageDefinition) -> None:
         """Make sure that both have the same fields."""
         md5 = message_md5(known, self._known, self._known_md5s)
-        if message_md5(draft, self._linker.message, self._md5s) != md5:
+        if message_md5(draft, self._resolver.message, self._md5s) != md5:
             fault = f"{draft.type} is known here with other fields (md5 {md5})"
             raise DefinitionError(draft.source, 1, draft.text[:200], fault)
 

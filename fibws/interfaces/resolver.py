@@ -26,17 +26,18 @@ class Size(NamedTuple):
     """How large a message is.
 
     ``fields`` are its own and those of nested messages. ``values`` are how many it has when its
-    fixed arrays are full and the others empty.
+    fixed arrays are full and the others empty. ``has_floats`` tells whether there are floats.
     """
 
     fields: int
     values: int
+    has_floats: bool = False
 
 
-_SCALAR, _TIME = Size(0, 1), Size(2, 1)
+_SCALAR, _FLOAT, _TIME = Size(0, 1), Size(0, 1, has_floats=True), Size(2, 1)
 
 
-class Linker:
+class Resolver:
     """Reads definitions and, with each, those of the types nested in it.
 
     Args:
@@ -74,17 +75,21 @@ class Linker:
         """How large the definition is; ``above`` are those it is nested in."""
         path = (*above, definition.type)
         fields = values = 0
+        has_floats = False
         for field in definition.fields:
             if field.is_nested:
                 inner = self._nested(definition, field, path)
+            elif field.type in builtin.TIMES:
+                inner = _TIME
             else:
-                inner = _TIME if field.type in builtin.TIMES else _SCALAR
+                inner = _FLOAT if field.type in builtin.FLOATS else _SCALAR
+            has_floats = has_floats or inner.has_floats
             repeat = 1 if field.array is None else field.array.fixed or 0
             fields += 1 + inner.fields
             values += max(1, repeat * inner.values)
             if fields > MOST_FIELDS or values > MOST_VALUES:
                 raise _error(definition, field, "the message becomes too large")
-        return Size(fields, values)
+        return Size(fields, values, has_floats)
 
     def _nested(self, definition: MessageDefinition, field: Field, path: tuple[str, ...]) -> Size:
         if field.type in path:

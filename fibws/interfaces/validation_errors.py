@@ -11,7 +11,7 @@ from typing import Any
 from pydantic_core import ErrorDetails, ValidationError
 
 from fibws.errors import InvalidMessage
-from fibws.interfaces import builtin, leaves
+from fibws.interfaces import builtin, schema
 from fibws.interfaces.definition import Field, MessageDefinition
 from fibws.interfaces.fingerprint import Lookup
 
@@ -46,7 +46,7 @@ def _describe(definition: MessageDefinition, lookup: Lookup, detail: ErrorDetail
     field: Field | None = None
     is_list = False
     for step in detail["loc"]:
-        if inside in builtin.TIMES and str(step).startswith(leaves.CHOICE):
+        if inside in builtin.TIMES and str(step).startswith(schema.CHOICE):
             continue
         if is_list and field is not None:
             path, expected, is_list = f"{path}[{step}]", field.element_type, False
@@ -79,7 +79,7 @@ def _reason(field: Field, detail: ErrorDetails) -> str | None:
     """Why a value of the right JSON type is wrong all the same, if it is of that type."""
     value: Any = detail["input"]
     match detail["type"]:
-        case leaves.FAULT:
+        case schema.FAULT:
             return detail["msg"]
         case "less_than_equal" | "greater_than_equal":
             low, high = builtin.INTEGERS[field.type]

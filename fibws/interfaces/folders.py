@@ -1,0 +1,121 @@
+"""The definitions in folders: the standard packages and those of the user."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from difflib import get_close_matches
+from pathlib import Path
+
+from fibws.errors import InterfaceError, UnknownPackage, UnknownType
+from fibws.interfaces import parser
+from fibws.interfaces.definition import (
+    ACTION_SUFFIXES,
+    ActionDefinition,
+    MessageDefinition,
+    ServiceDefinition,
+)
+from fibws.interfaces.package import Kind, Package, find_packages
+
+STANDARD = Path(__file__).parent / "definitions"
+"""The folder of the standard packages."""
+
+
+class Folders:
+    """The definitions in the packages of several folders, each parsed when it is asked for.
+
+    Of packages with the same name, only the one in the folder that was added last counts.
+    """
+
+    def __init__(self) -> None:
+        self._folders = [STANDARD]
+        self._packages: dict[str, Package] = {}
+        self._actions: dict[str, ActionDefinition] = {}
+
+    def add(self, folder: Path) -> bool:
+        """Add a folder, which holds packages side by side or is one; return whether it is new.
+
+        Raises:
+            InterfaceError: there is no such folder.
+        """
+        if folder in self._folders:
+            return False
+        if not folder.is_dir():
+            raise InterfaceError(f"There is no folder {folder} of definitions")
+        self._folders.append(folder)
+        self._packages = {}
+        self._actions = {}
+        return True
+
+    def find_message(self, name: str) -> MessageDefinition | None:
+        """The message of that name, or None; types nested in it may be unknown.
+
+        Raises:
+            DefinitionError: the definition is wrong.
+        """
+        package, _, short = name.partition("/")
+        for suffix in ACTION_SUFFIXES:
+            base = short.removesuffix(suffix)
+            action = self.find_action(f"{package}/{base}") if base != short else None
+            if action is not None:
+                return next(message for message in action.messages() if message.type == name)
+        text = self._read(name, "msg")
+        return None if text is None else parser.parse_message(*text)
+
+    def find_service(self, name: str) -> ServiceDefinition | None:
+        """The service of that name, or None; as `find_message`."""
+        text = self._read(name, "srv")
+        return None if text is None else parser.parse_service(*text)
+
+    def find_action(self, name: str) -> ActionDefinition | None:
+        """The action of that name, or None; as `find_message`."""
+        if name not in self._actions:
+            text = self._read(name, "action")
+            if text is None:
+                return None
+            self._actions[name] = parser.parse_action(*text)
+        return self._actions[name]
+
+    def packages(self) -> dict[str, Package]:
+        """The packages by name."""
+        if not self._packages:
+            # Assigned at once: in rospy's programs several threads call this.
+            self._packages = {
+                found.name: found for folder in self._folders for found in find_packages(folder)
+            }
+        return self._packages
+
+    def is_users(self, package: str) -> bool:
+        """Whether the package is in one of the user's folders."""
+        if len(self._folders) == 1:
+            return False  # without a look at the folder of the standard packages
+        found = self.packages().get(package)
+        return found is not None and found.folder.parent != STANDARD
+
+    def names(self, kind: Kind, package: str) -> Iterator[str]:
+        """The types of one kind in a package as ``package/Name``."""
+        yield from (f"{package}/{name}" for name in self._files(kind, package))
+        if kind == "msg":
+            for name in self._files("action", package):
+                yield from (f"{package}/{name}{suffix}" for suffix in ACTION_SUFFIXES)
+
+    def unknown(self, kind: Kind, name: str) -> UnknownPackage | UnknownType:
+        """The error to raise for a name that is not found; it may suggest a similar one."""
+        package, _, short = name.partition("/")
+        if package not in self.packages():
+            return UnknownPackage(package)
+        by_lower = {other.partition("/")[2].lower(): other for other in self.names(kind, package)}
+        nearest = get_close_matches(short.lower(), by_lower, 1)
+        return UnknownType(kind, package, short, by_lower[nearest[0]] if nearest else None)
+
+    def _read(self, name: str, kind: Kind) -> tuple[str, str, str, str] | None:
+        """The text that defines a type, its package, its own name and the file's name."""
+        package, _, short = name.partition("/")
+        path = self._files(kind, package).get(short)
+        if path is None:
+            return None
+        # Editors of Windows begin a file with a mark; a comment in Latin-1 does no harm.
+        return path.read_text("utf-8-sig", errors="replace"), package, short, str(path)
+
+    def _files(self, kind: Kind, package: str) -> dict[str, Path]:
+        found = self.packages().get(package)
+        return found.files(kind) if found else {}
