@@ -1,13 +1,16 @@
-"""The types of ROS: their definitions, what a message of each must look like, its Python class.
+"""ROS types: their definitions, validation and serialization of messages, and Python classes.
 
-    folders ─ package ─> text of .msg, .srv, .action ─ parser ─> definition, in builtin's types
-    definition ─ linker ─> with all nested types there ─ catalogue ─> Interfaces, all types by name
-    Interfaces ─ fingerprint ─> md5; ─ full_text ─> the text a client may send, to be learned
-    Interfaces ─ validators, from leaves ─> JSON values in, complete messages out; or faults
-    Interfaces ─ cbor ─> such messages as CBOR; ─ serialization, of binary parts ─> in ROS 1's bytes
-    Interfaces ─ generator, from source ─> fibws.msg, .srv, .action: Python classes, with bases
+    folders ─ package ─> text of .msg, .srv, .action ─ parser ─> definition
+    folders, client_definitions ─ catalogue, with resolver ─> Interfaces: all types by name
+    Interfaces ─ fingerprint ─> md5
+    Interfaces ─ full_text ─> the text of a type with its nested types, as clients send it
+    Interfaces ─ validators, with schema ─> dicts from JSON, complete and valid
+    Interfaces ─ serialization, with serialization_code ─> ROS 1's bytes for dicts and objects
+    Interfaces ─ cbor, json_text ─> valid dicts as CBOR and JSON
+    Interfaces ─ generator, with source ─> Python classes in fibws.msg, .srv and .action
+    message, times ─> what these classes are made of
 
-Pure: no clock, no environment, no sockets; files are read when a type is first asked for.
+There is no clock, no environment and no socket here. A type's file is read when it is first needed.
 """
 
 from fibws.interfaces.catalogue import Interfaces

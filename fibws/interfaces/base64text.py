@@ -30,10 +30,10 @@ def read(text: str) -> tuple[bytes, str]:
     """The bytes of any text, and the text as `encode` would have it: spare bits are zero.
 
     Raises:
-        ValueError: the text is no base64.
+        ValueError: the text is not base64.
     """
     if len(text) % 4:
-        raise ValueError("its length is no multiple of four")
+        raise ValueError("its length is not a multiple of four")
     if "-" not in text and "_" not in text:
         try:
             data = decode(text)

@@ -1,4 +1,4 @@
-"""Which types there are: the standard ones, those of the user's folders, those clients brought."""
+"""All types: standard types, those in the user's folders, and those that clients sent."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ class Interfaces:
 
     @staticmethod
     def canonical(name: str) -> str:
-        """``package/Type`` for it and for ROS 2's ``package/msg/Type``, /srv/ and /action/ too.
+        """Return ``package/Type``, also for ROS 2's ``package/msg/Type``, /srv/ and /action/.
 
         Raises:
             InvalidTypeName: the name has another form.
@@ -82,20 +82,20 @@ class Interfaces:
         return f"{found[1]}/{found[2]}"
 
     def message(self, name: str) -> MessageDefinition:
-        """The message of that name, whose nested types are sure to exist.
+        """The message of that name; all nested types exist.
 
         Raises:
-            InvalidTypeName, UnknownPackage, UnknownType: there is none.
+            InvalidTypeName, UnknownPackage, UnknownType: there is no such message.
             DefinitionError: its definition, or that of a nested type, is wrong.
         """
         return self._resolver.known.get(name) or self._resolver.message(self.canonical(name))
 
     def most_elements(self, name: str) -> int:
-        """How many messages of a type one array may hold; it raises as `message` does."""
+        """How many messages of a type one array may hold; raises as `message` does."""
         return MOST_VALUES // self._resolver.size(self.message(name).type).values
 
     def service(self, name: str) -> ServiceDefinition:
-        """The service of that name; it raises as `message` does."""
+        """The service of that name; raises as `message` does."""
         name = self.canonical(name)
         if name not in self._services:
             found = (source.find_service(name) for source in self._sources)
@@ -108,7 +108,7 @@ class Interfaces:
         return self._services[name]
 
     def action(self, name: str) -> ActionDefinition:
-        """The action of that name; it raises as `message` does."""
+        """The action of that name; raises as `message` does."""
         name = self.canonical(name)
         action = next(filter(None, (each.find_action(name) for each in self._sources)), None)
         if action is None:
@@ -133,33 +133,33 @@ class Interfaces:
         """The package's messages as ``package/Name``, sorted, with those made from its actions.
 
         Raises:
-            UnknownPackage: there is none of that name.
+            UnknownPackage: there is no such package.
         """
         return self.types(package, "msg")
 
     def services(self, package: str) -> list[str]:
-        """The package's services as ``package/Name``, sorted; it raises as `messages` does."""
+        """The package's services as ``package/Name``, sorted; raises as `messages` does."""
         return self.types(package, "srv")
 
     def actions(self, package: str) -> list[str]:
-        """The package's actions as ``package/Name``, sorted; it raises as `messages` does."""
+        """The package's actions as ``package/Name``, sorted; raises as `messages` does."""
         return self.types(package, "action")
 
     def types(self, package: str, kind: Kind) -> list[str]:
-        """The package's types of one kind as ``package/Name``, sorted; it raises as `messages`."""
+        """The package's types of one kind, sorted; raises as `messages` does."""
         if package not in self._folders.packages() and package not in self.packages():
             raise UnknownPackage(package)
         return sorted({name for source in self._sources for name in source.names(kind, package)})
 
     def md5(self, name: str) -> str:
-        """The md5 of a message, as ROS 1 computes it; it raises as `message` does."""
+        """The md5 of a message, as ROS 1 computes it; raises as `message` does."""
         definition, md5s = self.message(name), self._md5s
         if definition.type not in md5s:
             md5s[definition.type] = fingerprint.message_md5(definition, self.message, md5s)
         return md5s[definition.type]
 
     def service_md5(self, name: str) -> str:
-        """The md5 of a service, as ROS 1 computes it; it raises as `message` does."""
+        """The md5 of a service, as ROS 1 computes it; raises as `message` does."""
         return fingerprint.service_md5(self.service(name), self.message, self._md5s)
 
     def full_text(self, name: str) -> str:
@@ -175,7 +175,7 @@ class Interfaces:
         return full_text.write_action(self.action(name), self.message)
 
     def learn(self, name: str, text: str) -> MessageDefinition:
-        """Take over a definition that a client brings, and its dependencies: all or nothing.
+        """Add a definition that a client sent, and its dependencies: all or nothing.
 
         Args:
             name: the type's.
@@ -183,20 +183,20 @@ class Interfaces:
                 `full_text`.
 
         Raises:
-            InvalidTypeName: the name is none.
-            DefinitionError: a text is wrong, or a type is already defined otherwise.
-            InterfaceError: there is no room for more.
+            InvalidTypeName: the name is invalid.
+            DefinitionError: a text is wrong, or a type is already defined differently.
+            InterfaceError: a limit is exceeded.
         """
         self._client_definitions.learn_message(self.canonical(name), text, self)
         return self.message(name)
 
     def learn_service(self, name: str, text: str) -> ServiceDefinition:
-        """Take over a service that a client brings; it does as `learn`."""
+        """Add a service that a client sent; as `learn`."""
         self._client_definitions.learn_service(self.canonical(name), text, self)
         return self.service(name)
 
     def learn_action(self, name: str, text: str) -> ActionDefinition:
-        """Take over an action that a client brings, with its messages; it does as `learn`."""
+        """Add an action that a client sent, with its messages; as `learn`."""
         self._client_definitions.learn_action(self.canonical(name), text, self)
         return self.action(name)
 

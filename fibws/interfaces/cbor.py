@@ -1,4 +1,4 @@
-"""Messages as CBOR: bytes are bytes, and arrays of numbers are RFC 8746's typed arrays.
+"""Messages as CBOR: bytes are byte strings, arrays of numbers are RFC 8746 typed arrays.
 
 That is how rosbridge's ``cbor`` compression has them (rosbridge_library's ``cbor_conversion.py``),
 except that arrays of a fixed size, which it fails at, are like any others here.
@@ -38,7 +38,7 @@ TYPED_ARRAYS: Final = {
 
 
 class CborEncoders:
-    """The encoders of all types, each built when first asked for."""
+    """The encoders of all types, each made when first asked for."""
 
     def __init__(self, interfaces: Interfaces) -> None:
         self._interfaces = interfaces
@@ -46,7 +46,7 @@ class CborEncoders:
         self._converters: dict[str, _Convert | None] = {}
 
     def of(self, name: str) -> CborEncoder:
-        """The encoder of a message type; it raises as `Interfaces.message` does."""
+        """The encoder of a message type; raises as `Interfaces.message` does."""
         if name not in self._by_name:
             definition = self._interfaces.message(name)
             self._by_name[name] = CborEncoder(definition.type, self._nested(definition.type))

@@ -13,7 +13,7 @@ from fibws.interfaces.package import Kind
 from fibws.interfaces.resolver import Resolver, Size
 
 MOST = 1000
-"""How many types clients may bring, so that they cannot fill the memory."""
+"""How many types clients may send, so that they cannot fill the memory."""
 MOST_TEXT = 2**22
 """How many characters the texts of all of them may have together."""
 MOST_FIELDS = 80_000
@@ -21,9 +21,9 @@ MOST_FIELDS = 80_000
 each time: the checks of each field take up to two kilobytes."""
 MOST_VALUES = 2**16
 """How many values a message of such a type may have when its fixed arrays are full and the others
-empty: a few letters declare millions, which every message that leaves them out would have."""
+empty: a short definition can declare millions, which are the defaults in every message."""
 LONGEST_TEXT = 2**18
-"""How many characters a definition that a client brings may have."""
+"""How many characters one definition from a client may have."""
 
 
 class Known(Protocol):
@@ -103,7 +103,7 @@ class ClientDefinitions:
         self._messages.update(drafts.unknown)
 
     def learn_service(self, name: str, text: str, known: Known) -> None:
-        """Add a service; arguments and errors are as with `learn_message`."""
+        """Add a service; arguments and errors as with `learn_message`."""
         if self._texts.get(("srv", name)) == text:
             return
         _check_length(name, text)
@@ -125,12 +125,12 @@ class ClientDefinitions:
         self._services.update(services)
 
     def learn_action(self, name: str, text: str, known: Known) -> None:
-        """Add an action and its seven messages; it is as with `learn_message`."""
+        """Add an action and its seven messages; as `learn_message`."""
         if self._texts.get(("action", name)) == text:
             return
         _check_length(name, text)
         action, nested = full_text.read_action(text, name)
-        # Backwards, so that what is at fault is the part and not what is made of it.
+        # Parts come first, so that an error names a part and not a message that contains it.
         made = {message.type: message for message in reversed(action.messages())}
         drafts = _Drafts(known, nested | made)
         actions = {}
@@ -162,19 +162,21 @@ class ClientDefinitions:
             if size.values > MOST_VALUES:
                 raise InterfaceError(
                     f"{definition.type} has {size.values} values when its fixed arrays are full, "
-                    f"a type that a client brings may have {MOST_VALUES}"
+                    f"the limit for definitions from clients is {MOST_VALUES}"
                 )
         if len(self._messages) + len(self._services) + len(self._actions) + additions > MOST:
-            raise InterfaceError(f"Clients have brought {MOST} types, {name} is too many")
+            raise InterfaceError(
+                f"too many definitions from clients to add {name} (limit is {MOST})"
+            )
         if self._text + len(text) > MOST_TEXT:
             raise InterfaceError(
-                f"The types that clients bring may have {MOST_TEXT} characters together, "
-                f"{name} is too many"
+                f"definitions from clients are too long to add {name} "
+                f"(limit is {MOST_TEXT} characters in total)"
             )
         if self._fields + fields > MOST_FIELDS:
             raise InterfaceError(
-                f"The types that clients bring may have {MOST_FIELDS} fields and constants "
-                f"together, those of nested messages counted each time, {name} is too many"
+                f"too many fields and constants in definitions from clients to add {name} "
+                f"(limit is {MOST_FIELDS} in total, with those of nested messages)"
             )
         self._text += len(text)
         self._fields += fields
@@ -182,7 +184,7 @@ class ClientDefinitions:
 
 
 class _Drafts:
-    """The messages that a text defines, linked with those that are known and compared to them."""
+    """The messages that a text defines, compared to those that are known already."""
 
     def __init__(self, known: Known, drafts: dict[str, MessageDefinition]) -> None:
         self._known = known.message
@@ -200,11 +202,11 @@ class _Drafts:
                 self.compare(draft, existing)
 
     def check(self, draft: MessageDefinition) -> Size:
-        """Make sure that all that a message holds is there, and tell how large it is."""
+        """Check that all nested types exist; return the size of the message."""
         return self._resolver.check(draft)
 
     def compare(self, draft: MessageDefinition, known: MessageDefinition) -> None:
-        """Make sure that both have the same fields."""
+        """Check that both have the same fields."""
         md5 = message_md5(known, self._known, self._known_md5s)
         if message_md5(draft, self._resolver.message, self._md5s) != md5:
             fault = f"{draft.type} is known here with other fields (md5 {md5})"
@@ -213,4 +215,6 @@ class _Drafts:
 
 def _check_length(name: str, text: str) -> None:
     if len(text) > LONGEST_TEXT:
-        raise InterfaceError(f"The definition of {name} has more than {LONGEST_TEXT} characters")
+        raise InterfaceError(
+            f"The definition of {name} is too long (limit is {LONGEST_TEXT} characters)"
+        )

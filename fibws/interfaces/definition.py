@@ -1,4 +1,4 @@
-"""What a .msg, .srv or .action file says, once read."""
+"""The parsed contents of .msg, .srv and .action files."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Scalar: TypeAlias = bool | int | float | str
 
 @dataclass(frozen=True, slots=True)
 class Array:
-    """How many elements an array has: any number, exactly ``size``, or ``size`` at most."""
+    """The number of elements of an array: any, exactly ``size``, or at most ``size``."""
 
     size: int | None = None
     bounded: bool = False
@@ -48,12 +48,12 @@ class Field:
 
     @property
     def full_type(self) -> str:
-        """The type with all that the definition says of it: ``float64[36]``."""
+        """The type as the definition spells it: ``float64[36]``."""
         return f"{self.element_type}{self.array or ''}"
 
     @property
     def ros1_type(self) -> str:
-        """The type as ROS 1 can spell it, which knows no bounds: ``float64[]`` for ``[<=3]``."""
+        """The type as ROS 1 spells it, without bounds: ``float64[]`` for ``[<=3]``."""
         array = Array(self.array.fixed) if self.array else ""
         return f"{'string' if self.type == 'wstring' else self.type}{array}"
 
@@ -69,19 +69,19 @@ class Field:
 
     @property
     def fixed_size(self) -> int:
-        """How many elements the array has at least."""
+        """The least number of elements of the array."""
         return (self.array and self.array.fixed) or 0
 
     @property
     def default_value(self) -> Scalar:
-        """What the field is unless told otherwise, if it is one value of a builtin type."""
+        """The default of a single value of a builtin type."""
         if self.default is None or isinstance(self.default, tuple):
             return builtin.zero(self.type)
         return self.default
 
     @property
     def default_elements(self) -> tuple[Scalar, ...]:
-        """What the field holds unless told otherwise, if it is an array of a builtin type."""
+        """The default of an array of a builtin type."""
         if isinstance(self.default, tuple):
             return self.default
         return (builtin.zero(self.type),) * self.fixed_size
@@ -89,7 +89,7 @@ class Field:
 
 @dataclass(frozen=True, slots=True)
 class Constant:
-    """A named value; ``text`` is its spelling, which the md5 is made of."""
+    """A named value; ``text`` is its spelling, which is part of the md5."""
 
     name: str
     type: str
@@ -122,7 +122,7 @@ class MessageDefinition:
 
 @dataclass(frozen=True, slots=True)
 class ServiceDefinition:
-    """A service: what is asked and what is answered."""
+    """A service: its request and its response."""
 
     package: str
     name: str
@@ -144,12 +144,12 @@ ACTION_SUFFIXES = (
     "Goal",
     "Result",
 )
-"""What actionlib appends to an action's name to name its seven messages."""
+"""The suffixes of the seven messages that actionlib makes of an action."""
 
 
 @dataclass(frozen=True, slots=True)
 class ActionDefinition:
-    """An action: a goal, what comes of it, and what is heard in between."""
+    """An action: its goal, its result and its feedback."""
 
     package: str
     name: str

@@ -108,7 +108,7 @@ def _read(text: str, name: str) -> tuple[str, dict[str, MessageDefinition]]:
         title = lines[begin] if begin < stop else ""
         found = _TITLE.fullmatch(title.strip(parser.BLANKS))
         if found is None:
-            fault = "MSG: package/Type is needed"
+            fault = "expected MSG: package/Type"
             raise DefinitionError(_source(name), begin + 1, title[:200], fault)
         body = "\n".join(lines[begin + 1 : stop])
         draft = parser.parse_message(body, found[1], found[2], _source(name), begin + 2)

@@ -3,7 +3,7 @@
 Two commands:
 
     python -m fibws.interfaces.generator
-        writes fibws/msg/*.py, fibws/srv/*.py and fibws/action/*.py anew
+        writes fibws/msg/*.py, fibws/srv/*.py and fibws/action/*.py again
     python -m fibws.interfaces.generator --interfaces FOLDER [--kind srv] PACKAGE
         prints one of the user's own
 """

@@ -38,7 +38,7 @@ RESERVED = frozenset(keyword.kwlist) | {
     *("ClassVar", "dataclass", "field", "ros"),
     *("from_dict", "to_dict"),
 }
-"""The names that a field cannot have in Python: it gets a ``_`` behind it there."""
+"""Names that a field cannot have in Python: a ``_`` is appended."""
 
 
 def python_name(name: str) -> str:
@@ -47,7 +47,7 @@ def python_name(name: str) -> str:
 
 
 def ros_name(attribute: str) -> str:
-    """The field that an attribute stands for."""
+    """The field's name for an attribute."""
     return attribute[:-1] if attribute.rstrip("_") in RESERVED else attribute
 
 
@@ -55,16 +55,16 @@ def ros_name(attribute: str) -> str:
 # each of a package's classes takes longer than all the rest of the package's import.
 @dataclass(slots=True, eq=False, repr=False)
 class Message:
-    """A message; its classes are called as rospy's are, ``Int32(5)`` or ``Int32(data=5)``."""
+    """The base of message classes, called as in rospy: ``Int32(5)`` or ``Int32(data=5)``."""
 
     _type: ClassVar[str] = ""
     _service: ClassVar[str] = ""
-    """The service whose request or response this is, if it is one."""
+    """The service, if this is its request or response."""
     _style: ClassVar[ObjectStyle]
     _find_interfaces: ClassVar[Callable[[], Interfaces]]
-    """Finds where the class's definition is looked up; `fibws.msg` sets it."""
+    """Returns the types among which the class's definition is looked up; set by `fibws.msg`."""
     _codecs: ClassVar[dict[Any, Any]]
-    """Belongs to `class_codec`."""
+    """The cache of `class_codec`."""
 
     def __eq__(self, other: object) -> bool:
         if type(self) is not type(other):
@@ -76,9 +76,9 @@ class Message:
         return f"{type(self).__name__}({', '.join(values)})"
 
     def to_dict(self) -> dict[str, Any]:
-        """The message as JSON has it: bytes are base64.
+        """Return the message as a dict for JSON: bytes are base64.
 
-        What is of the wrong type is left for `MessageValidator.validate` to refuse and to name.
+        Values of a wrong type are not changed, so that `MessageValidator.validate` refuses them.
         """
         return {
             member.name: member.write(getattr(self, member.attribute))
@@ -87,7 +87,7 @@ class Message:
 
     @classmethod
     def from_dict(cls, values: dict[str, Any]) -> Self:
-        """The message that a valid dict with every field in it stands for; None becomes NaN."""
+        """Make a message from a valid dict with all fields; None becomes NaN."""
         return cls(
             **{member.attribute: member.read(values[member.name]) for member in _members(cls)}
         )
@@ -181,7 +181,7 @@ def _value(message: object, field: Field[Any]) -> Any:
 
 
 class _Member(NamedTuple):
-    """A field of a message class: its names, and how its value becomes JSON and comes from it.
+    """A field of a message class: its names, and how its value is converted to JSON and back.
 
     ``nested`` is the class of the messages in it, if there are any.
     """
@@ -197,7 +197,7 @@ _known_members: dict[type[Message], tuple[_Member, ...]] = {}
 
 
 def _members(message: type[Message]) -> tuple[_Member, ...]:
-    """The fields of a message class, found out on first use."""
+    """The fields of a message class, which are found on first use."""
     if message not in _known_members:
         hints = get_type_hints(message)
         _known_members[message] = tuple(
@@ -213,7 +213,7 @@ def _members(message: type[Message]) -> tuple[_Member, ...]:
 
 
 def _converters(hint: Any) -> tuple[_Convert, _Convert]:
-    """How a value of the annotated type becomes JSON, and how it comes from it."""
+    """Return how a value of the annotated type is converted to JSON and back."""
     if get_origin(hint) is list:
         (element,) = get_args(hint)
         if element is float:
@@ -240,7 +240,7 @@ def _same(value: Any) -> Any:
 
 
 def _write_numbers(values: Any) -> Any:
-    """A list of numbers from a tuple or from an array, such as numpy's."""
+    """Convert a tuple or an array, such as numpy's, to a list."""
     if isinstance(values, tuple):
         return list(values)
     return values.tolist() if hasattr(values, "tolist") else values
@@ -259,10 +259,10 @@ def _write_message(value: Any) -> Any:
 
 
 class _Text:
-    """Stands for a str where bytes belong, since validation would take the str for base64."""
+    """A placeholder for a str in a field of bytes: validation would take it for base64."""
 
 
-_Text.__name__ = "str"  # So validation calls it when it refuses it.
+_Text.__name__ = "str"  # The name in the error.
 
 
 def _write_bytes(value: Any) -> Any:
@@ -272,7 +272,7 @@ def _write_bytes(value: Any) -> Any:
         view = memoryview(value)
     except TypeError:
         return value
-    # The bytes of other arrays are not their elements.
+    # In other arrays, an element has several bytes.
     return b64encode(view.tobytes()).decode() if view.format == "B" else value
 
 

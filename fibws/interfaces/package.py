@@ -1,4 +1,4 @@
-"""A package's folder of definitions, in ROS's layout: ``<package>/msg/Type.msg``."""
+"""Packages of definitions in ROS's layout: ``<package>/msg/Type.msg``."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ from fibws.interfaces.definition import (
 )
 
 BLANKS = " \t\r\v\f"
-"""What may stand around anything in a line. Programs differ on the blanks beyond ASCII."""
+"""The characters that are ignored between tokens. Programs differ on blanks beyond ASCII."""
 
 # What stands before a comment; a # inside quotes (the default of a ROS 2 string) begins none.
 _CODE = re.compile(r"""(?:[^#"']|"[^"]*"|'[^']*')*""")
@@ -69,7 +69,7 @@ def parse_message(
             if member is None:
                 continue
             if member.name in fields or member.name in constants:
-                raise _Fault(f"the name {member.name} is taken")
+                raise _Fault(f"duplicate name {member.name}")
         except _Fault as fault:
             raise DefinitionError(source, number, raw[:200], str(fault)) from None
         if isinstance(member, Constant):
@@ -121,7 +121,7 @@ def between(lines: list[str], separates: Callable[[str], bool]) -> Iterator[tupl
 
 
 class _Fault(ValueError):
-    """What is wrong with a line, whose number and text the caller knows."""
+    """An error in a line; the caller knows the line's number and text."""
 
 
 def _parts(text: str, count: int, source: str) -> Iterator[tuple[int, str]]:
@@ -130,7 +130,7 @@ def _parts(text: str, count: int, source: str) -> Iterator[tuple[int, str]]:
     parts = list(between(lines, lambda line: line.startswith("---")))
     if len(parts) != count:
         number = max(1, parts[min(count, len(parts) - 1)][0])
-        fault = f"{count - 1} lines of --- are needed, there are {len(parts) - 1}"
+        fault = f"expected {count - 1} lines of ---, got {len(parts) - 1}"
         raise DefinitionError(source, number, lines[number - 1][:200], fault)
     for begin, end in parts:
         yield begin + 1, "\n".join(lines[begin:end])
@@ -146,7 +146,7 @@ def _member(raw: str, package: str, number: int) -> Field | Constant | None:
         return _constant(found, line)
     found = _FIELD.fullmatch(line)
     if found is None or len(line) < len(rest.partition("#")[0].rstrip(BLANKS)):
-        raise _Fault("this is neither a field, as in int32 x, nor a constant, as in int32 X=1")
+        raise _Fault("expected a field, such as int32 x, or a constant, such as int32 X=1")
     return _field(found, package, number)
 
 
@@ -159,11 +159,11 @@ def _constant(found: re.Match[str], line: str) -> Constant:
     if kind not in builtin.STRINGS:
         text = line.partition("=")[2].strip(BLANKS)
     if found["limit"] and kind not in builtin.STRINGS:
-        raise _Fault(f"only strings have a length, {kind} has none")
+        raise _Fault(f"only strings can be bounded, not {kind}")
     value = _scalar(kind, text)
     # Foxglove reads no nan and no inf, and then none of a hub's topics.
     if kind in builtin.FLOATS and not re.search(r"\d", text):
-        raise _Fault(f"a constant is a finite number, as in {kind} {name}=1.5; {text} is not")
+        raise _Fault(f"a constant must be finite, such as {kind} {name}=1.5, got {text}")
     if kind in builtin.STRINGS:
         return Constant(name, "string", value, text)
     # ROS 1 knows neither 0x10 nor true.
@@ -176,7 +176,7 @@ def _field(found: re.Match[str], package: str, number: int) -> Field:
     _check_name(name)
     limit = int(found["limit"]) if found["limit"] else None
     if limit is not None and kind not in builtin.STRINGS:
-        raise _Fault(f"only strings have a length, {kind} has none")
+        raise _Fault(f"only strings can be bounded, not {kind}")
     array = None
     if found["array"]:
         array = Array(int(found["size"]) if found["size"] else None, bool(found["bounded"]))
@@ -201,7 +201,7 @@ def _type(spelled: str, package: str) -> str:
 
 def _check_name(name: str) -> None:
     if not _NAME.fullmatch(name):
-        raise _Fault(f"{name} is not a legal name: begin with a letter")
+        raise _Fault(f"invalid name {name}: must begin with a letter")
 
 
 def _default(field: Field, text: str) -> Scalar | tuple[Scalar, ...]:
@@ -216,7 +216,7 @@ def _default(field: Field, text: str) -> Scalar | tuple[Scalar, ...]:
     except ValueError:
         values = None
     if not isinstance(values, list):
-        raise _Fault("the default of an array is written as in JSON, [1, 2]")
+        raise _Fault("the default of an array must be written as in JSON, such as [1, 2]")
     size = field.array.size
     if size is not None and (len(values) > size or (len(values) < size and field.array.fixed)):
         raise _Fault(f"the default of {field.full_type} has {len(values)} elements")

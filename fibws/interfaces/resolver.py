@@ -1,4 +1,4 @@
-"""Follows nested types to their definitions, and refuses what has no end.
+"""Looks up the definitions of nested types, and refuses types that are recursive or too large.
 
 Whatever is linked is finite: its types exist, none holds itself, and its size is bounded. The rest
 of fibws relies on that, since a client may bring its own definitions.
@@ -14,7 +14,7 @@ from fibws.interfaces import builtin
 from fibws.interfaces.definition import Field, MessageDefinition
 
 DEEPEST = 50
-"""How many messages may be nested in each other."""
+"""How deep messages may be nested."""
 MOST_FIELDS = 10_000
 """How many fields a message may have, those of nested messages included: each needs a validator."""
 MOST_VALUES = 2**22
@@ -38,7 +38,7 @@ _SCALAR, _FLOAT, _TIME = Size(0, 1), Size(0, 1, has_floats=True), Size(2, 1)
 
 
 class Resolver:
-    """Reads definitions and, with each, those of the types nested in it.
+    """Looks up definitions together with those of nested types.
 
     Args:
         read: gives the definition of a type, not linked.
@@ -50,7 +50,7 @@ class Resolver:
         self._sizes: dict[str, Size] = {}
 
     def message(self, name: str) -> MessageDefinition:
-        """The definition of the type, linked.
+        """The definition of the type; all nested types have been looked up.
 
         Raises:
             DefinitionError: it, or a type nested in it, is wrong.
@@ -59,11 +59,11 @@ class Resolver:
         return self.known.get(name) or self._add(self._read(name), ())
 
     def size(self, name: str) -> Size:
-        """How large a message of a linked type is."""
+        """The size of a message of a type that has been looked up."""
         return self._sizes[name]
 
     def check(self, definition: MessageDefinition) -> Size:
-        """Link the types nested in a definition that is no message of its own, as a request."""
+        """Look up the types nested in any definition, such as a service's request."""
         return self._measure(definition, ())
 
     def _add(self, definition: MessageDefinition, above: tuple[str, ...]) -> MessageDefinition:
@@ -72,7 +72,7 @@ class Resolver:
         return definition
 
     def _measure(self, definition: MessageDefinition, above: tuple[str, ...]) -> Size:
-        """How large the definition is; ``above`` are those it is nested in."""
+        """The size of a definition; ``above`` are the types that it is nested in."""
         path = (*above, definition.type)
         fields = values = 0
         has_floats = False
@@ -93,9 +93,9 @@ class Resolver:
 
     def _nested(self, definition: MessageDefinition, field: Field, path: tuple[str, ...]) -> Size:
         if field.type in path:
-            raise _error(definition, field, f"{field.type} would hold itself")
+            raise _error(definition, field, f"{field.type} contains itself")
         if len(path) >= DEEPEST:
-            raise _error(definition, field, f"more than {DEEPEST} messages in each other")
+            raise _error(definition, field, f"nested too deeply (limit is {DEEPEST})")
         if field.type not in self.known:
             try:
                 nested = self._read(field.type)

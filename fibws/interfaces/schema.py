@@ -1,4 +1,4 @@
-"""The schemas of builtin types: what JSON may stand for each, and what it becomes.
+"""The pydantic_core schemas of builtin types and arrays.
 
 pydantic_core checks the ordinary values by itself. Python functions take part only where ROS has a
 rule of its own: float32's rounding, byte strings, and times that are relative to now.
@@ -18,24 +18,24 @@ from fibws.interfaces import base64text, builtin
 from fibws.interfaces.definition import Array, Field
 
 Stamp: TypeAlias = Callable[[], dict[str, int]]
-"""Gives a time as ``{"secs": .., "nsecs": ..}``, a new object each time."""
+"""Returns a time as a new object ``{"secs": .., "nsecs": ..}``."""
 
 FAULT: Final = "fibws"
-"""The error type of a fault that these functions find; its text is the reason."""
+"""The type of the errors that these functions raise; the text is the reason."""
 CHOICE: Final = "#"
-"""How those steps of an error's path begin that only choose between schemas."""
+"""Prefix of the steps in an error's path that only choose between schemas."""
 TIME_PARTS: Final[dict[str, list[list[str | int]]]] = {
     "secs": [["secs"], ["sec"]],
     "nsecs": [["nsecs"], ["nanosec"], ["nsec"]],
 }
-"""The parts of a time and the spellings that are understood."""
+"""The parts of a time, with all accepted spellings."""
 
 _FLOAT32 = Struct("<f")
 _pack, _unpack = _FLOAT32.pack, _FLOAT32.unpack
 
 
 def scalar_schema(field: Field) -> core_schema.CoreSchema:
-    """The schema of one value of the field's type, which is neither a time nor nested."""
+    """The schema of one value of a field that is neither a time nor a message."""
     if field.type in builtin.INTEGERS:
         low, high = builtin.INTEGERS[field.type]
         return core_schema.int_schema(strict=True, ge=low, le=high)
@@ -53,7 +53,7 @@ def scalar_schema(field: Field) -> core_schema.CoreSchema:
 def array_schema(
     field: Field, element: core_schema.CoreSchema, most: int | None
 ) -> core_schema.CoreSchema:
-    """The schema of the array field whose elements are ``element``, and ``most`` many."""
+    """The schema of an array of at most ``most`` elements."""
     assert field.array is not None
     if most is not None and field.array.fixed is None:
         most = most if field.array.size is None else min(most, field.array.size)
@@ -94,12 +94,12 @@ def time_schema(kind: str, base: Stamp, now: Stamp | None) -> core_schema.CoreSc
 
 
 def zero_time() -> dict[str, int]:
-    """The time, or the duration, that an absent one is."""
+    """The default of a time or a duration."""
     return {"secs": 0, "nsecs": 0}
 
 
 def _secs_and_nsecs(kind: str, *, required: bool) -> core_schema.CoreSchema:
-    """An object of both, by the names they have in ROS 1, in ROS 2 or in older clients."""
+    """The schema of an object with both parts, as ROS 1, ROS 2 or older clients spell them."""
     low, high = builtin.INTEGERS[builtin.TIMES[kind]]
     part = core_schema.int_schema(strict=True, ge=low, le=high)
     return core_schema.typed_dict_schema(
@@ -113,14 +113,14 @@ def _secs_and_nsecs(kind: str, *, required: bool) -> core_schema.CoreSchema:
 
 
 def _list_of(element: core_schema.CoreSchema, array: Array) -> core_schema.ListSchema:
-    # One wrong element is enough: a list of a million must not make a million errors.
+    # Stop at the first error: a list of a million must not make a million errors.
     return core_schema.list_schema(
         element, min_length=array.fixed, max_length=array.size, strict=True, fail_fast=True
     )
 
 
 def _bytes_reader(element: core_schema.CoreSchema, array: Array) -> Callable[[object], str]:
-    """Makes canonical base64 of base64, of a list of integers, or of bytes as CBOR has them."""
+    """Convert base64, a list of integers, or bytes (from CBOR) to canonical base64."""
     numbers = SchemaValidator(_list_of(element, Array()))
 
     def read(value: object) -> str:
@@ -143,7 +143,7 @@ def _bytes_reader(element: core_schema.CoreSchema, array: Array) -> Callable[[ob
 
 
 def _round(value: float) -> float:
-    """The float32 next to ``value``."""
+    """Round to a float32."""
     try:
         rounded: float = _unpack(_pack(value))[0]
     except OverflowError:
@@ -158,10 +158,10 @@ def _round_all(values: list[float | None]) -> list[float]:
     except StructError:  # a None among them
         return _round_all([nan if value is None else value for value in values])
     except OverflowError:
-        # One by one, the value at fault is named.
+        # Rounding them one by one finds the value to name.
         return [_round(nan if value is None else value) for value in values]
 
 
 def fault(reason: str) -> PydanticCustomError:
-    """An error whose text is ``reason``, whatever characters that holds."""
+    """An error with the text ``reason``, which may contain any characters."""
     return PydanticCustomError(FAULT, "{reason}", {"reason": reason})

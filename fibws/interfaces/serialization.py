@@ -276,7 +276,7 @@ def _serializers_of(interfaces: Interfaces) -> Serializers:
 
 
 class _Fault(Exception):
-    """What is wrong with the bytes; ``path`` is the field, which grows on the way out."""
+    """An error in the bytes; ``path`` is the field, which is completed on the way out."""
 
     path = ""
 

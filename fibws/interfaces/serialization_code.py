@@ -686,7 +686,7 @@ def with_nan(value: Any) -> Any:
 
 @lru_cache
 def _list_packer(letter: str) -> Callable[[list[Any]], bytes]:
-    """What makes bytes of valid lists of numbers; None stands for NaN."""
+    """Return a function from valid lists of numbers to bytes; None stands for NaN."""
 
     def packed(values: list[Any]) -> bytes:
         try:
@@ -700,7 +700,7 @@ def _list_packer(letter: str) -> Callable[[list[Any]], bytes]:
 
 @lru_cache
 def _number_packer(letter: str) -> Callable[[Any], bytes | memoryview]:
-    """What makes bytes of arrays of numbers, or raises an exception."""
+    """Return a function from arrays of numbers to bytes, which refuses other values."""
     kind = next(kind for kind in ("bhilq", "BHILQ", "fd", "?") if letter in kind)
     alike = {other for other in kind if calcsize(other) == calcsize(f"<{letter}")}
     native = alike if sys.byteorder == "little" else set[str]()

@@ -21,7 +21,7 @@ class _Span:
 
     @classmethod
     def from_sec(cls, seconds: float) -> Self:
-        """That many seconds, to the nearest nanosecond that a float can tell."""
+        """That many seconds, rounded to a nanosecond."""
         return cls(nsecs=round(seconds * _SECOND))
 
     @classmethod
@@ -61,7 +61,7 @@ class Time(_Span):
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.secs < 0:
-            raise ValueError("a time before 1970 cannot be told")
+            raise ValueError("a time cannot be before 1970")
 
     def __add__(self, other: Duration) -> Time:
         return Time.from_nanoseconds(self.to_nanoseconds() + other.to_nanoseconds())

@@ -1,7 +1,7 @@
-"""Says what is wrong with a message in the words of the real rosbridge_server.
+"""Error texts for invalid messages, in the words of rosbridge_server.
 
-The texts are those of its ``message_conversion.py``, which clients know; what it leaves unsaid,
-such as the range of an integer, follows in parentheses.
+The texts are those of its ``message_conversion.py``, which clients know. Details that it does not
+give, such as the range of an integer, follow in parentheses.
 """
 
 from __future__ import annotations
@@ -16,21 +16,21 @@ from fibws.interfaces.definition import Field, MessageDefinition
 from fibws.interfaces.fingerprint import Lookup
 
 MOST_EXPLAINED = 1000
-"""Looking for the first of more faults than this would take longer than the message deserves."""
+"""If there are more errors than this, finding the first one takes too long."""
 
 LONGEST_PATH = 200
-"""How much of a name that some client made up is repeated to it."""
+"""How many characters of an unknown field's name are shown."""
 
 
 def explain(
     definition: MessageDefinition, lookup: Lookup, error: ValidationError
 ) -> InvalidMessage:
-    """The error to raise for a message that pydantic_core found wrong."""
+    """The error to raise for a message that pydantic_core refused."""
     count = error.error_count()
     if count > MOST_EXPLAINED:
         return InvalidMessage(f"Message type {definition.type} does not fit in {count} places")
     details = error.errors(include_url=False)
-    # A time with a part missing is legal, so that fault is never the reason.
+    # A part of a time may be missing, so this is never the reason.
     first = next((detail for detail in details if detail["type"] != "missing"), details[0])
     if not first["loc"]:
         found = type(first["input"]).__name__
@@ -41,7 +41,7 @@ def explain(
 
 
 def _describe(definition: MessageDefinition, lookup: Lookup, detail: ErrorDetails) -> str:
-    """What is wrong, and where: ``detail``'s path is followed through the definitions."""
+    """Describe an error, following its path through the definitions."""
     path, expected, inside = "", definition.type, definition.type
     field: Field | None = None
     is_list = False
@@ -68,7 +68,7 @@ def _describe(definition: MessageDefinition, lookup: Lookup, detail: ErrorDetail
 def _field(
     definition: MessageDefinition, lookup: Lookup, inside: str, name: str | int
 ) -> Field | None:
-    """The field of the type ``inside``, which is ``definition``'s own or one that it holds."""
+    """Look up a field of ``inside``, which is ``definition`` or a type nested in it."""
     if inside in builtin.TIMES:
         return Field(str(name), builtin.TIMES[inside])
     members = definition if inside == definition.type else lookup(inside)
@@ -76,14 +76,14 @@ def _field(
 
 
 def _reason(field: Field, detail: ErrorDetails) -> str | None:
-    """Why a value of the right JSON type is wrong all the same, if it is of that type."""
+    """Why a value of the right JSON type is invalid, if that is the error."""
     value: Any = detail["input"]
     match detail["type"]:
         case schema.FAULT:
             return detail["msg"]
         case "less_than_equal" | "greater_than_equal":
             low, high = builtin.INTEGERS[field.type]
-            # Python refuses to spell very long integers.
+            # Python refuses to print very long integers.
             shown = value if abs(value) < 2**128 else "this integer"
             return f"{shown} is not in {low}..{high}"
         case "too_short" | "too_long":
@@ -94,7 +94,7 @@ def _reason(field: Field, detail: ErrorDetails) -> str | None:
         case "string_too_long":
             return f"it has {len(value)} characters, not at most {field.limit}"
         case "string_unicode":
-            return "it holds half of a surrogate pair"
+            return "it contains a lone surrogate"
         case "float_type" if type(value) is int:
             return "it is too large"
     return None

@@ -1,4 +1,4 @@
-"""Checks messages against their types: a dict goes in, one with every field filled comes out.
+"""Validates messages: takes a dict and returns one with all fields.
 
 How JSON becomes a message is ROS's own rule, as rosbridge_library's ``message_conversion.py`` has
 it. The result is ready for ``pydantic_core.to_json(..., inf_nan_mode="null")``: byte strings are
@@ -22,7 +22,7 @@ from fibws.interfaces.validation_errors import explain
 
 
 class Validators:
-    """The validators of all types, each built when first asked for.
+    """The validators of all types, each made when first asked for.
 
     Args:
         interfaces: where the types are looked up.
@@ -44,7 +44,7 @@ class Validators:
         )
 
     def of(self, name: str) -> MessageValidator:
-        """The validator of a message type; it raises as `Interfaces.message` does."""
+        """The validator of a message type; raises as `Interfaces.message` does."""
         found = self._by_name.get(name)
         if found is None:
             definition = self._interfaces.message(name)
@@ -53,7 +53,7 @@ class Validators:
         return found
 
     def of_definition(self, definition: MessageDefinition) -> MessageValidator:
-        """A new validator of a message that has no name of its own, as a service's request."""
+        """A new validator of a message without a name of its own, such as a service's request."""
         return MessageValidator(definition, self._message(definition), self._interfaces)
 
     def _now_parts(self) -> dict[str, int]:
@@ -61,7 +61,7 @@ class Validators:
         return {"secs": secs, "nsecs": nsecs}
 
     def _message(self, definition: MessageDefinition) -> core_schema.CoreSchema:
-        """An object that may leave out fields, but has no others."""
+        """The schema of an object in which all fields are optional, and no others are allowed."""
         fields = {field.name: self._field(field) for field in definition.fields}
         if definition.type == builtin.HEADER:
             fields["stamp"] = self._stamp
@@ -75,7 +75,7 @@ class Validators:
         )
 
     def _field(self, field: Field) -> core_schema.CoreSchema:
-        """The schema of a field and of what stands in for it where it is left out.
+        """The schema of a field, with its default.
 
         Fields that are alike share one: the validators keep them all.
         """
@@ -102,7 +102,7 @@ class Validators:
 
 
 class MessageValidator:
-    """Checks the messages of one type."""
+    """Validates the messages of one type."""
 
     __slots__ = ("_interfaces", "_validate", "definition", "has_sequenced_header", "type")
 
@@ -116,7 +116,7 @@ class MessageValidator:
         self._validate = SchemaValidator(schema).validate_python
 
     def validate(self, msg: object) -> dict[str, Any]:
-        """The message with every field filled.
+        """Return the message with all fields.
 
         Raises:
             InvalidMessage: it does not fit the type; the text names the first field at fault.
@@ -128,7 +128,7 @@ class MessageValidator:
         return valid
 
     def missing(self, msg: dict[str, Any]) -> list[str]:
-        """The fields that ``msg``, which is valid, leaves to their defaults: ``pose.x``."""
+        """The fields that a valid message leaves out, such as ``pose.x``."""
         return list(self._missing(self.definition, msg, ""))
 
     def _missing(
@@ -149,7 +149,7 @@ class MessageValidator:
 
 
 def _with_default(field: Field, schema: core_schema.CoreSchema) -> core_schema.CoreSchema:
-    """The schema of a field that may be left out."""
+    """The schema of an optional field."""
     with_default = core_schema.with_default_schema
     if field.is_bytes:
         return with_default(schema, default_factory=partial(_default_bytes, field))
@@ -160,14 +160,14 @@ def _with_default(field: Field, schema: core_schema.CoreSchema) -> core_schema.C
     if field.type in builtin.TIMES:
         return with_default(schema, default_factory=zero_time)
     if field.is_nested:
-        # What stands in for a nested message is whatever its schema makes of an empty object.
+        # The default of a nested message is what its schema makes of an empty object.
         return with_default(schema, default_factory=dict, validate_default=True)
     return with_default(
         schema, default=field.default_value, validate_default=field.default is not None
     )
 
 
-# What arrays hold is made when it is needed: a few letters declare millions of elements.
+# Default elements are made when they are needed: a short definition can declare millions.
 
 
 def _default_bytes(field: Field) -> str:

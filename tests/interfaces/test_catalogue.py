@@ -192,7 +192,7 @@ def test_a_missing_type_in_a_request_is_found_too(tmp_path: Path) -> None:
 
 def test_a_type_cannot_hold_itself(tmp_path: Path) -> None:
     write(tmp_path, my_msgs__msg__A="B b", my_msgs__msg__B="int8 x\nA[] a")
-    with pytest.raises(DefinitionError, match="my_msgs/A would hold itself") as caught:
+    with pytest.raises(DefinitionError, match="my_msgs/A contains itself") as caught:
         Interfaces([tmp_path]).message("my_msgs/A")
     assert caught.value.source.endswith("B.msg")
 
@@ -201,7 +201,7 @@ def test_types_nest_only_so_deep(tmp_path: Path) -> None:
     for number in range(60):
         write(tmp_path, **{f"my_msgs__msg__T{number}": f"T{number + 1} x"})
     write(tmp_path, my_msgs__msg__T60="int32 x")
-    with pytest.raises(DefinitionError, match="more than 50 messages in each other"):
+    with pytest.raises(DefinitionError, match=r"too deeply .*50"):
         Interfaces([tmp_path]).message("my_msgs/T0")
 
 
@@ -218,3 +218,13 @@ def test_a_message_that_would_fill_the_memory_is_refused(tmp_path: Path, array: 
 def test_the_mark_that_windows_begins_a_file_with_is_no_part_of_it(tmp_path: Path) -> None:
     write(tmp_path, my_msgs__msg__Mine="\ufeffint32 x\r\n")
     assert Interfaces([tmp_path]).message("my_msgs/Mine").fields == (Field("x", "int32"),)
+
+
+def test_types_with_floats_are_known() -> None:
+    interfaces = Interfaces()
+    found = {
+        name: interfaces.has_floats(interfaces.message(name))
+        for name in ("std_msgs/Int32", "std_msgs/Header", "std_msgs/Float32", "nav_msgs/Path")
+    }
+    assert list(found.values()) == [False, False, True, True]
+    assert not interfaces.has_floats(interfaces.service("rospy_tutorials/AddTwoInts").request)

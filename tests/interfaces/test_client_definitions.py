@@ -57,8 +57,8 @@ def test_a_type_cannot_be_brought_with_other_fields(name: str) -> None:
 @pytest.mark.parametrize(
     ("text", "fault"),
     [
-        (f"Inner inner\n{SEPARATOR}\nMSG: new_msgs/Inner\nint32", "line 4: this is neither"),
-        (f"Inner inner\n{SEPARATOR}\nMSG: new_msgs/Inner\nOuter o", "would hold itself"),
+        (f"Inner inner\n{SEPARATOR}\nMSG: new_msgs/Inner\nint32", "line 4: expected a field"),
+        (f"Inner inner\n{SEPARATOR}\nMSG: new_msgs/Inner\nOuter o", "contains itself"),
         (f"Inner i\nNo no\n{SEPARATOR}\nMSG: new_msgs/Inner\nint8 x", "for package new_msgs"),
     ],
 )
@@ -72,11 +72,11 @@ def test_a_wrong_definition_teaches_nothing(text: str, fault: str) -> None:
 def test_clients_can_bring_only_so_much(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(client_definitions, "MOST", 1)
     interfaces = Interfaces()
-    with pytest.raises(InterfaceError, match="more than 262144 characters"):
+    with pytest.raises(InterfaceError, match="limit is 262144 characters"):
         interfaces.learn("new_msgs/Long", "#" * 300_000)
     interfaces.learn("new_msgs/One", "int32 x")
     interfaces.learn("new_msgs/One", "int32 x # once more")
-    with pytest.raises(InterfaceError, match="new_msgs/Two is too many"):
+    with pytest.raises(InterfaceError, match="to add new_msgs/Two "):
         interfaces.learn("new_msgs/Two", "int32 x")
 
 
@@ -176,8 +176,8 @@ def test_a_nested_type_cannot_be_brought_with_other_fields() -> None:
 @pytest.mark.parametrize(
     ("text", "fault"),
     [
-        ("int32 x", "1 lines of --- are needed, there are 0"),
-        ("int32 x\n---\nint32", "line 3: this is neither"),
+        ("int32 x", "expected 1 lines of ---, got 0"),
+        ("int32 x\n---\nint32", "line 3: expected a field"),
         (f"Point p\nNo no\n---\n{POINT}", "for package new_msgs"),
         (f"---\nNo no\n{POINT}", "for package new_msgs"),
         (f"---\n{POINT}Ours ours", "for package new_msgs"),
@@ -187,7 +187,7 @@ def test_a_wrong_service_or_action_teaches_nothing(text: str, fault: str) -> Non
     interfaces = Interfaces()
     with pytest.raises(DefinitionError, match=fault):
         interfaces.learn_service("new_msgs/Ask", text)
-    one_more = fault.replace("1 lines", "2 lines").replace("are 0", "are 1").replace("e 3", "e 4")
+    one_more = fault.replace("1 lines", "2 lines").replace("got 0", "got 1").replace("e 3", "e 4")
     with pytest.raises(DefinitionError, match=one_more):
         interfaces.learn_action("new_msgs/Go", f"---\n{text}")
     assert "new_msgs" not in interfaces.packages()
@@ -201,17 +201,17 @@ def test_services_and_actions_count_among_what_clients_bring(
     interfaces.learn_service("new_msgs/Ask", f"Point p\n---\n{POINT}")
     for _ in range(2):
         interfaces.learn_service("new_msgs/Ask", f"Point p\n---\n{POINT}")
-        with pytest.raises(InterfaceError, match="new_msgs/Tell is too many"):
+        with pytest.raises(InterfaceError, match="to add new_msgs/Tell "):
             interfaces.learn_service("new_msgs/Tell", "---")
     monkeypatch.setattr(client_definitions, "MOST", 9)
-    with pytest.raises(InterfaceError, match="new_msgs/Go is too many"):
+    with pytest.raises(InterfaceError, match="to add new_msgs/Go "):
         interfaces.learn_action("new_msgs/Go", "---\n---")
     assert interfaces.messages("new_msgs") == ["new_msgs/Point"]
     monkeypatch.setattr(client_definitions, "MOST", 10)
     for _ in range(2):
         interfaces.learn_action("new_msgs/Go", "---\n---")
     for learn in (interfaces.learn_service, interfaces.learn_action):
-        with pytest.raises(InterfaceError, match="more than 262144 characters"):
+        with pytest.raises(InterfaceError, match="limit is 262144 characters"):
             learn("new_msgs/Long", "#" * 300_000)
 
 
@@ -228,11 +228,11 @@ def test_learned_services_and_actions_outlive_a_new_folder(tmp_path: Path) -> No
 def test_a_client_cannot_bring_long_fixed_arrays(line: str) -> None:
     interfaces = Interfaces()
     big = f"{SEPARATOR}\nMSG: new_msgs/Big\nuint8[65536] data"
-    with pytest.raises(InterfaceError, match=r"new_msgs/\w+ has \d+ values .* may have 65536"):
+    with pytest.raises(InterfaceError, match=r"new_msgs/\w+ has \d+ values .* 65536$"):
         interfaces.learn("new_msgs/Long", f"{line}\n{big}")
-    with pytest.raises(InterfaceError, match="may have 65536"):
+    with pytest.raises(InterfaceError, match=r"65536$"):
         interfaces.learn_service("new_msgs/Ask", f"---\n{line}\n{big}")
-    with pytest.raises(InterfaceError, match="may have 65536"):
+    with pytest.raises(InterfaceError, match=r"65536$"):
         interfaces.learn_action("new_msgs/Go", f"---\n---\n{line}\n{big}")
     assert "new_msgs" not in interfaces.packages()
     interfaces.learn("new_msgs/Fits", f"Big[] x\n{big}")
@@ -252,14 +252,14 @@ def test_all_that_clients_bring_has_only_so_many_fields(monkeypatch: pytest.Monk
     interfaces = Interfaces()
     interfaces.learn("new_msgs/Three", "int8 x\nint8 Y=1\nint8 z")
     interfaces.learn("new_msgs/Four", "Three three\nint8 x")
-    with pytest.raises(InterfaceError, match="may have 10 fields and constants together"):
+    with pytest.raises(InterfaceError, match=r"fields and constants .*limit is 10 "):
         interfaces.learn("new_msgs/More", "Four four")
-    with pytest.raises(InterfaceError, match="new_msgs/Ask is too many"):
+    with pytest.raises(InterfaceError, match="to add new_msgs/Ask "):
         interfaces.learn_service("new_msgs/Ask", "Four four\n---")
-    with pytest.raises(InterfaceError, match="new_msgs/Go is too many"):
+    with pytest.raises(InterfaceError, match="to add new_msgs/Go "):
         interfaces.learn_action("new_msgs/Go", "int8 x\n---\n---")
     interfaces.learn("new_msgs/Time", "time t")
-    with pytest.raises(InterfaceError, match="new_msgs/One is too many"):
+    with pytest.raises(InterfaceError, match="to add new_msgs/One "):
         interfaces.learn("new_msgs/One", "int8 x")
 
 

@@ -94,7 +94,7 @@ def test_a_full_text_holds_several_messages() -> None:
 
 @pytest.mark.parametrize(("end", "line"), [("", 3), ("\nint32 x", 3), ("\nMSG: x\nint32 y", 3)])
 def test_each_part_of_a_full_text_names_its_type(end: str, line: int) -> None:
-    with pytest.raises(DefinitionError, match="MSG: package/Type is needed") as caught:
+    with pytest.raises(DefinitionError, match="expected MSG: package/Type") as caught:
         read_message(f"int32 a\n{SEPARATOR}{end}", "my_msgs/Outer")
     assert caught.value.line == line
 
@@ -103,5 +103,7 @@ def test_an_error_names_the_line_of_the_whole_text() -> None:
     text = f"Inner inner\n---\n{SEPARATOR}\nMSG: my_msgs/Inner\nint32"
     with pytest.raises(DefinitionError, match="the definition of my_msgs/Ask, line 5: "):
         read_service(text, "my_msgs/Ask")
-    with pytest.raises(DefinitionError, match="the definition of my_msgs/Go, line 1: 2 lines of"):
+    with pytest.raises(
+        DefinitionError, match="the definition of my_msgs/Go, line 1: expected 2 lines of"
+    ):
         read_action("int32 x", "my_msgs/Go")

@@ -81,27 +81,27 @@ def test_empty_lines_and_comments_declare_nothing() -> None:
 @pytest.mark.parametrize(
     ("line", "fault"),
     [
-        ("int32", "neither a field"),
+        ("int32", "expected a field"),
         ("int32 x y z", "'y z' is not a int32"),
-        ("int32 x; int32 y", "neither a field"),
-        ('string x "open', "neither a field"),
-        ("int32 9x", "9x is not a legal name"),
-        ("int32 _x", "_x is not a legal name"),
-        ("int32 _X=5", "_X is not a legal name"),
+        ("int32 x; int32 y", "expected a field"),
+        ('string x "open', "expected a field"),
+        ("int32 9x", "invalid name 9x"),
+        ("int32 _x", "invalid name _x"),
+        ("int32 _X=5", "invalid name _X"),
         ("a/b/c x", "a/b/c is not a type"),
-        ("int32<=5 x", "only strings have a length"),
+        ("int32<=5 x", "only strings can be bounded"),
         ("int32[<=] x", "bound of the array is missing"),
-        ("int32[9999999999] x", "neither a field"),
+        ("int32[9999999999] x", "expected a field"),
         ("int32 X=five", "'five' is not a int32"),
         ("uint8 X=256", "256 is not in 0..255"),
         ("int8 X=\u0663", "'\u0663' is not a int8"),
         ("int8 X=3\x1c", "is not a int8"),
-        ("int8 x\x1c", "neither a field"),
-        ("\u0085", "neither a field"),
-        ("int8[003] x", "neither a field"),
-        ("float32 X=nan", "a constant is a finite number, as in float32 X=1.5; nan is not"),
-        ("float64 X=-Infinity", "a finite number, as in float64 X=1.5; -Infinity is not"),
-        ("int8<=3 X=1", "only strings have a length"),
+        ("int8 x\x1c", "expected a field"),
+        ("\u0085", "expected a field"),
+        ("int8[003] x", "expected a field"),
+        ("float32 X=nan", "a constant must be finite, such as float32 X=1.5, got nan"),
+        ("float64 X=-Infinity", "finite, such as float64 X=1.5, got -Infinity"),
+        ("int8<=3 X=1", "only strings can be bounded"),
         ("float32 X=one", "'one' is not a float32"),
         ("bool X=2", "'2' is not a bool"),
         ("time X=5", "a constant cannot be of type time"),
@@ -126,7 +126,7 @@ def test_an_error_names_file_line_text_and_fault(line: str, fault: str) -> None:
 
 @pytest.mark.parametrize("text", ["int32 x\nint32 x", "int32 x\nint32 x=1", "int8 x=1\nint8 x=1"])
 def test_two_members_cannot_share_a_name(text: str) -> None:
-    with pytest.raises(DefinitionError, match="line 2: the name x is taken"):
+    with pytest.raises(DefinitionError, match="line 2: duplicate name x"):
         parse(text)
 
 
@@ -165,9 +165,9 @@ def test_an_action_has_three_parts_and_makes_seven_messages() -> None:
 @pytest.mark.parametrize(
     ("text", "line", "fault"),
     [
-        ("int64 a\n", 1, "1 lines of --- are needed, there are 0"),
-        ("---\n---\nint8 x", 2, "1 lines of --- are needed, there are 2"),
-        ("int64 a\n---\nint64", 3, "neither a field"),
+        ("int64 a\n", 1, "1 lines of ---, got 0"),
+        ("---\n---\nint8 x", 2, "1 lines of ---, got 2"),
+        ("int64 a\n---\nint64", 3, "expected a field"),
     ],
 )
 def test_an_error_in_a_service_names_the_line_of_the_file(text: str, line: int, fault: str) -> None:
@@ -177,5 +177,5 @@ def test_an_error_in_a_service_names_the_line_of_the_file(text: str, line: int, 
 
 
 def test_an_action_with_two_parts_is_refused() -> None:
-    with pytest.raises(DefinitionError, match="2 lines of --- are needed, there are 1"):
+    with pytest.raises(DefinitionError, match="2 lines of ---, got 1"):
         parse_action("---", "my_msgs", "Count")

@@ -89,7 +89,7 @@ def test_a_value_that_fits_its_field_is_taken(name: str, given: object, data: ob
         ("Bool", 1, "bool", "int"),
         ("String", 5, "string", "int"),
         ("String", b"5", "string", "bytes"),
-        ("String", "\ud800", "string", "str (it holds half of a surrogate pair)"),
+        ("String", "\ud800", "string", "str (it contains a lone surrogate)"),
         ("Time", "then", "time", "str"),
         ("Time", 5, "time", "int"),
         ("Duration", "now", "duration", "str"),

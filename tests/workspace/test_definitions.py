@@ -63,8 +63,8 @@ def test_services_and_actions_are_compiled_too(layout: Layout) -> None:
         files={"srv/Add.srv": "int64 a\n---\nint64 b\nint64 b", "action/Count.action": "int32 to"},
     )
     service, action = layout.faults()
-    assert service.startswith("a/srv/Add.srv, line 4: the name b is taken")
-    assert action.startswith("a/action/Count.action, line 1: 2 lines of --- are needed")
+    assert service.startswith("a/srv/Add.srv, line 4: duplicate name b")
+    assert action.startswith("a/action/Count.action, line 1: expected 2 lines of ---")
 
 
 def test_a_listed_file_has_to_be_there(layout: Layout) -> None:

@@ -24,6 +24,7 @@ TYPES = [
     *("geometry_msgs/PoseStamped", "geometry_msgs/Point", "geometry_msgs/Vector3"),
     *("sensor_msgs/Image", "sensor_msgs/LaserScan", "nav_msgs/Odometry", "rosgraph_msgs/Log"),
     *("std_msgs/UInt8", "geometry_msgs/Point32", "geometry_msgs/Polygon", "geometry_msgs/Twist"),
+    *("std_msgs/Duration", "std_msgs/Int64", "std_msgs/UInt64"),
 ]
 VALIDATORS = Validators(default_interfaces(), now=int)
 
@@ -86,6 +87,18 @@ def test_a_field_that_is_not_there_cannot_be_set(name: str) -> None:
 @pytest.mark.parametrize(
     "expression",
     [
+        "parts(M('std_msgs/String').deserialize(b'\\3\\0\\0\\0a\\xffb'))",
+        "parts(M('std_msgs/Time').deserialize(b'\\1\\0\\0\\0' + b'\\xff' * 4))",
+        "parts(M('std_msgs/Duration').deserialize(b'\\xff' * 8))",
+        "parts(M('std_msgs/Bool').deserialize(b'\\2'))",
+        "packed(M('std_msgs/Float64', -0.0))",
+        "packed(M('std_msgs/Float64', 5e-324))",
+        "packed(M('std_msgs/Float32', 0.1))",
+        "packed(M('std_msgs/Float32', 1e-45))",
+        "packed(M('std_msgs/Int64', -2**63))",
+        "packed(M('std_msgs/UInt64', 2**64 - 1))",
+        "packed(M('std_msgs/Duration', Duration(-1, 5)))",
+        "packed(M('std_msgs/UInt8MultiArray', data=bytes(range(256))))",
         "packed(M('std_msgs/Int32', True))",
         "packed(M('std_msgs/Int32', 'five'))",
         "packed(M('std_msgs/Int32', 1.0))",

@@ -1,4 +1,4 @@
-"""Messages as ROS 1's Python has them, made of definitions when they are first asked for.
+"""Message classes as in ROS 1's genpy, made from definitions when they are first needed.
 
     finder ─> classes ─> Message, with a Member for each field ─> JSON, ROS 1's bytes, YAML
 

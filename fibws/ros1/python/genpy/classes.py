@@ -1,4 +1,4 @@
-"""Makes message and service classes of definitions, one for each type in a process."""
+"""Makes message and service classes from definitions, one for each type in a process."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def service_class(name: str) -> type[Service[Any, Any]]:
 
 
 def forget(packages: Collection[str]) -> None:
-    """Forget the classes of packages, so that those of changed definitions are made anew."""
+    """Forget the classes of packages, so that changed definitions get new classes."""
     with _lock:
         for known in (_messages, _services):
             for name in [name for name in known if name.partition("/")[0] in packages]:

@@ -1,15 +1,15 @@
-"""What goes wrong with messages.
+"""Errors of messages.
 
 MessageException
 ├── SerializationError      a value does not fit its field
-└── DeserializationError    bytes that are no such message
+└── DeserializationError    bytes are invalid for the type
 """
 
 from __future__ import annotations
 
 
 class MessageException(Exception):
-    """The base of what goes wrong with messages."""
+    """The base of errors of messages."""
 
 
 class SerializationError(MessageException):
@@ -17,4 +17,4 @@ class SerializationError(MessageException):
 
 
 class DeserializationError(MessageException):
-    """The bytes are no such message."""
+    """The bytes are invalid for the type."""

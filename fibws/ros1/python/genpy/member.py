@@ -1,8 +1,8 @@
-"""One field of a message class: what it holds at first, and how its value gets to JSON and back.
+"""One field of a message class: its default, and how its value is converted to JSON and back.
 
-What a script may assign is what genpy packs: numpy's numbers for ints, ints for floats, lists,
-tuples and arrays. It becomes what `MessageValidator.validate` takes; what genpy would not pack
-becomes what that refuses.
+Scripts may assign whatever genpy packs: numpy's numbers for ints, ints for floats, lists, tuples
+and arrays. It is converted for `MessageValidator.validate`; other values are converted to something
+that validation refuses.
 """
 
 from __future__ import annotations
@@ -25,26 +25,26 @@ if TYPE_CHECKING:
 Convert: TypeAlias = Callable[[Any], Any]
 
 RESERVED = frozenset({*keyword.kwlist, "self"})
-"""The names that a field cannot have in Python: it gets a ``_`` behind it there."""
+"""Names that a field cannot have in Python: a ``_`` is appended."""
 
 _CODES = {
     **{"int8": "b", "uint8": "B", "int16": "h", "uint16": "H", "int32": "i", "uint32": "I"},
     **{"int64": "q", "uint64": "Q", "byte": "b", "char": "B", "bool": "B"},
     **{"float32": "d", "float64": "d"},  # Validation rounds a float32.
 }
-"""What `array` calls the numbers."""
+"""The type codes of `array` for numbers."""
 
 _DTYPES = {"byte": "int8", "char": "uint8", "bool": "bool"}
-"""What numpy calls those numbers which it calls otherwise."""
+"""The names of dtypes that differ from those of ROS."""
 
 
 class Member(NamedTuple):
     """A field of a message class.
 
-    ``attribute`` and ``name`` are what it is called in Python and in ROS, ``default`` makes what it
-    holds at first. ``write`` makes its value in JSON, and ``read`` what stands for a valid one in
-    Python; ``read_numpy`` does so with numpy's arrays for arrays of numbers. ``nested`` is
-    the class of the messages in it, if there are any.
+    ``attribute`` and ``name`` are its names in Python and in ROS, ``default`` makes its default.
+    ``write`` converts its value to JSON; ``read`` converts a valid one back, and ``read_numpy``
+    does so with numpy's arrays for arrays of numbers. ``nested`` is the class of the messages in
+    it, if there are any.
     """
 
     attribute: str
@@ -82,7 +82,7 @@ def make_member(field: Field, nested: type[Message] | None) -> Member:
 
 
 def attribute(name: str) -> str:
-    """What a field or a constant is called in Python."""
+    """The name of a field or a constant in Python."""
     return f"{name}_" if name in RESERVED else name
 
 
@@ -91,7 +91,7 @@ def _class_of(field: Field, nested: type[Message] | None) -> Callable[[], Any]:
 
 
 def _new(field: Field, nested: type[Message] | None) -> Any:
-    """What the field holds at first, unless that is one message or one time."""
+    """The default of a field, unless it is a single message or time."""
     if field.array is None:
         return field.default_value
     if field.is_bytes:
@@ -102,7 +102,7 @@ def _new(field: Field, nested: type[Message] | None) -> Any:
 
 
 def _element(type_: str, nested: type[Message] | None) -> tuple[Convert, Convert]:
-    """How one value of the type becomes JSON, and how it comes from it."""
+    """Return how one value of the type is converted to JSON and back."""
     if nested is not None:
         return nested.dict_of, nested.from_dict
     return _ELEMENTS.get(type_, (_write_int, _same))
@@ -113,9 +113,9 @@ def _same(value: Any) -> Any:
 
 
 def refused(value: Any) -> Any:
-    """What stands for a value that validation would take although genpy does not.
+    """A placeholder for a value that validation would accept although genpy does not.
 
-    Only its class's name counts, by which validation calls it.
+    Validation shows the name of its class in the error.
     """
     return type(type(value).__name__, (), {})()
 
@@ -134,7 +134,7 @@ def _write_bool(value: Any) -> Any:
         return value
     try:
         return bool(index(value))
-    except TypeError:  # numpy's bools are no numbers
+    except TypeError:  # numpy's bools are not numbers
         return value.item() if hasattr(value, "item") else value
 
 
@@ -232,11 +232,11 @@ _ELEMENTS: dict[str, tuple[Convert, Convert]] = {
     "time": (_write_time, partial(_read_time, Time)),
     "duration": (_write_time, partial(_read_time, Duration)),
 }
-"""How a value of a builtin type that is no integer becomes JSON, and how it comes from it."""
+"""How a value of a builtin type that is not an integer is converted to JSON and back."""
 
 _READ_ALL: dict[str, Convert] = {
     "bool": list,
     "float32": _read_floats,
     "float64": _read_floats,
 }
-"""How an array of numbers that are no integers comes from JSON."""
+"""How an array of numbers that are not integers is converted from JSON."""

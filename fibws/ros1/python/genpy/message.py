@@ -1,4 +1,4 @@
-"""The base of message classes, and what else a script finds in genpy.message."""
+"""The base of message classes, and the other public names of genpy.message."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ __all__ = [
 ]
 
 struct_I = struct.Struct("<I")
-"""What packs a length, as ROS 1 writes it."""
+"""The struct of a length in ROS 1's serialization."""
 
 
 class Message(GraphMessage):
@@ -92,14 +92,14 @@ class Message(GraphMessage):
             setattr(self, attribute, default() if value is None else value)
 
     def to_dict(self) -> dict[str, Any]:
-        """The message as JSON has it; what genpy could not pack becomes what validation refuses."""
+        """Return the message as a dict for JSON; validation refuses what genpy could not pack."""
         return {
             name: write(getattr(self, attribute)) for attribute, name, _, write, *_ in self._members
         }
 
     @classmethod
     def dict_of(cls, value: Any) -> Any:
-        """As `to_dict`, of anything that has all the fields of this class."""
+        """As `to_dict`, for any object that has all fields of this class."""
         try:
             return {
                 name: write(getattr(value, attribute))
@@ -110,7 +110,7 @@ class Message(GraphMessage):
 
     @classmethod
     def from_dict(cls, values: dict[str, Any]) -> Self:
-        """The message that a valid dict with every field in it stands for; None becomes NaN."""
+        """Make a message from a valid dict with all fields; None becomes NaN."""
         message = cls.__new__(cls)
         for attribute, name, _, _, read, *_ in cls._members:
             setattr(message, attribute, read(values[name]))
@@ -138,15 +138,15 @@ class Message(GraphMessage):
         buff.write(data)
 
     def deserialize(self, str: bytes) -> Self:
-        """Take over what ROS 1's bytes say; it returns the message itself.
+        """Set all fields from ROS 1's bytes; return the message itself.
 
         Raises:
-            DeserializationError: they are no such message.
+            DeserializationError: the bytes are invalid for the type.
         """
         return self._take(str, self._style)
 
     def serialize_numpy(self, buff: BinaryIO, numpy: Any) -> None:
-        """As `serialize`, which takes numpy's arrays as well."""
+        """As `serialize`, which accepts numpy's arrays."""
         self.serialize(buff)
 
     def deserialize_numpy(self, str: bytes, numpy: Any) -> Self:

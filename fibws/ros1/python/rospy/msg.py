@@ -1,4 +1,4 @@
-"""Messages of any type, unopened; and what a script finds in rospy.msg besides."""
+"""Messages of any type as bytes, and the other public names of rospy.msg."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class AnyMsg(Message):
         """Write the bytes to a file.
 
         Raises:
-            ROSException: there are none.
+            ROSException: there are no bytes.
         """
         if self._buff is None:
             raise ROSException("AnyMsg is not initialized")

@@ -15,14 +15,14 @@ _classes: dict[type[Message], type[Message]] = {}
 
 
 class _Numpy(Message):
-    """What such classes do otherwise."""
+    """Overrides the conversions from dicts and bytes."""
 
     __slots__ = ()
     _style: ClassVar[ObjectStyle] = NUMPY_STYLE
 
     @classmethod
     def from_dict(cls, values: dict[str, Any]) -> Self:
-        """As others, with numpy's arrays for arrays of numbers."""
+        """Make a message from a valid dict, with numpy's arrays."""
         return cls.from_dict_numpy(values)
 
 
