@@ -317,7 +317,7 @@ class _Diagnosis:
             if count * element.least > rest:
                 wanted = f"{count} elements of at least {element.least} bytes"
                 raise _Fault(f"expected {wanted}, got {rest} bytes")
-            self._left -= count * element.free
+            self._left -= count * element.excess
             if self._left < 0:
                 raise _Fault(f"too many values that need no bytes (limit is {MOST_WITHOUT_BYTES})")
         if element.size is not None:

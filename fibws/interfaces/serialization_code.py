@@ -97,7 +97,7 @@ class Layout(NamedTuple):
         least: the smallest number of bytes.
         values: the number of values; the elements of an array count as one.
         free: the number of values that need no bytes, without those of arrays of no fixed size.
-        counted: whether there are arrays of no fixed size whose elements have ``free`` values.
+        counted: whether there are arrays of no fixed size whose elements have an ``excess``.
         loops: whether there are arrays whose elements are visited one by one.
     """
 
@@ -107,6 +107,11 @@ class Layout(NamedTuple):
     free: int = 0
     counted: bool = False
     loops: bool = False
+
+    @property
+    def excess(self) -> int:
+        """The number of values that is not in proportion to the number of bytes."""
+        return max(0, self.free - self.least)
 
     @classmethod
     def of(cls, definition: MessageDefinition, types: Types) -> Layout:
@@ -130,7 +135,7 @@ class Layout(NamedTuple):
             return element
         count, loops = field.array.fixed, field.type not in LETTERS
         if count is None:
-            return cls(None, 4, 1, 0, element.counted or element.free > 0, loops)
+            return cls(None, 4, 1, 0, element.counted or element.excess > 0, loops)
         size = None if element.size is None and count else count * element.least
         free = count * element.free or int(count == 0)
         return cls(size, count * element.least, 1, free, element.counted, loops)
@@ -209,8 +214,8 @@ class _Code:
 
     def spend(self, count: str, element: Layout) -> None:
         """Count the values of elements that need no bytes."""
-        if element.free:
-            self.add(f"spend(left, {count} * {element.free})")
+        if element.excess:
+            self.add(f"spend(left, {count} * {element.excess})")
 
     def function(self, type_: str, result: str = "") -> Function:
         """Compile the function; ``result`` is the expression that it returns."""
@@ -380,7 +385,9 @@ class Objects(Dicts):
         return function
 
     def member(self, message: str, field: Field) -> str:
-        return f"{message}.{self._style.attribute(field.name)}"
+        attribute = self._style.attribute(field.name)
+        assert attribute.isidentifier(), attribute
+        return f"{message}.{attribute}"
 
     def parts(self, time: str) -> tuple[str, str]:
         return f"{time}.secs", f"{time}.nsecs"

@@ -69,6 +69,8 @@ def interfaces(tmp_path_factory: pytest.TempPathFactory) -> Interfaces:
         "Larges": "Large[] larges",
         "Zero": "float64[0] none\nuint8[0] no_bytes\nNothing[0] never",
         "Zeros": "Zero[] zeros",
+        "Marked": "uint8 x\nNothing mark",
+        "Markeds": "Marked[] markeds",
         "Bounded": "wstring<=3[<=4] names\nfloat64[<=2] numbers\nuint8[<=2] data",
     }.items():
         (folder / f"{name}.msg").write_text(text, "utf-8")
@@ -267,6 +269,14 @@ def test_an_array_that_cannot_fit_needs_no_memory() -> None:
                 assert tracemalloc.get_traced_memory()[1] < 2**22
     finally:
         tracemalloc.stop()
+
+
+def test_values_without_bytes_are_not_limited_beside_others(interfaces: Interfaces) -> None:
+    count = MOST_WITHOUT_BYTES + 1
+    serializer = Serializers(interfaces).of("odd_msgs/Markeds")
+    data = pack("<I", count) + bytes(count)
+    serializer.check(data)
+    assert len(serializer.deserialize(data)["markeds"]) == count
 
 
 def test_many_values_without_bytes_are_refused_at_once(interfaces: Interfaces) -> None:
