@@ -7,20 +7,19 @@ import resource
 import sys
 from dataclasses import replace
 
-from bench.binaries import binary
 from bench.codecs import codecs
 from bench.encodings import encodings
-from bench.errors import BenchError
 from bench.fanout import fanout
 from bench.flood import flood
 from bench.idle import idle
 from bench.latency import latency
 from bench.machine import require_linux
+from bench.measure import QUICK, BenchError, Plan
 from bench.page import page
-from bench.plan import QUICK, Plan
 from bench.report import Report
 from bench.rosapi import rosapi
 from bench.rospy import rospy
+from bench.servers import binary
 from bench.services import services
 from bench.startup import startup
 from bench.subscriptions import subscriptions

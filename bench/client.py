@@ -11,8 +11,8 @@ from collections.abc import Collection, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from typing import Any, Self
 
-from bench.errors import BenchError
 from bench.handshake import connected
+from bench.measure import BenchError
 
 PATIENCE_SECONDS = 10.0
 """Less than between two of the hub's pings, which would be taken for a sign of life."""

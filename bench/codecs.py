@@ -12,10 +12,8 @@ from pydantic import BaseModel
 from pydantic_core import from_json, to_json
 
 from bench import naive
-from bench.plan import HUB, Plan
-from bench.repeated import Repeated
+from bench.measure import HUB, Plan, Repeated, microseconds
 from bench.report import Report
-from bench.stopwatch import microseconds
 from fibws.interfaces import Interfaces, Validators
 
 

@@ -11,11 +11,9 @@ from typing import Any
 
 from bench.client import Client, answer_pings, crowd, hear, operation
 from bench.machine import on_load_cpu
-from bench.plan import Plan
-from bench.repeated import Repeated
+from bench.measure import Plan, Repeated, microseconds
 from bench.report import Report
 from bench.servers import Server, running
-from bench.stopwatch import microseconds
 from fibws.hub.graph.encoding import Encoding, Publication
 from fibws.hub.graph.types import Types
 from fibws.interfaces import Interfaces

@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from bench.handshake import handshake
 from bench.load import Flood, load
 from bench.machine import on_load_cpu
-from bench.plan import NAIVE, Plan
-from bench.repeated import Repeated
+from bench.measure import NAIVE, Plan, Repeated
 from bench.report import Report
 from bench.servers import Server, running
 

@@ -7,7 +7,7 @@ import os
 import socket
 import time
 
-from bench.errors import BenchError
+from bench.measure import BenchError
 
 
 def handshake(port: int, patience: float = 10.0) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bench import load
-from bench.plan import NAIVE, RELAY, Plan
+from bench.measure import NAIVE, RELAY, Plan
 from bench.report import Report
 from bench.servers import running
 

@@ -7,8 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from bench.load import Load, measured
-from bench.plan import NAIVE, RELAY, Plan
-from bench.repeated import Repeated
+from bench.measure import NAIVE, RELAY, Plan, Repeated
 from bench.report import Report
 
 SUBSCRIBERS = 100

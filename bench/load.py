@@ -10,12 +10,10 @@ from typing import Protocol, Self, TypeVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from bench.binaries import binary
-from bench.errors import BenchError
 from bench.machine import cpus
-from bench.plan import NAIVE, RELAY, Plan
+from bench.measure import NAIVE, RELAY, BenchError, Plan
 from bench.report import Report
-from bench.servers import Server, all_running
+from bench.servers import Server, all_running, binary
 
 TOPICS = count(1)
 Result = TypeVar("Result", bound=BaseModel)

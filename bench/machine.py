@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-from bench.errors import BenchError
+from bench.measure import BenchError
 
 
 @dataclass(frozen=True)

@@ -9,10 +9,8 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 
 from bench.client import Client, answer_pings, crowd, operation
-from bench.errors import BenchError
 from bench.machine import on_load_cpu
-from bench.plan import Plan
-from bench.repeated import Repeated
+from bench.measure import BenchError, Plan, Repeated
 from bench.report import Report
 from bench.servers import Server, all_running, running
 

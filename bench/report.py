@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from bench.machine import Disturbance, describe
-from bench.plan import HUBS
+from bench.measure import HUBS
 
 RESULTS = Path(__file__).parent / "results"
 

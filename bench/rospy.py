@@ -15,8 +15,7 @@ from pathlib import Path
 from statistics import median, quantiles
 from typing import NamedTuple
 
-from bench.errors import BenchError
-from bench.plan import HUB, Plan
+from bench.measure import HUB, BenchError, Plan
 from bench.report import Report
 from bench.servers import running
 

@@ -11,10 +11,8 @@ from contextlib import ExitStack
 from typing import Any
 
 from bench.client import Client, crowd, frame, operation
-from bench.errors import BenchError
 from bench.machine import on_load_cpu
-from bench.plan import Plan
-from bench.repeated import Repeated
+from bench.measure import BenchError, Plan, Repeated
 from bench.report import Report
 from bench.servers import Server, all_running
 

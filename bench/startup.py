@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import statistics
 
-from bench.plan import NAIVE, Plan
+from bench.measure import NAIVE, Plan
 from bench.report import Report
 from bench.servers import running
 

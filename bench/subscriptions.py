@@ -6,8 +6,7 @@ from contextlib import ExitStack
 
 from bench.client import Client, answer_pings, crowd, operation
 from bench.load import Load, load
-from bench.plan import Plan
-from bench.repeated import Repeated
+from bench.measure import Plan, Repeated
 from bench.report import Report
 from bench.servers import running
 
