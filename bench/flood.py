@@ -22,7 +22,7 @@ LIMIT_HANDSHAKE_MS = 50
 
 
 @dataclass(frozen=True)
-class Strain:
+class FloodResult:
     """Latencies, in ms, of another topic and of new connections during a flood."""
 
     p50: float
@@ -34,15 +34,15 @@ class Strain:
 
 def flood(plan: Plan, report: Report) -> None:
     """Flood one topic of each server; the relay knows only one topic and stays out."""
-    strains: dict[str, list[Strain]] = {name: [] for name in (*plan.hubs, NAIVE)}
+    results: dict[str, list[FloodResult]] = {name: [] for name in (*plan.hubs, NAIVE)}
     for rep in range(plan.reps):
-        for name, found in strains.items():
+        for name, found in results.items():
             with running(name) as server:
-                strain = _strain(server, plan, report)
-            found.append(strain)
-            report.record("flood", server=name, rep=rep, **vars(strain))
+                result = _measure(server, plan, report)
+            found.append(result)
+            report.record("flood", server=name, rep=rep, **vars(result))
     rows = []
-    for name, found in strains.items():
+    for name, found in results.items():
         p99 = Repeated.of(each.p99 for each in found)
         slowest = Repeated.of(each.handshake_max for each in found)
         rows.append(
@@ -75,7 +75,7 @@ def flood(plan: Plan, report: Report) -> None:
     )
 
 
-def _strain(server: Server, plan: Plan, report: Report) -> Strain:
+def _measure(server: Server, plan: Plan, report: Report) -> FloodResult:
     with Flood(server, longest_seconds=plan.warm_seconds + plan.seconds + 60) as flooder:
         time.sleep(LEAD_SECONDS)
         seen = load(server, plan, "--rate", f"{RATE}")
@@ -83,7 +83,7 @@ def _strain(server: Server, plan: Plan, report: Report) -> Strain:
             shakes = _handshakes(server)
         flooded = flooder.stop()
     report.fault(server.name, "beside a flood", seen.fault)
-    return Strain(
+    return FloodResult(
         p50=seen.lat_us.p50 / 1000,
         p99=seen.lat_us.p99 / 1000,
         handshake_median=statistics.median(shakes),

@@ -59,7 +59,7 @@ class Page:
             self._asks_at = now + ASK_SECONDS
             self.client.send(ASK_STATISTICS)
 
-    def hear(self, messages: Sequence[bytes]) -> None:
+    def receive(self, messages: Sequence[bytes]) -> None:
         """Take what the hub says."""
         for message in messages:
             fields = json.loads(message)
@@ -74,14 +74,14 @@ class Page:
 # Beside a busy topic.
 
 
-class Peers:
+class Pair:
     """Two clients of one hub, of which one publishes to the other, and maybe a page."""
 
     def __init__(self, server: Server, talker: Client, listener: Client, shown: Page | None):
         """Have them register."""
         self.server = server
         self.shown = shown
-        self.heard = 0
+        self.received = 0
         self._talker, self._listener = talker, listener
         talker.send(operation("advertise", topic=BUSY, type=TYPE))
         listener.send(operation("subscribe", topic=BUSY, type=TYPE))
@@ -99,17 +99,17 @@ class Peers:
             self.shown.tick(now)
         self._talker.send(operation("publish", topic=BUSY, msg={"data": number}))
 
-    def hear(self, client: Client, messages: Sequence[bytes]) -> None:
+    def receive(self, client: Client, messages: Sequence[bytes]) -> None:
         """Take what came for one of them."""
         if client is self._listener:
-            self.heard += len(messages)
+            self.received += len(messages)
         elif self.shown is not None and client is self.shown.client:
-            self.shown.hear(messages)
+            self.shown.receive(messages)
 
     def settle(self) -> None:
         """Wait until all has come."""
         self._talker.settle()
-        self.hear(self._listener, self._listener.settle())
+        self.receive(self._listener, self._listener.settle())
 
 
 def _measure_share(plan: Plan, report: Report) -> None:
@@ -139,51 +139,51 @@ def _costs(hub: str, plan: Plan, report: Report) -> tuple[Repeated, Repeated]:
         stack.enter_context(on_load_cpu())
         servers = stack.enter_context(all_running([hub, hub]))
         crowds = [stack.enter_context(crowd(server.port, 3, "peer")) for server in servers]
-        halls = [
-            Peers(server, talker, listener, Page(reader) if opened else None)
+        pairs = [
+            Pair(server, talker, listener, Page(reader) if opened else None)
             for server, (talker, listener, reader), opened in zip(
                 servers, crowds, (False, True), strict=True
             )
         ]
-        _publish(halls, plan.warm_seconds, report)
+        _publish(pairs, plan.warm_seconds, report)
         for rep in range(plan.reps):
-            found = _publish(halls, plan.seconds, report)
-            for hall, cost, kept in zip(halls, found, costs, strict=True):
+            found = _publish(pairs, plan.seconds, report)
+            for pair, cost, kept in zip(pairs, found, costs, strict=True):
                 kept.append(cost)
-                opened = hall.shown is not None
+                opened = pair.shown is not None
                 report.record("page", server=hub, opened=opened, rep=rep, cpu_ms_per_s=cost)
     return Repeated.of(costs[0]), Repeated.of(costs[1])
 
 
-def _publish(halls: Sequence[Peers], seconds: float, report: Report) -> list[float]:
+def _publish(pairs: Sequence[Pair], seconds: float, report: Report) -> list[float]:
     """Publish everywhere at the rate for so long; return the CPU of each hub in ms per second."""
-    for hall in halls:
-        hall.heard = 0
+    for pair in pairs:
+        pair.received = 0
     sent = 0
-    cpu = [hall.server.cpu_seconds for hall in halls]
+    cpu = [pair.server.cpu_seconds for pair in pairs]
     start = time.perf_counter()
     with selectors.DefaultSelector() as selector:
-        for hall in halls:
-            for client in hall.clients:
-                selector.register(client, selectors.EVENT_READ, (hall, client))
+        for pair in pairs:
+            for client in pair.clients:
+                selector.register(client, selectors.EVENT_READ, (pair, client))
         while (now := time.perf_counter()) < start + seconds:
             if now >= start + sent / RATE:
-                for hall in halls if sent % 2 else halls[::-1]:
-                    hall.tick(now, sent)
+                for pair in pairs if sent % 2 else pairs[::-1]:
+                    pair.tick(now, sent)
                 sent += 1
             for key, _ in selector.select(max(0.0, start + sent / RATE - time.perf_counter())):
-                hall, client = key.data
-                hall.hear(client, client.read())
-    for hall in halls:
-        hall.settle()
-        if hall.heard != sent:
-            report.fault(hall.server.name, "page", f"{hall.heard} of {sent} messages came")
-        if hall.shown is not None and hall.shown.answers < 2:
-            report.fault(hall.server.name, "page", "the page was not answered")
+                pair, client = key.data
+                pair.receive(client, client.read())
+    for pair in pairs:
+        pair.settle()
+        if pair.received != sent:
+            report.fault(pair.server.name, "page", f"{pair.received} of {sent} messages came")
+        if pair.shown is not None and pair.shown.answers < 2:
+            report.fault(pair.server.name, "page", "the page was not answered")
     taken = time.perf_counter() - start
     return [
-        (hall.server.cpu_seconds - before) / taken * 1000
-        for hall, before in zip(halls, cpu, strict=True)
+        (pair.server.cpu_seconds - before) / taken * 1000
+        for pair, before in zip(pairs, cpu, strict=True)
     ]
 
 

@@ -23,12 +23,12 @@ SHARE = 0.5
 NUMBERS = 1000
 """How many different questions there are; then they begin anew."""
 SERVICE, PING, PONG = "/bench/add", "/bench/ping", "/bench/pong"
-# Types with the fields of rospy_tutorials/AddTwoInts: both ways carry the same values.
+# Types with the fields of rospy_tutorials/AddTwoInts: both trips carry the same values.
 PING_TYPE, PING_FIELDS = "bench_msgs/TwoInts", "int64 a\nint64 b\n"
 PONG_TYPE, PONG_FIELDS = "bench_msgs/Sum", "int64 sum\n"
 
 
-class Way(ABC):
+class RoundTrip(ABC):
     """How a question goes through the hub, and how its answer comes back."""
 
     name: str
@@ -56,7 +56,7 @@ class Way(ABC):
         """Whether this operation is the answer to that question."""
 
 
-class ByTopics(Way):
+class TopicRoundTrip(RoundTrip):
     """One publishes the question, the other publishes the answer."""
 
     name = "topics"
@@ -91,7 +91,7 @@ class ByTopics(Way):
         return fields == {"op": "publish", "topic": PONG, "msg": {"sum": 3 * number}}
 
 
-class ByService(Way):
+class ServiceRoundTrip(RoundTrip):
     """One calls a service of the other's."""
 
     name = "service"
@@ -129,7 +129,7 @@ class ByService(Way):
         return fields == _response(SERVICE, number, {"sum": 3 * number})
 
 
-class ByHub(Way):
+class HubServiceRoundTrip(RoundTrip):
     """One asks the hub for the type of a topic."""
 
     name = "/rosapi/topic_type"
@@ -158,25 +158,25 @@ def _response(service: str, number: int, values: dict[str, Any]) -> dict[str, An
 
 
 def services(plan: Plan, report: Report) -> None:
-    """Measure each way at each window, in turn."""
-    topics, service, own = ways = (ByTopics(), ByService(), ByHub())
+    """Measure each trip at each window, in turn."""
+    topics, service, own = trips = (TopicRoundTrip(), ServiceRoundTrip(), HubServiceRoundTrip())
     costs: dict[tuple[str, int, str], list[float]] = {}
     with ExitStack() as stack:
         stack.enter_context(on_load_cpu())
         servers = stack.enter_context(all_running(plan.hubs))
         pairs = [stack.enter_context(crowd(server.port, 2, "peer")) for server in servers]
         for pair in pairs:
-            _prepare(ways, pair)
+            _prepare(trips, pair)
         for _ in range(plan.reps):
             for window in WINDOWS:
                 for server, pair in zip(servers, pairs, strict=True):
-                    for way in ways:
-                        cost = _cost(way, pair, window, server, plan, report)
-                        costs.setdefault((server.name, window, way.name), []).append(cost)
+                    for trip in trips:
+                        cost = _cost(trip, pair, window, server, plan, report)
+                        costs.setdefault((server.name, window, trip.name), []).append(cost)
     rows = []
     for hub in plan.hubs:
         for window in WINDOWS:
-            found = [Repeated.of(costs[hub, window, way.name]) for way in (topics, service, own)]
+            found = [Repeated.of(costs[hub, window, trip.name]) for trip in (topics, service, own)]
             ratio = found[1] / found[0]
             what = f"service against topics, window {window}"
             verdict = report.check(hub, what, ratio.median, LIMIT_AGAINST_TOPICS)
@@ -190,30 +190,30 @@ def services(plan: Plan, report: Report) -> None:
     )
 
 
-def _prepare(ways: Sequence[Way], pair: Sequence[Client]) -> None:
+def _prepare(trips: Sequence[RoundTrip], pair: Sequence[Client]) -> None:
     asker, other = pair
-    for way in ways:
-        way.prepare(asker, other)
+    for trip in trips:
+        trip.prepare(asker, other)
     asker.settle()
     other.settle()
 
 
 def _cost(
-    way: Way, pair: Sequence[Client], window: int, server: Server, plan: Plan, report: Report
+    trip: RoundTrip, pair: Sequence[Client], window: int, server: Server, plan: Plan, report: Report
 ) -> float:
     """Return the hub's CPU time for one question and its answer, in µs."""
     asker, other = pair
-    _converse(way, asker, other, window, plan.warm_seconds * SHARE)
+    _converse(trip, asker, other, window, plan.warm_seconds * SHARE)
     cpu, start = server.cpu_seconds, time.perf_counter()
-    answers = _converse(way, asker, other, window, plan.seconds * SHARE)
+    answers = _converse(trip, asker, other, window, plan.seconds * SHARE)
     cpu, seconds = server.cpu_seconds - cpu, time.perf_counter() - start
     cost = cpu / len(answers) * 1e6
-    what = f"{way.name}, window {window}"
-    report.fault(server.name, what, _fault(way, answers, surplus=asker.settle() + other.settle()))
+    what = f"{trip.name}, window {window}"
+    report.fault(server.name, what, _fault(trip, answers, surplus=asker.settle() + other.settle()))
     report.record(
         "services",
         server=server.name,
-        way=way.name,
+        trip=trip.name,
         window=window,
         cpu_us=cost,
         per_second=len(answers) / seconds,
@@ -222,19 +222,19 @@ def _cost(
     return cost
 
 
-def _converse(way: Way, asker: Client, other: Client, window: int, seconds: float) -> list[bytes]:
-    """Ask for so long, with so many questions under way; return all answers in order."""
+def _converse(trip: RoundTrip, asker: Client, other: Client, window: int, seconds: float) -> list[bytes]:
+    """Ask for so long, with so many questions under trip; return all answers in order."""
     asked, passed_on = 0, 0
     answers: list[bytes] = []
     due = window
     end = time.perf_counter() + seconds
     while len(answers) < asked or due:
-        asker.send(b"".join(way.questions[n % NUMBERS] for n in range(asked, asked + due)))
+        asker.send(b"".join(trip.questions[n % NUMBERS] for n in range(asked, asked + due)))
         asked += due
-        if passed_on < asked and not way.answered_by_hub:
+        if passed_on < asked and not trip.answered_by_hub:
             questions = other.receive()
             numbered = enumerate(questions, passed_on)
-            other.send(b"".join(way.answer(n % NUMBERS, question) for n, question in numbered))
+            other.send(b"".join(trip.answer(n % NUMBERS, question) for n, question in numbered))
             passed_on += len(questions)
         news = asker.receive()
         answers += news
@@ -242,8 +242,8 @@ def _converse(way: Way, asker: Client, other: Client, window: int, seconds: floa
     return answers
 
 
-def _fault(way: Way, answers: Sequence[bytes], surplus: Sequence[bytes]) -> str:
+def _fault(trip: RoundTrip, answers: Sequence[bytes], surplus: Sequence[bytes]) -> str:
     for number, answer in enumerate(answers):
-        if not way.is_answer(number % NUMBERS, json.loads(answer)):
+        if not trip.is_answer(number % NUMBERS, json.loads(answer)):
             return f"answer {number} is {answer.decode()}"
     return f"{len(surplus)} messages too many: {surplus[0].decode()}" if surplus else ""
