@@ -1,4 +1,4 @@
-"""Measure the hub and its references, print tables, compare with the limits."""
+"""Measure the hub and its references, print tables, and compare with the limits."""
 
 from __future__ import annotations
 
@@ -6,7 +6,9 @@ import argparse
 import resource
 import sys
 from dataclasses import replace
+from pathlib import Path
 
+from bench import robots
 from bench.codecs import codecs
 from bench.encodings import encodings
 from bench.fanout import fanout
@@ -15,6 +17,7 @@ from bench.idle import idle
 from bench.latency import latency
 from bench.machine import require_linux
 from bench.measure import QUICK, BenchError, Plan
+from bench.nodes import nodes
 from bench.page import page
 from bench.report import Report
 from bench.rosapi import rosapi
@@ -22,6 +25,7 @@ from bench.rospy import rospy
 from bench.servers import binary
 from bench.services import services
 from bench.startup import startup
+from bench.stuck import stuck
 from bench.subscriptions import subscriptions
 
 SCENARIOS = {
@@ -37,22 +41,34 @@ SCENARIOS = {
     "page": page,
     "subscriptions": subscriptions,
     "rospy": rospy,
+    "robots": robots.robots,
+    "nodes": nodes,
+    "stuck": stuck,
 }
+COMPARABLE = ("fanout", "latency")
+"""The scenarios that --against runs."""
 OPEN_FILES = 8192
 
 
 def main() -> int:
-    """Run what the command line asks for and return the exit status."""
+    """Run the scenarios that the command line names and return the exit status."""
     options = _options()
     plan = QUICK if options.quick else Plan()
-    plan = replace(plan, reps=options.reps or plan.reps, uvloop=options.uvloop)
+    plan = replace(
+        plan,
+        reps=options.reps or plan.reps,
+        uvloop=options.uvloop,
+        cells=options.cells,
+        minutes=options.minutes,
+        against=options.against,
+    )
     try:
         require_linux()
         _raise_open_files()
         for name in ("wsload", "relay"):
             binary(name)
         report = Report()
-        for name in options.scenario or SCENARIOS:
+        for name in options.scenario:
             SCENARIOS[name](plan, report)
     except BenchError as error:
         print(f"bench: {error}", file=sys.stderr)
@@ -62,23 +78,58 @@ def main() -> int:
 
 def _options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m bench", description=__doc__)
-    parser.add_argument("scenario", nargs="*", help=f"{', '.join(SCENARIOS)}; all by default")
-    parser.add_argument("--reps", type=int, help="repetitions, the servers taking turns")
+    parser.add_argument("scenario", nargs="*", help=f"{', '.join(SCENARIOS)}; default: all")
+    parser.add_argument("--reps", type=int, help="number of repetitions; servers take turns")
     parser.add_argument(
-        "--quick", action="store_true", help="one short repetition, limits only reported"
+        "--quick", action="store_true", help="one short repetition; limits are only reported"
     )
-    parser.add_argument("--uvloop", action="store_true", help="measure the hub on uvloop too")
-    parser.add_argument("--report-only", action="store_true", help="fail on loss, not on limits")
+    parser.add_argument("--uvloop", action="store_true", help="also measure the hub on uvloop")
+    parser.add_argument(
+        "--report-only", action="store_true", help="exit with 0 even if limits are missed"
+    )
+    parser.add_argument(
+        "--against",
+        type=Path,
+        metavar="DIR",
+        help="compare with the hub of another checkout (fanout, latency)",
+    )
+    parser.add_argument(
+        "--cells",
+        type=lambda text: tuple(text.split(",")),
+        default=(),
+        metavar="NAME,...",
+        help=f"cells of robots to measure: {', '.join(robots.NAMES)}; default: all",
+    )
+    parser.add_argument("--minutes", type=float, help="duration of stuck; default: 20 seconds")
     options = parser.parse_args()
     if unknown := set(options.scenario) - set(SCENARIOS):
-        parser.error(f"no scenario {', '.join(sorted(unknown))}; there are {', '.join(SCENARIOS)}")
+        parser.error(
+            f"unknown scenario {', '.join(sorted(unknown))}; expected {', '.join(SCENARIOS)}"
+        )
+    if unknown := set(options.cells) - set(robots.NAMES):
+        parser.error(
+            f"unknown cell {', '.join(sorted(unknown))}; expected {', '.join(robots.NAMES)}"
+        )
     if options.reps is not None and options.reps < 1:
-        parser.error("--reps starts at 1")
+        parser.error(f"--reps must be >= 1, got {options.reps}")
+    if options.minutes is not None and options.minutes <= 0:
+        parser.error(f"--minutes must be > 0, got {options.minutes:g}")
+    if options.against is not None:
+        options.against = options.against.resolve()
+        if not (options.against / "fibws" / "hub").is_dir():
+            parser.error(f"--against: fibws/hub not found in {options.against}")
+        if other := set(options.scenario) - set(COMPARABLE):
+            parser.error(
+                f"--against cannot compare {', '.join(sorted(other))}; "
+                f"expected {', '.join(COMPARABLE)}"
+            )
+        options.scenario = options.scenario or list(COMPARABLE)
+    options.scenario = options.scenario or list(SCENARIOS)
     return options
 
 
 def _raise_open_files() -> None:
-    # A server inherits this; a thousand idle connections pass the usual 1024.
+    # The servers inherit this; a thousand idle connections exceed the usual 1024.
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     wanted = OPEN_FILES if hard == resource.RLIM_INFINITY else min(OPEN_FILES, hard)
     if soft < wanted:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from bench.load import Load, measured
+from bench.load import Load, compare, measured
 from bench.measure import NAIVE, RELAY, Plan, Repeated
 from bench.report import Report
 
@@ -40,10 +40,17 @@ CELLS = (
     Cell(100, 32, 16),
     Cell(10, 65536, 16, against_relay=2.0, against_naive=0.65),
 )
+FIGURES: dict[str, Callable[[Load], float]] = {
+    "CPU, µs per delivery": lambda each: each.cpu_us_per_delivery
+}
+"""The figures that two hubs are compared by."""
 
 
 def fanout(plan: Plan, report: Report) -> None:
     """Measure each cell on all servers in turn."""
+    if plan.against:
+        compare("fanout", "Fan-out", CELLS, FIGURES, plan, report)
+        return
     loads = measured("fanout", CELLS, plan, report)
     for hub in plan.hubs:
         rows = [

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import statistics
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from bench.load import Load, measured
+from bench.load import Load, compare, measured
 from bench.measure import NAIVE, RELAY, Plan, Repeated
 from bench.report import Report
 
@@ -35,6 +35,12 @@ class Rate:
 
 HIGH = Rate(3000, publishers=20)
 LOW = Rate(100, publishers=1)
+FIGURES: dict[str, Callable[[Load], float]] = {
+    "p50, ms": lambda each: each.lat_us.p50 / 1000,
+    "p99, ms": lambda each: each.lat_us.p99 / 1000,
+    "CPU, µs per delivery": lambda each: each.cpu_us_per_delivery,
+}
+"""The figures that two hubs are compared by."""
 
 
 @dataclass(frozen=True)
@@ -60,6 +66,9 @@ class LatencyStats:
 
 def latency(plan: Plan, report: Report) -> None:
     """Measure both rates on all servers in turn."""
+    if plan.against:
+        compare("latency", "Latency, open loop", (HIGH, LOW), FIGURES, plan, report)
+        return
     loads = measured("latency", (HIGH, LOW), plan, report)
     stats = {(p, n): LatencyStats.of(p, each) for (p, n), each in loads.items()}
     report.table(
@@ -80,7 +89,9 @@ def latency(plan: Plan, report: Report) -> None:
     )
 
 
-def _verdict(rate: Rate, hub: str, stats: dict[tuple[Rate, str], LatencyStats], report: Report) -> str:
+def _verdict(
+    rate: Rate, hub: str, stats: dict[tuple[Rate, str], LatencyStats], report: Report
+) -> str:
     stat, what = stats[rate, hub], rate.name
     if rate is HIGH:
         p99 = report.check(hub, f"{what}, p99", stat.p99.median, 5, " ms")

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import os
 import subprocess
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import count
 from typing import Protocol, Self, TypeVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from bench.machine import cpus
-from bench.measure import NAIVE, RELAY, BenchError, Plan
+from bench.measure import BASE, HUB, NAIVE, RELAY, BenchError, Plan, Repeated
 from bench.report import Report
 from bench.servers import Server, all_running, binary
 
@@ -93,18 +93,44 @@ def measured(
     kind: str, settings: Sequence[At], plan: Plan, report: Report
 ) -> dict[tuple[At, str], list[Load]]:
     """Measure at each setting all servers in turn; return the loads by setting and server."""
-    names = (*plan.hubs, RELAY, NAIVE)
+    names = (HUB, BASE) if plan.against else (*plan.hubs, RELAY, NAIVE)
     loads: dict[tuple[At, str], list[Load]] = {(at, name): [] for at in settings for name in names}
-    with all_running(names) as servers:
-        for rep in range(plan.reps):
+    for rep in range(plan.reps):
+        # Started again for each repetition: two processes of one program differ by a few per cent.
+        with all_running(names, against=plan.against) as servers:
             for at in settings:
-                for server in servers:
+                for server in servers[::-1] if rep % 2 else servers:
                     seen = load(server, plan, *at.options)
                     loads[at, server.name].append(seen)
                     facts = seen.model_dump()
                     report.record(kind, server=server.name, cell=at.name, rep=rep, **facts)
                     report.fault(server.name, at.name, seen.fault)
     return loads
+
+
+def compare(
+    kind: str,
+    title: str,
+    settings: Sequence[At],
+    figures: Mapping[str, Callable[[Load], float]],
+    plan: Plan,
+    report: Report,
+) -> None:
+    """Measure this hub and the hub of another checkout in turn, and print the ratios."""
+    loads = measured(kind, settings, plan, report)
+    rows = []
+    for at in settings:
+        for name, figure in figures.items():
+            new, base = ([figure(each) for each in loads[at, hub]] for hub in (HUB, BASE))
+            ratio = Repeated.ratio(new, base)
+            report.record(f"{kind} against", cell=at.name, figure=name, **vars(ratio))
+            values = (f"{Repeated.of(new)}", f"{Repeated.of(base)}")
+            rows.append((at.name, name, *values, f"{ratio.median:.3f}", f"{ratio.least:.3f}"))
+    report.table(
+        f"{title}: this hub against the hub of {plan.against}, minimum (median) of {plan.reps}",
+        ("cell", "figure", "new", "base", "new : base, median", "of the minima"),
+        rows,
+    )
 
 
 def idle(server: Server, connections: int, hold_seconds: float) -> Idle:

@@ -222,7 +222,9 @@ def _cost(
     return cost
 
 
-def _converse(trip: RoundTrip, asker: Client, other: Client, window: int, seconds: float) -> list[bytes]:
+def _converse(
+    trip: RoundTrip, asker: Client, other: Client, window: int, seconds: float
+) -> list[bytes]:
     """Ask for so long, with so many questions under trip; return all answers in order."""
     asked, passed_on = 0, 0
     answers: list[bytes] = []

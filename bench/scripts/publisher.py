@@ -1,34 +1,43 @@
 #!/usr/bin/env python3
-"""publisher.py RATE COUNT: publishes COUNT texts, RATE a second, each with the time of day in it.
+"""publisher.py TYPE SIZE RATE WARM COUNT SUBSCRIBERS: publish messages with rospy.
 
-A rospy script like any other: it is run under a real ROS and under fibws.
+An ordinary rospy script: it runs under a real ROS and under fibws. It prints "begin" after WARM
+messages and, after COUNT more, the seconds that these took.
 """
 
 import sys
 import time
 
 import rospy
-from std_msgs.msg import String
+from messages import Messages, set_stamp
 
-BURSTS = 100.0
-"""A second, at most: above it messages leave several at a time, as sleep is not that exact."""
+BURSTS = 1000.0
+"""Above so many messages a second, several leave at a time, as sleep is not exact enough."""
 
 
-def publish(hz, count):
+def publish(type_name, size, hz, warm, count, subscribers):
     rospy.init_node("bench_publisher")
-    publisher = rospy.Publisher("bench", String, queue_size=1000)
-    while publisher.get_num_connections() == 0:
+    messages = Messages("{}.msg")
+    variants = messages.build(type_name, size)
+    publisher = rospy.Publisher("bench", messages.message_class(type_name), queue_size=100)
+    while publisher.get_num_connections() < subscribers:
         rospy.sleep(0.01)
     rate = rospy.Rate(min(hz, BURSTS))
     burst = max(1, round(hz / BURSTS))
-    began = time.monotonic()
-    for number in range(count):
+    began = 0.0
+    for number in range(warm + count):
+        if number == warm:
+            print("begin", flush=True)
+            began = time.monotonic()
         if number % burst == 0:
             rate.sleep()
-        publisher.publish(f"{number} {time.monotonic()!r}")
-    print(f"{time.monotonic() - began:.3f}")
-    rospy.sleep(1.0)
+        message = variants[number % len(variants)]
+        set_stamp(message, rospy.Time.now())
+        publisher.publish(message)
+    print(f"{time.monotonic() - began:.3f}", flush=True)
+    rospy.spin()
 
 
 if __name__ == "__main__":
-    publish(float(sys.argv[1]), int(sys.argv[2]))
+    type_name, size, hz, *counts = sys.argv[1:]
+    publish(type_name, int(size), float(hz), *map(int, counts))

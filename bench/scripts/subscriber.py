@@ -1,42 +1,40 @@
 #!/usr/bin/env python3
-"""subscriber.py COUNT: prints the microseconds that COUNT texts took, after what went wrong."""
+"""subscriber.py TYPE SIZE WARM COUNT: print how long messages took, with rospy.
+
+An ordinary rospy script: it runs under a real ROS and under fibws.
+"""
 
 import sys
 import threading
-import time
 
 import rospy
-from std_msgs.msg import String
+from arrivals import Arrivals
+from messages import Messages
 
 QUIET = 5.0
-"""Seconds without a message after which no more is waited for."""
-
-took = []
-disorder = []
-ended = threading.Event()
+"""Seconds without a message after which the subscriber stops waiting."""
 
 
-def callback(message, count):
-    number, sent = message.data.split()
-    took.append((time.monotonic() - float(sent)) * 1e6)
-    if int(number) != len(took) - 1:
-        disorder.append(number)
-    if int(number) == count - 1:
-        ended.set()
+def listen(type_name, size, warm, count):
+    rospy.init_node("bench_subscriber", anonymous=True)
+    messages = Messages("{}.msg")
+    arrivals = Arrivals(messages.build(type_name, size), warm, warm + count)
+    ended = threading.Event()
 
+    def callback(message):
+        if arrivals.add(message):
+            ended.set()
 
-def listen(count):
-    rospy.init_node("bench_subscriber")
-    rospy.Subscriber("bench", String, callback, count)
+    rospy.Subscriber("bench", messages.message_class(type_name), callback)
     print("ready", flush=True)
     seen = -1
-    while not took or len(took) > seen:
-        seen = len(took)
-        if ended.wait(QUIET):
-            break
-    print(f"{len(took)} of {count}, {len(disorder)} out of order")
-    print(" ".join(f"{each:.0f}" for each in took))
+    while not ended.is_set() and (not arrivals.received or arrivals.received > seen):
+        seen = arrivals.received
+        ended.wait(QUIET)
+    arrivals.report()
+    rospy.spin()
 
 
 if __name__ == "__main__":
-    listen(int(sys.argv[1]))
+    type_name, *numbers = sys.argv[1:]
+    listen(type_name, *map(int, numbers))
