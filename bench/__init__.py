@@ -1,1 +1,1 @@
-"""Measures the hub against a relay in C and a straightforward Python hub, in one run."""
+"""Benchmarks of the hub against a relay in C, a simple Python hub and a real ROS, in one run."""

@@ -1,4 +1,4 @@
-"""Clients that cost little: what they send is bytes made before, what they hear is only cut."""
+"""Cheap rosbridge clients: they send prepared bytes and only split the bytes they receive."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from typing import Any, Self
 from bench.handshake import connected
 from bench.measure import BenchError
 
-PATIENCE_SECONDS = 10.0
-"""Less than between two of the hub's pings, which would be taken for a sign of life."""
+TIMEOUT_SECONDS = 10.0
+"""Timeout of a read. Shorter than the hub's ping interval: a ping would restart the timeout."""
 NO_MASK = bytes(4)
-"""A masking key of zeros leaves the payload as it is; the server unmasks it all the same."""
+"""A masking key of zeros leaves the payload unchanged; the server still unmasks it."""
 TEXT, CLOSE, PING, PONG = 0x81, 0x88, 0x89, 0x8A
 """The first bytes of frames."""
 _READ = memoryview(bytearray(1 << 20))
 
 
 def frame(payload: bytes, first: int = TEXT) -> bytes:
-    """Return a client's frame."""
+    """Return a masked WebSocket frame."""
     size = len(payload)
     if size < 126:
         header = bytes((first, 0x80 | size))
@@ -36,23 +36,23 @@ def frame(payload: bytes, first: int = TEXT) -> bytes:
 
 
 def operation(op: str, **fields: Any) -> bytes:
-    """Return the frame of an operation."""
+    """Return the frame of a rosbridge operation."""
     return frame(json.dumps({"op": op, **fields}, separators=(",", ":")).encode())
 
 
 class Client:
-    """One connection to a hub, as the node of that name."""
+    """One connection to a hub."""
 
     def __init__(self, port: int, node: str) -> None:
-        """Connect."""
+        """Connect under a node's name."""
         self._node = node
-        self._socket = connected(port, f"/?node={node}", PATIENCE_SECONDS)
+        self._socket = connected(port, f"/?node={node}", TIMEOUT_SECONDS)
         self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self._data = bytearray()
         self._pongs = 0
 
     def fileno(self) -> int:
-        """Return the socket's, for selectors."""
+        """Return the socket's file descriptor, for selectors."""
         return self._socket.fileno()
 
     def send(self, frames: bytes) -> None:
@@ -63,24 +63,24 @@ class Client:
             raise BenchError(f"{self._node} cannot send: {error}") from error
 
     def read(self) -> list[bytes]:
-        """Wait for bytes; return the messages that are complete with them, maybe none."""
+        """Wait for bytes; return the messages that they complete, if any."""
         try:
             size = self._socket.recv_into(_READ)
         except OSError as error:
-            raise BenchError(f"{self._node} waits in vain: {error}") from error
+            raise BenchError(f"{self._node} received nothing: {error}") from error
         if not size:
             raise BenchError(f"{self._node} lost its connection")
         self._data += _READ[:size]
         return self._messages()
 
     def receive(self) -> list[bytes]:
-        """Wait for a message; return it and those that came with it."""
+        """Wait for a message; return it and those that arrived with it."""
         while True:
             if messages := self.read():
                 return messages
 
     def settle(self) -> list[bytes]:
-        """Wait until the hub has done all that it was asked for; return what came meanwhile."""
+        """Wait until the hub has processed all operations; return the messages that arrive."""
         pongs, messages = self._pongs, []
         self.send(frame(b"", PING))
         while self._pongs == pongs:
@@ -88,15 +88,15 @@ class Client:
         return messages
 
     def close(self) -> None:
-        """Leave without a word."""
+        """Close the socket without a closing handshake."""
         self._socket.close()
 
     def __enter__(self) -> Self:
-        """Do nothing; it is connected."""
+        """Do nothing; the client is connected."""
         return self
 
     def __exit__(self, *failure: object) -> None:
-        """Leave."""
+        """Close the socket."""
         self.close()
 
     def _messages(self) -> list[bytes]:
@@ -121,7 +121,7 @@ class Client:
             elif first == CLOSE:
                 raise BenchError(f"{self._node} was closed: {message[2:].decode()}")
             elif message.startswith(b'{"op":"status"'):
-                raise BenchError(f"{self._node} is told: {message.decode()}")
+                raise BenchError(f"{self._node} received a status: {message.decode()}")
             else:
                 found.append(message)
             start = stop
@@ -131,35 +131,35 @@ class Client:
 
 @contextmanager
 def crowd(port: int, size: int, name: str) -> Iterator[list[Client]]:
-    """Connect so many clients, named by that name and a number."""
+    """Connect several clients, named after `name` and a number."""
     with ExitStack() as stack:
         yield [stack.enter_context(Client(port, f"/{name}_{n}")) for n in range(size)]
 
 
-def hear(clients: Collection[Client]) -> list[bytes]:
-    """Wait until each of them has heard something; return all of it."""
+def receive_all(clients: Collection[Client]) -> list[bytes]:
+    """Wait until each client has received a message; return all messages."""
     messages: list[bytes] = []
     silent = set(clients)
-    deadline = time.monotonic() + PATIENCE_SECONDS
+    deadline = time.monotonic() + TIMEOUT_SECONDS
     with _selector(clients) as selector:
         while silent:
             ready = selector.select(deadline - time.monotonic())
             if not ready:
-                raise BenchError(f"{len(silent)} of {len(clients)} clients wait in vain")
+                raise BenchError(f"{len(silent)} of {len(clients)} clients received nothing")
             for key, _ in ready:
-                if news := key.data.read():
-                    messages += news
+                if received := key.data.read():
+                    messages += received
                     silent.discard(key.data)
     return messages
 
 
 def answer_pings(clients: Collection[Client]) -> None:
-    """Read what is there, which nobody asked for but the hub's keepalive."""
+    """Answer the pings that have arrived; raise if anything else has."""
     with _selector(clients) as selector:
         while ready := selector.select(0):
             for key, _ in ready:
-                if news := key.data.read():
-                    raise BenchError(f"an idle client hears {news[0].decode()[:200]}")
+                if received := key.data.read():
+                    raise BenchError(f"an idle client received {received[0].decode()[:200]}")
 
 
 def _selector(clients: Iterable[Client]) -> selectors.BaseSelector:

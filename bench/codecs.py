@@ -1,4 +1,4 @@
-"""Parsing, validating and serialising one publish operation, without any network."""
+"""CPU of parsing, validating and serialising one publish operation, without a network."""
 
 from __future__ import annotations
 
@@ -106,7 +106,7 @@ SCAN: dict[str, Any] = {
 
 @dataclass(frozen=True)
 class Sample:
-    """A message, its naive model, and the limit for ours as a share of naive's time."""
+    """A message, its naive model, and the limit of the ratio of the hub's time to naive's."""
 
     type_name: str
     msg: dict[str, Any]
@@ -115,7 +115,7 @@ class Sample:
 
     @property
     def text(self) -> str:
-        """Return the operation as a client sends it."""
+        """Return the publish operation as JSON."""
         operation = {"op": "publish", "topic": "/bench/codecs", "msg": self.msg}
         return json.dumps(operation, separators=(",", ":"))
 
@@ -128,7 +128,7 @@ SAMPLES = (
 
 
 def codecs(plan: Plan, report: Report) -> None:
-    """Time ours and naive's on each sample in turn."""
+    """Time the hub's code and naive's on each sample in turn."""
     validators = Validators(Interfaces(), time.time_ns)
     rounds = 20 * plan.reps
     rows = []
@@ -144,9 +144,9 @@ def codecs(plan: Plan, report: Report) -> None:
         def reference(text: str = text, model: type[BaseModel] = sample.model) -> str:
             return naive.relayed(json.loads(text), model)
 
-        # Ours narrows float32 fields to what a float32 holds: narrow naive's as well.
+        # The hub rounds float32 fields to the precision of float32: round naive's as well.
         if json.loads(ours())["msg"] != validate(json.loads(reference())["msg"]):
-            report.fault(HUB, sample.type_name, "ours and naive disagree")
+            report.fault(HUB, sample.type_name, "the results of hub and naive differ")
         times = microseconds((ours, reference), rounds)
         cost, its_cost = (Repeated.of(each) for each in times)
         ratio = cost / its_cost

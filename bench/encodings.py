@@ -1,4 +1,4 @@
-"""CPU of the hub for a point cloud of a megabyte in each encoding: encoded once, then only sent."""
+"""CPU of the hub for a point cloud of 1 MB in each encoding, by the number of subscribers."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from bench.client import Client, answer_pings, crowd, hear, operation
+from bench.client import Client, answer_pings, crowd, operation, receive_all
 from bench.machine import on_load_cpu
 from bench.measure import Plan, Repeated, microseconds
 from bench.report import Report
@@ -20,9 +20,9 @@ from fibws.interfaces import Interfaces
 
 FEW, MANY, MOST = SUBSCRIBERS = (1, 10, 20)
 LIMIT_ENCODINGS = 1.5
-"""One is what is wanted, MANY would be one for each; what sending costs varies a little."""
+"""The hub should encode once, not once per subscriber; the cost of sending varies a little."""
 SHARE = 0.2
-"""Of the planned seconds, for each of many measurements."""
+"""The share of the planned seconds for each of many measurements."""
 FEWEST_MESSAGES = 5
 
 POINTS = 62_500
@@ -46,7 +46,7 @@ CLOUD: dict[str, Any] = {
 
 @dataclass(frozen=True, eq=False)
 class Kind:
-    """What is published, how it is asked for, how each frame ends, and a string of its size."""
+    """A message, the compression to request, the end of each frame, and a string of equal size."""
 
     name: str
     type: str
@@ -57,12 +57,12 @@ class Kind:
 
     @property
     def topic(self) -> str:
-        """Return a topic for this type."""
+        """Return the topic of this type."""
         return f"/bench/{self.type.lower()}"
 
 
 def _string(size: int) -> Kind:
-    """Nearly no work to encode: what is left is to receive it once and to send it."""
+    """Return a string, which costs almost nothing to encode: only receiving and sending remain."""
     text = "x" * size
     name = f"(a string, {size / 1e6:.2f} MB)"
     return Kind(name, "std_msgs/String", {"data": text}, "none", text.encode() + b'"}}')
@@ -86,21 +86,21 @@ KINDS = (
 
 @dataclass(frozen=True)
 class Costs:
-    """What one message costs the hub, in ms of CPU."""
+    """The hub's CPU time per message, in ms."""
 
     by_subscribers: dict[int, Repeated]
     megabytes: float
-    """The size of its frame."""
+    """The size of the frame."""
 
     @property
     def of_more(self) -> float:
-        """Return what the subscribers after the first cost, where they are many."""
+        """Return the cost of all subscribers but the first, for MANY subscribers."""
         return self.by_subscribers[MANY].median - self.by_subscribers[FEW].median
 
 
 def encodings(plan: Plan, report: Report) -> None:
     """Measure each encoding at each number of subscribers, in turn."""
-    alone = _alone(plan)
+    alone = _encoding_costs(plan)
     for hub in plan.hubs:
         with on_load_cpu(), running(hub) as server:
             costs = _costs(server, plan, report)
@@ -111,9 +111,9 @@ def encodings(plan: Plan, report: Report) -> None:
                 "encoding",
                 "frame, MB",
                 *(f"→ {n}" for n in SUBSCRIBERS),
-                f"→ {MANY} less → {FEW}",
-                "of a string",
-                "encoding once",
+                f"→ {MANY} minus → {FEW}",
+                "same, of a string",
+                "one encoding",
                 f"encodings → {MANY}",
                 "limit",
             ),
@@ -140,9 +140,9 @@ def _row(
     return (*sizes, f"{sending:.2f}", f"{alone[kind]}", f"{times:.2f}", verdict)
 
 
-def _alone(plan: Plan) -> dict[Kind, Repeated]:
-    """Return what it costs to encode, once and here, in ms."""
-    bytearray(8 << 20)  # as the hub does, for the same reason
+def _encoding_costs(plan: Plan) -> dict[Kind, Repeated]:
+    """Return the CPU time of one encoding, measured in this process, in ms."""
+    bytearray(8 << 20)  # Raises the thresholds of malloc, as the hub does.
     types = Types(Interfaces(), time.time_ns, strict=True)
     times = microseconds([_encoder(types, kind) for kind in KINDS], 5 * plan.reps)
     return {
@@ -193,7 +193,7 @@ def _cost(
     plan: Plan,
     report: Report,
 ) -> tuple[float, int]:
-    """Return the CPU time that one message costs the hub, in ms, and the bytes it has."""
+    """Return the hub's CPU time per message, in ms, and the bytes of its frame."""
     publish = operation("publish", topic=kind.topic, msg=kind.msg)
     subscribe = operation("subscribe", topic=kind.topic, compression=kind.compression)
     wrong: list[bytes] = []
@@ -205,15 +205,15 @@ def _cost(
         end = time.perf_counter() + phase_seconds * SHARE
         while published < FEWEST_MESSAGES or time.perf_counter() < end:
             lidar.send(publish)
-            heard = hear(viewers)
+            received = receive_all(viewers)
             published += 1
-            wrong += [each for each in heard if not each.endswith(kind.ending)]
-            wrong += heard[len(viewers) :]
+            wrong += [each for each in received if not each.endswith(kind.ending)]
+            wrong += received[len(viewers) :]
         cpu = server.cpu_seconds - cpu
     for viewer in viewers:
         viewer.send(operation("unsubscribe", topic=kind.topic))
         wrong += viewer.settle()
     if wrong:
-        text = f"{len(wrong)} messages too many or not as expected: {wrong[0][:100]!r}"
+        text = f"{len(wrong)} unexpected messages, the first: {wrong[0][:100]!r}"
         report.fault(server.name, f"{kind.name} → {len(viewers)}", text)
-    return cpu / published * 1000, len(heard[0])
+    return cpu / published * 1000, len(received[0])

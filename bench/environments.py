@@ -24,6 +24,7 @@ MODULES = ROOT / "fibws" / "ros1" / "python"
 ROSCORE, ROS_PYTHON = Path("/usr/bin/roscore"), "/usr/bin/python3"
 """Debian's."""
 ROS = "ros"
+REAL_ROSPY = "real rospy"
 TIMEOUT_SECONDS = 60.0
 STOP_SECONDS = 5.0
 FEWEST_MESSAGES = 5
@@ -31,7 +32,7 @@ FEWEST_MESSAGES = 5
 
 @dataclass(frozen=True)
 class Traffic:
-    """Messages of a type, how many a second, to how many subscribers."""
+    """A type of message, its size, its rate and the number of subscribers."""
 
     type: str
     size: int
@@ -45,12 +46,12 @@ class Traffic:
 
 
 class Run(NamedTuple):
-    """What one publisher and its subscribers measured."""
+    """The result of one publisher and its subscribers."""
 
     took: list[float]
     """Microseconds from publish to callback, of the messages of all subscribers."""
     seconds: float
-    """The publisher's time for its messages."""
+    """The seconds in which the publisher sent its messages."""
     hz: float
     cpu_us: float
     """CPU time of the publisher, the hub and the subscribers per message."""
@@ -72,7 +73,7 @@ class Environment:
     hub: Server | None = None
 
     def run(self, traffic: Traffic, plan: Plan) -> Run:
-        """Publish for the planned time and return what was measured."""
+        """Publish for the planned time and return the result."""
         warm, count = traffic.count(plan.warm_seconds), traffic.count(plan.seconds)
         common = (traffic.type, str(traffic.size))
         numbers = (f"{traffic.hz:g}", str(warm), str(count), str(traffic.subscribers))
@@ -174,7 +175,7 @@ def _fault(report: dict[str, int], expected: int) -> str:
 
 @contextmanager
 def on_hub() -> Iterator[tuple[Environment, Environment]]:
-    """Start a hub; give the environments of rospy scripts and of fibws.Node scripts on it."""
+    """Start a hub; yield the environments of rospy scripts and of fibws.Node scripts on it."""
     with running(HUB, pinned=False) as server:
         variables = {
             **{name: value for name, value in os.environ.items() if not name.startswith("ROS")},
@@ -204,7 +205,7 @@ def on_hub() -> Iterator[tuple[Environment, Environment]]:
 
 @contextmanager
 def real_ros() -> Iterator[Environment | None]:
-    """Start a real roscore; give the environment of rospy scripts on it, or None without ROS."""
+    """Start a real roscore; yield the environment of rospy scripts, or None without a ROS."""
     if not ROSCORE.exists():
         print(f"note: {ROSCORE} not found; no comparison with a real ROS", file=sys.stderr)
         yield None
@@ -231,7 +232,7 @@ def real_ros() -> Iterator[Environment | None]:
             if not any("started core service [/rosout]" in line for line in master.stdout):
                 raise BenchError("roscore did not start")
             yield Environment(
-                "real rospy", ROS, ROS_PYTHON, "publisher.py", "subscriber.py", variables
+                REAL_ROSPY, ROS, ROS_PYTHON, "publisher.py", "subscriber.py", variables
             )
         finally:
             master.terminate()

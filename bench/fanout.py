@@ -12,7 +12,7 @@ from bench.report import Report
 
 @dataclass(frozen=True)
 class Cell:
-    """One line of the matrix; the limits are ratios of CPU per delivery, None where none is set."""
+    """One row of the table; the limits are ratios of CPU per delivery, None for no limit."""
 
     subscribers: int
     payload: int
@@ -22,13 +22,13 @@ class Cell:
 
     @property
     def name(self) -> str:
-        """Return what the table calls it."""
+        """Return the name in the table."""
         size = f"{self.payload >> 10} KiB" if self.payload >= 1024 else f"{self.payload} B"
         return f"1 → {self.subscribers}, {size}, window {self.window}"
 
     @property
     def options(self) -> tuple[str, ...]:
-        """Return the arguments of the load generator."""
+        """Return the options of the load generator."""
         window = ("--window", f"{self.window}")
         return ("--subs", f"{self.subscribers}", "--size", f"{self.payload}", *window)
 

@@ -1,4 +1,4 @@
-"""What a publisher without manners does to everybody else."""
+"""Latency of other clients while one publisher floods the hub."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class FloodResult:
 
 
 def flood(plan: Plan, report: Report) -> None:
-    """Flood one topic of each server; the relay knows only one topic and stays out."""
+    """Flood one topic of each server but the relay, which has only one topic."""
     results: dict[str, list[FloodResult]] = {name: [] for name in (*plan.hubs, NAIVE)}
     for rep in range(plan.reps):
         for name, found in results.items():

@@ -1,4 +1,4 @@
-"""Memory of a connection that says nothing."""
+"""Memory of an idle connection."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ LIMIT_KIB = 10.0
 
 
 def idle(plan: Plan, report: Report) -> None:
-    """Hold subscribed, silent connections on each server, freshly started."""
+    """Hold idle connections with one subscription on each server, started for this."""
     rows = []
     for name in (*plan.hubs, RELAY, NAIVE):
         with running(name) as server:

@@ -1,4 +1,4 @@
-"""One-way latency at a given rate, whatever the server can keep up with."""
+"""One-way latency in an open loop: at a given rate, whether or not the server keeps up."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ UNSUSTAINED_PERCENT = 1
 
 @dataclass(frozen=True)
 class Rate:
-    """Messages offered per second, by how many publishers."""
+    """Messages sent per second, and the number of publishers."""
 
     hz: int
     publishers: int
 
     @property
     def name(self) -> str:
-        """Return what the table calls it."""
+        """Return the name in the table."""
         return f"{self.hz} msg/s → {SUBSCRIBERS}"
 
     @property
     def options(self) -> tuple[str, ...]:
-        """Return the arguments of the load generator."""
-        crowd = ("--subs", f"{SUBSCRIBERS}", "--pubs", f"{self.publishers}")
-        return ("--rate", f"{self.hz}", *crowd)
+        """Return the options of the load generator."""
+        counts = ("--subs", f"{SUBSCRIBERS}", "--pubs", f"{self.publishers}")
+        return ("--rate", f"{self.hz}", *counts)
 
 
 HIGH = Rate(3000, publishers=20)
@@ -45,7 +45,7 @@ FIGURES: dict[str, Callable[[Load], float]] = {
 
 @dataclass(frozen=True)
 class LatencyStats:
-    """Latencies in ms, CPU in percent, and the percentage of the offered rate that got through."""
+    """Latencies in ms, CPU in per cent, and the per cent of the rate that was delivered."""
 
     p50: Repeated
     p99: Repeated
@@ -73,7 +73,7 @@ def latency(plan: Plan, report: Report) -> None:
     stats = {(p, n): LatencyStats.of(p, each) for (p, n), each in loads.items()}
     report.table(
         f"Latency, open loop, minimum (median) of {plan.reps}",
-        ("offered", "server", "p50, ms", "p99, ms", "CPU, %", "sustained, %", "limit"),
+        ("rate", "server", "p50, ms", "p99, ms", "CPU, %", "sustained, %", "limit"),
         [
             (
                 rate.name,

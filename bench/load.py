@@ -1,4 +1,4 @@
-"""Runs the load generator and reads what it reports."""
+"""The load generator (wsload.c): start it and read its report."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ Result = TypeVar("Result", bound=BaseModel)
 
 
 class Setting(Protocol):
-    """What each server is measured at."""
+    """The load that each server is measured at."""
 
     @property
     def name(self) -> str:
-        """Return what the table calls it."""
+        """Return the name in the table."""
 
     @property
     def options(self) -> tuple[str, ...]:
-        """Return the arguments of the load generator."""
+        """Return the options of the load generator."""
 
 
 At = TypeVar("At", bound=Setting)
@@ -43,7 +43,7 @@ class Latency(BaseModel):
 
 
 class Load(BaseModel):
-    """What one run with publishers and subscribers showed."""
+    """The report of one run with publishers and subscribers."""
 
     model_config = ConfigDict(extra="allow")
 
@@ -63,14 +63,14 @@ class Load(BaseModel):
 
     @property
     def fault(self) -> str:
-        """Return what the server did wrong, or nothing."""
+        """Return the server's faults; empty if there are none."""
         wrong = ("loss", "dups", "out_of_order", "conn_errors", "masked_frames")
         found = [f"{name} {n}" for name in wrong if (n := getattr(self, name))]
         return ", ".join([*found, *filter(None, [self.first_error])])
 
 
 class Idle(BaseModel):
-    """What a crowd of silent connections showed."""
+    """The report of one run with idle connections."""
 
     model_config = ConfigDict(extra="allow")
 
@@ -84,7 +84,7 @@ class Idle(BaseModel):
 
 
 def load(server: Server, plan: Plan, *options: str) -> Load:
-    """Publish and subscribe on a topic of its own for the planned time."""
+    """Publish and subscribe on a new topic for the planned time."""
     timing = ("--warm", f"{plan.warm_seconds}", "--dur", f"{plan.seconds}")
     return _parsed(Load, server, _finished(server, *timing, *options))
 
@@ -134,38 +134,38 @@ def compare(
 
 
 def idle(server: Server, connections: int, hold_seconds: float) -> Idle:
-    """Hold subscribed connections that say nothing."""
+    """Hold idle connections with one subscription each."""
     options = ("--idle", f"{connections}", "--hold", f"{hold_seconds}")
     return _parsed(Idle, server, _finished(server, *options))
 
 
 class Flood:
-    """One publisher that sends as fast as TCP takes it, and one subscriber."""
+    """One publisher that sends as fast as TCP allows, and one subscriber."""
 
     def __init__(self, server: Server, longest_seconds: float) -> None:
-        """Begin to flood."""
+        """Start to flood."""
         self._server = server
         options = ("--window", "1", "--window-at", "none", "--drain", "0")
         timing = ("--warm", "0", "--dur", f"{longest_seconds}")
         self._generator = _start(server, *timing, *options)
         if chosen := cpus():
             os.sched_setaffinity(self._generator.pid, {chosen.flood})
-        # Where two generators share a CPU, the one that measures goes first.
+        # If both generators share a CPU, the measuring one has priority.
         os.setpriority(os.PRIO_PROCESS, self._generator.pid, 19)
 
     def stop(self) -> Load:
-        """End the flood and return what it was; what it lost is its own fault."""
+        """Stop the flood and return its report; messages that it lost are not a fault."""
         if self._generator.poll() is not None:
-            raise BenchError(f"the flood on {self._server.name} ended early")
+            raise BenchError(f"the flood on {self._server.name} stopped early")
         self._generator.terminate()
         return _parsed(Load, self._server, _output(self._generator, self._server))
 
     def __enter__(self) -> Self:
-        """Do nothing; the flood is on."""
+        """Do nothing; the flood has started."""
         return self
 
     def __exit__(self, *failure: object) -> None:
-        """Make sure that the flood ends."""
+        """Stop the flood."""
         self._generator.kill()
         self._generator.communicate()
 
@@ -191,11 +191,11 @@ def _finished(server: Server, *options: str) -> str:
 
 def _output(generator: subprocess.Popen[str], server: Server) -> str:
     try:
-        output, complaint = generator.communicate()
+        output, errors = generator.communicate()
     finally:
         generator.kill()
     if not output:
-        raise BenchError(f"{server.name}: {complaint.strip() or 'the load generator died'}")
+        raise BenchError(f"{server.name}: {errors.strip() or 'the load generator died'}")
     return output
 
 

@@ -1,4 +1,4 @@
-"""The machine the figures belong to, and which of its CPUs does what."""
+"""The machine: its description, its CPUs and the CPU time of processes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from bench.measure import BenchError
 
 @dataclass(frozen=True)
 class Cpus:
-    """The CPU of the server, of the load generator, and of a second, flooding generator."""
+    """The CPUs of the server, of the load generator, and of a second generator that floods."""
 
     server: int
     load: int
@@ -26,18 +26,18 @@ class Cpus:
 
 
 def require_linux() -> None:
-    """Raise unless the load generator, which stands on epoll, can run here."""
+    """Raise unless this is Linux: the load generator needs epoll."""
     if not sys.platform.startswith("linux"):
         raise BenchError(f"the load generator needs Linux, this is {sys.platform}")
 
 
 def cpus() -> Cpus | None:
-    """Return three CPUs on different cores as far as there are enough, or None on a single one."""
+    """Return three CPUs, on different cores if possible; None if there is only one CPU."""
     free = sorted(os.sched_getaffinity(0))
     if len(free) < 2:
         return None
     server = free.pop(0)
-    # The sibling thread of a core slows its twin, so it comes last.
+    # Hyper-threads of one core slow each other down, so siblings come last.
     free.sort(key=lambda cpu: cpu in _siblings(server))
     load = free.pop(0)
     free.sort(key=lambda cpu: cpu in _siblings(server) | _siblings(load))
@@ -59,7 +59,7 @@ def _siblings(cpu: int) -> set[int]:
 
 @contextmanager
 def pinned(cpu: int) -> Iterator[None]:
-    """Keep this process on one CPU for the length of the block."""
+    """Keep this process on one CPU during the block."""
     before = os.sched_getaffinity(0)
     os.sched_setaffinity(0, {cpu})
     try:
@@ -69,27 +69,27 @@ def pinned(cpu: int) -> Iterator[None]:
 
 
 def on_load_cpu() -> AbstractContextManager[None]:
-    """Keep this process, for the length of the block, where it disturbs no server."""
+    """Keep this process off the server's CPU during the block."""
     chosen = cpus()
     return pinned(chosen.load) if chosen else nullcontext()
 
 
 def cpu_seconds(pid: int) -> float:
-    """Return the CPU time, to the nanosecond, that a process has taken."""
-    # The number that clock_getcpuclockid(3) gives, which Python has for threads only.
+    """Return the CPU time of a process, user and system, with a resolution of nanoseconds."""
+    # The clock of clock_getcpuclockid(3), which Python only offers for threads.
     return time.clock_gettime(~pid << 3 | 2)
 
 
 class Disturbance:
-    """The CPU time that processes other than ours take, from now on."""
+    """The CPU time of other processes, from now on."""
 
     def __init__(self) -> None:
-        """Begin to count."""
+        """Start to count."""
         self._wall = time.monotonic()
         self._others = _busy_seconds() - _own_seconds()
 
     def percent(self) -> float:
-        """Return the share of all CPUs that others took; only right once our children ended."""
+        """Return the share of all CPUs that others used; only right after our children ended."""
         others = _busy_seconds() - _own_seconds() - self._others
         available = (time.monotonic() - self._wall) * (os.cpu_count() or 1)
         return max(0.0, 100 * others / available)
@@ -108,7 +108,7 @@ def _own_seconds() -> float:
 
 
 def describe() -> str:
-    """Return one line: CPU, system, Python and the packages that matter."""
+    """Return one line: CPU, system, Python and the versions of relevant packages."""
     packages = ("websockets", "pydantic", "pydantic-core", "uvloop")
     versions = [f"{name} {found}" for name in packages if (found := _version(name))]
     return ", ".join(

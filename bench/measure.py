@@ -23,7 +23,7 @@ class BenchError(Exception):
 
 @dataclass(frozen=True)
 class Plan:
-    """What the command line asks for."""
+    """The options of a run."""
 
     reps: int = 5
     seconds: float = 3.0

@@ -1,8 +1,8 @@
-"""The hub a competent person writes in an afternoon: the reference to beat.
+"""A simple hub, as one would write it in an afternoon: a reference for the figures.
 
     python -m bench.naive
 
-It does what the usual libraries suggest: `async for` over websockets, `json.loads`, a pydantic
+It uses common libraries as documented: `async for` over websockets, `json.loads`, a pydantic
 model for the operation and one for the message, `websockets.broadcast` of `json.dumps`.
 """
 
@@ -38,14 +38,14 @@ TYPES: dict[str, str] = {}
 
 
 def relayed(operation: dict[str, Any], model: type[BaseModel]) -> str:
-    """Return the text to pass on for a publish operation whose message is of that model."""
+    """Return the JSON to send to subscribers for a publish operation."""
     publish = Publish.model_validate(operation)
     publish.msg = model.model_validate(publish.msg).model_dump()
     return json.dumps(publish.model_dump())
 
 
 async def session(connection: ServerConnection) -> None:
-    """Serve one client until it leaves."""
+    """Serve one client until it disconnects."""
     try:
         async for text in connection:
             operation = json.loads(text)

@@ -1,4 +1,4 @@
-"""CPU of the hub for one open page: beside a busy topic, and in a large graph."""
+"""CPU of the hub for one open page of its own: beside a busy topic, and in a large graph."""
 
 from __future__ import annotations
 
@@ -17,54 +17,54 @@ from bench.servers import Server, all_running, running
 RATE = 1000
 """Messages a second on the busy topic."""
 LIMIT_PERCENT = 10.0
-"""Of the hub's CPU, for the page."""
+"""Of the hub's CPU time, for the page."""
 NODES, TOPICS, SUBSCRIBERS = 200, 300, 2
-ASK_SECONDS = 1.0
-"""How often a page asks for statistics."""
+POLL_SECONDS = 1.0
+"""The interval at which a page asks for statistics."""
 SHARE = 0.2
-"""Of the planned seconds, for each of three kinds of calls in the large graph."""
+"""The share of the planned seconds for each of three kinds of calls in the large graph."""
 
 BUSY, EXTRA, TYPE = "/bench/busy", "/bench/extra", "std_msgs/Int32"
 GRAPH, STATISTICS = "/rosapi/graph", "/rosapi/statistics"
 ASK_GRAPH = operation("call_service", service=GRAPH)
 ASK_STATISTICS = operation("call_service", service=STATISTICS)
-COME = operation("advertise", topic=EXTRA, type=TYPE) + ASK_GRAPH
-GO = operation("unadvertise", topic=EXTRA) + ASK_GRAPH
-UNCHANGED, CHANGED = f"{GRAPH}, unchanged", f"{GRAPH}, made anew"
-CASES = {UNCHANGED: (ASK_GRAPH,), CHANGED: (COME, GO), STATISTICS: (ASK_STATISTICS,)}
+ADD = operation("advertise", topic=EXTRA, type=TYPE) + ASK_GRAPH
+REMOVE = operation("unadvertise", topic=EXTRA) + ASK_GRAPH
+UNCHANGED, CHANGED = f"{GRAPH}, unchanged", f"{GRAPH}, changed"
+CASES = {UNCHANGED: (ASK_GRAPH,), CHANGED: (ADD, REMOVE), STATISTICS: (ASK_STATISTICS,)}
 
 
 def page(plan: Plan, report: Report) -> None:
-    """Measure a page beside a busy topic, then the answers that it gets in a large graph."""
+    """Measure a page beside a busy topic, then its service calls in a large graph."""
     _measure_share(plan, report)
     _measure_answers(plan, report)
 
 
 class Page:
-    """What the hub's page does: it asks for statistics, and for the graph when that has changed."""
+    """The hub's page: it polls statistics, and asks for the graph when that has changed."""
 
     def __init__(self, client: Client) -> None:
-        """Open it, with the busy topic echoed."""
+        """Open the page and echo the busy topic on it."""
         self.client = client
-        self.answers = 0
+        self.responses = 0
         self._revision = -1
-        self._asks_at = 0.0
+        self._next_poll = 0.0
         echo = {"throttle_rate": 100, "queue_length": 1}
         client.send(operation("subscribe", topic=BUSY, type=TYPE, **echo))
         client.send(operation("subscribe", topic="/rosout_agg", queue_length=200))
 
     def tick(self, now: float) -> None:
-        """Ask if it is time to."""
-        if now >= self._asks_at:
-            self._asks_at = now + ASK_SECONDS
+        """Ask for statistics if the interval has passed."""
+        if now >= self._next_poll:
+            self._next_poll = now + POLL_SECONDS
             self.client.send(ASK_STATISTICS)
 
     def receive(self, messages: Sequence[bytes]) -> None:
-        """Take what the hub says."""
+        """Process messages from the hub."""
         for message in messages:
             fields = json.loads(message)
             if fields["op"] == "service_response":
-                self.answers += 1
+                self.responses += 1
                 revision = fields["values"]["revision"]
                 if fields["service"] == STATISTICS and revision != self._revision:
                     self._revision = revision
@@ -75,12 +75,12 @@ class Page:
 
 
 class Pair:
-    """Two clients of one hub, of which one publishes to the other, and maybe a page."""
+    """A publisher and a subscriber on one hub, with or without a page."""
 
-    def __init__(self, server: Server, talker: Client, listener: Client, shown: Page | None):
-        """Have them register."""
+    def __init__(self, server: Server, talker: Client, listener: Client, page: Page | None):
+        """Register both."""
         self.server = server
-        self.shown = shown
+        self.page = page
         self.received = 0
         self._talker, self._listener = talker, listener
         talker.send(operation("advertise", topic=BUSY, type=TYPE))
@@ -89,25 +89,25 @@ class Pair:
 
     @property
     def clients(self) -> list[Client]:
-        """Return all of them."""
-        shown = [] if self.shown is None else [self.shown.client]
+        """Return all clients."""
+        shown = [] if self.page is None else [self.page.client]
         return [self._talker, self._listener, *shown]
 
     def tick(self, now: float, number: int) -> None:
         """Publish a number."""
-        if self.shown is not None:
-            self.shown.tick(now)
+        if self.page is not None:
+            self.page.tick(now)
         self._talker.send(operation("publish", topic=BUSY, msg={"data": number}))
 
     def receive(self, client: Client, messages: Sequence[bytes]) -> None:
-        """Take what came for one of them."""
+        """Process messages for one of the clients."""
         if client is self._listener:
             self.received += len(messages)
-        elif self.shown is not None and client is self.shown.client:
-            self.shown.receive(messages)
+        elif self.page is not None and client is self.page.client:
+            self.page.receive(messages)
 
     def settle(self) -> None:
-        """Wait until all has come."""
+        """Wait until all messages have arrived."""
         self._talker.settle()
         self.receive(self._listener, self._listener.settle())
 
@@ -124,15 +124,15 @@ def _measure_share(plan: Plan, report: Report) -> None:
     report.table(
         f"One open page beside {RATE} messages/s to one subscriber: CPU of the hub, "
         f"ms per second, minimum (median) of {plan.reps}",
-        ("server", "without it", "with it", "the page's share, %", "limit"),
+        ("server", "without the page", "with the page", "share of the page, %", "limit"),
         rows,
     )
 
 
 def _costs(hub: str, plan: Plan, report: Report) -> tuple[Repeated, Repeated]:
-    """Return the CPU time in ms per second of a hub without a page, and of one with it.
+    """Return the CPU time in ms per second of a hub without a page and of a hub with one.
 
-    They run at once: whatever else the machine does befalls both.
+    Both run at once, so other load on the machine affects both.
     """
     costs: tuple[list[float], list[float]] = ([], [])
     with ExitStack() as stack:
@@ -150,13 +150,13 @@ def _costs(hub: str, plan: Plan, report: Report) -> tuple[Repeated, Repeated]:
             found = _publish(pairs, plan.seconds, report)
             for pair, cost, kept in zip(pairs, found, costs, strict=True):
                 kept.append(cost)
-                opened = pair.shown is not None
+                opened = pair.page is not None
                 report.record("page", server=hub, opened=opened, rep=rep, cpu_ms_per_s=cost)
     return Repeated.of(costs[0]), Repeated.of(costs[1])
 
 
 def _publish(pairs: Sequence[Pair], seconds: float, report: Report) -> list[float]:
-    """Publish everywhere at the rate for so long; return the CPU of each hub in ms per second."""
+    """Publish on all hubs for some time; return the CPU of each hub in ms per second."""
     for pair in pairs:
         pair.received = 0
     sent = 0
@@ -177,9 +177,9 @@ def _publish(pairs: Sequence[Pair], seconds: float, report: Report) -> list[floa
     for pair in pairs:
         pair.settle()
         if pair.received != sent:
-            report.fault(pair.server.name, "page", f"{pair.received} of {sent} messages came")
-        if pair.shown is not None and pair.shown.answers < 2:
-            report.fault(pair.server.name, "page", "the page was not answered")
+            report.fault(pair.server.name, "page", f"{pair.received} of {sent} messages arrived")
+        if pair.page is not None and pair.page.responses < 2:
+            report.fault(pair.server.name, "page", "the page received no response")
     taken = time.perf_counter() - start
     return [
         (pair.server.cpu_seconds - before) / taken * 1000
@@ -194,7 +194,7 @@ def _measure_answers(plan: Plan, report: Report) -> None:
     rows = []
     for hub in plan.hubs:
         with on_load_cpu(), running(hub) as server:
-            found, sizes = _answers(server, plan, report)
+            found, sizes = _responses(server, plan, report)
         for case, costs in found.items():
             rows.append((hub, case, f"{Repeated.of(costs)}", f"{sizes[case] / 1000:.0f}"))
     report.table(
@@ -205,18 +205,18 @@ def _measure_answers(plan: Plan, report: Report) -> None:
     )
 
 
-def _answers(
+def _responses(
     server: Server, plan: Plan, report: Report
 ) -> tuple[dict[str, list[float]], dict[str, int]]:
-    """Return the CPU time of the calls in ms, and the bytes of an answer, by case."""
+    """Return the CPU time of the calls in ms, and the bytes of a response, by case."""
     costs: dict[str, list[float]] = {case: [] for case in CASES}
     sizes: dict[str, int] = {}
-    with crowd(server.port, NODES, "node") as nodes, crowd(server.port, 1, "page") as (asker,):
+    with crowd(server.port, NODES, "node") as nodes, crowd(server.port, 1, "page") as (caller,):
         _register(nodes)
         for rep in range(plan.reps):
-            for case, asked in CASES.items():
-                answer_pings([*nodes, asker])
-                cost, sizes[case] = _call(server, asker, asked, plan.seconds * SHARE)
+            for case, operations in CASES.items():
+                answer_pings([*nodes, caller])
+                cost, sizes[case] = _call(server, caller, operations, plan.seconds * SHARE)
                 costs[case].append(cost)
                 report.record("page", server=server.name, case=case, rep=rep, cpu_ms=cost)
     return costs, sizes
@@ -233,19 +233,19 @@ def _register(nodes: Sequence[Client]) -> None:
 
 
 def _call(
-    server: Server, asker: Client, asked: Sequence[bytes], seconds: float
+    server: Server, caller: Client, operations: Sequence[bytes], seconds: float
 ) -> tuple[float, int]:
-    """Ask again and again; return the CPU time of a call in ms, and the bytes of an answer."""
-    calls, answer = 0, b""
+    """Repeat calls; return the CPU time of a call in ms, and the bytes of a response."""
+    calls, response = 0, b""
     cpu, end = server.cpu_seconds, time.perf_counter() + seconds
     while not calls or time.perf_counter() < end:
-        for frames in asked:
-            asker.send(frames)
-            (answer,) = asker.receive()
+        for frames in operations:
+            caller.send(frames)
+            (response,) = caller.receive()
             calls += 1
     cpu = server.cpu_seconds - cpu
-    values = json.loads(answer)["values"]
+    values = json.loads(response)["values"]
     nodes = values["nodes"] if "nodes" in values else values["clients"]
     if len(values["topics"]) < TOPICS or len(nodes) < NODES:
-        raise BenchError(f"{server.name} tells only a part of the graph")
-    return cpu / calls * 1000, len(answer)
+        raise BenchError(f"{server.name} returned only a part of the graph")
+    return cpu / calls * 1000, len(response)

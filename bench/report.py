@@ -1,4 +1,4 @@
-"""Tables for a reader, JSON lines for a program, and what was missed."""
+"""Tables for readers, JSON lines for programs, missed limits and faults."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ RESULTS = Path(__file__).parent / "results"
 
 
 class Report:
-    """Prints as it goes, and remembers limits missed and faults."""
+    """Prints tables, and collects missed limits and faults."""
 
     def __init__(self) -> None:
-        """Open a new results file and print the machine's line."""
+        """Open a new results file and print the machine's description."""
         RESULTS.mkdir(exist_ok=True)
         self.path = RESULTS / time.strftime("%Y%m%d-%H%M%S.jsonl")
         self.missed: list[str] = []
@@ -45,7 +45,7 @@ class Report:
     def check(
         self, server: str, what: str, value: float, limit: float | None, unit: str = ""
     ) -> str:
-        """Return the verdict on a hub's value and its limit; references are not judged."""
+        """Return the verdict on a hub's value; references have no limits."""
         if server not in HUBS or limit is None:
             return ""
         if value <= limit:
@@ -54,7 +54,7 @@ class Report:
         return f"≤ {limit:g}{unit} ✗"
 
     def fault(self, server: str, what: str, text: str) -> None:
-        """Remember what no hub may show: loss, duplicates, disorder; of a reference, mention it."""
+        """Record a fault of a hub (loss, duplicates, disorder); only print that of a reference."""
         if not text:
             return
         self.record("fault", server=server, what=what, text=text)
@@ -64,9 +64,9 @@ class Report:
             print(f"note: {server}, {what}: {text}", file=sys.stderr)
 
     def close(self, report_only: bool) -> int:
-        """Print what was missed and return the exit status."""
+        """Print missed limits and faults, and return the exit status."""
         others = self._disturbance.percent()
-        print(f"\nOther processes took {others:.0f} % of the CPUs meanwhile.")
+        print(f"\nOther processes used {others:.0f} % of the CPUs.")
         for each in self.missed:
             print(f"missed: {each}")
         for each in self.faults:

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from statistics import median
 
-from bench.environments import ROS, Environment, Run, Traffic, on_hub, real_ros
+from bench.environments import REAL_ROSPY, ROS, Environment, Run, Traffic, on_hub, real_ros
 from bench.measure import Plan, Repeated
 from bench.report import Report
 
 UNSUSTAINED_PERCENT = 5.0
-"""A publisher may be slower than its rate by so much."""
+"""The most by which a publisher may fall short of its rate."""
 
 
 @dataclass(frozen=True)
@@ -88,31 +88,36 @@ def robots(plan: Plan, report: Report) -> None:
         for cell in CELLS
         if (cell.name in plan.cells if plan.cells else cell.quick or not plan.quick)
     ]
-    rows: list[Sequence[str]] = []
     with ExitStack() as stack:
         environments = [*stack.enter_context(on_hub())]
         if ros := stack.enter_context(real_ros()):
             environments.append(ros)
-        for cell in cells:
-            runs = _runs(cell, environments, plan, report)
-            rows += [_row(cell, each, runs, report) for each in environments]
-    report.table(
-        f"Robots: µs from publish to callback, and CPU µs per message of publisher, hub and "
-        f"subscribers, minimum (median) of {plan.reps}",
-        (
-            "message",
-            "scripts",
-            "p50",
-            "p50 : real",
-            "limit",
-            "CPU",
-            "of which hub",
-            "CPU : real",
-            "limit",
-            "lost or late",
-        ),
-        rows,
-    )
+        report.table(
+            f"Robots: µs from publish to callback, and CPU µs per message of publisher, hub and "
+            f"subscribers, minimum (median) of {plan.reps}",
+            (
+                "message",
+                "scripts",
+                "p50",
+                "p50 : real",
+                "limit",
+                "CPU",
+                "of which hub",
+                "CPU : real",
+                "limit",
+                "lost or late",
+            ),
+            _rows(cells, environments, plan, report),
+        )
+
+
+def _rows(
+    cells: Sequence[Cell], environments: Sequence[Environment], plan: Plan, report: Report
+) -> Iterator[Sequence[str]]:
+    for cell in cells:
+        runs = _runs(cell, environments, plan, report)
+        for environment in environments:
+            yield _row(cell, environment, runs, report)
 
 
 def _runs(
@@ -141,7 +146,7 @@ def _row(
     cell: Cell, environment: Environment, runs: dict[str, list[Run]], report: Report
 ) -> Sequence[str]:
     ours = runs[environment.title]
-    real = next((runs[title] for title in runs if title == "real rospy"), None)
+    real = runs.get(REAL_ROSPY)
     what = f"{cell.title}, {environment.title}"
     latency, cpu = [p50(run) for run in ours], [run.cpu_us for run in ours]
     hub = [run.hub_cpu_us for run in ours]

@@ -1,4 +1,4 @@
-"""CPU of the hub for a question and its answer: by two topics, by a service, by one of its own."""
+"""CPU of the hub per request and response: by two topics, by a service, by a hub's service."""
 
 from __future__ import annotations
 
@@ -19,146 +19,146 @@ from bench.servers import Server, all_running
 WINDOWS = (1, 64)
 LIMIT_AGAINST_TOPICS = 3.0
 SHARE = 0.5
-"""Of the planned seconds, for each of many measurements."""
+"""The share of the planned seconds for each of many measurements."""
 NUMBERS = 1000
-"""How many different questions there are; then they begin anew."""
+"""The number of different requests; then they repeat."""
 SERVICE, PING, PONG = "/bench/add", "/bench/ping", "/bench/pong"
-# Types with the fields of rospy_tutorials/AddTwoInts: both trips carry the same values.
+# Types with the fields of rospy_tutorials/AddTwoInts: topics and the service carry equal values.
 PING_TYPE, PING_FIELDS = "bench_msgs/TwoInts", "int64 a\nint64 b\n"
 PONG_TYPE, PONG_FIELDS = "bench_msgs/Sum", "int64 sum\n"
 
 
 class RoundTrip(ABC):
-    """How a question goes through the hub, and how its answer comes back."""
+    """How a request and its response go through the hub."""
 
     name: str
-    """What the table calls it."""
-    answered_by_hub = False
+    """The name in the table."""
+    served_by_hub = False
 
     def __init__(self) -> None:
-        """Prepare the frames of the questions."""
-        self.questions = [self.question(number) for number in range(NUMBERS)]
+        """Prepare the frames of the requests."""
+        self.requests = [self.request(number) for number in range(NUMBERS)]
 
     @abstractmethod
-    def question(self, number: int) -> bytes:
-        """Return the asker's frame."""
+    def request(self, number: int) -> bytes:
+        """Return the client's frame."""
 
     @abstractmethod
-    def prepare(self, asker: Client, other: Client) -> None:
-        """Have both registered."""
+    def prepare(self, client: Client, server: Client) -> None:
+        """Register both."""
 
     @abstractmethod
-    def answer(self, number: int, question: bytes) -> bytes:
-        """Return the other's frame that answers a question, given what it heard."""
+    def response(self, number: int, request: bytes) -> bytes:
+        """Return the server's frame that responds to a received request."""
 
     @abstractmethod
-    def is_answer(self, number: int, fields: dict[str, Any]) -> bool:
-        """Whether this operation is the answer to that question."""
+    def is_response(self, number: int, fields: dict[str, Any]) -> bool:
+        """Whether an operation is the response to a request."""
 
 
 class TopicRoundTrip(RoundTrip):
-    """One publishes the question, the other publishes the answer."""
+    """The client publishes the request, the server publishes the response."""
 
     name = "topics"
 
     def __init__(self) -> None:
         """Prepare the frames."""
         super().__init__()
-        self._answers = [
+        self._responses = [
             operation("publish", topic=PONG, msg={"sum": 3 * number}) for number in range(NUMBERS)
         ]
 
-    def question(self, number: int) -> bytes:
+    def request(self, number: int) -> bytes:
         """Publish two numbers."""
         return operation("publish", topic=PING, msg={"a": number, "b": 2 * number})
 
-    def prepare(self, asker: Client, other: Client) -> None:
+    def prepare(self, client: Client, server: Client) -> None:
         """Advertise and subscribe."""
-        for client, topic, type_, fields in (
-            (asker, PING, PING_TYPE, PING_FIELDS),
-            (other, PONG, PONG_TYPE, PONG_FIELDS),
+        for peer, topic, type_, fields in (
+            (client, PING, PING_TYPE, PING_FIELDS),
+            (server, PONG, PONG_TYPE, PONG_FIELDS),
         ):
-            client.send(operation("advertise", topic=topic, type=type_, definition=fields))
-        asker.send(operation("subscribe", topic=PONG))
-        other.send(operation("subscribe", topic=PING))
+            peer.send(operation("advertise", topic=topic, type=type_, definition=fields))
+        client.send(operation("subscribe", topic=PONG))
+        server.send(operation("subscribe", topic=PING))
 
-    def answer(self, number: int, question: bytes) -> bytes:
+    def response(self, number: int, request: bytes) -> bytes:
         """Publish the sum."""
-        return self._answers[number]
+        return self._responses[number]
 
-    def is_answer(self, number: int, fields: dict[str, Any]) -> bool:
+    def is_response(self, number: int, fields: dict[str, Any]) -> bool:
         """Whether it is the sum."""
         return fields == {"op": "publish", "topic": PONG, "msg": {"sum": 3 * number}}
 
 
 class ServiceRoundTrip(RoundTrip):
-    """One calls a service of the other's."""
+    """The client calls a service of the server."""
 
     name = "service"
     _ID = re.compile(rb'"id":("[^"]*")')
 
     def __init__(self) -> None:
-        """Prepare the frames, but for the ids, which come from the hub."""
+        """Prepare the frames except for the ids, which the hub chooses."""
         super().__init__()
-        self._answers = [
+        self._responses = [
             json.dumps({"service": SERVICE, "values": {"sum": 3 * number}, "result": True})
             .removeprefix("{")
             .encode()
             for number in range(NUMBERS)
         ]
 
-    def question(self, number: int) -> bytes:
+    def request(self, number: int) -> bytes:
         """Call the service with two numbers."""
         args = {"a": number, "b": 2 * number}
         return operation("call_service", service=SERVICE, args=args, id=f"call:{number}")
 
-    def prepare(self, asker: Client, other: Client) -> None:
-        """Provide the service."""
+    def prepare(self, client: Client, server: Client) -> None:
+        """Advertise the service."""
         type_ = "rospy_tutorials/AddTwoInts"
-        other.send(operation("advertise_service", service=SERVICE, type=type_))
+        server.send(operation("advertise_service", service=SERVICE, type=type_))
 
-    def answer(self, number: int, question: bytes) -> bytes:
+    def response(self, number: int, request: bytes) -> bytes:
         """Respond with the sum."""
-        id_ = self._ID.search(question)
+        id_ = self._ID.search(request)
         if id_ is None:
-            raise BenchError(f"a call without an id: {question.decode()}")
-        return frame(b'{"op":"service_response","id":%b,%b' % (id_[1], self._answers[number]))
+            raise BenchError(f"call_service without an id: {request.decode()}")
+        return frame(b'{"op":"service_response","id":%b,%b' % (id_[1], self._responses[number]))
 
-    def is_answer(self, number: int, fields: dict[str, Any]) -> bool:
-        """Whether it is the response to this very call."""
+    def is_response(self, number: int, fields: dict[str, Any]) -> bool:
+        """Whether it is the response to this call."""
         return fields == _response(SERVICE, number, {"sum": 3 * number})
 
 
 class HubServiceRoundTrip(RoundTrip):
-    """One asks the hub for the type of a topic."""
+    """The client asks the hub for the type of a topic."""
 
     name = "/rosapi/topic_type"
-    answered_by_hub = True
+    served_by_hub = True
 
-    def question(self, number: int) -> bytes:
-        """Call the hub's own service."""
+    def request(self, number: int) -> bytes:
+        """Call a service of the hub."""
         args = {"topic": PING}
         return operation("call_service", service=self.name, args=args, id=f"call:{number}")
 
-    def prepare(self, asker: Client, other: Client) -> None:
-        """Rely on the topic that is there already."""
+    def prepare(self, client: Client, server: Client) -> None:
+        """Do nothing; the topic exists already."""
 
-    def answer(self, number: int, question: bytes) -> bytes:
-        """Nobody else is asked."""
-        raise BenchError(f"{self.name} was asked of a client: {question.decode()}")
+    def response(self, number: int, request: bytes) -> bytes:
+        """Raise: the hub itself responds."""
+        raise BenchError(f"the hub forwarded a call of {self.name}: {request.decode()}")
 
-    def is_answer(self, number: int, fields: dict[str, Any]) -> bool:
+    def is_response(self, number: int, fields: dict[str, Any]) -> bool:
         """Whether it is the topic's type."""
         return fields == _response(self.name, number, {"type": PING_TYPE})
 
 
 def _response(service: str, number: int, values: dict[str, Any]) -> dict[str, Any]:
-    answer = {"op": "service_response", "service": service, "id": f"call:{number}"}
-    return {**answer, "values": values, "result": True}
+    response = {"op": "service_response", "service": service, "id": f"call:{number}"}
+    return {**response, "values": values, "result": True}
 
 
 def services(plan: Plan, report: Report) -> None:
-    """Measure each trip at each window, in turn."""
+    """Measure each kind of round trip with each window, in turn."""
     topics, service, own = trips = (TopicRoundTrip(), ServiceRoundTrip(), HubServiceRoundTrip())
     costs: dict[tuple[str, int, str], list[float]] = {}
     with ExitStack() as stack:
@@ -184,68 +184,72 @@ def services(plan: Plan, report: Report) -> None:
                 (hub, f"{window}", *map(str, found[:2]), f"{ratio}", verdict, f"{found[2]}")
             )
     report.table(
-        f"Question and answer: CPU of the hub, µs, minimum (median) of {plan.reps}",
+        f"Request and response: CPU of the hub, µs, minimum (median) of {plan.reps}",
         ("server", "window", topics.name, service.name, "service : topics", "limit", own.name),
         rows,
     )
 
 
 def _prepare(trips: Sequence[RoundTrip], pair: Sequence[Client]) -> None:
-    asker, other = pair
+    client, server = pair
     for trip in trips:
-        trip.prepare(asker, other)
-    asker.settle()
-    other.settle()
+        trip.prepare(client, server)
+    client.settle()
+    server.settle()
 
 
 def _cost(
     trip: RoundTrip, pair: Sequence[Client], window: int, server: Server, plan: Plan, report: Report
 ) -> float:
-    """Return the hub's CPU time for one question and its answer, in µs."""
-    asker, other = pair
-    _converse(trip, asker, other, window, plan.warm_seconds * SHARE)
+    """Return the hub's CPU time per request and response, in µs."""
+    client, responder = pair
+    _exchange(trip, client, responder, window, plan.warm_seconds * SHARE)
     cpu, start = server.cpu_seconds, time.perf_counter()
-    answers = _converse(trip, asker, other, window, plan.seconds * SHARE)
+    responses = _exchange(trip, client, responder, window, plan.seconds * SHARE)
     cpu, seconds = server.cpu_seconds - cpu, time.perf_counter() - start
-    cost = cpu / len(answers) * 1e6
+    cost = cpu / len(responses) * 1e6
     what = f"{trip.name}, window {window}"
-    report.fault(server.name, what, _fault(trip, answers, surplus=asker.settle() + other.settle()))
+    report.fault(
+        server.name, what, _fault(trip, responses, surplus=client.settle() + responder.settle())
+    )
     report.record(
         "services",
         server=server.name,
-        trip=trip.name,
+        round_trip=trip.name,
         window=window,
         cpu_us=cost,
-        per_second=len(answers) / seconds,
+        per_second=len(responses) / seconds,
         server_cpu_percent=100 * cpu / seconds,
     )
     return cost
 
 
-def _converse(
-    trip: RoundTrip, asker: Client, other: Client, window: int, seconds: float
+def _exchange(
+    trip: RoundTrip, client: Client, responder: Client, window: int, seconds: float
 ) -> list[bytes]:
-    """Ask for so long, with so many questions under trip; return all answers in order."""
-    asked, passed_on = 0, 0
-    answers: list[bytes] = []
+    """Send requests, `window` of them pending at a time; return all responses in order."""
+    sent, forwarded = 0, 0
+    responses: list[bytes] = []
     due = window
     end = time.perf_counter() + seconds
-    while len(answers) < asked or due:
-        asker.send(b"".join(trip.questions[n % NUMBERS] for n in range(asked, asked + due)))
-        asked += due
-        if passed_on < asked and not trip.answered_by_hub:
-            questions = other.receive()
-            numbered = enumerate(questions, passed_on)
-            other.send(b"".join(trip.answer(n % NUMBERS, question) for n, question in numbered))
-            passed_on += len(questions)
-        news = asker.receive()
-        answers += news
-        due = len(news) if time.perf_counter() < end else 0
-    return answers
+    while len(responses) < sent or due:
+        client.send(b"".join(trip.requests[n % NUMBERS] for n in range(sent, sent + due)))
+        sent += due
+        if forwarded < sent and not trip.served_by_hub:
+            requests = responder.receive()
+            numbered = enumerate(requests, forwarded)
+            responder.send(b"".join(trip.response(n % NUMBERS, request) for n, request in numbered))
+            forwarded += len(requests)
+        received = client.receive()
+        responses += received
+        due = len(received) if time.perf_counter() < end else 0
+    return responses
 
 
-def _fault(trip: RoundTrip, answers: Sequence[bytes], surplus: Sequence[bytes]) -> str:
-    for number, answer in enumerate(answers):
-        if not trip.is_answer(number % NUMBERS, json.loads(answer)):
-            return f"answer {number} is {answer.decode()}"
-    return f"{len(surplus)} messages too many: {surplus[0].decode()}" if surplus else ""
+def _fault(trip: RoundTrip, responses: Sequence[bytes], surplus: Sequence[bytes]) -> str:
+    for number, response in enumerate(responses):
+        if not trip.is_response(number % NUMBERS, json.loads(response)):
+            return f"response {number} is {response.decode()}"
+    return (
+        f"{len(surplus)} unexpected messages, the first: {surplus[0].decode()}" if surplus else ""
+    )

@@ -1,4 +1,4 @@
-"""Seconds from exec to the first WebSocket handshake answered."""
+"""Seconds from exec to the response to the first WebSocket handshake."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def startup(plan: Plan, report: Report) -> None:
     times: dict[str, list[float]] = {name: [] for name in names}
     for name in names:
         with running(name):
-            pass  # the first start compiles modules and fills the page cache
+            pass  # The first start compiles modules and fills the page cache.
     for _ in range(plan.reps):
         for name in names:
             with running(name) as server:

@@ -102,7 +102,7 @@ def _samples(
         elapsed, memory = time.monotonic() - start, _resident_megabytes(hub.pid)
         samples.append((elapsed, memory))
         report.record("stuck", seconds=elapsed, rss_mb=memory, dropped=viewer.dropped)
-        yield f"{elapsed:.0f}", f"{memory:.1f}", f"{viewer.dropped}"
+        yield f"{elapsed:.1f}", f"{memory:.1f}", f"{viewer.dropped}"
 
 
 def _check_growth(samples: Sequence[tuple[float, float]], seconds: float, report: Report) -> None:

@@ -1,4 +1,4 @@
-"""CPU of the hub per delivery on one topic, while many subscriptions to others are open."""
+"""CPU of the hub per delivery on one topic, beside many subscriptions to other topics."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ LIMIT_AGAINST_ALONE = 1.2
 
 
 def subscriptions(plan: Plan, report: Report) -> None:
-    """Measure two hubs of each kind in turn, one of them with the crowd."""
+    """Measure two hubs of each kind in turn, one of them with the other subscriptions."""
     rows = []
     for hub in plan.hubs:
         alone, crowded = _costs(hub, plan, report)

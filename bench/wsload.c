@@ -479,7 +479,7 @@ int main(int argc, char **argv) {
         pump(5000000);
         if (conn_errors) die("setup: %s", first_error);
         ready = 1; for (int i = 0; i < o_subs; i++) if (C[i].probes != all) { ready = 0; break; }
-        if (!ready && now_ns() > end) { int m = 0; for (int i = 0; i < o_subs; i++) m += C[i].probes != all; die("setup: %d of %d subscribers do not hear every publisher; other frame: %s", m, o_subs, first_other); }
+        if (!ready && now_ns() > end) { int m = 0; for (int i = 0; i < o_subs; i++) m += C[i].probes != all; die("setup: %d of %d subscribers do not receive from every publisher; other frame: %s", m, o_subs, first_other); }
     }
     double ready_s = (double)(now_ns() - t0) / 1e9;
     for (uint64_t q = now_ns(), lim = q + 5000000000ULL; now_ns() < lim && now_ns() - (last_probe_ns > q ? last_probe_ns : q) < 300000000ULL; ) pump(20000000);

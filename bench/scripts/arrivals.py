@@ -1,4 +1,4 @@
-"""What a subscriber of the bench notes of its messages, for rospy and for fibws.Node alike."""
+"""The statistics of a subscriber, for rospy and for fibws.Node alike."""
 
 import json
 import time
@@ -10,8 +10,8 @@ class Arrivals:
     """Counts messages, times them and checks their order and content.
 
     Args:
-        variants: the messages that the publisher sends in turn.
-        warm: the number of messages to leave out of the times, at the start.
+        variants: the messages that the publisher sends in turn, to compare the last one with.
+        warm: the number of first messages whose times are left out.
         total: the number of messages to expect.
     """
 
@@ -25,7 +25,7 @@ class Arrivals:
         self._last = None
 
     def add(self, message):
-        """Note a message; return whether it is the last one."""
+        """Count a message; return whether it is the last one."""
         now = time.time_ns()
         sent = stamp(message)
         self._disorder += sent <= self._newest
@@ -37,7 +37,7 @@ class Arrivals:
         return self.received == self._total
 
     def report(self):
-        """Print what was noted, as JSON."""
+        """Print the statistics as JSON."""
         expected = self._variants[(self.received - 1) % len(self._variants)]
         wrong = self._last is not None and content(self._last) != content(expected)
         facts = {

@@ -5,7 +5,7 @@ import struct
 from importlib import import_module
 
 VARIANTS = 4
-"""Each publisher sends so many different messages in turn, as a camera has several buffers."""
+"""How many different messages a publisher sends in turn, as a camera has several buffers."""
 
 
 class Messages:
@@ -24,7 +24,7 @@ class Messages:
         return getattr(import_module(self._modules.format(package)), name)
 
     def build(self, type_name, size):
-        """Return several messages of a type, each with other random content.
+        """Return several messages of a type, each with its own random content.
 
         Args:
             type_name: the type.
@@ -131,7 +131,7 @@ def stamp(message):
 
 
 def content(message):
-    """Return the part of a message that each variant has for itself."""
+    """Return the random content of a message."""
     if hasattr(message, "ranges"):
         return list(message.ranges)
     if hasattr(message, "transforms"):

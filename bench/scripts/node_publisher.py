@@ -13,7 +13,7 @@ from messages import Messages, set_stamp
 import fibws
 
 BURSTS = 1000.0
-"""Above so many messages a second, several leave at a time, as sleep is not exact enough."""
+"""The most wake-ups per second: at a higher rate, each publishes several messages."""
 
 
 async def publish(type_name, size, hz, warm, count, subscribers):

@@ -12,7 +12,7 @@ import fibws
 from fibws.msg.std_msgs import Int32
 
 BURSTS = 100.0
-"""A second: at a rate above, several messages leave at a time."""
+"""Wake-ups per second; each publishes several messages."""
 
 
 async def publish(count, hz):

@@ -12,7 +12,7 @@ import rospy
 from messages import Messages, set_stamp
 
 BURSTS = 1000.0
-"""Above so many messages a second, several leave at a time, as sleep is not exact enough."""
+"""The most wake-ups per second: at a higher rate, each publishes several messages."""
 
 
 def publish(type_name, size, hz, warm, count, subscribers):
