@@ -16,7 +16,7 @@ from bench.flood import flood
 from bench.idle import idle
 from bench.latency import latency
 from bench.machine import require_linux
-from bench.measure import QUICK, BenchError, Plan
+from bench.measure import COMPARISON, QUICK, BenchError, Plan
 from bench.nodes import nodes
 from bench.page import page
 from bench.report import Report
@@ -53,7 +53,7 @@ OPEN_FILES = 8192
 def main() -> int:
     """Run the scenarios that the command line names and return the exit status."""
     options = _options()
-    plan = QUICK if options.quick else Plan()
+    plan = QUICK if options.quick else COMPARISON if options.against else Plan()
     plan = replace(
         plan,
         reps=options.reps or plan.reps,
@@ -91,7 +91,7 @@ def _options() -> argparse.Namespace:
         "--against",
         type=Path,
         metavar="DIR",
-        help="compare with the hub of another checkout (fanout, latency)",
+        help="compare with the hub of another checkout, such as the previous commit (fanout, latency)",
     )
     parser.add_argument(
         "--cells",

@@ -6,6 +6,7 @@ import os
 import subprocess
 from collections.abc import Callable, Mapping, Sequence
 from itertools import count
+from statistics import quantiles
 from typing import Protocol, Self, TypeVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError
@@ -125,12 +126,21 @@ def compare(
             ratio = Repeated.ratio(new, base)
             report.record(f"{kind} against", cell=at.name, figure=name, **vars(ratio))
             values = (f"{Repeated.of(new)}", f"{Repeated.of(base)}")
-            rows.append((at.name, name, *values, f"{ratio.median:.3f}", f"{ratio.least:.3f}"))
+            low, high = _quartiles([value / other for value, other in zip(new, base, strict=True)])
+            ratios = (f"{ratio.median:.3f}", f"{low:.3f} to {high:.3f}", f"{ratio.least:.3f}")
+            rows.append((at.name, name, *values, *ratios))
     report.table(
         f"{title}: this hub against the hub of {plan.against}, minimum (median) of {plan.reps}",
-        ("cell", "figure", "new", "base", "new : base, median", "of the minima"),
+        ("cell", "figure", "new", "base", "new : base, median", "quartiles", "of the minima"),
         rows,
     )
+
+
+def _quartiles(values: Sequence[float]) -> tuple[float, float]:
+    if len(values) < 2:
+        return values[0], values[0]
+    low, _, high = quantiles(values, n=4, method="inclusive")
+    return low, high
 
 
 def idle(server: Server, connections: int, hold_seconds: float) -> Idle:

@@ -43,6 +43,8 @@ class Plan:
         return HUBS if self.uvloop else (HUB,)
 
 
+COMPARISON = Plan(reps=20, seconds=0.75, warm_seconds=0.25)
+"""Many short turns: what one hub measures right after the other shares most of the noise."""
 QUICK = Plan(reps=1, seconds=0.8, warm_seconds=0.3, quick=True)
 
 
