@@ -91,7 +91,7 @@ def _options() -> argparse.Namespace:
         "--against",
         type=Path,
         metavar="DIR",
-        help="compare with the hub of another checkout, such as the previous commit (fanout, latency)",
+        help="compare with the hub of another checkout (fanout, latency only)",
     )
     parser.add_argument(
         "--cells",

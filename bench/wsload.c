@@ -534,7 +534,7 @@ int main(int argc, char **argv) {
         total_sent, want, total_recv, loss, dups, mn, mx, out_of_order);
     printf(", \"lat_us\": {\"n\": %" PRIu64 ", \"min\": %.1f, \"mean\": %.1f, \"p50\": %.1f, \"p90\": %.1f, \"p99\": %.1f, \"p999\": %.1f, \"max\": %.1f}, \"gen_late_us_max\": %.1f", hist_n, hist_n ? (double)hist_min / 1e3 : 0,
         hist_n ? hist_sum / (double)hist_n / 1e3 : 0, hist_pct(50), hist_pct(90), hist_pct(99), hist_pct(99.9), (double)hist_max / 1e3, (double)late_max / 1e3);
-    printf(", \"cpu_us_per_delivery\": %.2f, \"cpu_us_per_publish\": %.2f, \"client_cpu_us_per_delivery\": %.2f", del ? (b.cpu_us - a.cpu_us) / (double)del : 0, pub ? (b.cpu_us - a.cpu_us) / (double)pub : 0, del ? (b.self_us - a.self_us) / (double)del : 0);
+    printf(", \"cpu_us_per_delivery\": %.4f, \"cpu_us_per_publish\": %.2f, \"client_cpu_us_per_delivery\": %.2f", del ? (b.cpu_us - a.cpu_us) / (double)del : 0, pub ? (b.cpu_us - a.cpu_us) / (double)pub : 0, del ? (b.self_us - a.self_us) / (double)del : 0);
     printf(", \"rss_mb\": %.1f, \"rss_mb_start\": %.1f, \"rx_bytes\": %" PRIu64 ", \"tx_bytes\": %" PRIu64 ", \"rx_mb_per_s\": %.1f, \"ready_s\": %.3f, \"binary_frames\": %" PRIu64, b.rss_mb, a.rss_mb, rx_bytes, tx_bytes, (double)(b.rxb - a.rxb) / dt / 1e6, ready_s, binary_frames);
     print_tail(connect_s, &a, &b);
     return loss || dups || conn_errors ? 3 : 0;
