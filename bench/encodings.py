@@ -14,8 +14,10 @@ from bench.machine import on_load_cpu
 from bench.measure import Plan, Repeated, microseconds
 from bench.report import Report
 from bench.servers import Server, running
-from fibws.hub.graph.encoding import Encoding, Publication
+from fibws.hub.graph.publication import Publication
+from fibws.hub.graph.topic import Topic
 from fibws.hub.graph.types import Types
+from fibws.hub.rosbridge.encodings import Encoding
 from fibws.interfaces import Interfaces
 
 FEW, MANY, MOST = SUBSCRIBERS = (1, 10, 20)
@@ -151,11 +153,11 @@ def _encoding_costs(plan: Plan) -> dict[Kind, Repeated]:
     }
 
 
-def _encoder(types: Types, kind: Kind) -> Callable[[], bytes]:
+def _encoder(types: Types, kind: Kind) -> Callable[[], object]:
     message_type = types.message(kind.type)
     message = message_type.validate(kind.msg)
-    frame = Encoding(kind.compression).framer(kind.topic)
-    return lambda: frame(Publication(message, message_type, time.time_ns()))
+    frame = Encoding(kind.compression).for_topic(Topic(kind.topic), kind.topic)
+    return lambda: frame(Publication(message_type, "/bench", b"{}", time.time_ns(), message))
 
 
 def _costs(server: Server, plan: Plan, report: Report) -> dict[Kind, Costs]:

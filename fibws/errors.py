@@ -1,4 +1,4 @@
-"""Every error that fibws raises on purpose, each naming whose fault it is.
+"""All errors that fibws raises on purpose.
 
 FibwsError
 ├── InvalidName            a graph name that ROS does not allow
@@ -6,43 +6,46 @@ FibwsError
 │   ├── DefinitionError        a .msg, .srv or .action text that does not parse
 │   ├── InvalidTypeName        not of the form package/Type
 │   ├── UnknownType            the package is known, the type is not
-│   └── UnknownPackage         nobody ever defined this package
+│   └── UnknownPackage         the package is unknown
 ├── InvalidMessage         a message that does not fit its type
 ├── TransformError         something is wrong with a transform
-│   ├── InvalidTransform       it cannot be kept, or asked for
+│   ├── InvalidTransform       a malformed transform, or invalid arguments
 │   ├── UnknownFrame           no transform has named this frame
-│   ├── UnconnectedFrames      no transforms lead from the one frame to the other
-│   ├── FrameLoop              the frames are no tree: one is its own ancestor
-│   └── TransformOutOfTime     the frames are connected, but not at the time that was asked for
-├── InvalidUtf8            bytes that should be a text and are none
-├── OperationError         an operation that the hub refuses; its text goes to the client
+│   ├── UnconnectedFrames      no transforms connect the two frames
+│   ├── FrameLoop              a frame is its own ancestor
+│   └── TransformOutOfTime     the frames are connected, but not at the requested time
+├── InvalidUtf8            a text message that is not UTF-8
+├── OperationError         the hub refuses an operation; the text goes to the client
 │   ├── TypeConflict           a topic that already has another type
+│   ├── DefinitionMismatch     a client knows a type by another definition
+│   ├── UnknownDefinition      messages cannot be serialized, as their fields are unknown
+│   ├── UnknownPublisher       a binary frame of a publisher that is not advertised
 │   ├── NotAllowed             the hub's policy forbids it
 │   ├── LimitReached           a client has as many of something as it may have
 │   └── CallFailed             a call or a goal ends without a result
-├── ParameterError         what cannot be done with a parameter
+├── ParameterError         an operation on a parameter failed
 │   ├── ParameterNotSet        there is no such parameter
-│   └── ParametersFull         there is no room for so much
+│   └── ParametersFull         all parameters together would exceed the limit
 ├── WorkspaceError         something is wrong with a workspace, or with a package in it
 │   ├── PackageNotFound        no package of this name is on the path
 │   ├── ExecutableNotFound     the package has no such program, or it cannot be run
-│   └── PackageFileError       a package.xml or a CMakeLists.txt that says what cannot be
-├── LaunchError            a launch file that says what cannot be
+│   └── PackageFileError       an invalid package.xml or CMakeLists.txt
+├── LaunchError            an invalid launch file
 ├── HubError               the hub cannot start or go on
-└── NodeError              what a node was asked for was in vain, or it cannot go on
-    ├── InvalidAddress         what should say where the hub is does not
-    ├── HubUnreachable         the hub is there and will not have this node, or never can be
+└── NodeError              a node's request failed, or the node cannot go on
+    ├── InvalidAddress         not the address of a hub
+    ├── HubUnreachable         the hub refuses this node, or can never be reached
     │   └── NoHub                  nothing answers at the hub's address
     ├── HubLost                the connection of a tool to the hub has ended
-    ├── OperationRejected      the hub refused what the node asked for
-    ├── AlreadyOffered         the node offers a service or an action of this name already
-    ├── ServiceError           a service was called in vain
-    │   ├── UnknownService         nobody offers it
-    │   ├── ServiceTimeout         there was no answer in time
-    │   └── ServiceLost            the connection broke before there was an answer
-    ├── CallRefused            what a service's handler raises to choose its caller's text
+    ├── OperationRejected      the hub refused an operation of the node
+    ├── AlreadyOffered         the node already serves a service or an action of this name
+    ├── ServiceError           a service call failed
+    │   ├── UnknownService         nobody serves it
+    │   ├── ServiceTimeout         there was no response in time
+    │   └── ServiceLost            the connection broke before the response
+    ├── CallRefused            raised by a service's handler to choose its caller's text
     ├── ActionError            a goal did not succeed
-    ├── WaitTimeout            what was waited for did not come in time
+    ├── WaitTimeout            a wait ended without a result
     ├── NodeReplaced           another node took this node's name
     ├── NodeKilled             somebody asked the hub to end this node
     └── NodeClosed             the node was used after its end
@@ -104,7 +107,7 @@ class InvalidTypeName(InterfaceError, ValueError):
 
 
 class UnknownType(InterfaceError, LookupError):
-    """A type that its package, which is known, does not define: most likely a typing error."""
+    """A type that its package, which is known, does not define: most likely a typo."""
 
     code = "unknown_type"
 
@@ -120,7 +123,7 @@ class UnknownType(InterfaceError, LookupError):
 
 
 class UnknownPackage(InterfaceError, LookupError):
-    """A package that nobody defined, so its types cannot be checked."""
+    """A package that is unknown, so that its types cannot be checked."""
 
     code = "unknown_package"
 
@@ -143,11 +146,11 @@ class TransformError(FibwsError):
 
 
 class InvalidTransform(TransformError, ValueError):
-    """A transform that cannot be kept, or asked for; tf2's InvalidArgumentException."""
+    """A malformed transform, or invalid arguments; tf2's InvalidArgumentException."""
 
 
 class UnknownFrame(TransformError, LookupError):
-    """No transform has named this frame, so far or any more; tf2's LookupException."""
+    """No transform in the buffer names this frame; tf2's LookupException."""
 
     def __init__(self, frame: str) -> None:
         self.frame = frame
@@ -155,7 +158,7 @@ class UnknownFrame(TransformError, LookupError):
 
 
 class UnconnectedFrames(TransformError):
-    """No transforms lead from the one frame to the other; tf2's ConnectivityException."""
+    """No transforms connect the two frames; tf2's ConnectivityException."""
 
     def __init__(self, target: str, source: str) -> None:
         self.target = target
@@ -167,7 +170,7 @@ class UnconnectedFrames(TransformError):
 
 
 class FrameLoop(TransformError):
-    """The frames are no tree, since one is its own ancestor; in tf2 a LookupException too."""
+    """A frame is its own ancestor; in tf2 a LookupException, too."""
 
     def __init__(self, frame: str) -> None:
         self.frame = frame
@@ -175,21 +178,21 @@ class FrameLoop(TransformError):
 
 
 class TransformOutOfTime(TransformError):
-    """The frames are connected, but not at the time asked for; tf2's ExtrapolationException."""
+    """The frames are connected, but not at the requested time; tf2's ExtrapolationException."""
 
 
 class InvalidUtf8(FibwsError, ValueError):
-    """Bytes that should be a text and are none, which ends a WebSocket (RFC 6455, section 8.1)."""
+    """A text message that is not UTF-8, which closes a WebSocket (RFC 6455, section 8.1)."""
 
 
 class OperationError(FibwsError):
-    """An operation that the hub refuses; the text is what its client is told."""
+    """The hub refuses an operation; the text goes to its client."""
 
     code = "invalid_operation"
 
 
 class TypeConflict(OperationError):
-    """A topic that is already established with another type."""
+    """The topic already has another type."""
 
     code = "type_conflict"
 
@@ -202,6 +205,41 @@ class TypeConflict(OperationError):
             f"Tried to register topic {topic} with type {asked} "
             f"but it is already established with type {established} (by {by})"
         )
+
+
+class DefinitionMismatch(OperationError):
+    """A client's definition of a type differs from the hub's."""
+
+    code = "type_conflict"
+
+    def __init__(self, type_: str, given: str, known: str) -> None:
+        self.type = type_
+        self.given = given
+        self.known = known
+        super().__init__(
+            f"{type_} has the md5sum {known} at the hub, but {given} at the client: "
+            "their definitions differ"
+        )
+
+
+class UnknownDefinition(OperationError):
+    """Messages of a type cannot be serialized, since its fields are unknown."""
+
+    code = "unknown_definition"
+
+    def __init__(self, type_: str) -> None:
+        self.type = type_
+        super().__init__(f"serialized messages need the definition of {type_}, which is unknown")
+
+
+class UnknownPublisher(OperationError):
+    """A binary frame names a publisher that its client has not advertised, or no longer."""
+
+    code = "unknown_publisher"
+
+    def __init__(self, number: int) -> None:
+        self.number = number
+        super().__init__(f"no advertisement has the publisher number {number}")
 
 
 class NotAllowed(OperationError):
@@ -235,7 +273,7 @@ class CallFailed(OperationError):
 
 
 class ParameterError(FibwsError):
-    """What cannot be done with a parameter; the text says which and why."""
+    """An operation on a parameter failed; the text says which and why."""
 
     code = "invalid_parameter"
 
@@ -253,7 +291,7 @@ class ParameterNotSet(ParameterError, KeyError):
 
 
 class ParametersFull(ParameterError):
-    """There is no room for so much among the parameters."""
+    """All parameters together would exceed the limit."""
 
     code = "limit_reached"
 
@@ -272,7 +310,7 @@ class WorkspaceError(FibwsError):
 
 
 class PackageNotFound(WorkspaceError, LookupError):
-    """No package of this name is on the path; ``hint`` says what was missed, as far as known."""
+    """No package of this name is on the path; ``hint`` suggests what to do."""
 
     def __init__(self, name: str, hint: str = "") -> None:
         self.name = name
@@ -281,7 +319,7 @@ class PackageNotFound(WorkspaceError, LookupError):
 
 
 class ExecutableNotFound(WorkspaceError, LookupError):
-    """The package has no such program, or none that can be run; ``hint`` says more."""
+    """The package has no such program, or it cannot be run; ``hint`` says more."""
 
     def __init__(self, package: str, name: str, hint: str) -> None:
         self.package = package
@@ -291,7 +329,7 @@ class ExecutableNotFound(WorkspaceError, LookupError):
 
 
 class PackageFileError(WorkspaceError, ValueError):
-    """A package.xml or a CMakeLists.txt that does not parse, or says what cannot be."""
+    """An invalid package.xml or CMakeLists.txt."""
 
     def __init__(self, source: str, line: int, fault: str) -> None:
         self.source = source
@@ -301,7 +339,7 @@ class PackageFileError(WorkspaceError, ValueError):
 
 
 class LaunchError(FibwsError, ValueError):
-    """A launch file that says what cannot be; ``file`` and ``line`` tell where.
+    """An invalid launch file; ``file`` and ``line`` say where.
 
     ``files`` are those that include it, the nearest first, each with the line of its <include>.
     """
@@ -322,11 +360,11 @@ class HubError(FibwsError):
 
 
 class NodeError(FibwsError):
-    """What a node was asked for was in vain, or the node cannot go on."""
+    """A node's request failed, or the node cannot go on."""
 
 
 class InvalidAddress(NodeError, ValueError):
-    """What should say where the hub is does not."""
+    """Not the address of a hub."""
 
     def __init__(self, address: str, fault: str) -> None:
         self.address = address
@@ -335,7 +373,7 @@ class InvalidAddress(NodeError, ValueError):
 
 
 class HubUnreachable(NodeError):
-    """The hub is there and will not have this node, or never can be: waiting is of no use."""
+    """The hub refuses this node, or can never be reached: waiting does not help."""
 
     def __init__(self, url: str, cause: str) -> None:
         self.url = url
@@ -344,19 +382,19 @@ class HubUnreachable(NodeError):
 
 
 class NoHub(HubUnreachable):
-    """Nothing answers at the hub's address. Nodes wait for one; tools do not."""
+    """Nothing answers at the hub's address. Nodes wait for a hub; tools do not."""
 
     def __str__(self) -> str:
         return f"No hub at {self.url}. Start one with: {self.remedy}"
 
     @property
     def remedy(self) -> str:
-        """The command that starts one here: roscore in a shell where `fibws setup` was sourced."""
+        """The command that starts a hub: roscore in a shell that has sourced `fibws setup`."""
         return "roscore" if "FIBWS_PYTHON" in os.environ else "fibws hub"
 
 
 class HubLost(NodeError):
-    """The connection of a tool to the hub has ended; ``cause`` is what the hub gave as reason."""
+    """The connection of a tool to the hub has ended; ``cause`` is the hub's reason."""
 
     def __init__(self, url: str, cause: str) -> None:
         self.url = url
@@ -365,11 +403,11 @@ class HubLost(NodeError):
 
 
 class OperationRejected(NodeError):
-    """The hub refused what the node asked for; the text is the hub's own."""
+    """The hub refused an operation of the node; the text is the hub's own."""
 
 
 class AlreadyOffered(NodeError, ValueError):
-    """The node offers a service, or serves an action, of this name already."""
+    """The node already serves a service or an action of this name."""
 
     def __init__(self, name: str) -> None:
         self.name = name
@@ -377,36 +415,41 @@ class AlreadyOffered(NodeError, ValueError):
 
 
 class ServiceError(NodeError):
-    """A service was called in vain: its provider, or the hub, says in ``text`` why."""
+    """A service call failed: ``text`` is the server's or the hub's reason.
 
-    def __init__(self, service: str, text: str) -> None:
+    ``code`` is that of `CallFailed`, if a hub of fibws sent one.
+    """
+
+    def __init__(self, service: str, text: str, code: str | None = None) -> None:
         self.service = service
         self.text = text
+        if code is not None:
+            self.code = code
         is_named = re.search(rf"(?<![\w/]){re.escape(service)}(?![\w/])", text)
         super().__init__(text if is_named else f"{service}: {text}")
 
 
 class UnknownService(ServiceError, LookupError):
-    """Nobody offers the service: there is nobody yet, or the name is mistaken."""
+    """Nobody serves this name: not yet, or the name is mistaken."""
 
 
 class ServiceTimeout(ServiceError, TimeoutError):
-    """There was no answer in time; the provider may still be at it."""
+    """There was no response in time; the server may still be working."""
 
 
 class ServiceLost(ServiceError):
-    """The connection broke before there was an answer: the call may have taken place or not."""
+    """The connection broke before the response: the call may have been executed or not."""
 
     def __init__(self, service: str) -> None:
         super().__init__(service, "the connection to the hub was lost")
 
 
 class CallRefused(NodeError):
-    """What a service's handler raises to fail a call with just this text, unlogged."""
+    """Raised by a service's handler to fail a call with just this text, without logging it."""
 
 
 class ActionError(NodeError):
-    """A goal did not succeed: ``status`` and ``text`` say why, as its server or the hub told them.
+    """A goal did not succeed: ``status`` and ``text`` are its server's or the hub's reason.
 
     Attributes:
         action: the action's name.
@@ -424,7 +467,7 @@ class ActionError(NodeError):
 
 
 class WaitTimeout(NodeError, TimeoutError):
-    """What was waited for did not come in time."""
+    """A wait ended without a result."""
 
 
 class NodeReplaced(NodeError):

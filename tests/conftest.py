@@ -9,8 +9,13 @@ from contextlib import AsyncExitStack
 from typing import Any
 
 import pytest
+from hypothesis import HealthCheck, settings
 
 from fibws.hub import Hub, Settings
+
+# On a busy machine an example may take long, and so may its making.
+settings.register_profile("any_speed", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("any_speed")
 
 LoopFactory = Callable[[], asyncio.AbstractEventLoop]
 StartHub = Callable[..., Awaitable[Hub]]

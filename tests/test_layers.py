@@ -22,7 +22,6 @@ PACKAGE = Path(fibws.__file__).parent
 IMPURE = {"asyncio", "websockets", "time", "random", "socket", "threading", "select", "signal"}
 MASK = {"websockets.speedups.apply_mask", "websockets.utils.apply_mask"}
 
-PURE_HUB = ["budget", "clock", "frames", "liveness", "logtext", "outbox", "settings", "splitter"]
 PURE_LAUNCH = ["attributes", "evaluation", "listing", "model", "node", "parameter", "reader"]
 PURE_LAUNCH += ["scope", "screen", "substitution", "tag", "value", "vocabulary", "world"]
 PURE_TF = ["buffer", "history", "messages", "selection", "transform"]
@@ -48,12 +47,26 @@ BELOW = {
     "workspace": {"errors", "hint", "names", "xmltree", "interfaces", "workspace", "ros1"},
     "launch": {"errors", "hint", "names", "xmltree", "launch", "workspace", "ros1"},
 }
-"""What each part of fibws may import of fibws; ros1/python is for scripts, and above the others."""
+"""The parts of fibws that each part may import; ros1/python is for scripts, above the others."""
+
+BELOW_IN_HUB = {
+    "graph": {"errors", "names", "interfaces", "hub.graph"},
+    "delivery": {"protocol.frame_queue", "hub.delivery"},
+    "websocket": {"errors", "names", "protocol.websocket", "hub.delivery", "hub.websocket"}
+    | {"hub.settings", "hub.log_text"},
+    "rosbridge": {"errors", "names", "protocol", "hub.graph", "hub.delivery", "hub.rosbridge"}
+    | {"hub.settings", "hub.log_text", "hub.websocket.endpoint"},
+    "rosapi": {"errors", "names", "protocol", "interfaces", "hub.graph", "hub.delivery"}
+    | {"hub.rosapi", "hub.log_text"},
+}
+"""The modules of fibws that each layer of the hub may import: the graph knows no frames and no
+operations, delivery knows bytes, websocket knows endpoints but no operations."""
 
 TOOLS = {"cli", "errors", "names", "yamltext", "node", "interfaces", "launch", "ros1", "workspace"}
-TOOLS |= {"__version__", "hint"}
-"""What the tools of the command line may import of fibws: of `node`, no more than `node.address`;
-`interfaces` in functions alone, as whatever else takes its time to be loaded."""
+TOOLS |= {"__version__", "hint", "protocol"}
+"""What command-line tools may import of fibws: of `node` and `protocol`, only `LIGHT`; slow modules
+such as `interfaces` in functions only."""
+LIGHT = {"node": "fibws.node.address", "protocol": "fibws.protocol.serialized"}
 SLOW = {"asyncio", "pydantic", "pydantic_core", "yaml", "rich", "ssl", "cbor2", "fibws.interfaces"}
 NO_TOOLS = {"cli/demo.py", "cli/launch/run.py", "cli/options.py", "cli/program.py"}
 
@@ -90,8 +103,8 @@ def parts(path: Path) -> set[str]:
 
 PURE = [
     *modules("errors.py", "names.py", "yamltext.py", "protocol/*.py", "interfaces/*.py"),
-    *modules("hub/graph/*.py", "hub/session/*.py", "hub/rosapi/*.py"),
-    *(PACKAGE / "hub" / f"{name}.py" for name in PURE_HUB),
+    *modules("hub/graph/*.py", "hub/delivery/*.py", "hub/rosbridge/*.py", "hub/rosapi/*.py"),
+    *modules("hub/settings.py", "hub/log_text.py", "hub/websocket/keepalive.py"),
     *(PACKAGE / "tf" / f"{name}.py" for name in PURE_TF),
     *(PACKAGE / "launch" / f"{name}.py" for name in PURE_LAUNCH),
 ]
@@ -99,7 +112,7 @@ PURE = [
 
 @pytest.mark.parametrize("path", PURE, ids=path_id)
 def test_the_core_knows_no_sockets_tasks_or_clocks(path: Path) -> None:
-    allowed = MASK if path_id(path) == "hub/splitter.py" else set()
+    allowed = MASK if path_id(path) == "protocol/websocket.py" else set()
     impure = {name for name in imports(path) - allowed if name.partition(".")[0] in IMPURE}
     assert not impure
 
@@ -115,6 +128,18 @@ def test_dependencies_point_down(path: Path) -> None:
     assert parts(path) <= BELOW[part]
 
 
+@pytest.mark.parametrize("layer", BELOW_IN_HUB)
+def test_layers_of_the_hub_do_not_look_up(layer: str) -> None:
+    found = {
+        name.removeprefix("fibws.")
+        for path in modules(f"hub/{layer}/*.py")
+        for name in imports(path)
+        if name.startswith("fibws.")
+    }
+    allowed = BELOW_IN_HUB[layer]
+    assert not {name for name in found if not any(_is_in(name, each) for each in allowed)}
+
+
 @pytest.mark.parametrize("path", modules(*(f"{name}.py" for name in PROGRAMS)), ids=path_id)
 def test_a_program_uses_only_public_names(path: Path) -> None:
     public = {*fibws.__all__, *CLASSES, "cli", "tf"}
@@ -128,9 +153,9 @@ def test_a_program_uses_only_public_names(path: Path) -> None:
 )
 def test_a_tool_loads_at_once(path: Path) -> None:
     assert parts(path) <= TOOLS
-    assert not {name for name in imports(path) if name.startswith("fibws.node.")} - {
-        "fibws.node.address"
-    }
+    for part, module in LIGHT.items():
+        used = {name for name in imports(path) if _is_in(name, f"fibws.{part}")}
+        assert all(_is_in(name, module) for name in used)
     slow = {
         name for name in imports(path, inside=False) if any(_is_in(name, each) for each in SLOW)
     }

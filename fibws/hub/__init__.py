@@ -1,12 +1,13 @@
 """The hub: ROS's master and rosbridge's server in one asyncio process.
 
-    socket ─ connection, splitter ─> session, one operation after another
-    session: topics | calls, services | goals, actions ─> graph: topic, service, action, parameters
-    graph: topic ─ channel, encoding ─> frames ─ outbox ─> socket
-    rosapi: the hub's own nodes, which publish and answer in the same graph
+    websocket ─> Endpoint: rosbridge session ─> graph: Source.publish ─> Publication ─> every Sink
+    Sink: rosbridge subscription ─> delivery: fan-out group, send queue ─> websocket
+    rosapi: the hub's own nodes, which publish and serve in the same graph
 
-`server`, `connection`, `gate`, `pages`, `response` and `__main__` know sockets, files or the event
-loop; all the rest is pure.
+The folders, from the inside out: ``graph`` knows nodes, topics, services, actions, parameters and
+types, but no frames and no operations; ``delivery`` knows bytes; ``websocket`` knows connections
+and endpoints; ``rosbridge`` is one endpoint, ``rosapi`` the hub's own nodes. ``server`` puts them
+together. Only ``server``, ``websocket`` and ``__main__`` use sockets, files or the event loop.
 """
 
 from fibws.hub.server import Hub

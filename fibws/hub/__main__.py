@@ -41,14 +41,14 @@ def _read_config(context: click.Context, _: click.Parameter, path: Path | None) 
     defaults = {field.name: field.default for field in dataclasses.fields(Settings)}
     for name, value in values.items():
         if name not in defaults:
-            raise click.BadParameter(f"{path}: no setting is called {name}")
+            raise click.BadParameter(f"{path}: unknown setting {name}")
         if defaults[name] == () and isinstance(value, str):
             values[name] = [value]
     context.default_map = values
 
 
 def _options(function: Callable[..., None]) -> Callable[..., None]:
-    """One option for each of the settings."""
+    """Add one option for each of the settings."""
     types = get_type_hints(Settings)
     for field in reversed(dataclasses.fields(Settings)):
         type_ = types[field.name]
@@ -75,19 +75,20 @@ def _options(function: Callable[..., None]) -> Callable[..., None]:
     expose_value=False,
     callback=_read_config,
     envvar="FIBWS_CONFIG",
-    help="TOML file of settings, named as the flags are, with _ for -.",
+    help="TOML file of settings, named like the flags, with _ for -.",
 )
 @_options
 def command(**values: Any) -> None:
-    """The hub that ROS nodes and web pages meet at: rosbridge v2.0 over WebSockets, with no ROS.
+    """Run a hub for ROS nodes and web pages: rosbridge v2.0 over WebSockets, without ROS.
 
-    A flag comes before an environment variable (FIBWS_PORT for --port), that before the file.
+    A flag takes precedence over an environment variable (FIBWS_PORT for --port), and that over the
+    file.
     """
     logging.addLevelName(logging.WARNING, "WARN")  # as ROS calls it
     logging.basicConfig(format="[%(levelname)s] [%(created)f]: %(message)s", level=logging.INFO)
-    # Makes glibc keep memory that is freed: else it trims its heap and grows it again with every
-    # large message, which costs more than relaying it.
-    bytearray(8 * MIB)
+    # Makes glibc keep freed memory: otherwise it trims and grows its heap with every large message,
+    # which costs more than relaying it.
+    bytearray(16 * MIB)
     try:
         settings = Settings(**values)
         with asyncio.Runner(loop_factory=_loop_factory()) as runner:
@@ -99,12 +100,12 @@ def command(**values: Any) -> None:
 
 
 async def _serve(settings: Settings) -> None:
-    told = asyncio.Event()
+    stopped = asyncio.Event()
 
     def stop() -> None:
         if sys.stderr.isatty():
-            click.echo(err=True)  # The log must not go on behind the terminal's ^C.
-        told.set()
+            click.echo(err=True)  # The log must not continue the line of the terminal's ^C.
+        stopped.set()
 
     for number in (signal.SIGINT, signal.SIGTERM):
         with suppress(NotImplementedError):  # Windows: Ctrl-C comes as KeyboardInterrupt.
@@ -114,11 +115,11 @@ async def _serve(settings: Settings) -> None:
         print(
             f"The hub listens at {hub.url}; open {page}/ in a browser. Ctrl-C ends it.", flush=True
         )
-        await told.wait()
+        await stopped.wait()
 
 
 def _loop_factory() -> Callable[[], asyncio.AbstractEventLoop] | None:
-    """uvloop's if it is installed: it takes some 10 % off the hub's work."""
+    """Return uvloop's if it is installed, which saves about 10 % of the hub's CPU time."""
     try:
         import uvloop
     except ImportError:

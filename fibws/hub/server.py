@@ -1,4 +1,4 @@
-"""The hub as a server: one port, all connections, one timer."""
+"""The hub as a server: one port, all its connections, one timer."""
 
 from __future__ import annotations
 
@@ -8,46 +8,57 @@ import ipaddress
 import logging
 import time
 import uuid
+from functools import partial
 from types import TracebackType
 from typing import Self
 
+from pydantic_core import to_json
+
 from fibws import __version__
 from fibws.errors import FibwsError, HubError
-from fibws.hub.connection import Connection, Shared
-from fibws.hub.gate import Gate
-from fibws.hub.graph.graph import Graph
-from fibws.hub.outbox import Flusher
-from fibws.hub.pages import Pages, read
-from fibws.hub.rosapi.nodes import OwnNodes
+from fibws.hub.delivery.send_queue import Flusher
+from fibws.hub.graph.graph import Graph, Policy
+from fibws.hub.rosapi.nodes import OWN_NODES, OwnNodes
+from fibws.hub.rosbridge.session import Rosbridge
 from fibws.hub.settings import Settings
+from fibws.hub.websocket.connection import Connection, Shared
+from fibws.hub.websocket.endpoint import Endpoints
+from fibws.hub.websocket.http import HttpRequests, read_files
 from fibws.interfaces import Interfaces
-from fibws.protocol.closing import SHUTDOWN
+from fibws.protocol.serialized import SUBPROTOCOL
+from fibws.protocol.websocket import SHUTDOWN
 
 logger = logging.getLogger("fibws.hub")
 
 SWEEP_INTERVAL = 1.0
 BACKLOG = 1024
-"""Connections that may wait to be accepted: enough for a thousand that come at once."""
+"""Connections that may wait to be accepted: a thousand may come at once."""
 
 
 class Hub:
     """A hub that listens while its ``async with`` block runs.
+
+    Args:
+        policy: decides what nodes may do; None lets all do everything.
 
     Raises:
         HubError: on entering, when it cannot listen, most likely because the port is taken.
         InterfaceError: a folder of definitions is not there.
     """
 
-    def __init__(self, settings: Settings | None = None) -> None:
+    def __init__(self, settings: Settings | None = None, policy: Policy | None = None) -> None:
         self.settings = settings or Settings()
         self.port = self.settings.port
-        """The port it listens on, also when the settings leave the choice to the system."""
+        """The port it listens on; once entered, also when the system chose it."""
         self.graph = Graph(
             Interfaces(self.settings.interfaces),
             time.time_ns,
             strict_types=self.settings.strict_types,
             max_parameter_bytes=self.settings.max_parameter_bytes,
+            policy=policy,
         )
+        self.endpoints: Endpoints
+        """The protocols that clients may speak, once entered."""
         self._connections: set[Connection] = set()
         self._server: asyncio.Server
         self._own: OwnNodes
@@ -76,15 +87,18 @@ class Hub:
         except FibwsError:  # The parameters may have no room for even the first ones.
             self._server.close()
             raise
+        rosbridge = Rosbridge(self.graph, loop, self.settings)
+        self.endpoints = Endpoints(rosbridge.open)
+        self.endpoints.add(partial(rosbridge.open, serialized=True), subprotocol=SUBPROTOCOL)
+        requests = HttpRequests(self.settings, read_files(), OWN_NODES)
+        requests.add("/healthz", lambda: to_json(self.health()), "application/json")
         self._shared = Shared(
             settings=self.settings,
-            gate=Gate(self.settings, Pages(read()), self.health),
-            graph=self.graph,
+            http=requests,
+            endpoints=self.endpoints,
             loop=loop,
             flusher=Flusher(loop.call_soon),
-            own=self._own,
-            opened=self._opened,
-            lost=self._lost,
+            observer=self,
         )
         self._warn_if_public()
         self._started = time.monotonic()
@@ -102,12 +116,12 @@ class Hub:
 
     @property
     def url(self) -> str:
-        """Where nodes on this machine reach it."""
+        """The URL by which nodes on this machine reach it."""
         host = _reached_at(self.settings.host)
         return f"ws://{f'[{host}]' if ':' in host else host}:{self.port}"
 
     async def close(self) -> None:
-        """Once entered, say good-bye to all clients and stop; who does not answer is cut off."""
+        """Close all connections and stop; clients that do not answer in time are cut off."""
         self._closing = True
         self._server.close()
         self._sweeper.cancel()
@@ -123,52 +137,69 @@ class Hub:
         await self._server.wait_closed()
 
     def health(self) -> dict[str, object]:
-        """What ``/healthz`` shows: counts, and the clients that read too slowly."""
-        open_ = [each for each in self._connections if each.session is not None]
+        """Return what ``/healthz`` shows: counts, and the clients that read too slowly."""
+        open_ = [each for each in self._connections if each.endpoint is not None]
         return {
             "status": "ok",
             "version": __version__,
             "uptime_seconds": round(time.monotonic() - self._started, 3),
             "clients": len(open_),
             "topics": len(self.graph.topics),
-            "dropped": self._dropped + sum(each.outbox.dropped for each in open_),
+            "dropped": self._dropped + sum(each.queue.dropped for each in open_),
             "slow_clients": [
                 {
                     "node": each.name,
                     "address": each.peer,
-                    "kept_bytes": each.outbox.kept_bytes,
-                    "dropped": each.outbox.dropped,
-                    "dropped_by_topic": {
-                        spelling: subscription.queue.dropped
-                        for spelling, subscription in each.session.topics.subscriptions.items()
-                        if subscription.queue.dropped
-                    },
+                    "kept_bytes": each.queue.kept_bytes,
+                    "dropped": each.queue.dropped,
+                    "dropped_by_topic": self._dropped_by_topic(each.name),
                 }
                 for each in open_
-                if each.session is not None and each.outbox.dropped
+                if each.queue.dropped
             ],
         }
+
+    def _dropped_by_topic(self, node: str) -> dict[str, int]:
+        """Return the messages that were dropped for one node, by the topics' global names."""
+        dropped: dict[str, int] = {}
+        for name, topic in self.graph.topics.items():
+            for sink in topic.sinks_of(node):
+                if count := sink.report().dropped:
+                    dropped[name] = dropped.get(name, 0) + count
+        return dropped
 
     def _warn_if_public(self) -> None:
         address = self._server.sockets[0].getsockname()[0]
         if not ipaddress.ip_address(address).is_loopback:
             logger.warning(
-                "Other machines can reach this hub at %s, port %d; it asks nobody for a password.",
+                "Other machines can reach this hub at %s, port %d; no authentication is enabled.",
                 address,
                 self.port,
             )
 
-    def _opened(self, connection: Connection) -> None:
+    # What connections report.
+
+    def opened(self, connection: Connection) -> None:
+        """Count a socket that has been opened."""
         self._connections.add(connection)
         self._empty.clear()
         if self._closing:
             connection.abort()
 
-    def _lost(self, connection: Connection) -> None:
+    def connected(self, connection: Connection) -> None:
+        """Add a client that has finished its handshake."""
+        self._own.connected(connection)
+
+    def ponged(self, connection: Connection, data: bytes) -> None:
+        """Take note of a client's pong."""
+        self._own.ponged(connection, data)
+
+    def lost(self, connection: Connection) -> None:
+        """Remove a connection that is closed."""
         self._connections.discard(connection)
         self._own.disconnected(connection)
-        if connection.session is not None:
-            self._dropped += connection.outbox.dropped
+        if connection.endpoint is not None:
+            self._dropped += connection.queue.dropped
         if not self._connections:
             self._empty.set()
 
@@ -181,18 +212,18 @@ class Hub:
             try:
                 connection.sweep(now, late)
             except Exception:
-                # What is wrong with one client must not leave the others unwatched.
+                # A fault at one client must not leave the others unwatched.
                 logger.exception("%s: the sweep failed.", connection.name)
 
 
 def _reached_at(host: str) -> str:
-    """How programs on this machine call the address that a hub listens on."""
+    """Return the address by which programs on this machine reach a hub that listens there."""
     return {"0.0.0.0": "127.0.0.1", "::": "::1", "": "127.0.0.1"}.get(host, host)
 
 
 def _why_not(host: str, port: int, error: OSError) -> str:
     if error.errno == errno.EADDRINUSE:
-        return f"Port {port} on {host} is taken: another hub may run there. Choose one with --port"
+        return f"Port {port} on {host} is in use, perhaps by another hub; choose one with --port"
     if error.errno in (errno.EADDRNOTAVAIL, None):  # From Python 3.13 on asyncio names none.
         return f"{host} is not an address of this machine"
     return f"Cannot listen on {host}:{port}: {error.strerror or error}"

@@ -1,4 +1,4 @@
-"""What an operator can set: the default, the unit, what it is for."""
+"""The hub's settings: their defaults, units and purposes."""
 
 from __future__ import annotations
 
@@ -22,11 +22,13 @@ class Settings:
     """The hub's settings; each is a flag of ``python -m fibws.hub`` as well.
 
     Raises:
-        HubError: a number is below 0, a port is none, an origin has no scheme.
+        HubError: a number is negative, a port is too large, or an origin has no scheme.
     """
 
-    host: str = _setting("127.0.0.1", "Address to listen on; 0.0.0.0 lets other machines in.")
-    port: int = _setting(9090, "Port to listen on; 0 takes a free one.")
+    host: str = _setting(
+        "127.0.0.1", "Address to listen on; 0.0.0.0 accepts connections from other machines."
+    )
+    port: int = _setting(9090, "Port to listen on; 0 chooses a free one.")
     allow_origin: tuple[str, ...] = _setting(
         (),
         "Web page origin that may connect besides this machine's own, such as "
@@ -39,33 +41,35 @@ class Settings:
         False, "Refuse topics whose type's package is unknown, rather than relay them unchecked."
     )
     queue_length: int = _setting(
-        1000, "Messages kept for a subscription that names no queue_length and falls behind."
+        1000, "Messages kept for a slow subscription that names no queue_length."
     )
     service_timeout: float = _setting(
-        60.0, "Seconds in which a service must answer if the call names no time; 0 for no limit."
+        60.0, "Seconds in which a service must answer if the call names no timeout; 0 for no limit."
     )
     strict_responses: bool = _setting(
         False,
-        "Take a service_response whose result is false for a failure, even if it has values.",
+        "Treat a service_response whose result is false as a failure even if it has values.",
     )
     max_advertisements: int = _setting(
-        5000, "Topics that one client may advertise; so many services and so many actions, too."
+        5000, "Topics that one client may advertise; as many services and actions, too."
     )
     max_subscriptions: int = _setting(5000, "Topics that one client may subscribe to.")
-    max_calls: int = _setting(1000, "Service calls that one client may wait for at once.")
-    max_goals: int = _setting(1000, "Goals that one client may wait for at once.")
-    max_queued_bytes: int = _setting(16 * MIB, "Bytes kept for one client that falls behind.")
+    max_calls: int = _setting(
+        1000, "Service calls of one client that may wait for a response at once."
+    )
+    max_goals: int = _setting(1000, "Goals of one client that may wait for a result at once.")
+    max_queued_bytes: int = _setting(16 * MIB, "Bytes kept for one client that reads too slowly.")
     max_latched_bytes: int = _setting(
-        64 * MIB, "Bytes of JSON that the latched messages of one client may have together."
+        64 * MIB, "Bytes that the latched messages of one client may take together."
     )
     max_fragment_bytes: int = _setting(
-        64 * MIB, "Bytes kept of messages of one client whose fragments have not all come."
+        64 * MIB, "Bytes kept of incomplete fragmented messages of one client."
     )
     max_parameter_bytes: int = _setting(
-        4 * MIB, "Bytes of JSON that all parameters may have together."
+        4 * MIB, "Bytes of JSON that all parameters may take together."
     )
     stall_timeout: float = _setting(
-        30.0, "Seconds for which a client may stop reading before it is closed."
+        30.0, "Seconds for which a client may stop reading before it is disconnected."
     )
     max_message_size: int = _setting(64 * MIB, "Bytes that one incoming message may have.")
     ping_interval: float = _setting(20.0, "Seconds between two pings; 0 sends none.")
@@ -73,7 +77,7 @@ class Settings:
     open_timeout: float = _setting(10.0, "Seconds in which a client must finish its handshake.")
     close_timeout: float = _setting(5.0, "Seconds in which a client must answer a close.")
     fast_framing: bool = _setting(
-        True, "Take whole text messages from the bytes at once, not by way of the library's parser."
+        True, "Parse whole messages directly, not through the websockets library."
     )
 
     def __post_init__(self) -> None:
@@ -81,9 +85,9 @@ class Settings:
             value = getattr(self, setting.name)
             if isinstance(value, int | float) and not 0 <= value < math.inf:
                 flag = setting.name.replace("_", "-")
-                raise HubError(f"--{flag} is a number from 0 on, not {value}")
+                raise HubError(f"--{flag} must be >= 0 and finite, got {value}")
         if self.port > 65535:
-            raise HubError(f"--port is a number from 0 to 65535, not {self.port}")
+            raise HubError(f"--port must be between 0 and 65535, got {self.port}")
         for origin in self.allow_origin:
             if "://" not in origin and origin not in ("*", "null"):
-                raise HubError(f"--allow-origin is such as https://lab.example, not {origin}")
+                raise HubError(f"--allow-origin must look like https://lab.example, got {origin}")

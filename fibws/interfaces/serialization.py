@@ -202,6 +202,25 @@ class ClassCodec(Generic[M]):
             # Validation names the field, unless it accepts the value: numpy's bools, for example.
             return self._serializer.serialize(self._validate(message.to_dict()))
 
+    def serialize_after(self, head: Callable[[int], bytes], message: M) -> bytes:
+        """The message's bytes behind others, without a copy of the message in between.
+
+        Args:
+            head: returns the bytes in front of a message of a number of bytes.
+            message: the message.
+
+        Raises:
+            InvalidMessage: as `serialize`.
+        """
+        pieces: list[Any] = [b""]
+        try:
+            self.write_function(message, pieces)
+            pieces[0] = head(sum(map(len, pieces)))
+            return b"".join(pieces)
+        except Exception:
+            data = self.serialize(message)
+            return head(len(data)) + data
+
     def deserialize(self, data: Buffer) -> M:
         """The message. In strings that are not UTF-8, U+FFFD replaces what is invalid.
 
@@ -210,9 +229,17 @@ class ClassCodec(Generic[M]):
         Raises:
             InvalidMessage: the text names the field and says what was expected.
         """
+        view = data if type(data) is bytes else memoryview(data)
+        try:
+            message: M
+            message, end = self.read_function(view, 0, "strict")
+            if end == len(view):
+                return message
+        except Exception:
+            pass  # It is read again for the error.
         read = self._serializer.read
         try:
-            message: M = read(self.read_function, data, "strict")
+            message = read(self.read_function, data, "strict")
         except UnicodeDecodeError as error:
             if self._style.on_invalid_text is not None:
                 self._style.on_invalid_text(self.message_class, error)

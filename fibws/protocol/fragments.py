@@ -1,4 +1,4 @@
-"""Fragments: the pieces in which the text of one operation may travel, either way."""
+"""Fragments: splitting the text of an operation into pieces, and putting them together."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from fibws.errors import OperationError
 from fibws.protocol.operations import Fragment
 
 PIECE_COST = 128
-"""What keeping a piece costs beside its text, in bytes; it bounds floods of empty pieces."""
+"""Bytes that each piece counts for in addition to its text: empty pieces take memory, too."""
 
 MOST_PIECES = 1000
-"""Into how many a text is split at most: they are longer rather than more."""
+"""Most pieces of a text; longer texts have longer pieces."""
 
 
 def split(text: str, size: int, id_: str) -> Iterator[Fragment]:
-    """The text in pieces of at most ``size`` characters; in none at all if it is no longer."""
+    """Yield a text in pieces of ``size`` characters; nothing if it is not longer than one piece."""
     if len(text) <= size:
         return
     size = max(size, -(-len(text) // MOST_PIECES))
@@ -35,12 +35,12 @@ class _Message:
 
 
 class Reassembly:
-    """Puts one client's fragments together, within bounds.
+    """Puts the fragments of one client together.
 
     Args:
-        max_size: bytes that all unfinished messages together may take.
-        max_messages: how many messages may be unfinished at once.
-        timeout: seconds after which an unfinished message is given up (rosbridge: 600).
+        max_size: most bytes of all unfinished messages together.
+        max_messages: most unfinished messages.
+        timeout: seconds after which an unfinished message is dropped (rosbridge: 600).
     """
 
     def __init__(self, *, max_size: int, max_messages: int = 64, timeout: float = 600) -> None:
@@ -51,25 +51,25 @@ class Reassembly:
         self._size = 0
 
     def add(self, fragment: Fragment, now: float) -> str | None:
-        """Take one piece; return the whole text once no piece is missing.
+        """Add a piece; return the whole text if no piece is missing any more.
 
-        A piece that came before is ignored. ``now`` is in seconds of any steady clock.
+        A duplicate is ignored. ``now`` is in seconds of any monotonic clock.
 
         Raises:
-            OperationError: the piece does not fit what came before, or a bound is reached, upon
-                which the message that it belongs to is given up.
+            OperationError: the piece does not fit the ones before it, or a limit is reached; its
+                message is dropped then, except when there are too many messages.
         """
         self._expire(now)
         if not 0 <= fragment.num < fragment.total:
             raise OperationError(
                 f"num must be from 0 to total - 1, "
-                f"but num is {fragment.num} and total is {fragment.total}"
+                f"got num {fragment.num} and total {fragment.total}"
             )
         message = self._messages.get(fragment.id)
         if message is None:
             if len(self._messages) >= self._max_messages:
                 raise OperationError(
-                    f"{self._max_messages} messages are unfinished already; finish one first"
+                    f"too many unfinished messages (limit {self._max_messages}); finish one first"
                 )
             size = len(str(fragment.id))
             message = self._messages[fragment.id] = _Message(fragment.total, now, size=size)
@@ -77,7 +77,7 @@ class Reassembly:
         if fragment.total != message.total:
             self._drop(fragment.id)
             raise OperationError(
-                f"total of message {fragment.id} was {message.total}, now it is {fragment.total}"
+                f"total of message {fragment.id} changed from {message.total} to {fragment.total}"
             )
         if fragment.num not in message.pieces:
             message.pieces[fragment.num] = fragment.data
@@ -87,8 +87,8 @@ class Reassembly:
         if self._size > self._max_size:
             self._drop(fragment.id)
             raise OperationError(
-                f"unfinished messages may take {self._max_size} bytes together "
-                "(--max-fragment-bytes of the hub)"
+                f"too many bytes in unfinished messages (limit {self._max_size}, "
+                "--max-fragment-bytes of the hub)"
             )
         if len(message.pieces) < message.total:
             return None
@@ -98,7 +98,7 @@ class Reassembly:
     def _expire(self, now: float) -> None:
         for id_, message in list(self._messages.items()):
             if now - message.since <= self._timeout:
-                break  # The oldest come first.
+                break  # Messages are in the order in which they began.
             self._drop(id_)
 
     def _drop(self, id_: str | int) -> None:

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections import OrderedDict, deque
-from collections.abc import Iterator
+from collections.abc import Iterator, Sized
+from typing import Generic
+
+from typing_extensions import TypeVar
 
 
 class Lane:
@@ -22,7 +25,12 @@ class Lane:
         """The numbers of its frames in the queue, the oldest first."""
 
 
-class FrameQueue:
+L = TypeVar("L", bound=Lane, default=Lane)
+F = TypeVar("F", bound=Sized, default=bytes)
+"""The kind of frames."""
+
+
+class FrameQueue(Generic[L, F]):
     """Frames that wait to be written, in the order in which they came.
 
     Args:
@@ -33,7 +41,7 @@ class FrameQueue:
 
     def __init__(self, *, cost: int = 0) -> None:
         self._cost = cost
-        self._frames: OrderedDict[int, tuple[bytes, Lane | None]] = OrderedDict()
+        self._frames: OrderedDict[int, tuple[F, L | None]] = OrderedDict()
         self._number = 0
         self.size = 0
         """Bytes that wait."""
@@ -41,10 +49,10 @@ class FrameQueue:
     def __len__(self) -> int:
         return len(self._frames)
 
-    def __iter__(self) -> Iterator[tuple[bytes, Lane | None]]:
+    def __iter__(self) -> Iterator[tuple[F, L | None]]:
         return iter(self._frames.values())
 
-    def put(self, frame: bytes, lane: Lane | None = None) -> None:
+    def put(self, frame: F, lane: L | None = None) -> None:
         """Append a frame; one without a lane is dropped by nobody. Limits are `trim`'s to keep."""
         self._number += 1
         self._frames[self._number] = (frame, lane)
@@ -52,7 +60,7 @@ class FrameQueue:
         if lane is not None:
             lane.waiting.append(self._number)
 
-    def pop(self) -> tuple[bytes, Lane | None]:
+    def pop(self) -> tuple[F, L | None]:
         """Remove and return the oldest frame and its lane; raise KeyError if there is none."""
         _, (frame, lane) = self._frames.popitem(last=False)
         self.size -= len(frame) + self._cost
@@ -60,7 +68,7 @@ class FrameQueue:
             lane.waiting.popleft()
         return frame, lane
 
-    def trim(self, lane: Lane, keep: int) -> int:
+    def trim(self, lane: L, keep: int) -> int:
         """Drop a lane's oldest frames down to ``keep``; return how many, which it counts, too."""
         dropped = 0
         while len(lane.waiting) > keep:
@@ -69,7 +77,7 @@ class FrameQueue:
         lane.dropped += dropped
         return dropped
 
-    def forget(self, lane: Lane) -> None:
+    def forget(self, lane: L) -> None:
         """Remove the frames of a lane that has ended, which does not count as dropping them."""
         while lane.waiting:
             self._remove(lane.waiting.popleft())

@@ -1,4 +1,4 @@
-"""How grave a line of the log is, in ROS's words (http://wiki.ros.org/Verbosity%20Levels)."""
+"""The levels of log messages in ROS and in Python (http://wiki.ros.org/Verbosity%20Levels)."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 
 class Level(NamedTuple):
-    """One of ROS's five: its name, its number in Python's logging and in rosgraph_msgs/Log."""
+    """A level of ROS: its name, its number in Python's logging, its number in rosgraph_msgs/Log."""
 
     name: str
     python: int
@@ -21,19 +21,19 @@ LEVELS = (
     Level("error", logging.ERROR, 8),
     Level("fatal", logging.CRITICAL, 16),
 )
-"""From the least to the gravest."""
+"""All levels, from the least severe to the most severe."""
 
 
 def named(name: str) -> Level | None:
-    """The level of a name, which may be in capitals."""
+    """Return the level of a name in any case, or None if it is unknown."""
     return next((each for each in LEVELS if each.name == name.lower()), None)
 
 
 def severity(number: int) -> Level:
-    """How grave a line with one of Python's numbers is: in between, as grave as the level below."""
+    """Return the level of a message by its number in Python: between two levels, the lower one."""
     return next((each for each in reversed(LEVELS) if each.python <= number), LEVELS[0])
 
 
 def threshold(number: int) -> Level:
-    """The least level that a logger with one of Python's numbers logs: in between, that above."""
+    """Return the lowest level that a logger of a Python level logs: between two, the upper one."""
     return next((each for each in LEVELS if each.python >= number), LEVELS[-1])

@@ -1,10 +1,10 @@
 """The operations of the rosbridge v2.0 protocol, one frozen model each.
 
-Fields that a client sends and no model names are ignored. A new operation is a model here and a
-case in `hub/session/session.py`, which does not type-check until it has one.
+Unknown fields are ignored. A new operation is a model here and a case in the hub's session, which
+does not type-check without it.
 
-What rosbridge does not have, and fibws adds, is said at its field. All of it is off unless it is
-asked for, so that no client of rosbridge is sent what it does not know.
+Additions of fibws to rosbridge are marked at their fields. All are off unless a client asks for
+them, so that rosbridge clients never get an unknown field.
 """
 
 from __future__ import annotations
@@ -18,23 +18,23 @@ from fibws.protocol.headers import Headers, HubHeader
 from fibws.protocol.serialized import MOST_PUBLISHERS
 
 LONGEST_ID = 2000
-"""Characters: it is kept while its operation lasts."""
+"""Most characters of an id, which is kept as long as its operation."""
 Id = Annotated[str, Field(max_length=LONGEST_ID)] | int | float | bool | None
-"""What a client may call an operation by."""
+"""The id of an operation, chosen by the client."""
 Level = Literal["error", "warning", "info", "none"]
 FragmentSize = Annotated[
     int | None, AfterValidator(lambda size: size if size and size > 0 else None)
 ]
-"""Characters above which a text is to come in pieces; None for never, as what is not above 0."""
+"""Characters above which a message is fragmented; None or <= 0 for never."""
 Code = str | None
-"""What went wrong, for programs: the ``code`` of the error in `fibws.errors`. The hub sends it on
-connections of ``fibws.v1`` (an addition of fibws)."""
+"""The ``code`` of the error in `fibws.errors`. The hub sends it on connections of ``fibws.v1`` (an
+addition of fibws)."""
 Asked = bool | None
-"""Whether a client asks for an addition of fibws; None, which is not sent, for no."""
+"""Whether a client asks for an addition of fibws; no is None, which is not sent."""
 
 
 class Operation(BaseModel):
-    """What every operation has: a name, and an id that answers carry back as it was sent."""
+    """The base of all operations; replies carry the id of the request."""
 
     model_config = ConfigDict(frozen=True, strict=True, extra="ignore")
 
@@ -42,7 +42,7 @@ class Operation(BaseModel):
 
 
 class Advertise(Operation):
-    """The client will publish on ``topic``."""
+    """The client registers as a publisher of ``topic``."""
 
     op: Literal["advertise"] = "advertise"
     topic: str
@@ -52,10 +52,10 @@ class Advertise(Operation):
     definition: str | None = None
     """The type's .msg text, for types that the hub does not have (an addition of fibws)."""
     headers: Headers | None = None
-    """What subscribers that ask for headers are told beside each message (an addition of fibws).
-    The client's newest advertisement of the topic that has any decides."""
+    """The connection header for subscribers that ask for headers (an addition of fibws). The
+    client's newest advertisement of the topic that has one counts."""
     peers: Asked = None
-    """Whether the client wants to know who subscribes: see `Peers` (an addition of fibws)."""
+    """Whether to report the subscribers by `Peers` (an addition of fibws)."""
     publisher: Annotated[int, Field(ge=0, lt=MOST_PUBLISHERS)] | None = None
     """On a connection of ``fibws.v1``: the number that binary frames of this publisher begin with;
     it is free for another topic after ``unadvertise`` (see `protocol.serialized`)."""
@@ -65,7 +65,7 @@ class Advertise(Operation):
 
 
 class Unadvertise(Operation):
-    """The client will publish no more on ``topic``; without an id, for all its advertisements."""
+    """The client withdraws an advertisement of ``topic``, or all of them if there is no id."""
 
     op: Literal["unadvertise"] = "unadvertise"
     topic: str
@@ -79,14 +79,14 @@ class Publish(Operation):
     msg: Any = None
     latch: bool = False
     to: str | None = None
-    """The only node that is to hear it; it is not latched then (an addition of fibws)."""
+    """The only node to deliver it to; it is then not latched (an addition of fibws)."""
     header: HubHeader = None
     """For a subscription that asks for headers: ``callerid``, the publisher's node, ``latching``,
     0 or 1, and the headers of its advertisement (an addition of fibws)."""
 
 
 class Subscribe(Operation):
-    """The client wants the messages of ``topic``; ``throttle_rate`` is in milliseconds."""
+    """The client subscribes to ``topic``; ``throttle_rate`` is in milliseconds."""
 
     op: Literal["subscribe"] = "subscribe"
     topic: str
@@ -96,26 +96,29 @@ class Subscribe(Operation):
     fragment_size: FragmentSize = None
     compression: str = "none"
     headers: Asked = None
-    """Whether messages are to carry a ``header``: see `Publish`. Those in CBOR and PNG have none.
-    Infinity is then a number that no float can hold, not null (an addition of fibws)."""
+    """Whether messages carry a ``header``, see `Publish`; those in CBOR and PNG never do. Infinity
+    is then written as 1e999, not null (an addition of fibws)."""
     peers: Asked = None
-    """Whether the client wants to know who publishes: see `Peers` (an addition of fibws)."""
+    """Whether to report the publishers by `Peers` (an addition of fibws)."""
+    definition: str | None = None
+    """As in `Advertise`: serialized messages need the type's fields, and the subscriber may be the
+    first node that uses the type (an addition of fibws)."""
     md5sum: str | None = None
     """As in `Advertise`."""
 
 
 class Unsubscribe(Operation):
-    """The client wants no more of ``topic``; without an id, for all its subscriptions."""
+    """The client ends a subscription to ``topic``, or all of them if there is no id."""
 
     op: Literal["unsubscribe"] = "unsubscribe"
     topic: str
 
 
 class CallService(Operation):
-    """A call, from a client that asks it or to the client that is to answer it.
+    """A service call, from its caller or to the service's server.
 
-    ``args`` is an object, or a list of the request's fields in order; what else comes there counts
-    as absent. ``timeout`` is in seconds.
+    ``args`` is an object, or a list of the request's fields in order; other values count as absent.
+    ``timeout`` is in seconds.
     """
 
     op: Literal["call_service"] = "call_service"
@@ -124,15 +127,15 @@ class CallService(Operation):
     fragment_size: FragmentSize = None
     timeout: Annotated[float, Field(allow_inf_nan=False)] | None = None
     headers: Headers | None = None
-    """What the caller says beside its request; ``md5sum`` must be that of the service's type, if it
-    is there (an addition of fibws)."""
+    """The caller's header; its ``md5sum``, if any, must be that of the service's type (an addition
+    of fibws)."""
     header: HubHeader = None
-    """For a provider that asks for headers: ``callerid``, the caller's node, and its headers (an
+    """For a server that asks for headers: ``callerid``, the caller's node, and its headers (an
     addition of fibws)."""
 
 
 class AdvertiseService(Operation):
-    """The client answers the calls of ``service``."""
+    """The client provides ``service``."""
 
     op: Literal["advertise_service"] = "advertise_service"
     service: str
@@ -140,18 +143,18 @@ class AdvertiseService(Operation):
     definition: str | None = None
     """The type's .srv text, for types that the hub does not have (an addition of fibws)."""
     headers: Asked = None
-    """Whether calls are to carry a ``header``: see `CallService` (an addition of fibws)."""
+    """Whether calls carry a ``header``, see `CallService` (an addition of fibws)."""
 
 
 class UnadvertiseService(Operation):
-    """The client answers no more calls of ``service``; of none of its services, if that is None."""
+    """The client withdraws ``service``, or all its services if that is None."""
 
     op: Literal["unadvertise_service"] = "unadvertise_service"
     service: str | None = None
 
 
 class ServiceResponse(Operation):
-    """The answer to a call, either way: ``values`` is an object, or the text of what went wrong."""
+    """The response to a call, either way: ``values`` is an object, or an error's text."""
 
     op: Literal["service_response"] = "service_response"
     service: str
@@ -161,7 +164,7 @@ class ServiceResponse(Operation):
 
 
 class AdvertiseAction(Operation):
-    """The client pursues the goals of ``action``."""
+    """The client executes the goals of ``action``."""
 
     op: Literal["advertise_action"] = "advertise_action"
     action: str
@@ -171,14 +174,14 @@ class AdvertiseAction(Operation):
 
 
 class UnadvertiseAction(Operation):
-    """The client pursues no more goals of ``action``."""
+    """The client withdraws ``action``."""
 
     op: Literal["unadvertise_action"] = "unadvertise_action"
     action: str
 
 
 class SendActionGoal(Operation):
-    """A goal, from a client that wants it or to the client that is to pursue it."""
+    """A goal, from its client or to the action's server."""
 
     op: Literal["send_action_goal"] = "send_action_goal"
     action: str
@@ -189,14 +192,14 @@ class SendActionGoal(Operation):
 
 
 class CancelActionGoal(Operation):
-    """The goal of this id is wanted no more, either way."""
+    """Cancel the goal of this id, either way."""
 
     op: Literal["cancel_action_goal"] = "cancel_action_goal"
     action: str
 
 
 class ActionFeedback(Operation):
-    """How far the goal of this id has come, either way."""
+    """Feedback of the goal of this id, either way."""
 
     op: Literal["action_feedback"] = "action_feedback"
     action: str
@@ -204,10 +207,9 @@ class ActionFeedback(Operation):
 
 
 class ActionResult(Operation):
-    """What became of the goal of this id, either way.
+    """The result of the goal of this id, either way.
 
-    ``status`` is one of action_msgs/GoalStatus; ``values`` is the result, or the text of what went
-    wrong.
+    ``status`` is one of action_msgs/GoalStatus; ``values`` is the result, or an error's text.
     """
 
     op: Literal["action_result"] = "action_result"
@@ -236,20 +238,20 @@ class Fragment(Operation):
 
 
 class Auth(Operation):
-    """Who the client is, in the way of rosauth, which this hub does not ask for."""
+    """Authentication as in rosauth, which this hub ignores."""
 
     op: Literal["auth"] = "auth"
 
 
 class SetLevel(Operation):
-    """Which statuses the client wants to be sent: this level and what is graver."""
+    """The least level of the statuses to send to the client."""
 
     op: Literal["set_level"] = "set_level"
     level: Level
 
 
 class Status(Operation):
-    """What the hub has to say about an operation of the client's, named by its id."""
+    """A report of the hub about the client's operation of this id."""
 
     op: Literal["status"] = "status"
     level: Level
@@ -258,7 +260,7 @@ class Status(Operation):
 
 
 class Subscribed(Operation):
-    """The answer to a ``subscribe`` that asks for serialized messages (an addition of fibws).
+    """The reply to a ``subscribe`` that asks for serialized messages (an addition of fibws).
 
     ``topic_id`` is what binary frames of this topic begin with; see `protocol.serialized`.
     """
@@ -271,11 +273,11 @@ class Subscribed(Operation):
 
 
 class Peers(Operation):
-    """Who is at the other side of a topic: the subscribers for a publisher that asks, and so on.
+    """The subscribers of a publisher's topic, or the publishers of a subscriber's.
 
-    It comes at once after the advertisement or subscription of this id, which asked for it, and
-    whenever it is others; a node comes only once what is published would reach it. ``nodes`` are
-    sorted, each there once. (An addition of fibws.)
+    The hub sends it after an advertisement or subscription of this id that asks for peers, and
+    after every change. A node is listed once messages reach it. ``nodes`` are sorted and unique.
+    (An addition of fibws.)
     """
 
     op: Literal["peers"] = "peers"
@@ -303,7 +305,7 @@ Request = (
     | Auth
     | SetLevel
 )
-"""What a client may send."""
+"""The operations that clients send."""
 
 Reply = (
     Publish
@@ -319,24 +321,24 @@ Reply = (
     | Subscribed
     | Peers
 )
-"""What a client may be sent."""
+"""The operations that the hub sends."""
 
 
 def legal_id(id_: object) -> Id:
-    """The id of an operation that may be none; None if that is none, either."""
+    """Return ``id_`` if it is a valid id, else None."""
     if isinstance(id_, str):
         return id_ if len(id_) <= LONGEST_ID else None
     return id_ if isinstance(id_, int | float) else None
 
 
 def encode(operation: Operation) -> bytes:
-    """The operation as JSON text, ``op`` first, without the fields that are None."""
+    """Return an operation as JSON text, ``op`` first, without the fields that are None."""
     fields = operation.__dict__
     return encode_fields({"op": fields["op"], **fields})
 
 
 def encode_fields(fields: dict[str, Any], **texts: bytes) -> bytes:
-    """An operation's fields as JSON text, without those that are None.
+    """Return an operation's fields as JSON text, without those that are None.
 
     Args:
         texts: fields that are JSON text already.

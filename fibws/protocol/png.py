@@ -1,7 +1,7 @@
-"""The png encoding: a text as the pixels of an image, which compresses it.
+"""The png encoding: a text as the pixels of an image, because PNG compresses it.
 
-As rosbridge_library's pngcompression.py has it: the text's bytes, with line feeds behind them, are
-the red, green and blue of a picture that is about as wide as it is high.
+As in rosbridge_library's pngcompression.py the bytes of the text, padded with line feeds, are the
+red, green and blue values of an image that is about as wide as it is high.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from math import ceil, isqrt
 _NOT_ASCII = re.compile(r"[^\x00-\x7f]+")
 _CHANNELS = 3
 _LEVEL = 1
-"""zlib's quickest: its best takes several times longer and saves little."""
+"""The fastest level of zlib: the best one takes several times longer and saves little."""
 
 
 def encode_png(text: bytes) -> str:
-    """The base64 of a PNG file (RGB, 8 bits) that holds ``text``, which is JSON.
+    """Return JSON text as a PNG file (RGB, 8 bits) in base64.
 
-    Characters outside ASCII are escaped: roslib 1 makes one character of each byte.
+    Characters outside ASCII are escaped: roslib 1 decodes each byte as one character.
     """
     if not text.isascii():
         text = _NOT_ASCII.sub(_escaped, text.decode()).encode()
@@ -31,7 +31,7 @@ def encode_png(text: bytes) -> str:
     height = max(1, ceil(pixels / width))
     row = width * _CHANNELS
     padded = text.ljust(height * row, b"\n")
-    # Each row begins with a byte that says how it is filtered: not at all.
+    # Each row begins with the number of its filter: 0, none.
     rows = b"".join(b"\0" + padded[start : start + row] for start in range(0, len(padded), row))
     header = struct.pack("!2I5B", width, height, 8, 2, 0, 0, 0)
     image = (_chunk(b"IHDR", header), _chunk(b"IDAT", zlib.compress(rows, _LEVEL)))

@@ -71,7 +71,7 @@ def deliver_head(topic: int, received: int, header: bytes = b"") -> bytes:
     return _FROM_HUB_NAMED.pack(_NAMED, topic, received, len(header)) + header
 
 
-def read_publish(data: bytes | bytearray) -> FromClient:
+def read_publish(data: bytes | bytearray | memoryview) -> FromClient:
     """Read a client's frame; its message is a view of ``data``.
 
     Raises:
@@ -116,7 +116,7 @@ def read_delivery(data: bytes | bytearray) -> FromHub:
     raise _invalid(data)
 
 
-def _invalid(data: bytes | bytearray) -> OperationError:
+def _invalid(data: bytes | bytearray | memoryview) -> OperationError:
     kind = data[0] if data else None
     if kind in (_PLAIN, _NAMED):
         return OperationError(f"invalid binary frame: {len(data)} bytes are too few for its header")

@@ -9,9 +9,10 @@ of all other frames on as they come.
 from __future__ import annotations
 
 import struct
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final, TypeAlias
+from typing import Final, TypeAlias, TypeVar
 
 try:
     from websockets.speedups import apply_mask
@@ -24,12 +25,19 @@ BINARY: Final = 0x82
 """The first byte of a whole binary message."""
 ZERO_KEY: Final = bytes(4)
 """A masking key that changes nothing; see `client_frame`."""
-LARGE: Final = 64 * 1024
+LARGE: Final = 256 * 1024
 """Bytes of a payload from which on it is read into a buffer of its own."""
+
+AHEAD: Final = 1024 * 1024
+"""Bytes allocated for a large message at first; more follow as it arrives, up to four times what
+has arrived. A peer that announces 60 MB and sends nothing must not make the hub allocate them."""
+
+B = TypeVar("B", bytes, memoryview)
 
 Payload: TypeAlias = bytes | bytearray
 """What a message holds; a large one is the buffer that it was read into."""
 
+_SHORT_HEADERS = {first: [bytes((first, size)) for size in range(126)] for first in (TEXT, BINARY)}
 _OPCODES = frozenset({0x0, 0x1, 0x2, 0x8, 0x9, 0xA})
 _LENGTH_16 = struct.Struct("!H")
 _LENGTH_64 = struct.Struct("!Q")
@@ -64,7 +72,7 @@ def server_header(first: int, size: int) -> bytes:
         size: bytes of the payload.
     """
     if size < 126:
-        return bytes((first, size))
+        return _SHORT_HEADERS[first][size]
     if size < 65536:
         return bytes((first, 126)) + _LENGTH_16.pack(size)
     return bytes((first, 127)) + _LENGTH_64.pack(size)
@@ -95,11 +103,17 @@ def client_frame(first: int, payload: bytes, key: bytes = ZERO_KEY) -> bytes:
     return client_header(first, len(payload), key) + masked
 
 
+def client_payload(frame: B) -> B:
+    """Return the payload of a frame that `client_frame` made with the zero key."""
+    size = frame[1] & 127
+    return frame[6 if size < 126 else 8 if size == 126 else 14 :]
+
+
 class FrameParser:
     """Splits the bytes that one peer sends after the handshake.
 
-    A large message is read into a buffer of its own: while `buffer` returns one, read the socket
-    into it and call `filled`; otherwise pass the bytes to `receive`.
+    A large message is read into a buffer of its own: while `in_large` is true, read the socket into
+    `buffer` and call `filled`; otherwise pass the bytes to `receive`.
 
     Args:
         on_text: takes the payload of a whole text message.
@@ -107,6 +121,7 @@ class FrameParser:
         on_other: takes the bytes of all other frames, in order; after an error all that follow.
         max_size: most bytes of a message; a longer one is left to the library.
         masked: whether frames must be masked, as those of clients are.
+        turn: most frames that one call of `receive` or `resume` passes on; then it pauses.
     """
 
     __slots__ = (
@@ -115,17 +130,21 @@ class FrameParser:
         "_key",
         "_key_size",
         "_large",
+        "_length",
         "_mask_bit",
         "_max_size",
         "_message",
-        "_missing",
         "_on_binary",
         "_on_other",
         "_on_text",
         "_tail",
         "_through",
+        "_turn",
         "_view",
         "fragmented",
+        "in_large",
+        "missing",
+        "paused",
     )
 
     def __init__(
@@ -136,6 +155,7 @@ class FrameParser:
         *,
         max_size: int,
         masked: bool,
+        turn: int = sys.maxsize,
     ) -> None:
         self._on_text = on_text
         self._on_binary = on_binary
@@ -144,29 +164,47 @@ class FrameParser:
         self._mask_bit = 128 if masked else 0
         self._key_size = 4 if masked else 0
         self._tail = bytearray()
-        self._missing = 0
-        """Bytes without which the frame in `_tail` cannot be read."""
+        self.missing = 0
+        """Bytes without which the frame that has begun cannot be read, outside of a large one."""
         self._through = 0
         """Bytes of the current frame that still belong to the library."""
         self._given_up = False
         self._large: Callable[[Payload], None] | None = None
         """Takes the large message that is being read."""
         self._key = ZERO_KEY
+        self._length = 0
+        """Bytes of the large message."""
         self._message = bytearray()
         self._view = memoryview(self._message)
         self._filled = 0
+        self.in_large = False
+        """Whether a large message is being read."""
+        self._turn = turn
         self.fragmented = False
         """Whether a fragmented message has begun, within which no other message may come."""
+        self.paused = False
+        """Whether what comes is kept until `resume`; stop reading the socket meanwhile."""
 
-    def buffer(self) -> memoryview | None:
-        """Return where to read the rest of a large message, or None outside of one."""
-        return self._view[self._filled :] if self._large is not None else None
+    def pause(self) -> None:
+        """Pass on no frame until `resume`; callbacks may call this."""
+        self.paused = True
+
+    def resume(self) -> None:
+        """Go on with what was kept, for one turn."""
+        self.paused = False
+        self.receive(b"")
+
+    def buffer(self) -> memoryview:
+        """Return where to read the rest of a large message."""
+        return self._view[self._filled :]
 
     def filled(self, size: int) -> None:
         """Take note that ``size`` bytes were read into `buffer`."""
         self._filled += size
-        if self._filled == len(self._view):
+        if self._filled == self._length:
             self._finish_large()
+        elif self._filled == len(self._view):
+            self._grow()
 
     def receive(self, data: bytes) -> None:
         """Take what the socket gave, however it cuts the frames."""
@@ -174,14 +212,19 @@ class FrameParser:
             data = self._fill(data)
         if self._tail:
             self._tail += data
-            self._missing -= len(data)
-            if self._missing > 0:
+            self.missing -= len(data)
+            if self.missing > 0:
                 return
             data = bytes(self._tail)
             self._tail = bytearray()
-            self._missing = 0
-        start, end = 0, len(data)
+            self.missing = 0
+        start, end, left = 0, len(data), self._turn
         while start < end:
+            if not left or self.paused:
+                self.paused = True
+                self._tail += memoryview(data)[start:]
+                return
+            left -= 1
             if self._given_up:
                 self._on_other(data[start:])
                 return
@@ -192,7 +235,7 @@ class FrameParser:
                 start = stop
                 continue
             start = self._frame(data, start, end)
-            if self._missing:
+            if self.missing:
                 self._tail += memoryview(data)[start:]
                 return
 
@@ -216,7 +259,7 @@ class FrameParser:
         """
         size = end - start
         if size < 2:
-            self._missing = 2 - size
+            self.missing = 2 - size
             return start
         first, length = data[start], data[start + 1] - self._mask_bit
         if not 0 <= length < 128 or first & 0x70 or first & 0x0F not in _OPCODES:
@@ -226,13 +269,13 @@ class FrameParser:
         if length == 126:
             payload += 2
             if size < payload:
-                self._missing = payload - size
+                self.missing = payload - size
                 return start
             (length,) = _LENGTH_16.unpack_from(data, start + 2)
         elif length == 127:
             payload += 8
             if size < payload:
-                self._missing = payload - size
+                self.missing = payload - size
                 return start
             (length,) = _LENGTH_64.unpack_from(data, start + 2)
         whole = payload + length
@@ -249,13 +292,15 @@ class FrameParser:
         body = start + payload
         if size < whole:
             if length < LARGE or size < payload:
-                self._missing = (whole if length < LARGE else payload) - size
+                self.missing = (whole if length < LARGE else payload) - size
                 return start
             self._key = data[body - 4 : body] if self._key_size else ZERO_KEY
             self._large = take
-            self._message = bytearray(length)
-            self._view = memoryview(self._message)
+            self.in_large = True
+            self._length = length
             self._filled = size - payload
+            self._message = bytearray(min(length, max(AHEAD, 4 * self._filled)))
+            self._view = memoryview(self._message)
             self._view[: self._filled] = data[body:end]
             return end
         stop = start + whole
@@ -267,11 +312,20 @@ class FrameParser:
 
     def _fill(self, data: bytes) -> bytes:
         """Take the next bytes of a large message; return those behind it."""
-        rest = len(self._view) - self._filled
-        size = min(rest, len(data))
-        self._view[self._filled : self._filled + size] = data[:size]
-        self.filled(size)
-        return data[size:]
+        start = 0
+        while self._large is not None and start < len(data):
+            size = min(len(self._view) - self._filled, len(data) - start)
+            self._view[self._filled : self._filled + size] = data[start : start + size]
+            start += size
+            self.filled(size)
+        return data[start:]
+
+    def _grow(self) -> None:
+        """Make room for more of the large message, most of which is still to come."""
+        message = bytearray(min(self._length, 4 * len(self._message)))
+        message[: self._filled] = self._message
+        self._message = message
+        self._view = memoryview(message)
 
     def _finish_large(self) -> None:
         take, message, key = self._large, self._message, self._key
@@ -280,6 +334,7 @@ class FrameParser:
         take(message if key == ZERO_KEY else apply_mask(message, key))
 
     def _drop_large(self) -> None:
+        self.in_large = False
         self._large = None
         self._message = bytearray()
         self._view = memoryview(self._message)

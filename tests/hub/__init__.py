@@ -1,14 +1,12 @@
-"""The hub's own tests.
+"""The hub's tests.
 
-What clients may do to the hub, and to each other through it, is not much. Some tests name the risks
-that trials met with:
+Some tests name risks of misbehaving clients:
 
-- R1 and R2, one who stops reading: test_stuck_consumer.py.
-- R3, a flooder, and R4, a dead subscriber: test_flooder.py (and R4 in test_closing.py).
-- R5, fragments, and R6, lengths without measure: test_connection.py (and R6 in
-  test_splitter_fuzz.py).
-- R7, frames behind the request: test_handshake.py.
-- R8, a long flush to a thousand listeners, is accepted: nothing is to be tested but that all of
-  them hear all (test_server.py).
-- R9 is about measuring; that coalescing adds no delay is tested in test_server.py.
+- R1 and R2, a client that stops reading: websocket/test_stuck_consumer.py.
+- R3, a flooding publisher, and R4, a dead subscriber: websocket/test_flooder.py (R4 also in
+  websocket/test_closing.py).
+- R5, fragments, and R6, huge announced lengths: websocket/test_connection.py and
+  websocket/test_large_messages.py.
+- R7, frames behind the request: websocket/test_handshake.py.
+- R8, long flushes to a thousand subscribers, is accepted: test_server.py checks that all get all.
 """

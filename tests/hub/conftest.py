@@ -1,4 +1,4 @@
-"""A hub in either way of framing."""
+"""Fixtures of the hub's tests."""
 
 from __future__ import annotations
 
@@ -11,5 +11,5 @@ from fibws.hub.settings import MIB
 
 @pytest.fixture(params=[True, False], ids=["fast", "slow"])
 async def any_hub(request: pytest.FixtureRequest, start_hub: StartHub) -> Hub:
-    """A hub with fast framing, and one without: nobody can tell them apart."""
+    """A hub with fast framing, and one without it, which must behave alike."""
     return await start_hub(fast_framing=request.param, max_message_size=8 * MIB)

@@ -1,4 +1,4 @@
-"""A hub without sockets and without time: what is said goes in, what is heard comes out."""
+"""A hub without sockets and without a real clock: operations go in, frames come out."""
 
 from __future__ import annotations
 
@@ -10,15 +10,16 @@ from typing import Any
 
 import cbor2
 
-from fibws.hub.graph.graph import Graph
-from fibws.hub.outbox import Flusher, Outbox
-from fibws.hub.session.session import Session
+from fibws.hub.delivery.send_queue import Bytes, Flusher, Frame, LargeFrame, SendQueue
+from fibws.hub.graph.graph import Graph, Policy
+from fibws.hub.rosbridge.session import Rosbridge, Session
 from fibws.hub.settings import Settings
+from fibws.hub.websocket.endpoint import Opening
 from fibws.interfaces import Interfaces
-from fibws.protocol.closing import Closing
+from fibws.protocol.websocket import CloseReason
 
 NANOSECONDS = 1_700_000_000_000_000_005
-"""When the tests take place."""
+"""The time at which the hub receives all messages."""
 
 INT32 = "std_msgs/Int32"
 STRING = "std_msgs/String"
@@ -41,11 +42,11 @@ class FakeTimer:
 
 
 class FakeClock:
-    """A clock whose time passes when the test says so; it has an event loop's turns as well."""
+    """A clock and an event loop's turns, which advance when the test says so."""
 
     def __init__(self) -> None:
         self.late = 0.0
-        """By how much timers go off too late."""
+        """Seconds by which timers are late."""
         self._now = 0.0
         self._timers: list[tuple[float, int, FakeTimer]] = []
         self._number = count()
@@ -63,7 +64,7 @@ class FakeClock:
         self._soon.append(callback)
 
     def advance_to(self, moment: float) -> None:
-        """Let time pass, and what is due happen when it is due."""
+        """Advance the clock and call the timers that are due."""
         while self._timers and self._timers[0][0] + self.late <= moment:
             due, _, timer = heappop(self._timers)
             self._now = max(self._now, due + self.late)
@@ -82,12 +83,14 @@ class FakeClock:
 
     @property
     def timers(self) -> int:
-        """How many timers are to go off."""
+        """The number of pending timers."""
         return sum(not timer.cancelled for _, _, timer in self._timers)
 
 
-def frames(data: bytes) -> Iterator[tuple[int, bytes]]:
-    """The first bytes and payloads of a row of unmasked WebSocket frames, each a whole message."""
+def frames(data: Frame) -> Iterator[tuple[int, bytes]]:
+    """Split unmasked WebSocket frames, each a whole message, into first bytes and payloads."""
+    if isinstance(data, LargeFrame):
+        data = b"".join((data.head, data.body))
     while data:
         start, size = 2, data[1]
         if size == 126:
@@ -100,7 +103,7 @@ def frames(data: bytes) -> Iterator[tuple[int, bytes]]:
 
 
 def payloads(data: bytes) -> Iterator[bytes]:
-    """What is in a row of frames, each a whole text."""
+    """Return the texts in some frames, each a whole text."""
     for first, payload in frames(data):
         assert first == TEXT
         yield payload
@@ -109,115 +112,124 @@ def payloads(data: bytes) -> Iterator[bytes]:
 class FakeHub:
     """A graph, and clients that have no sockets."""
 
-    def __init__(self, **settings: Any) -> None:
+    def __init__(self, *, policy: Policy | None = None, **settings: Any) -> None:
         self.settings = Settings(**settings)
         self.clock = FakeClock()
         self.flusher = Flusher(self.clock.call_soon)
         self.graph = Graph(
-            Interfaces(), lambda: NANOSECONDS, strict_types=self.settings.strict_types
+            Interfaces(),
+            lambda: NANOSECONDS,
+            strict_types=self.settings.strict_types,
+            policy=policy,
         )
+        self.rosbridge = Rosbridge(self.graph, self.clock, self.settings)
 
-    def client(self, node: str | None = None) -> Client:
-        return Client(self, node)
+    def client(self, node: str | None = None, *, serialized: bool = False) -> Client:
+        """Return a new client; one that is ``serialized`` speaks ``fibws.v1``."""
+        return Client(self, node, serialized=serialized)
 
     @property
     def empty(self) -> bool:
-        """Whether nothing is left in the graph."""
+        """Whether the graph is empty."""
         graph = self.graph
-        return not (graph.nodes or graph.topics or graph.services or graph.actions)
+        is_empty = not (graph.nodes or graph.topics or graph.services or graph.actions)
+        return is_empty and not self.rosbridge.groups
 
 
 class Client:
-    """A client of the hub: says operations, hears operations."""
+    """A client of the hub: sends operations, and receives operations."""
 
-    def __init__(self, hub: FakeHub, node: str | None) -> None:
-        self.writes: list[bytes] = []
-        self.closings: list[Closing] = []
-        self.outbox = Outbox(
+    def __init__(self, hub: FakeHub, node: str | None, *, serialized: bool) -> None:
+        self.writes: list[Bytes] = []
+        self.closings: list[CloseReason] = []
+        self.queue = SendQueue(
             self.writes.append, self.fail, hub.flusher, max_bytes=hub.settings.max_queued_bytes
         )
         self._hub = hub
-        self.session = Session(
-            node, hub.graph, self.outbox, hub.clock, hub.settings, self.closings.append
+        self.session: Session = hub.rosbridge.open(
+            Opening(node, self.queue, self.closings.append), serialized=serialized
         )
 
-    def says(self, op: str, topic: str | None = None, **fields: Any) -> None:
+    def send(self, op: str, topic: str | None = None, **fields: Any) -> None:
         """Send an operation."""
-        self.says_text(json.dumps({"op": op, "topic": topic, **fields}))
+        self.send_text(json.dumps({"op": op, "topic": topic, **fields}))
 
-    def says_text(self, text: str) -> None:
-        self.session.receive(text.encode())
+    def send_text(self, text: str) -> None:
+        self.session.receive_text(text.encode())
 
-    def says_binary(self, data: bytes) -> None:
+    def send_binary(self, data: bytes) -> None:
         self.session.receive_binary(data)
 
-    def hears_frames(self) -> list[tuple[int, bytes]]:
-        """What has come since this was last asked, at the end of the loop's turn."""
+    def receive_frames(self) -> list[tuple[int, bytes]]:
+        """Return the frames that came since the last call, at the end of the loop's turn."""
         self._hub.clock.turn()
-        heard = [frame for data in self.writes for frame in frames(data)]
+        heard = list(frames(b"".join(self.writes)))
         self.writes.clear()
         return heard
 
-    def hears(self) -> list[dict[str, Any]]:
-        """The operations that have come; all are JSON text."""
-        heard = self.hears_frames()
+    def receive(self) -> list[dict[str, Any]]:
+        """Return the operations that came; all are JSON text."""
+        heard = self.receive_frames()
         assert {first for first, _ in heard} <= {TEXT}
         return [json.loads(payload) for _, payload in heard]
 
-    def hears_one(self, op: str) -> dict[str, Any]:
-        """The one operation that has come."""
-        [heard] = self.hears()
+    def receive_one(self, op: str) -> dict[str, Any]:
+        """Return the one operation that came."""
+        [heard] = self.receive()
         assert heard["op"] == op, heard
         return heard
 
-    def hears_cbor(self) -> list[dict[str, Any]]:
-        """The operations that have come; all are CBOR."""
-        heard = self.hears_frames()
+    def receive_cbor(self) -> list[dict[str, Any]]:
+        """Return the operations that came; all are CBOR."""
+        heard = self.receive_frames()
         assert {first for first, _ in heard} <= {BINARY}
         return [cbor2.loads(payload) for _, payload in heard]
 
-    def hears_messages(self, topic: str) -> list[dict[str, Any]]:
-        """The messages of one topic, spelled so; nothing else may have come."""
-        heard = self.hears()
+    def receive_messages(self, topic: str) -> list[dict[str, Any]]:
+        """Return the messages of one topic, in this spelling; nothing else may have come."""
+        heard = self.receive()
         assert all((each["op"], each["topic"]) == ("publish", topic) for each in heard), heard
         return [each["msg"] for each in heard]
 
-    def hears_numbers(self, topic: str) -> list[int]:
-        """What is in a topic's ``data``; nothing else may have come."""
-        return [msg["data"] for msg in self.hears_messages(topic)]
+    def receive_numbers(self, topic: str) -> list[int]:
+        """Return the ``data`` of a topic's messages; nothing else may have come."""
+        return [msg["data"] for msg in self.receive_messages(topic)]
 
-    def hears_statuses(self, level: str = "error") -> list[str]:
-        """The texts of the statuses that have come, all of one level; nothing else may have."""
-        heard = self.hears()
+    def receive_statuses(self, level: str = "error") -> list[str]:
+        """Return the texts of the statuses that came, all of one level; nothing else may have."""
+        heard = self.receive()
         assert all((each["op"], each["level"]) == ("status", level) for each in heard), heard
         return [each["msg"] for each in heard]
 
     def fail(self) -> None:
-        raise AssertionError("nothing breaks here")
+        raise AssertionError("a write failed")
 
     def leaves(self) -> None:
         self.session.leave()
 
     @property
     def kept(self) -> dict[str, Sized]:
-        """What the hub keeps for the client, by what it is."""
+        """The hub's state of the client, by kind."""
         session = self.session
+        quota = session.topics._latch_quota
         return {
-            "publishers": session.topics.publishers,
+            "sources": session.topics.sources,
+            "numbered sources": session.topics._numbered,
+            "advertisements": session.topics._advertisements,
             "subscriptions": session.topics.subscriptions,
-            "latched bytes": range(session.topics._latches.used if session.topics._latches else 0),
-            "services": session.services._provided,
-            "calls to answer": session.services._due,
-            "calls": session.calls._calls,
+            "latched bytes": range(quota.used if quota else 0),
+            "services": session.services._served,
+            "calls to answer": session.services._calls,
+            "calls": session.calls._waiting,
             "actions": session.actions._served,
-            "goals to pursue": session.actions._pursued,
+            "goals to execute": session.actions._goals,
             "goals": session.goals._sent,
             "ids of goals": session.goals._by_id,
         }
 
     @property
     def forgotten(self) -> bool:
-        """Whether the hub keeps nothing for the client."""
+        """Whether the hub has no state of the client."""
         return not any(self.kept.values())
 
 
@@ -226,12 +238,12 @@ def number(data: int) -> dict[str, int]:
 
 
 def talker_and_listener(hub: FakeHub, **advertise: Any) -> tuple[Client, Client]:
-    """Two clients, of which one publishes /fib and the other hears it."""
+    """Return a client that publishes /fib, and one that subscribes to it."""
     talker, listener = hub.client("/talker"), hub.client("/listener")
-    talker.says("advertise", "/fib", type=INT32, **advertise)
-    listener.says("subscribe", "/fib")
+    talker.send("advertise", "/fib", type=INT32, **advertise)
+    listener.send("subscribe", "/fib")
     return talker, listener
 
 
 def fragment(client: Client, data: str, num: int, total: int, id_: object = "f") -> None:
-    client.says("fragment", data=data, num=num, total=total, id=id_)
+    client.send("fragment", data=data, num=num, total=total, id=id_)

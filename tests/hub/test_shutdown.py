@@ -1,4 +1,4 @@
-"""The end of the hub: everybody is told, and nobody holds it up."""
+"""Shutdown: every client gets a close frame, and no client delays it."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from conftest import StartHub
 
 from fibws.hub import Hub
 
-from .wire import CLOSE, Gone, connected, dialled, frame, publish, timers, until
+from .raw_client import CLOSE, Gone, connected, dialled, frame, publish, timers, until
 
 pytestmark = pytest.mark.both_loops
 
 
 class TestEnd:
-    async def test_all_are_told_that_the_hub_shuts_down(self, start_hub: StartHub) -> None:
+    async def test_all_clients_get_the_close_reason(self, start_hub: StartHub) -> None:
         hub = await start_hub()
         async with AsyncExitStack() as stack:
             clients = [await stack.enter_async_context(connected(hub.port)) for _ in range(20)]
@@ -30,14 +30,14 @@ class TestEnd:
                 client.leave()
             await end
 
-    async def test_what_is_due_is_sent_before_the_good_bye(self, start_hub: StartHub) -> None:
+    async def test_pending_messages_are_sent_before_the_close(self, start_hub: StartHub) -> None:
         hub = await start_hub(close_timeout=0.2)
         async with connected(hub.port) as client, connected(hub.port) as talker:
             await client.subscribes("/t")
             await talker.advertises("/t")
             await talker.send(publish("/t", 1))
-            await talker.is_heard()
-            _, heard = await asyncio.gather(hub.close(), client.hears_all())
+            await talker.is_processed()
+            _, heard = await asyncio.gather(hub.close(), client.receive_all())
         assert heard == ([1], 1001, "the hub is shutting down")
 
     async def test_clients_that_do_not_answer_are_cut_off_in_time(
@@ -53,7 +53,7 @@ class TestEnd:
                 await silent.frame()
 
     @pytest.mark.parametrize("turns", range(6))
-    async def test_a_client_that_comes_at_the_last_moment_does_not_hold_it_up(
+    async def test_client_that_connects_during_shutdown_does_not_delay_it(
         self, start_hub: StartHub, turns: int
     ) -> None:
         """However far the loop has come with accepting it."""
@@ -73,7 +73,7 @@ class TestEnd:
                     pass
             assert not hub._connections
 
-    async def test_a_hub_may_be_closed_twice(self, hub: Hub) -> None:
+    async def test_hub_may_be_closed_twice(self, hub: Hub) -> None:
         await hub.close()
         await hub.close()
 
@@ -84,9 +84,9 @@ class TestEnd:
             async with dialled(port):
                 pass
 
-    async def test_the_port_is_free_at_once(self, hub: Hub, start_hub: StartHub) -> None:
+    async def test_port_is_free_at_once(self, hub: Hub, start_hub: StartHub) -> None:
         async with connected(hub.port) as client:
-            await client.is_heard()
+            await client.is_processed()
             port = hub.port
             end = asyncio.create_task(hub.close())
             assert (await client.is_closed())[0] == 1001
@@ -94,22 +94,22 @@ class TestEnd:
             await end
         again = await start_hub(port=port)
         async with connected(again.port) as client:
-            await client.is_heard()
+            await client.is_processed()
 
     async def test_no_timer_is_left(self, start_hub: StartHub) -> None:
         hub = await start_hub(close_timeout=0.1)
         async with connected(hub.port) as client:
             await client.subscribes("/t", throttle_rate=10_000, queue_length=5)
             await client.send(*(publish("/t", number) for number in range(3)))
-            await client.hears_data(1)
-            await client.is_heard()
+            await client.receive_data(1)
+            await client.is_processed()
             await hub.close()
         assert [timer for timer in timers() if "fibws" in repr(timer)] == []
 
     async def test_leaving_is_logged_once(self, hub: Hub, caplog: pytest.LogCaptureFixture) -> None:
         caplog.set_level(logging.INFO)
         async with connected(hub.port, "/?node=/a") as client:
-            await client.is_heard()
+            await client.is_processed()
             end = asyncio.create_task(hub.close())
             await client.is_closed()
             client.leave()

@@ -137,6 +137,10 @@ def test_values_are_exact(type_: str, fields: dict[str, Any], genpy: bool) -> No
     again = codec.deserialize(data)
     assert repr(again) == repr(message)
     assert codec.serialize(again) == data
+    assert codec.serialize_after(lambda size: b"%d:" % size, message) == b"%d:%b" % (
+        len(data),
+        data,
+    )
 
 
 @pytest.mark.parametrize("type_", TYPES)

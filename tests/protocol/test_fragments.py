@@ -1,4 +1,4 @@
-"""Putting fragments together."""
+"""Putting the fragments of a text together."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def piece(num: int, data: str = "x", *, id_: str | int = "m", total: int = 3) ->
     return Fragment(id=id_, data=data, num=num, total=total)
 
 
-def test_the_text_is_there_once_no_piece_is_missing() -> None:
+def test_text_is_returned_when_no_piece_is_missing() -> None:
     reassembly = Reassembly(max_size=MANY)
     assert [reassembly.add(piece(num, data), 0) for num, data in enumerate("abc")] == [
         None,
@@ -28,24 +28,24 @@ def test_the_text_is_there_once_no_piece_is_missing() -> None:
     ]
 
 
-def test_one_piece_is_enough() -> None:
+def test_text_may_be_a_single_piece() -> None:
     assert Reassembly(max_size=MANY).add(piece(0, "all", total=1), 0) == "all"
 
 
 @pytest.mark.parametrize("order", [*permutations(range(3))])
-def test_the_pieces_may_come_in_any_order(order: tuple[int, ...]) -> None:
+def test_pieces_may_come_in_any_order(order: tuple[int, ...]) -> None:
     reassembly = Reassembly(max_size=MANY)
     assert [reassembly.add(piece(num, "abc"[num]), 0) for num in order][-1] == "abc"
 
 
-def test_a_piece_that_came_before_is_ignored() -> None:
+def test_duplicate_piece_is_ignored() -> None:
     reassembly = Reassembly(max_size=MANY)
     for num, data in [(0, "a"), (0, "z"), (1, "b"), (1, "z")]:
         assert reassembly.add(piece(num, data), 0) is None
     assert reassembly.add(piece(2, "c"), 0) == "abc"
 
 
-def test_several_messages_may_be_unfinished_at_once() -> None:
+def test_several_messages_may_be_unfinished() -> None:
     reassembly = Reassembly(max_size=MANY)
     for id_ in ("m", 1, "1"):
         reassembly.add(piece(0, f"{id_!r}", id_=id_, total=2), 0)
@@ -56,7 +56,7 @@ def test_several_messages_may_be_unfinished_at_once() -> None:
     ]
 
 
-def test_an_id_may_be_used_again() -> None:
+def test_id_may_be_reused() -> None:
     reassembly = Reassembly(max_size=MANY)
     assert [reassembly.add(piece(num % 2, str(num), total=2), 0) for num in range(4)] == [
         None,
@@ -67,74 +67,74 @@ def test_an_id_may_be_used_again() -> None:
 
 
 @pytest.mark.parametrize(("num", "total"), [(-1, 2), (2, 2), (3, 2), (0, 0), (0, -1), (-1, -1)])
-def test_a_piece_outside_the_message_is_refused(num: int, total: int) -> None:
+def test_piece_outside_the_message_is_refused(num: int, total: int) -> None:
     with pytest.raises(OperationError, match="num must be from 0 to total - 1"):
         Reassembly(max_size=MANY).add(piece(num, total=total), 0)
 
 
-def test_a_total_that_changes_ends_the_message() -> None:
+def test_message_is_dropped_when_its_total_changes() -> None:
     reassembly = Reassembly(max_size=MANY)
     reassembly.add(piece(0, total=2), 0)
-    with pytest.raises(OperationError, match="was 2, now it is 3"):
+    with pytest.raises(OperationError, match="changed from 2 to 3"):
         reassembly.add(piece(1, total=3), 0)
     assert reassembly.add(piece(1, total=2), 0) is None
 
 
-def test_no_more_messages_than_allowed_may_be_unfinished() -> None:
+def test_number_of_unfinished_messages_is_limited() -> None:
     reassembly = Reassembly(max_size=MANY, max_messages=2)
     reassembly.add(piece(0, id_=1), 0)
     reassembly.add(piece(0, id_=2), 0)
-    with pytest.raises(OperationError, match="2 messages are unfinished already"):
+    with pytest.raises(OperationError, match=r"too many unfinished messages \(limit 2\)"):
         reassembly.add(piece(0, id_=3), 0)
     reassembly.add(piece(1, id_=1), 0)
     assert reassembly.add(piece(2, id_=1), 0) == "xxx"
     reassembly.add(piece(0, id_=3), 0)
 
 
-def test_all_messages_together_may_not_be_larger_than_allowed() -> None:
+def test_bytes_of_unfinished_messages_are_limited() -> None:
     reassembly = Reassembly(max_size=2000)
     reassembly.add(piece(0, "x" * 800, id_=1), 0)
     reassembly.add(piece(0, "x" * 800, id_=2), 0)
-    with pytest.raises(OperationError, match="may take 2000 bytes together"):
+    with pytest.raises(OperationError, match=r"too many bytes in unfinished messages \(limit 2000"):
         reassembly.add(piece(1, "x" * 800, id_=2), 0)
     assert reassembly.add(piece(1, "x" * 800, id_=1), 0) is None
 
 
-def test_what_was_put_together_makes_room() -> None:
+def test_finished_message_frees_its_bytes() -> None:
     reassembly = Reassembly(max_size=2000)
     for _ in range(10):
         reassembly.add(piece(0, "x" * 800, total=2), 0)
         assert reassembly.add(piece(1, "x" * 800, total=2), 0) == "x" * 1600
 
 
-def test_a_piece_that_came_before_takes_no_room() -> None:
+def test_duplicate_piece_takes_no_bytes() -> None:
     reassembly = Reassembly(max_size=2000)
     for _ in range(10):
         reassembly.add(piece(0, "x" * 800), 0)
 
 
-def test_empty_pieces_count_as_well() -> None:
+def test_empty_pieces_count_towards_the_limit() -> None:
     reassembly = Reassembly(max_size=10 * PIECE_COST + 10)
     for num in range(10):
         reassembly.add(piece(num, "", total=MANY), 0)
-    with pytest.raises(OperationError, match="bytes together"):
+    with pytest.raises(OperationError, match="too many bytes"):
         reassembly.add(piece(10, "", total=MANY), 0)
 
 
-def test_long_ids_count_as_well() -> None:
+def test_long_ids_count_towards_the_limit() -> None:
     reassembly = Reassembly(max_size=2000)
     reassembly.add(piece(0, id_="x" * 1500), 0)
     with pytest.raises(OperationError):
         reassembly.add(piece(0, id_="y" * 1500), 0)
 
 
-def test_characters_count_as_the_bytes_that_they_take() -> None:
+def test_characters_count_by_their_bytes() -> None:
     reassembly = Reassembly(max_size=2000)
     with pytest.raises(OperationError):
         reassembly.add(piece(0, "\N{ROBOT FACE}" * 1000), 0)
 
 
-def test_an_unfinished_message_is_given_up_after_its_time() -> None:
+def test_unfinished_message_is_dropped_after_its_timeout() -> None:
     reassembly = Reassembly(max_size=MANY, max_messages=1, timeout=600)
     reassembly.add(piece(0, "old"), 0)
     with pytest.raises(OperationError):
@@ -145,7 +145,7 @@ def test_an_unfinished_message_is_given_up_after_its_time() -> None:
     assert reassembly.add(piece(0, "new"), 602) == "newxx"
 
 
-def test_a_message_that_is_younger_is_kept() -> None:
+def test_younger_message_is_kept() -> None:
     reassembly = Reassembly(max_size=MANY, timeout=600)
     reassembly.add(piece(0, id_="old", total=2), 0)
     reassembly.add(piece(0, id_="young", total=2), 400)
@@ -154,7 +154,7 @@ def test_a_message_that_is_younger_is_kept() -> None:
 
 
 @given(st.data())
-def test_any_text_comes_back_however_it_was_cut_and_mixed(data: st.DataObject) -> None:
+def test_any_texts_are_restored_from_any_order_of_pieces(data: st.DataObject) -> None:
     texts = data.draw(st.lists(st.lists(st.text(max_size=3), min_size=1), min_size=1, max_size=4))
     pieces = data.draw(
         st.permutations(

@@ -1,4 +1,4 @@
-"""The levels of a log, as ROS and Python have them."""
+"""The levels of log messages in ROS and in Python."""
 
 from __future__ import annotations
 
@@ -23,22 +23,22 @@ from fibws.protocol.levels import LEVELS, Level, named, severity, threshold
         (99, Log.FATAL),
     ],
 )
-def test_a_line_is_as_grave_as_the_level_below(python: int, ros: int) -> None:
+def test_message_between_two_levels_has_the_lower_one(python: int, ros: int) -> None:
     assert severity(python).ros == ros
 
 
 @pytest.mark.parametrize("number", [0, 5, 10, 11, 20, 25, 30, 40, 49, 50])
-def test_a_threshold_is_the_first_level_that_is_logged(number: int) -> None:
+def test_threshold_is_the_lowest_level_that_is_logged(number: int) -> None:
     log = logging.Logger("test", number)
     logged = [each for each in LEVELS if log.isEnabledFor(each.python)]
     assert threshold(number) == logged[0]
 
 
-def test_beyond_the_gravest_there_is_none() -> None:
+def test_threshold_above_all_levels_is_fatal() -> None:
     assert threshold(51).name == "fatal"
 
 
 @pytest.mark.parametrize("each", LEVELS)
-def test_a_level_is_found_by_its_name(each: Level) -> None:
+def test_level_is_found_by_its_name(each: Level) -> None:
     assert named(each.name) == named(each.name.upper()) == each
     assert named(f"{each.name} ") is None

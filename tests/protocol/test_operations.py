@@ -8,6 +8,7 @@ from typing import Any, get_args
 
 import pytest
 
+from fibws.protocol.decoding import REPLIES, REQUESTS, parse_reply, parse_request
 from fibws.protocol.operations import (
     ActionFeedback,
     ActionResult,
@@ -29,6 +30,7 @@ from fibws.protocol.operations import (
     SetLevel,
     Status,
     Subscribe,
+    Subscribed,
     Unadvertise,
     UnadvertiseAction,
     UnadvertiseService,
@@ -37,10 +39,9 @@ from fibws.protocol.operations import (
     encode_fields,
     json_of,
 )
-from fibws.protocol.parsing import REPLIES, REQUESTS, parse_reply, parse_request
 
 VALUES = {"sum": [1, 2.5, "x", None, {"deep": {}}]}
-ASKING: list[Request | Reply] = [
+BOTH: list[Request | Reply] = [
     CallService(service="/add"),
     CallService(id="x", service="add#77", args={"a": 1}, fragment_size=10, timeout=0.5),
     CallService(id=1, service="/add", args=[1, 2], timeout=-1),
@@ -49,6 +50,7 @@ ASKING: list[Request | Reply] = [
     ServiceResponse(service="/add", result=True),
     ServiceResponse(id="service_request:/add:1", service="/add", values=VALUES, result=True),
     ServiceResponse(id=1, service="/add", values="no", result=False),
+    ServiceResponse(service="/add", values="no", result=False, code="unknown_service"),
     SendActionGoal(action="/fib", action_type="a/B"),
     SendActionGoal(
         id="x", action="/fib", action_type="a/B", args={"order": 5}, feedback=True, fragment_size=10
@@ -58,16 +60,18 @@ ASKING: list[Request | Reply] = [
     ActionFeedback(action="/fib"),
     ActionFeedback(id="x", action="/fib", values=VALUES),
     ActionResult(action="/fib", result=False),
+    ActionResult(action="/fib", values="no", result=False, code="unknown_action"),
     ActionResult(id="x", action="/fib", values=VALUES, status=6, result=True),
     Fragment(id="7", data='{"op', num=0, total=2),
     Fragment(id=7, data="", num=1, total=2),
 ]
-"""What either end may send."""
-SENT: list[Request | Reply] = [
-    *ASKING,
+"""Operations that both clients and the hub send."""
+FROM_CLIENT: list[Request | Reply] = [
+    *BOTH,
     Advertise(topic="/a", type="std_msgs/Int32"),
     Advertise(id="x", topic="/a", type="a/B", latch=True, queue_size=1, definition="int32 data\n"),
     Advertise(topic="/a", type="a/B", headers={"user": "ann"}, peers=True),
+    Advertise(topic="/a", type="a/B", publisher=2**32 - 1, md5sum="0" * 32),
     Unadvertise(topic="/a"),
     Unadvertise(id=1, topic="/a"),
     Publish(topic="/a"),
@@ -75,6 +79,7 @@ SENT: list[Request | Reply] = [
     Subscribe(topic="/a"),
     Publish(topic="/a", to="/listener"),
     Subscribe(topic="/a", headers=True, peers=True),
+    Subscribe(topic="/a", compression="ros1", definition="int32 data\n", md5sum="0" * 32),
     Subscribe(
         id="",
         topic="/a",
@@ -98,8 +103,8 @@ SENT: list[Request | Reply] = [
     Auth(),
     SetLevel(level="none"),
 ]
-HEARD: list[Request | Reply] = [
-    *ASKING,
+FROM_HUB: list[Request | Reply] = [
+    *BOTH,
     Publish(topic="~a", msg={"data": 1}),
     Publish(topic="/a", header={"callerid": "/talker", "latching": "0"}),
     Peers(topic="/a", nodes=[]),
@@ -107,35 +112,39 @@ HEARD: list[Request | Reply] = [
     Png(data="iVBORw0KGgo="),
     Status(level="error", msg="no"),
     Status(id=5, level="warning", msg="hm"),
+    Status(id=5, level="error", msg="no", code="not_allowed"),
+    Subscribed(id="x", topic="/a", topic_id=1, type="a/B", md5sum="0" * 32),
 ]
 
 
 @pytest.mark.parametrize(
-    ("operations", "parse"), [(SENT, parse_request), (HEARD, parse_reply)], ids=["sent", "heard"]
+    ("operations", "parse"),
+    [(FROM_CLIENT, parse_request), (FROM_HUB, parse_reply)],
+    ids=["from client", "from hub"],
 )
-def test_every_operation_is_read_as_it_was_written(
+def test_every_operation_is_the_same_after_encoding_and_parsing(
     operations: list[Operation], parse: Callable[[dict[str, Any]], Operation]
 ) -> None:
     assert [parse(json.loads(encode(each))) for each in operations] == operations
 
 
-def test_the_tables_above_have_every_operation_and_every_field() -> None:
-    assert sorted({each.op for each in SENT}) == REQUESTS
-    assert sorted({each.op for each in HEARD}) == REPLIES
+def test_tables_have_every_operation_and_every_field() -> None:
+    assert sorted({each.op for each in FROM_CLIENT}) == REQUESTS
+    assert sorted({each.op for each in FROM_HUB}) == REPLIES
     for model in {*get_args(Request), *get_args(Reply)}:
-        tables = [each for each in (*SENT, *HEARD) if type(each) is model]
+        tables = [each for each in (*FROM_CLIENT, *FROM_HUB) if type(each) is model]
         given = {name for each in tables for name in each.model_fields_set}
         assert given >= model.model_fields.keys() - {"op", "id"}
 
 
-def test_the_text_begins_with_the_operation_and_leaves_out_what_is_not_there() -> None:
+def test_text_begins_with_op_and_omits_absent_fields() -> None:
     assert encode(Status(level="error", msg="no")) == b'{"op":"status","level":"error","msg":"no"}'
     assert encode(CallService(id=0, service="/a", args={})) == (
         b'{"op":"call_service","id":0,"service":"/a","args":{}}'
     )
 
 
-def test_text_that_is_at_hand_is_put_in_as_it_is() -> None:
+def test_encoded_fields_are_inserted_unchanged() -> None:
     fields = {"op": "service_response", "id": None, "service": "/add", "result": True}
     assert encode_fields(fields, values=b'{"sum":9007199254740993}') == (
         b'{"op":"service_response","service":"/add","result":true,'
@@ -144,18 +153,18 @@ def test_text_that_is_at_hand_is_put_in_as_it_is() -> None:
     assert encode_fields({"op": "x", "id": 0}) == b'{"op":"x","id":0}'
 
 
-def test_numbers_that_json_does_not_have_are_written_as_null() -> None:
+def test_nan_and_infinity_are_written_as_null() -> None:
     written = encode(Publish(topic="/a", msg={"data": [float("nan"), float("inf")]}))
     assert json.loads(written)["msg"] == {"data": [None, None]}
 
 
-def test_bytes_are_no_error_in_json() -> None:
+def test_bytes_can_be_written_as_json() -> None:
     assert json.loads(json_of({"data": b"\xff\0", "x": [b""]})).keys() == {"data", "x"}
 
 
 @pytest.mark.parametrize("name", ["topic", "service", "action"])
-def test_an_operation_is_never_changed(name: str) -> None:
-    for operation in (*SENT, *HEARD):
+def test_operations_are_frozen(name: str) -> None:
+    for operation in (*FROM_CLIENT, *FROM_HUB):
         if hasattr(operation, name):
             with pytest.raises(ValueError, match="frozen"):
                 setattr(operation, name, "/other")

@@ -1,1 +1,1 @@
-"""What there is: nodes, topics, services, actions, parameters, and who has to do with them."""
+"""The graph: nodes, topics, services, actions, parameters, types. No frames, no queues."""

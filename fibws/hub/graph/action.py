@@ -1,6 +1,6 @@
-"""An action: who pursues its goals, and what becomes of each.
+"""Actions: who serves each, and what becomes of each goal.
 
-As in ROS 2 (action_msgs): a goal is accepted, may be heard of, and ends with one result.
+As in ROS 2 (action_msgs): a goal is accepted, may send feedback, and ends with one result.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from enum import IntEnum
 from typing import Any, Protocol
 
 from fibws.hub.graph.types import ActionType
-from fibws.protocol.operations import json_of
+from fibws.interfaces.json_text import json_of
 
 
 class Ros2GoalStatus(IntEnum):
@@ -28,33 +28,33 @@ class Ros2GoalStatus(IntEnum):
 
 
 class ActionServer(Protocol):
-    """Whoever pursues the goals of an action."""
+    """Executes the goals of actions."""
 
     @property
     def node(self) -> str:
         """The name of its node."""
 
-    def pursue(self, goal: Goal) -> None:
-        """Begin with a goal."""
+    def execute(self, goal: Goal) -> None:
+        """Begin to execute a goal."""
 
     def cancel(self, goal: Goal) -> None:
-        """A goal is wanted no more; it still has a result."""
+        """Stop executing a goal; it still ends with a result."""
 
     def forget(self, goal: Goal) -> None:
-        """A goal has ended."""
+        """Forget a goal that has ended."""
 
     def displaced(self, action: Action) -> None:
-        """Another server has taken the action over."""
+        """Take note that another server has taken the action over."""
 
 
 class ActionClient(Protocol):
-    """Whoever sent a goal."""
+    """Sent a goal."""
 
-    def hear(self, goal: Goal, feedback: bytes) -> None:
-        """The goal has come as far as the JSON text says."""
+    def feedback(self, goal: Goal, values: bytes) -> None:
+        """Take a goal's feedback, as JSON."""
 
-    def end(self, goal: Goal, status: Ros2GoalStatus, result: bytes, *, ok: bool) -> None:
-        """The goal has ended; the JSON text is its result, or what went wrong if not ``ok``."""
+    def result(self, goal: Goal, status: Ros2GoalStatus, values: bytes, code: str | None) -> None:
+        """Take a goal's end: its result, or the reason if there is a ``code``; both are JSON."""
 
 
 @dataclass(slots=True, eq=False)
@@ -65,88 +65,90 @@ class Action:
     type: ActionType
     server: ActionServer
     goals: dict[bytes, Goal] = field(default_factory=dict)
-    """Those that have not ended, by their UUIDs."""
+    """Its goals that have not ended, by their UUIDs."""
 
     @property
     def node(self) -> str:
-        """The node that pursues the goals."""
+        """The node that serves it."""
         return self.server.node
 
 
 class Goal:
-    """One goal, from its sending to its result.
+    """One goal, from its start to its result.
 
     Args:
-        request: valid, with every field filled.
+        args: the goal's fields: an object, or a list in their order.
         uuid: 16 bytes that no other goal has.
         accepted: when, in nanoseconds since 1970.
+
+    Raises:
+        InvalidMessage: the goal does not fit the type.
     """
 
     __slots__ = ("_canceling", "_client", "accepted", "action", "id", "request", "uuid")
 
     def __init__(
-        self,
-        action: Action,
-        request: dict[str, Any],
-        client: ActionClient,
-        uuid: bytes,
-        accepted: int,
+        self, action: Action, args: object, client: ActionClient, uuid: bytes, accepted: int
     ) -> None:
         self.action = action
-        self.request = request
+        self.request = action.type.fill_goal(args)
+        """Its values, every field filled."""
         self.uuid = uuid
         self.accepted = accepted
         self.id = ""
-        """What its server knows it by."""
+        """Its id at the server."""
         self._client = client
         self._canceling = False
 
     def start(self) -> None:
-        """Have the server begin."""
+        """Pass the goal to the server."""
         self.action.goals[self.uuid] = self
-        self.action.server.pursue(self)
-        # It has been told; what may be large need not be kept until the goal ends.
+        self.action.server.execute(self)
+        # The server has it; a large goal need not be kept until it ends.
         self.request = {}
 
     def feedback(self, values: object) -> None:
-        """Tell the client how far the server has come; raises `InvalidMessage`."""
-        valid = self.action.type.feedback(values)
-        self._client.hear(self, json_of(valid))
+        """Pass the server's feedback to the client; raises `InvalidMessage`."""
+        self._client.feedback(self, json_of(self.action.type.feedback(values)))
 
     def finish(self, status: Ros2GoalStatus, values: object) -> None:
-        """End with the server's result; raises `InvalidMessage`, upon which it has not ended."""
-        result = json_of(self.action.type.result(values))
-        self._end(status, result, ok=True)
+        """End with the server's result; if that raises `InvalidMessage`, the goal goes on."""
+        self._end(status, json_of(self.action.type.result(values)), None)
 
-    def fail(self, text: str, status: Ros2GoalStatus = Ros2GoalStatus.ABORTED) -> None:
-        """End without a result."""
-        self._end(status, json_of(text), ok=False)
+    def fail(
+        self,
+        text: str,
+        code: str = "server_failed",
+        status: Ros2GoalStatus = Ros2GoalStatus.ABORTED,
+    ) -> None:
+        """End without a result; codes are those of `CallFailed`."""
+        self._end(status, json_of(text), code)
 
     def cancel(self) -> None:
-        """Ask the server to stop; to ask once is enough."""
+        """Ask the server to stop; it is asked once."""
         if not self._canceling:
             self._canceling = True
             self.action.server.cancel(self)
 
     def abandon(self) -> None:
-        """The client has left: the server may stop, and nobody waits for the result."""
+        """Cancel the goal of a client that has left."""
         if self.action.goals.pop(self.uuid, None) is not None:
             self.cancel()
             self.action.server.forget(self)
 
-    def _end(self, status: Ros2GoalStatus, result: bytes, *, ok: bool) -> None:
+    def _end(self, status: Ros2GoalStatus, values: bytes, code: str | None) -> None:
         if self.action.goals.pop(self.uuid, None) is not None:
             self.action.server.forget(self)
-            self._client.end(self, status, result, ok=ok)
+            self._client.result(self, status, values, code)
 
 
 def cancel_service(action: str) -> str:
-    """The name of the service beside an action by which its goals can be cancelled, as in ROS 2."""
+    """Return the name of the service that cancels an action's goals, as in ROS 2."""
     return f"{action}/_action/cancel_goal"
 
 
 def cancel_goals(action: Action, request: dict[str, Any]) -> dict[str, Any]:
-    """Answer a call of action_msgs/CancelGoal, whose definition says which goals that means."""
+    """Respond to a call of action_msgs/CancelGoal, whose definition says which goals it means."""
     info = request["goal_info"]
     uuid = b64decode(info["goal_id"]["uuid"])
     stamp = info["stamp"]["secs"] * 1_000_000_000 + info["stamp"]["nsecs"]
@@ -161,7 +163,7 @@ def cancel_goals(action: Action, request: dict[str, Any]) -> dict[str, Any]:
 
 
 def _chosen(action: Action, uuid: bytes, stamp: int) -> Iterator[Goal]:
-    """The goal of the UUID and those accepted up to the stamp; all if neither is given."""
+    """Return the goal of the UUID and those accepted up to the stamp; all if neither is given."""
     everything = not any(uuid) and not stamp
     for goal in action.goals.values():
         if everything or goal.uuid == uuid or goal.accepted <= stamp:

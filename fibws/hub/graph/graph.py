@@ -1,20 +1,25 @@
-"""The graph: which nodes there are, which topics, services and actions, and of which type.
+"""The graph: nodes, topics, services, actions, parameters, types, and the policy on their use.
 
-What ROS's master keeps. A topic knows its publishers and subscriptions; only the methods here add
-and remove them. A topic is kept while it has any, so that a client which makes up names by the
-thousand leaves nothing behind.
+It does what ROS's master does, and it relays. It knows no sockets, frames or operations: clients,
+bridges and recorders attach to it as nodes, sources and sinks of topics, and as servers and clients
+of services and actions. Only the methods here add and remove these, each of which asks the policy.
+A topic is kept while it is used, so that a client which makes up thousands of names leaves nothing.
 """
 
 from __future__ import annotations
 
 import logging
-import sys
 from collections.abc import Callable, Iterable
 from itertools import count
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol, TypeAlias
 
-from fibws.errors import OperationError, TypeConflict
-from fibws.hub.budget import Budget
+from fibws.errors import (
+    CallFailed,
+    DefinitionMismatch,
+    NotAllowed,
+    OperationError,
+    TypeConflict,
+)
 from fibws.hub.graph.action import (
     Action,
     ActionClient,
@@ -23,43 +28,68 @@ from fibws.hub.graph.action import (
     cancel_goals,
     cancel_service,
 )
-from fibws.hub.graph.parameters import Parameters
-from fibws.hub.graph.publisher import Publisher
-from fibws.hub.graph.service import Function, OwnProvider, Provider, Service
-from fibws.hub.graph.subscription import Subscription
-from fibws.hub.graph.topic import Topic
+from fibws.hub.graph.parameters import Parameters, canonical
+from fibws.hub.graph.service import Call, Function, InternalServer, Service, ServiceServer
+from fibws.hub.graph.topic import Quota, Receiver, Sink, Source, Topic
 from fibws.hub.graph.types import MessageType, Types
 from fibws.interfaces import Interfaces
-from fibws.protocol.operations import Id, Subscribe
 
 logger = logging.getLogger("fibws.hub")
 
 CANCEL_GOAL = "action_msgs/CancelGoal"
+
+Verb: TypeAlias = Literal["publish", "subscribe", "call", "provide", "get", "set", "list"]
+"""The kinds of access that a policy decides on.
+
+``call`` and ``provide`` are for services and actions, ``get`` and ``set`` for parameters; ``list``
+is to learn that something of this name exists.
+"""
 
 
 class Node(Protocol):
     """A node of the graph: a client, or a part of the hub itself."""
 
     def replaced(self) -> None:
-        """Another client has taken its name."""
+        """Take note that another client has taken its name."""
 
     def publishing(self) -> Iterable[str]:
-        """The global names of the topics that it publishes."""
+        """Return the global names of the topics that it publishes."""
 
     def subscribing(self) -> Iterable[str]:
-        """The global names of the topics that it subscribes to."""
+        """Return the global names of the topics that it subscribes to."""
 
     def providing(self) -> Iterable[str]:
-        """The global names of the services that it provides."""
+        """Return the global names of the services that it provides."""
+
+
+class Policy(Protocol):
+    """Decides what a node may do."""
+
+    allows_all: bool
+    """Whether every node may do everything, so that listings need no filter and can be shared."""
+
+    def may(self, node: str, verb: Verb, name: str) -> bool:
+        """Return whether a node may do this with a topic, service, action, parameter or node."""
+
+
+class AllowAll:
+    """The policy that lets every node do everything."""
+
+    allows_all = True
+
+    def may(self, node: str, verb: Verb, name: str) -> bool:
+        """Return True."""
+        return True
 
 
 class Graph:
-    """The nodes, topics, services, actions and parameters of one hub.
+    """The graph of one hub.
 
     Args:
         now: gives the nanoseconds since 1970, for messages that ask for the time.
         strict_types: refuse types of unknown packages, rather than relay them unchecked.
-        max_parameter_bytes: the bytes of JSON that all parameters may have together.
+        max_parameter_bytes: most bytes of JSON of all parameters together.
+        policy: decides what nodes may do.
     """
 
     def __init__(
@@ -69,12 +99,16 @@ class Graph:
         *,
         strict_types: bool = False,
         max_parameter_bytes: int = 2**22,
+        policy: Policy | None = None,
     ) -> None:
         self.nodes: dict[str, Node] = {}
         self.topics: dict[str, Topic] = {}
         self.services: dict[str, Service] = {}
         self.actions: dict[str, Action] = {}
         self.parameters = Parameters(max_parameter_bytes)
+        self.policy: Policy = policy or AllowAll()
+        self.internal: set[str] = set()
+        """The hub's own nodes, for which the policy is not asked."""
         self.interfaces = interfaces
         self.now = now
         self.revision = 0
@@ -82,13 +116,29 @@ class Graph:
         self._types = Types(interfaces, now, strict=strict_types)
         self._clients = 0
         self._goals = count(1)
+        self._topic_numbers = count(1)
+
+    def check_allowed(self, node: str, verb: Verb, name: str) -> None:
+        """Raise `NotAllowed` unless the policy lets a node do this."""
+        if node not in self.internal and not self.policy.may(node, verb, name):
+            raise NotAllowed(node, verb, name)
+
+    def may_list(self, node: str, name: str) -> bool:
+        """Return whether a node may learn that something of this name exists."""
+        return self.policy.allows_all or self.policy.may(node, "list", name)
+
+    def listed(self, node: str, names: Iterable[str]) -> list[str]:
+        """Return the names that a node may list, sorted."""
+        if self.policy.allows_all:
+            return sorted(names)
+        return sorted(name for name in names if self.policy.may(node, "list", name))
 
     # Nodes.
 
     def enter(self, node: Node, name: str | None) -> str:
-        """Give a node the name it asked for, or one of the hub's making; return it.
+        """Add a node under the name it asked for, or one of the hub's making; return the name.
 
-        Whoever had the name is told that it lost it, as ROS's master shuts down the older node.
+        An older node of that name is told that it is replaced, as ROS's master does.
         """
         self.revision += 1
         if name is None:
@@ -99,7 +149,7 @@ class Graph:
             try:
                 older.replaced()
             except Exception:
-                # The newcomer must not pay for what is wrong with the older one.
+                # The new node must not suffer from what is wrong with the older one.
                 logger.exception("%s: the older node of this name could not leave.", name)
         return name
 
@@ -111,7 +161,7 @@ class Graph:
                 return name
 
     def leave(self, node: Node, name: str) -> None:
-        """Forget a node, unless its name has gone to another."""
+        """Remove a node, unless another one has taken its name."""
         if self.nodes.get(name) is node:
             del self.nodes[name]
             self.revision += 1
@@ -119,149 +169,206 @@ class Graph:
     # Topics.
 
     def topic(self, name: str) -> Topic:
-        """The topic of this global name; a new one is kept once somebody has to do with it."""
-        return self.topics.get(name) or Topic(name)
+        """Return the topic of this global name; a new one is kept once somebody uses it."""
+        return self.topics.get(name) or Topic(name, next(self._topic_numbers))
 
-    def add_publisher(
+    def advertise(
         self,
         topic: Topic,
         node: str,
         type_: str,
         definition: str | None = None,
         *,
-        latch: bool,
-        latches: Budget | None = None,
-    ) -> Publisher:
-        """The node's publisher of a topic; the first call decides ``latch``.
+        latch: bool = False,
+        quota: Quota | None = None,
+        md5sum: str | None = None,
+    ) -> Source:
+        """Return the node's source on a topic; the first call decides ``latch``.
 
         Args:
             definition: the text of the type, if the client brought one.
-            latches: what the node's latched messages may take; None bounds nothing.
+            quota: bounds the node's latched messages; None bounds nothing.
+            md5sum: the md5 of the type as the client knows it.
 
         Raises:
+            NotAllowed: the policy forbids it.
             TypeConflict: the topic has another type, and nodes that hold it to that.
+            DefinitionMismatch: the md5 is another one.
             InterfaceError: the type's name is not valid, or its package does not have it.
         """
-        message_type = self._establish(topic, type_, definition)
-        publisher = topic.publishers.get(node)
-        if publisher is None:
-            publisher = Publisher(
-                node,
-                topic,
-                message_type,
-                self.now,
-                latch=latch,
-                latches=latches or Budget(sys.maxsize),
+        self.check_allowed(node, "publish", topic.name)
+        message_type = self._set_type(topic, type_, definition, md5sum)
+        source = topic.sources.get(node)
+        if source is None:
+            source = Source(
+                node, topic, message_type, self.now, latch=latch, quota=quota or Quota()
             )
-            topic.add(publisher)
+            topic.add(source)
             self.topics[topic.name] = topic
             self.revision += 1
-        return publisher
+        return source
 
-    def remove_publisher(self, publisher: Publisher) -> None:
-        """Let a publisher go."""
-        publisher.forget()
-        publisher.topic.remove(publisher)
-        self._settle(publisher.topic)
+    def remove_source(self, source: Source) -> None:
+        """Remove a source from its topic."""
+        source.forget_latched()
+        source.topic.remove(source)
+        self._settle(source.topic)
 
-    def subscribe(self, subscription: Subscription, request: Subscribe) -> None:
-        """Add a request to a subscription, which may be a new one; raises as `add_publisher`."""
-        if request.type is not None:
-            self._establish(subscription.topic, request.type)
+    def subscribe(
+        self,
+        topic: Topic,
+        sink: Sink,
+        type_: str | None = None,
+        *,
+        receiver: Receiver | None = None,
+        holds_type: bool | None = None,
+        serialized: bool = False,
+        definition: str | None = None,
+        md5sum: str | None = None,
+    ) -> None:
+        """Add a sink to a topic, or change how it is subscribed.
+
+        Args:
+            type_: the topic's type, if the sink names one.
+            receiver: takes the messages for the sink; see `Topic.attach`.
+            holds_type: whether the topic keeps its type while the sink is there; None for when it
+                names one.
+            serialized: whether the sink needs messages in ROS 1's serialization.
+            definition: the text of the type, if the client brought one.
+            md5sum: the md5 of the type as the client knows it.
+
+        Raises:
+            OperationError: messages cannot be serialized, as the fields of the type are unknown;
+                others as `advertise`. The sink is subscribed as before.
+        """
+        self.check_allowed(sink.node, "subscribe", topic.name)
         try:
-            type_ = subscription.topic.type
-            if request.compression == "cbor-raw" and type_ is not None:
-                type_.check_binary()
-            subscription.request(request)
-            subscription.topic.update(subscription)
-            self.topics[subscription.topic.name] = subscription.topic
+            if type_ is not None:
+                self._set_type(topic, type_, definition, md5sum)
+            if serialized and topic.type is not None:
+                topic.type.check_known()
+            holds = type_ is not None if holds_type is None else holds_type
+            topic.attach(sink, sink if receiver is None else receiver, holds_type=holds)
+            self.topics[topic.name] = topic
         finally:
-            # A request may be one too many, or take the place of one that named the type.
-            self._settle(subscription.topic)
+            # It may have failed, or replace a request that named the type.
+            self._settle(topic)
 
-    def unsubscribe(self, subscription: Subscription, id_: Id) -> None:
-        """Take back one request of a subscription, or all if ``id_`` is None."""
-        subscription.cancel(id_)
-        subscription.topic.update(subscription)
-        self._settle(subscription.topic)
+    def unsubscribe(self, topic: Topic, sink: Sink) -> None:
+        """Remove a sink from a topic."""
+        topic.detach(sink)
+        self._settle(topic)
 
-    def _establish(self, topic: Topic, type_: str, definition: str | None = None) -> MessageType:
-        """Give a topic its type; return what checks its messages."""
+    def _set_type(
+        self, topic: Topic, type_: str, definition: str | None, md5sum: str | None
+    ) -> MessageType:
+        """Give a topic its type, and return it."""
         name = self.interfaces.canonical(type_)
-        if topic.type is not None and topic.type.name == name and definition is None:
-            return topic.type
         if topic.type is not None and topic.type.name != name and topic.held:
             raise TypeConflict(topic.name, name, topic.type.name, topic.holder())
-        wanted = self._types.message(name, definition)
-        self.revision += 1
-        if topic.type is None or topic.type.name != name:
-            topic.type = wanted
-        elif wanted.checked and not topic.type.checked:
-            # Somebody has brought the definition: it is for those who came before, too.
-            topic.type = wanted
-            for publisher in topic.publishers.values():
-                publisher.type = wanted
+        if topic.type is None or topic.type.name != name or definition is not None:
+            wanted = self._types.message(name, definition)
+            _check_md5sum(wanted, md5sum)
+            self.revision += 1
+            if topic.type is None or topic.type.name != name:
+                topic.type = wanted
+                if topic.last_type not in (None, name):
+                    # Messages of both types may be on their way to one client.
+                    topic.number = next(self._topic_numbers)
+                topic.last_type = name
+            elif wanted.checked and not topic.type.checked:
+                # Somebody has brought the definition: it is for those who came before, too.
+                topic.type = wanted
+                for source in topic.sources.values():
+                    source.type = wanted
+        else:
+            _check_md5sum(topic.type, md5sum)
         return topic.type
 
     def _settle(self, topic: Topic) -> None:
         """Forget what nobody holds any more: the topic, or its type."""
         self.revision += 1
         if topic.idle:
-            self.topics.pop(topic.name, None)
+            if self.topics.get(topic.name) is topic:
+                del self.topics[topic.name]
         elif topic.type is not None and not topic.held:
             topic.type = None
 
     # Services.
 
-    def add_service(
-        self, name: str, type_: str, definition: str | None, provider: Provider
+    def serve(
+        self, name: str, type_: str, definition: str | None, server: ServiceServer
     ) -> Service:
-        """Have a client provide a service; whoever did until now is told that it is displaced.
+        """Let a client serve a service; an older server is told that it is displaced.
 
         Raises:
+            NotAllowed: the policy forbids it.
             OperationError: the service is the hub's own.
             InterfaceError: the type's name is not valid, or its package does not have it.
         """
+        self.check_allowed(server.node, "provide", name)
         service_type = self._types.service(self.interfaces.canonical(type_), definition)
         older = self.services.get(name)
-        if older is not None and isinstance(older.provider, OwnProvider):
+        if older is not None and isinstance(older.server, InternalServer):
             raise OperationError(f"Service {name} is the hub's own ({older.node})")
-        return self._provide(Service(name, service_type, provider))
+        return self._serve(Service(name, service_type, server))
 
-    def offer(self, name: str, type_: str, node: str, function: Function) -> None:
-        """Have the hub itself answer a service, as one of its own nodes."""
-        provider = OwnProvider(node, function)
-        self._provide(Service(name, self._types.service(type_), provider))
+    def serve_internally(self, name: str, type_: str, node: str, function: Function) -> None:
+        """Let the hub itself serve a service, as one of its own nodes."""
+        self._serve(Service(name, self._types.service(type_), InternalServer(node, function)))
 
-    def _provide(self, service: Service) -> Service:
+    def _serve(self, service: Service) -> Service:
         older = self.services.get(service.name)
         self.services[service.name] = service
         self.revision += 1
         if older is not None:
-            older.provider.displaced(older)
+            older.server.displaced(older)
         return service
 
     def remove_service(self, service: Service) -> None:
-        """Let a service go, unless another provider has taken it over."""
+        """Remove a service, unless another server has taken it over."""
         if self.services.get(service.name) is service:
             del self.services[service.name]
             self.revision += 1
 
+    def call(
+        self,
+        name: str,
+        args: object,
+        caller: str,
+        succeeded: Callable[[Call, bytes], None],
+        failed: Callable[[Call, str, str], None],
+        headers: dict[str, str] | None = None,
+    ) -> Call:
+        """Return a new call of a service, which is still to be started; arguments as in `Call`.
+
+        Raises:
+            CallFailed: there is no such service, or the caller means another type.
+            NotAllowed: the policy forbids it.
+            InvalidMessage: the request does not fit the type.
+        """
+        self.check_allowed(caller, "call", name)
+        service = self.services.get(name)
+        if service is None:
+            raise CallFailed(f"Service {name} does not exist", "unknown_service")
+        return Call(service, args, caller, succeeded, failed, headers)
+
     # Actions.
 
-    def add_action(
+    def serve_action(
         self, name: str, type_: str, definition: str | None, server: ActionServer
     ) -> Action:
-        """Have a client pursue an action's goals; otherwise as `add_service`.
+        """Let a client serve an action; otherwise as `serve`.
 
         Its goals can be cancelled by a service beside it, too, as in ROS 2.
         """
+        self.check_allowed(server.node, "provide", name)
         action_type = self._types.action(self.interfaces.canonical(type_), definition)
         older = self.actions.get(name)
         if older is not None:
             self.remove_action(older)
         action = self.actions[name] = Action(name, action_type, server)
-        self.offer(
+        self.serve_internally(
             cancel_service(action.name),
             CANCEL_GOAL,
             server.node,
@@ -271,14 +378,59 @@ class Graph:
             older.server.displaced(older)
         return action
 
-    def new_goal(self, action: Action, request: dict[str, Any], client: ActionClient) -> Goal:
-        """A new goal, which is not started yet."""
+    def send_goal(
+        self, name: str, type_: str, args: object, client: ActionClient, caller: str
+    ) -> Goal:
+        """Return a new goal, which is still to be started.
+
+        Raises:
+            CallFailed: there is no such action, or it has another type.
+            NotAllowed: the policy forbids it.
+            InvalidMessage: the goal does not fit the type.
+        """
+        self.check_allowed(caller, "call", name)
+        action = self.actions.get(name)
+        if action is None:
+            raise CallFailed(f"Action {name} does not exist", "unknown_action")
+        wanted = self.interfaces.canonical(type_)
+        if wanted != action.type.name:
+            text = f"Action {name} is of type {action.type.name}, not {wanted}"
+            raise CallFailed(text, "type_conflict")
         uuid = next(self._goals).to_bytes(16, "big")
-        return Goal(action, request, client, uuid, self.now())
+        return Goal(action, args, client, uuid, self.now())
 
     def remove_action(self, action: Action) -> None:
-        """Let an action go, unless another server has taken it over."""
+        """Remove an action, unless another server has taken it over."""
         if self.actions.get(action.name) is action:
             del self.actions[action.name]
             self.services.pop(cancel_service(action.name), None)
             self.revision += 1
+
+    # Parameters.
+
+    def get_parameter(self, node: str, name: str) -> bytes:
+        """Return a parameter's value as JSON.
+
+        Raises:
+            NotAllowed: the policy forbids it.
+            ParameterNotSet, InvalidName: as `Parameters.text`.
+        """
+        self.check_allowed(node, "get", canonical(name))
+        return self.parameters.text(name)
+
+    def set_parameter(self, node: str, name: str, value: Any) -> None:
+        """Set a parameter; raises `NotAllowed`, and as `Parameters.set`."""
+        self.check_allowed(node, "set", canonical(name))
+        self.parameters.set(name, value)
+
+    def delete_parameter(self, node: str, name: str) -> None:
+        """Delete a parameter if there is one; raises `NotAllowed`, and as `Parameters.delete`."""
+        self.check_allowed(node, "set", canonical(name))
+        if self.parameters.has(name):
+            self.parameters.delete(name)
+
+
+def _check_md5sum(type_: MessageType, md5sum: str | None) -> None:
+    """Refuse a client whose definition of a type is another one."""
+    if md5sum is not None and type_.md5sum is not None and md5sum not in (type_.md5sum, "*"):
+        raise DefinitionMismatch(type_.name, md5sum, type_.md5sum)

@@ -2,10 +2,10 @@
 
 Its rules are those of ROS 1 (http://wiki.ros.org/Parameter%20Server and rosmaster's
 paramserver.py): a name leads through namespaces to a value, a namespace is read and replaced as
-one object, and what stands in the way of a longer name gives way to it.
+one object, and a value gives way to a namespace of its name.
 
-Values are kept as JSON text, which is what they come as and leave as: it is exact for integers and
-floats alike, nobody can change it from outside, and its bytes are what it takes.
+Values are kept as JSON, as they arrive and leave: it is exact for integers and floats alike, nobody
+can change it from outside, and its length is the memory it takes.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from fibws.errors import InvalidName, ParameterError, ParameterNotSet, Parameter
 from fibws.names import MAX_LENGTH
 
 DEEPEST = 100
-"""How many namespaces, objects and lists may be in each other."""
+"""Levels of namespaces, objects and lists that may be nested."""
 MOST_BITS = 1024
-"""Bits of an integer: programs whose numbers are all floats take a larger one for infinity."""
-SHARE = 100
-"""Bytes that each parameter and each namespace counts for besides its name and its value."""
+"""Bits of an integer: programs whose numbers are all floats read a larger one as infinity."""
+ENTRY_OVERHEAD = 100
+"""Bytes that each parameter and namespace counts for besides its name and its value."""
 
 Namespace: TypeAlias = dict[str, "Namespace | bytes"]
 
@@ -32,30 +32,30 @@ Namespace: TypeAlias = dict[str, "Namespace | bytes"]
 class Parameters:
     """All parameters of one hub, by their global names.
 
-    Names are as ROS's master takes them: of any characters, and empty parts do not count, so that
-    ``/a//b/`` is ``/a/b``. ``/`` is the namespace of all.
+    Names are as ROS's master accepts them: they may have any characters, and empty parts do not
+    count, so that ``/a//b/`` is ``/a/b``. ``/`` is the root namespace.
 
     Args:
-        max_bytes: what all may take together, each with its name and its share.
+        max_bytes: most bytes of all together, names and `ENTRY_OVERHEAD` included.
     """
 
     def __init__(self, max_bytes: int) -> None:
-        # The root stands in a namespace as all others do: its key is what comes before the first /.
+        # The root is in a namespace like all others: its key is the text before the first /.
         self._above: Namespace = {"": {}}
-        self._bytes = _weight("", {})
+        self._bytes = _size("", {})
         self.max_bytes = max_bytes
 
     def get(self, name: str) -> Any:
-        """The value, or a namespace as a dict; it is the caller's own.
+        """Return a copy of the value, or of a namespace as a dict.
 
         Raises:
-            ParameterNotSet: there is none.
+            ParameterNotSet: there is no such parameter.
             InvalidName: the name is not global, or too long.
         """
         return from_json(self.text(name))
 
     def text(self, name: str) -> bytes:
-        """The value as JSON text; raises as `get` does."""
+        """Return the value as JSON; raises as `get` does."""
         found = self._find(_path(name))
         if found is None:
             raise ParameterNotSet(name)
@@ -64,19 +64,19 @@ class Parameters:
         return b"".join(parts)
 
     def has(self, name: str) -> bool:
-        """Whether there is a parameter or a namespace of this name; raises `InvalidName`."""
+        """Return whether there is a parameter or namespace of this name; raises `InvalidName`."""
         return self._find(_path(name)) is not None
 
     def set(self, name: str, value: object) -> None:
-        """Give a parameter a value, whatever was there; a dict becomes a namespace.
+        """Set a parameter, whatever was there; a dict becomes a namespace.
 
         Args:
-            value: what JSON has, but no null: dicts, lists, texts, truth values, finite numbers.
+            value: dicts, lists, strings, bools and finite numbers; no None.
 
         Raises:
-            InvalidName: the name, or what a key in the value makes of it, is none.
-            ParameterError: the value is nothing that a parameter can be.
-            ParametersFull: there is no room for it.
+            InvalidName: the name, or that of a key in the value, is invalid.
+            ParameterError: a parameter cannot have this value.
+            ParametersFull: all parameters together would exceed the limit.
         """
         path = _path(name)
         if len(path) == 1 and not isinstance(value, dict):
@@ -90,21 +90,21 @@ class Parameters:
         for key in reversed(path[depth + 1 :]):
             value = {key: value}
         top, key = "/".join(path[: depth + 1]), path[depth]
-        new, old = _planted(top, value, depth), space.get(key)
-        needed = self._bytes + _weight(top, new)
+        new, old = _to_tree(top, value, depth), space.get(key)
+        needed = self._bytes + _size(top, new)
         if old is not None:
-            needed -= _weight(top, old)
+            needed -= _size(top, old)
         if needed > self.max_bytes:
             raise ParametersFull(name, needed, self.max_bytes)
         space[key] = new
         self._bytes = needed
 
     def delete(self, name: str) -> None:
-        """Take away a parameter, or a namespace with all in it; what it was in remains.
+        """Delete a parameter, or a namespace with everything in it; its own namespace remains.
 
         Raises:
-            ParameterNotSet: there is none.
-            ParameterError: it is the namespace of all.
+            ParameterNotSet: there is no such parameter.
+            ParameterError: it is the root namespace.
             InvalidName: the name is not global, or too long.
         """
         *above, key = path = _path(name)
@@ -113,17 +113,17 @@ class Parameters:
         space = self._find(above)
         if not isinstance(space, dict) or key not in space:
             raise ParameterNotSet(name)
-        self._bytes -= _weight("/".join(path), space.pop(key))
+        self._bytes -= _size("/".join(path), space.pop(key))
 
     def search(self, key: str, namespace: str) -> str | None:
-        """The name that ``key`` has nearest to a namespace, looking there and then upwards.
+        """Return the nearest name of ``key``, searching a namespace and then those above it.
 
-        As in ROS, it is the first part of the key that is looked for: ``robot/arm`` is found where
-        there is a ``robot``, whether or not it has an ``arm``.
+        As in ROS, only the first part of the key is searched for: ``robot/arm`` is found where
+        there is a ``robot``, whether or not that has an ``arm``.
 
         Args:
-            key: a relative name; a global one stands for itself.
-            namespace: where the search begins, as a global name: a node's own, for a node.
+            key: a relative name; a global one is returned if it is set.
+            namespace: where the search begins, as a global name; for a node, its own name.
 
         Raises:
             InvalidName: the key is empty, private or too long, or the namespace is not global.
@@ -147,7 +147,7 @@ class Parameters:
         return None if found is None else "/".join([*path[:found], *parts])
 
     def names(self) -> list[str]:
-        """The names of all parameters, sorted; namespaces are none, not even empty ones."""
+        """Return the names of all parameters, sorted, without namespaces."""
         return sorted(_names("", self._above[""]))
 
     def _find(self, path: list[str]) -> Namespace | bytes | None:
@@ -159,8 +159,13 @@ class Parameters:
         return node
 
 
+def canonical(name: str) -> str:
+    """Return a parameter's name without empty parts: ``/a/b`` for ``/a//b/``."""
+    return "/".join(_path(name)) or "/"
+
+
 def _path(name: str) -> list[str]:
-    """The keys that lead to a name, from that of the root on."""
+    """Return the keys that lead to a name, the root's first."""
     _check_length(name)
     if not name.startswith("/"):
         raise InvalidName(name, "the global name of a parameter begins with /")
@@ -172,8 +177,8 @@ def _check_length(name: str) -> None:
         raise InvalidName(name[:40] + "...", f"it is longer than {MAX_LENGTH} characters")
 
 
-def _planted(name: str, value: object, depth: int) -> Namespace | bytes:
-    """What the tree keeps of a value."""
+def _to_tree(name: str, value: object, depth: int) -> Namespace | bytes:
+    """Return a value as the tree keeps it."""
     if not isinstance(value, dict):
         _check(name, value, depth)
         return to_json(value)
@@ -184,7 +189,7 @@ def _planted(name: str, value: object, depth: int) -> Namespace | bytes:
         _check_length(below)
         if not isinstance(key, str) or not key or "/" in key:
             raise InvalidName(below, "a key in a namespace is a text, neither empty nor with a /")
-        space[key] = _planted(below, each, depth + 1)
+        space[key] = _to_tree(below, each, depth + 1)
     return space
 
 
@@ -217,12 +222,12 @@ def _check_depth(name: str, depth: int) -> None:
         raise ParameterError(f"Parameter [{name}]: more than {DEEPEST} values in each other")
 
 
-def _weight(name: str, node: Namespace | bytes) -> int:
+def _size(name: str, node: Namespace | bytes) -> int:
     """The bytes that a parameter counts for, or a namespace with all in it."""
-    own = SHARE + len(to_json(name))
+    own = ENTRY_OVERHEAD + len(to_json(name))
     if isinstance(node, bytes):
         return own + len(node)
-    return own + sum(_weight(f"{name}/{key}", each) for key, each in node.items())
+    return own + sum(_size(f"{name}/{key}", each) for key, each in node.items())
 
 
 def _write(node: Namespace | bytes, parts: list[bytes]) -> None:

@@ -1,71 +1,75 @@
-"""Who is at one side of a topic, for those at its other side who ask to be told."""
+"""Peer lists: the nodes at the other end of a topic, for those who asked to be told."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from typing import TypeAlias
 
-from fibws.errors import OperationError
-from fibws.protocol.operations import Id, json_of
+from pydantic_core import to_json
+
+from fibws.errors import LimitReached
 
 Tell: TypeAlias = Callable[[bytes], None]
-"""Is given the nodes' names, sorted, as JSON text."""
+"""Takes the nodes' names, sorted, as a JSON list."""
 
 MOST_REQUESTS = 10
-"""Requests of one owner that may ask: each change is told to all of them."""
+"""Requests of one owner that may watch: each change is sent to all of them."""
 
 
-class Peers:
-    """Those who ask for the nodes at the other side of a topic; mostly there are none.
+class PeerWatch:
+    """The publishers, or the subscriptions, that watch who is at the other end of their topic.
 
-    Whoever reports the nodes does so once messages go between them and those who ask.
+    A node must be reported only once messages pass between it and those who watch.
     """
 
-    __slots__ = ("_asking", "_known")
+    __slots__ = ("_known", "_watching")
 
     def __init__(self) -> None:
-        self._asking: dict[object, dict[Id, Tell]] = {}
+        self._watching: dict[object, dict[object, Tell]] = {}
         self._known: list[str] = []
 
     def __bool__(self) -> bool:
-        return bool(self._asking)
+        return bool(self._watching)
 
-    def check_room(self, owner: object, id_: Id) -> None:
-        """Raise `OperationError` if too many of the owner's requests ask for one more to do so."""
-        requests = self._asking.get(owner, {})
+    def check_room(self, owner: object, id_: object) -> None:
+        """Raise `LimitReached` if one more request of the owner would be too many."""
+        requests = self._watching.get(owner, {})
         if len(requests) >= MOST_REQUESTS and id_ not in requests:
-            raise OperationError(f"{MOST_REQUESTS} requests for the peers of one topic are enough")
+            raise LimitReached(
+                f"too many requests for the peers of a topic (limit {MOST_REQUESTS})"
+            )
 
-    def ask(self, owner: object, id_: Id, tell: Tell, nodes: Iterable[str]) -> None:
-        """Tell of the nodes, which are these now, and then of each change.
+    def add(self, owner: object, id_: object, tell: Tell, nodes: Iterable[str]) -> None:
+        """Call ``tell`` with the nodes now, and after each change.
 
         Args:
-            owner: the publisher or subscription that asks.
-            id_: the request of it that does; one of the same id replaces the older.
-            nodes: their names, some of them perhaps more than once.
+            owner: the publisher or subscription that watches.
+            id_: its request; one of the same id replaces the older one.
+            nodes: their names at present.
         """
-        if not self._asking:
-            self._known = sorted(set(nodes))
-        self._asking.setdefault(owner, {})[id_] = tell
-        tell(json_of(self._known))
+        if not self._watching:
+            self._known = sorted(nodes)
+        self._watching.setdefault(owner, {})[id_] = tell
+        tell(to_json(self._known))
 
-    def cancel(self, owner: object, id_: Id) -> None:
-        """One request asks no more, if it did; its owner's others may."""
-        requests = self._asking.get(owner, {})
+    def cancel(self, owner: object, id_: object) -> None:
+        """End one request, if it is there; others of its owner go on."""
+        requests = self._watching.get(owner, {})
         if requests.pop(id_, None) is not None and not requests:
-            del self._asking[owner]
+            del self._watching[owner]
 
     def forget(self, owner: object) -> None:
-        """None of its requests asks any more."""
-        self._asking.pop(owner, None)
+        """End all requests of an owner."""
+        self._watching.pop(owner, None)
 
     def changed(self, nodes: Iterable[str]) -> None:
-        """Report the nodes after something has begun or ended; told are only other ones."""
-        names = sorted(set(nodes))
+        """Tell those who watch, if the nodes are different ones than before."""
+        names = sorted(nodes)
         if names == self._known:
             return
         self._known = names
-        text = json_of(names)
-        for requests in self._asking.values():
-            for tell in requests.values():
+        text = to_json(names)
+        # A watcher may end its request, or another one, meanwhile.
+        for requests in tuple(self._watching.values()):
+            for tell in tuple(requests.values()):
                 tell(text)

@@ -1,68 +1,71 @@
-"""A service: who provides it, and what becomes of each call.
+"""Services: who serves each, and what becomes of each call.
 
-A call gets exactly one answer: its provider's, or the hub's own when the provider is lost, does not
-answer in time, or answers what does not fit the type.
+A call gets exactly one response: its server's, or the hub's own when the server is lost, does not
+respond in time, or responds with something that does not fit the type.
 """
 
 from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol, TypeAlias
 
-from fibws.errors import FibwsError
+from fibws.errors import CallFailed, FibwsError
 from fibws.hub.graph.types import ServiceType
-from fibws.protocol.operations import json_of
+from fibws.interfaces.json_text import json_of
 
 logger = logging.getLogger("fibws.hub")
 
-Answer: TypeAlias = dict[str, Any] | bytes
-"""A response, or its JSON text where that is at hand already."""
+ANY_MD5SUM = "*"
+"""The md5sum of a caller that leaves open which type it means."""
+
+Response: TypeAlias = dict[str, Any] | bytes
+"""A response's values, or their JSON where that is at hand."""
 
 
-class Later:
-    """An answer of the hub's own that is still to come.
+class Deferred:
+    """A response of the hub's own that comes later.
 
     Args:
-        forget: is called once nobody waits for it any more.
+        cancel: is called once nobody waits for it any more.
     """
 
-    __slots__ = ("answer", "forget")
+    __slots__ = ("cancel", "respond")
 
-    def __init__(self, forget: Callable[[], None]) -> None:
-        self.forget = forget
-        self.answer: Callable[[dict[str, Any]], None] = _unasked
+    def __init__(self, cancel: Callable[[], None]) -> None:
+        self.cancel = cancel
+        self.respond: Callable[[dict[str, Any]], None] = _not_asked_for
         """Gives the response, once."""
 
 
-def _unasked(values: dict[str, Any]) -> None:
-    raise AssertionError("what is known at once is not answered later")
+def _not_asked_for(values: dict[str, Any]) -> None:
+    raise AssertionError("a response that is known at once must not be deferred")
 
 
-Function: TypeAlias = Callable[[dict[str, Any], str], Answer | Later]
-"""Answers a call in the hub itself; it is given the request and the caller's node.
+Function: TypeAlias = Callable[[dict[str, Any], str], Response | Deferred]
+"""Responds to a call within the hub, given the request and the caller's node.
 
-It raises `FibwsError` with what went wrong.
+It raises `FibwsError` when the call fails.
 """
 
 
-class Provider(Protocol):
-    """Whoever answers the calls of a service."""
+class ServiceServer(Protocol):
+    """Responds to the calls of services."""
 
     @property
     def node(self) -> str:
         """The name of its node."""
 
-    def take(self, call: Call) -> None:
-        """Answer a call, now or later."""
+    def handle(self, call: Call) -> None:
+        """Respond to a call, now or later."""
 
-    def forget(self, call: Call) -> None:
-        """A call needs no answer any more."""
+    def cancel(self, call: Call) -> None:
+        """Forget a call, which needs no response any more."""
 
     def displaced(self, service: Service) -> None:
-        """Another provider has taken the service over."""
+        """Take note that another server has taken the service over."""
 
 
 @dataclass(slots=True, eq=False)
@@ -71,23 +74,27 @@ class Service:
 
     name: str
     type: ServiceType
-    provider: Provider
+    server: ServiceServer
 
     @property
     def node(self) -> str:
-        """The node that provides it."""
-        return self.provider.node
+        """The node that serves it."""
+        return self.server.node
 
 
 class Call:
-    """One call, from its asking to its answer.
+    """One call, from its start to its response.
 
     Args:
-        request: valid, with every field filled.
+        args: the request: an object, or a list of its fields in order.
         caller: the calling node.
-        headers: what it says beside the request.
-        succeeded: is given the response as JSON text.
-        failed: is given the text of what went wrong.
+        succeeded: takes the response as JSON.
+        failed: takes the text and the code of what went wrong (see `CallFailed`).
+        headers: what the caller sends beside the request.
+
+    Raises:
+        InvalidMessage: the request does not fit the type.
+        CallFailed: the caller means another type.
     """
 
     __slots__ = (
@@ -105,67 +112,69 @@ class Call:
     def __init__(
         self,
         service: Service,
-        request: dict[str, Any],
+        args: object,
         caller: str,
         succeeded: Callable[[Call, bytes], None],
-        failed: Callable[[Call, str], None],
+        failed: Callable[[Call, str, str], None],
         headers: dict[str, str] | None = None,
     ) -> None:
+        _check_md5sum(service, caller, headers or {})
         self.service = service
-        self.request = request
+        self.request = service.type.fill_request(args)
+        """Its values, every field filled."""
         self.caller = caller
         self.headers = headers
         self.due = math.inf
-        """When the caller waits no more, by the clock of its session."""
+        """When the caller waits no more, by the clock of whoever set it."""
         self.id = ""
-        """What its provider knows it by."""
+        """Its id at the server."""
         self._succeeded = succeeded
         self._failed = failed
         self._open = True
 
     def start(self) -> None:
-        """Ask the provider."""
-        self.service.provider.take(self)
-        # It has been told; what may be large need not be kept until it answers.
+        """Pass the call to the server."""
+        self.service.server.handle(self)
+        # The server has it; a large request need not be kept until it responds.
         self.request = {}
         self.headers = None
 
-    def answer(self, values: object) -> None:
-        """Take the provider's response.
+    def respond(self, values: object) -> None:
+        """Take the server's response.
 
         Raises:
-            InvalidMessage: it does not fit the type; the call is still to be answered.
+            InvalidMessage: it does not fit the type; the call still waits for a response.
         """
-        self.answer_text(json_of(self.service.type.response(values)))
+        self.respond_json(json_of(self.service.type.response(values)))
 
-    def answer_text(self, text: bytes) -> None:
-        """Take the response as JSON text."""
+    def respond_json(self, text: bytes) -> None:
+        """Take the response as JSON."""
         if self._close():
             self._succeeded(self, text)
 
-    def fail(self, text: str) -> None:
-        """Tell the caller that there will be no response, and why."""
+    def fail(self, text: str, code: str = "server_failed") -> None:
+        """End the call without a response."""
         if self._close():
-            self._failed(self, text)
+            self._failed(self, text, code)
 
     def abandon(self) -> None:
-        """The caller has left: nobody needs an answer."""
+        """End the call of a caller that has left."""
         if self._close():
-            self.service.provider.forget(self)
+            self.service.server.cancel(self)
 
-    def give_up(self, timeout: float) -> None:
-        """The provider has not answered within ``timeout`` seconds."""
-        self.service.provider.forget(self)
-        self.fail(f"Service {self.service.name} did not answer within {timeout:g} s")
+    def time_out(self, timeout: float) -> None:
+        """End the call, to which the server has not responded within ``timeout`` seconds."""
+        self.service.server.cancel(self)
+        self.fail(f"Service {self.service.name} did not answer within {timeout:g} s", "timeout")
 
     def _close(self) -> bool:
-        """Whether this was the answer, of which there is only one."""
+        """Return whether this is the call's one end."""
         was_open, self._open = self._open, False
         return was_open
 
 
-class OwnProvider:
-    """A provider that is part of the hub.
+class InternalServer:
+    """A part of the hub that serves one service.
 
     Args:
         node: the hub's own node that it belongs to.
@@ -174,36 +183,43 @@ class OwnProvider:
     def __init__(self, node: str, function: Function) -> None:
         self.node = node
         self._function = function
-        self._later: dict[Call, Later] = {}
-        """The answers that are still to come."""
+        self._deferred: dict[Call, Deferred] = {}
 
-    def take(self, call: Call) -> None:
-        """Answer a call, now or later."""
+    def handle(self, call: Call) -> None:
+        """Respond to a call, now or later."""
         try:
-            answer = self._function(call.request, call.caller)
-            if isinstance(answer, Later):
-                self._later[call] = answer
-                answer.answer = lambda values: self._answer(call, values)
-            elif isinstance(answer, bytes):
-                call.answer_text(answer)
+            response = self._function(call.request, call.caller)
+            if isinstance(response, Deferred):
+                self._deferred[call] = response
+                response.respond = lambda values: self._respond(call, values)
+            elif isinstance(response, bytes):
+                call.respond_json(response)
             else:
-                call.answer(answer)
+                call.respond(response)
         except FibwsError as error:
-            call.fail(str(error))
+            call.fail(str(error), error.code)
         except Exception:
             logger.exception("%s failed.", call.service.name)
-            call.fail(f"{call.service.name} failed in the hub, whose log says why")
+            call.fail(f"{call.service.name} failed in the hub; see its log")
 
-    def forget(self, call: Call) -> None:
-        """A call needs no answer any more."""
-        later = self._later.pop(call, None)
-        if later is not None:
-            later.forget()
+    def cancel(self, call: Call) -> None:
+        """Forget a call, which needs no response any more."""
+        deferred = self._deferred.pop(call, None)
+        if deferred is not None:
+            deferred.cancel()
 
     def displaced(self, service: Service) -> None:
-        """The graph does not let that happen."""
+        """Fail: the graph does not let a client take over a service of the hub."""
         raise AssertionError(f"{service.name} is the hub's own")
 
-    def _answer(self, call: Call, values: dict[str, Any]) -> None:
-        del self._later[call]
-        call.answer(values)
+    def _respond(self, call: Call, values: dict[str, Any]) -> None:
+        del self._deferred[call]
+        call.respond(values)
+
+
+def _check_md5sum(service: Service, caller: str, headers: Mapping[str, str]) -> None:
+    """Refuse a caller that means another type, as ROS 1 does when two nodes connect."""
+    known, given = service.type.md5sum, headers.get("md5sum", ANY_MD5SUM)
+    if known is not None and given not in (known, ANY_MD5SUM):
+        text = f"request from [{caller}]: md5sums do not match: [{given}] vs. [{known}]"
+        raise CallFailed(text, "type_conflict")

@@ -1,130 +1,372 @@
-"""A topic: its type, who publishes it and who hears it.
+"""Topics: sources publish on them, sinks subscribe to them.
 
-The way of a message through here: `Publisher.publish` checks it, `Topic.deliver` hands it to each
-`Channel`, which makes one frame of it for all its subscriptions.
+A message passes from `Source.publish` (values) or `Source.publish_serialized` (bytes), which check
+it, as a `Publication` to every sink of the topic. A sink is anything with the methods of `Sink`:
+a client's subscription, a part of the hub, a bridge. Only `Graph` adds and removes sources and
+sinks; a source is what ROS calls a publisher.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from itertools import chain
-from typing import Any, TypeAlias
+import logging
+from collections.abc import Callable, Collection, Mapping
+from typing import Any, NamedTuple, Protocol
 
-from fibws.errors import OperationError
-from fibws.hub.graph.channel import Channel
-from fibws.hub.graph.encoding import Encoding, Publication
-from fibws.hub.graph.peers import Peers
-from fibws.hub.graph.publisher import Publisher
-from fibws.hub.graph.subscription import Subscription
-from fibws.hub.graph.types import MessageType
+from pydantic_core import to_json
 
-Observer: TypeAlias = Callable[[dict[str, Any]], None]
-"""A part of the hub itself that is told of each message; it must not change it."""
+from fibws.errors import LimitReached
+from fibws.hub.graph.peers import PeerWatch
+from fibws.hub.graph.publication import Publication
+from fibws.hub.graph.types import Buffer, MessageType
+
+logger = logging.getLogger("fibws.hub")
+
+
+class SinkReport(NamedTuple):
+    """A sink's settings and totals, for rosapi and the page."""
+
+    queue_length: int = 0
+    """Messages that may wait for it; 0 if it takes every message at once."""
+    throttle_rate: float = 0.0
+    """Least milliseconds between two messages; 0 for no throttle."""
+    encoding: str = "none"
+    """The compression of rosbridge that it asked for."""
+    messages: int = 0
+    """Messages that it was sent."""
+    dropped: int = 0
+    """Messages that it was sent and that were dropped, since it was too slow."""
+
+
+class Receiver(Protocol):
+    """Takes the messages of a topic."""
+
+    def receive(self, publication: Publication) -> None:
+        """Take a message; it must not be changed."""
+
+
+class Sink(Receiver, Protocol):
+    """A subscriber of a topic."""
+
+    @property
+    def node(self) -> str:
+        """The global name of its node."""
+
+    def replay(self, publication: Publication) -> None:
+        """Take a latched message, which was published before this subscribed."""
+
+    def report(self) -> SinkReport:
+        """Return its settings and totals."""
+
+
+class Quota:
+    """Bytes that the latched messages of one node may take together.
+
+    Args:
+        limit: most bytes; None for no limit.
+    """
+
+    __slots__ = ("limit", "used")
+
+    def __init__(self, limit: int | None = None) -> None:
+        self.limit = limit
+        self.used = 0
+
+    @property
+    def exceeded(self) -> bool:
+        """Whether more is used than allowed."""
+        return self.limit is not None and self.used > self.limit
 
 
 class Topic:
     """One topic of the graph.
 
-    It has a type while somebody publishes it or subscribes to it with a type; subscriptions that
+    It has a type while a source publishes on it, or a sink was subscribed with a type; sinks that
     name no type wait for one.
+
+    Args:
+        number: stands for it and its type in binary frames (`fibws.v1`).
     """
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, number: int = 0) -> None:
         self.name = name
+        self.number = number
         self.type: MessageType | None = None
-        self.publishers: dict[str, Publisher] = {}
-        self.channels: dict[tuple[str, Encoding], Channel] = {}
-        self.observers: list[Observer] = []
-        self.to_publishers = Peers()
-        """The publishers that ask who subscribes."""
-        self.to_subscribers = Peers()
-        """The subscriptions that ask who publishes."""
+        self.last_type: str | None = None
+        """The name of the type that it has, or had last."""
+        self.sources: dict[str, Source] = {}
+        """By their nodes' names."""
+        self.watching_sinks = PeerWatch()
+        """The sources that watch who subscribes."""
+        self.watching_sources = PeerWatch()
+        """The sinks that watch who publishes."""
+        self._sinks: dict[Sink, Receiver] = {}
+        self._holding: dict[Sink, None] = {}
+        """The sinks that were subscribed with a type."""
+        self._by_node: dict[str, list[Sink]] = {}
+        self._receivers: tuple[Receiver, ...] = ()
+        """A tuple, since a sink may leave, or bring another one, while it is given a message."""
+        self._uses: dict[Receiver, int] = {}
+        """How many sinks share each receiver."""
 
     @property
     def idle(self) -> bool:
-        """Whether nobody has to do with it any more."""
-        return not self.publishers and not self.channels
+        """Whether nobody uses the topic any more."""
+        return not self.sources and not self._sinks
 
     @property
     def held(self) -> bool:
-        """Whether somebody keeps the topic to its type."""
-        return bool(self.publishers) or any(each.typed for each in self.subscriptions())
+        """Whether somebody holds the topic to its type."""
+        return bool(self.sources or self._holding)
 
     def holder(self) -> str:
-        """One of the nodes that keep a held topic to its type."""
-        typed = (each.node for each in self.subscriptions() if each.typed)
-        return next(chain(self.publishers, typed))
+        """Return one of the nodes that hold the topic to its type; it must be `held`."""
+        return next(iter(self.sources), None) or next(iter(self._holding)).node
 
-    def subscriptions(self) -> Iterator[Subscription]:
-        """All subscriptions, however they spelled the name."""
-        return chain.from_iterable(each.subscriptions() for each in self.channels.values())
+    def sinks(self) -> Collection[Sink]:
+        """Return all sinks."""
+        return self._sinks
 
-    def subscribers(self) -> Iterator[str]:
-        """The nodes of all subscriptions."""
-        return (each.node for each in self.subscriptions())
+    def sinks_of(self, node: str) -> Collection[Sink]:
+        """Return the sinks of one node."""
+        return self._by_node.get(node, ())
 
-    def update(self, subscription: Subscription) -> None:
-        """Take note that a subscription has begun, changed or ended."""
-        older, channel = subscription.channel, None
-        if subscription.requests:
-            key = (subscription.spelling, subscription.encoding)
-            channel = self.channels.get(key)
-            if channel is None:
-                channel = self.channels[key] = Channel(*key)
-            channel.add(subscription)
-        if older is not None and older is not channel:
-            older.remove(subscription)
-            if not older:
-                del self.channels[older.key]
-        subscription.channel = channel
-        if channel is None:
-            self.to_subscribers.forget(subscription)
-        if self.to_publishers:
-            self.to_publishers.changed(self.subscribers())
+    def subscribers(self) -> Collection[str]:
+        """Return the nodes of all sinks, each once."""
+        return self._by_node.keys()
 
-    def add(self, publisher: Publisher) -> None:
-        """Take note that a publisher has begun."""
-        self.publishers[publisher.node] = publisher
-        if self.to_subscribers:
-            self.to_subscribers.changed(self.publishers)
+    def attach(self, sink: Sink, receiver: Receiver, *, holds_type: bool) -> None:
+        """Add a sink, or change how it is subscribed.
 
-    def remove(self, publisher: Publisher) -> None:
-        """Take note that a publisher has ended."""
-        self.to_publishers.forget(publisher)
-        self.publishers.pop(publisher.node, None)
-        if self.to_subscribers:
-            self.to_subscribers.changed(self.publishers)
-
-    def replay(self, subscription: Subscription) -> None:
-        """Send what publishers have latched to one subscription.
-
-        Raises:
-            OperationError: it cannot be had in the encoding that the subscription wants.
+        Args:
+            receiver: takes its messages: the sink itself, or a group that it shares with others,
+                which gets each message once for all of them.
+            holds_type: whether the topic keeps its type while the sink is there.
         """
-        for publisher in self.publishers.values():
-            publication = publisher.recall()
-            if publication is not None and subscription.channel is not None:
-                subscription.send(subscription.channel.replay(publication))
+        older = self._sinks.get(sink)
+        if older is None:
+            self._by_node.setdefault(sink.node, []).append(sink)
+        if older is not receiver:
+            self._sinks[sink] = receiver
+            self._use(receiver, 1)
+            if older is not None:
+                self._use(older, -1)
+        self._holding.pop(sink, None)
+        if holds_type:
+            self._holding[sink] = None
+        if older is None and self.watching_sinks:
+            self.watching_sinks.changed(self._by_node)
+
+    def detach(self, sink: Sink) -> None:
+        """Remove a sink; nothing happens if it is not there."""
+        self.watching_sources.forget(sink)
+        receiver = self._sinks.pop(sink, None)
+        if receiver is None:
+            return
+        self._use(receiver, -1)
+        self._holding.pop(sink, None)
+        others = self._by_node[sink.node]
+        others.remove(sink)
+        if not others:
+            del self._by_node[sink.node]
+        if self.watching_sinks:
+            self.watching_sinks.changed(self._by_node)
+
+    def add(self, source: Source) -> None:
+        """Add a source."""
+        self.sources[source.node] = source
+        if self.watching_sources:
+            self.watching_sources.changed(self.sources)
+
+    def remove(self, source: Source) -> None:
+        """Remove a source."""
+        self.watching_sinks.forget(source)
+        if self.sources.get(source.node) is source:
+            del self.sources[source.node]
+        if self.watching_sources:
+            self.watching_sources.changed(self.sources)
+
+    def replay(self, sink: Sink) -> None:
+        """Give a sink what sources have latched; raises what `Sink.replay` raises."""
+        for source in tuple(self.sources.values()):  # A sink may advertise here.
+            publication = source.recall()
+            if publication is not None:
+                sink.replay(publication)
 
     def deliver(self, publication: Publication) -> None:
-        """Send a message to all who hear the topic."""
-        for channel in self.channels.values():
+        """Give a message to all sinks."""
+        for receiver in self._receivers:
             try:
-                channel.send(publication)
-            except OperationError as fault:
-                # It cannot be encoded so. Those who asked for that before the type was known are
-                # told; the others go on.
-                for subscription in channel.subscriptions():
-                    subscription.refuse(fault)
-        for observe in self.observers:
-            observe(publication.message)
+                receiver.receive(publication)
+            except Exception:
+                # One sink that fails must not silence the others.
+                logger.exception("%s: a subscriber failed.", self.name)
 
     def deliver_to(self, node: str, publication: Publication) -> None:
-        """Send a message to one node alone, if it hears the topic."""
-        for channel in self.channels.values():
-            for subscription in channel.subscriptions():
-                if subscription.node == node:
-                    try:
-                        subscription.offer(channel.frame(publication))
-                    except OperationError as fault:
-                        subscription.refuse(fault)
+        """Give a message to the sinks of one node."""
+        for sink in tuple(self._by_node.get(node, ())):
+            try:
+                sink.receive(publication)
+            except Exception:
+                logger.exception("%s: a subscriber failed.", self.name)
+
+    def _use(self, receiver: Receiver, change: int) -> None:
+        """Count one sink more or less that shares a receiver."""
+        uses = self._uses.get(receiver, 0) + change
+        if uses and receiver in self._uses:
+            self._uses[receiver] = uses
+            return
+        if uses:
+            self._uses[receiver] = uses
+        else:
+            del self._uses[receiver]
+        self._receivers = tuple(self._uses)
+
+
+class Source:
+    """A node's right to publish on a topic, which it has while it advertises the topic.
+
+    Args:
+        node: its global name.
+        now: gives the nanoseconds since 1970.
+        latch: keep the last message for later subscribers (ROS's latched topics).
+        quota: bounds the latched messages of the node.
+    """
+
+    __slots__ = (
+        "_latched",
+        "_latched_bytes",
+        "_now",
+        "_quota",
+        "_sequence",
+        "bytes",
+        "header",
+        "latch",
+        "make_latest",
+        "messages",
+        "node",
+        "topic",
+        "type",
+    )
+
+    def __init__(
+        self,
+        node: str,
+        topic: Topic,
+        type_: MessageType,
+        now: Callable[[], int],
+        *,
+        latch: bool,
+        quota: Quota,
+    ) -> None:
+        self.node = node
+        self.topic = topic
+        self.type = type_
+        self.latch = latch
+        self.header = b""
+        """The connection header of its messages, as JSON."""
+        self.set_headers({})
+        self.make_latest: Callable[[], dict[str, Any]] | None = None
+        """Makes the message for later subscribers, where it costs less than to keep each one."""
+        self.messages = 0
+        """Messages published."""
+        self.bytes = 0
+        """Bytes of these messages as they arrived."""
+        self._latched: Publication | None = None
+        self._latched_bytes = 0
+        self._now = now
+        self._quota = quota
+        self._sequence = 0
+
+    def set_headers(self, headers: Mapping[str, str]) -> None:
+        """Set the connection header of the messages from now on, beside callerid and latching."""
+        latching = "1" if self.latch else "0"
+        self.header = to_json({"callerid": self.node, "latching": latching, **headers})
+
+    def publish(self, msg: object, size: int | None = None, to: str | None = None) -> None:
+        """Check a message's values and deliver them; None stands for the type's default message.
+
+        Args:
+            size: the bytes in which it arrived; None counts those of its JSON.
+            to: the only node that is to get it; it is not latched then.
+
+        Raises:
+            InvalidMessage: it does not fit the topic's type.
+            LimitReached: it was delivered, but is too large to be latched.
+        """
+        type_ = self.type
+        values = type_.validate({} if msg is None else msg)
+        if type_.sequenced:
+            self._sequence += 1
+            values["header"]["seq"] = self._sequence & 0xFFFFFFFF
+        publication = Publication(type_, self.node, self.header, self._now(), values)
+        self.messages += 1
+        self.bytes += len(publication.json()) if size is None else size
+        if to is not None:
+            self.topic.deliver_to(to, publication)
+            return
+        self.topic.deliver(publication)
+        if self.latch:
+            self._keep(publication)
+
+    def publish_serialized(self, data: Buffer, to: str | None = None) -> None:
+        """Check a message in ROS 1's serialization and deliver it; raises as `publish` does.
+
+        Args:
+            data: its bytes, which belong to the hub from now on.
+            to: as in `publish`.
+        """
+        self.type.check(data)
+        if self.type.sequenced:
+            self._sequence += 1
+            data = _numbered(data, self._sequence & 0xFFFFFFFF)
+        publication = Publication(self.type, self.node, self.header, self._now(), None, data)
+        self.messages += 1
+        self.bytes += len(data)
+        if to is not None:
+            self.topic.deliver_to(to, publication)
+            return
+        self.topic.deliver(publication)
+        if self.latch:
+            self._keep(publication)
+
+    def forward(self, publication: Publication) -> None:
+        """Deliver a message of another topic of the same type."""
+        self.messages += 1
+        self.bytes += publication.size
+        self.topic.deliver(publication)
+
+    def recall(self) -> Publication | None:
+        """Return the message for later subscribers, if there is one."""
+        if self.make_latest is not None:
+            values = self.type.validate(self.make_latest())
+            return Publication(self.type, self.node, self.header, self._now(), values)
+        return self._latched
+
+    def forget_latched(self) -> None:
+        """Keep no latched message any more."""
+        self._quota.used -= self._latched_bytes
+        self._latched_bytes = 0
+        self._latched = None
+
+    def _keep(self, publication: Publication) -> None:
+        if self.topic.sources.get(self.node) is not self:
+            return  # A sink has removed it while it was given the message.
+        self.forget_latched()
+        self._latched_bytes = publication.compact()
+        self._latched = publication
+        self._quota.used += self._latched_bytes
+        if self._quota.exceeded:
+            self.forget_latched()
+            raise LimitReached(
+                f"a message of {self.topic.name} was delivered but not latched: the latched "
+                f"messages of one client may take {self._quota.limit} bytes (--max-latched-bytes)"
+            )
+
+
+def _numbered(data: Buffer, sequence: int) -> Buffer:
+    """Return a message whose first field, header.seq, is this number."""
+    number = sequence.to_bytes(4, "little")
+    if isinstance(data, memoryview) and not data.readonly:
+        data[:4] = number  # A large message, in the buffer that it was read into.
+        return data
+    return b"".join((number, data[4:]))

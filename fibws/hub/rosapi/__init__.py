@@ -1,1 +1,1 @@
-"""The hub's own nodes: what it tells about its graph, its parameters, its log and its clients."""
+"""The hub's own nodes: rosapi's services, /rosout_agg, and who is connected."""

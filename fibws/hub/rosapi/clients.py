@@ -1,7 +1,4 @@
-"""Who is connected: /client_count and /connected_clients, as rosbridge_server publishes them.
-
-The hub's own nodes find the clients here to tell of them, and to have them do something.
-"""
+"""Connected clients: /client_count and /connected_clients, as in rosbridge_server."""
 
 from __future__ import annotations
 
@@ -9,14 +6,14 @@ import math
 from collections.abc import Iterator
 from typing import Any, Protocol
 
-from fibws.hub.clock import Clock, Timer
-from fibws.hub.graph.publisher import Publisher
-from fibws.hub.outbox import Outbox
-from fibws.protocol.closing import Closing
+from fibws.hub.delivery.clock import Clock, Timer
+from fibws.hub.delivery.send_queue import SendQueue
+from fibws.hub.graph.topic import Source
+from fibws.protocol.websocket import CloseReason
 
 PERIOD = 0.1
-"""Seconds between two publications at least: a thousand clients that come at once would have a
-thousand lists published, each longer than the one before."""
+"""Least seconds between two publications: of a thousand clients that come at once, each would have
+a list published that is longer than the one before."""
 
 
 class Client(Protocol):
@@ -26,7 +23,7 @@ class Client(Protocol):
     """The IP address that it comes from."""
     peer: str
     """That with its port."""
-    outbox: Outbox
+    queue: SendQueue
 
     @property
     def name(self) -> str:
@@ -35,7 +32,7 @@ class Client(Protocol):
     def ping(self, data: bytes) -> None:
         """Send it a WebSocket ping, whose pong brings the data back."""
 
-    def close(self, closing: Closing) -> None:
+    def close(self, reason: CloseReason) -> None:
         """Close the connection."""
 
 
@@ -47,34 +44,34 @@ class ConnectedClients:
         listing: publishes which they are (rosbridge_msgs/ConnectedClients).
     """
 
-    def __init__(self, count: Publisher, listing: Publisher, clock: Clock) -> None:
-        count.current = self._number
-        listing.current = self._list
-        self._publishers = (listing, count)
+    def __init__(self, count: Source, listing: Source, clock: Clock) -> None:
+        count.make_latest = self._count
+        listing.make_latest = self._list
+        self._sources = (listing, count)
         self._clock = clock
         self._clients: dict[Client, int] = {}
-        """With the nanoseconds since 1970 when each came, the first to come first."""
+        """Each with the nanoseconds since 1970 when it connected, the oldest first."""
         self._timer: Timer | None = None
-        self._published = -math.inf  # The first to come need not wait.
+        self._published = -math.inf  # The first need not wait.
 
     def connected(self, client: Client, since: int) -> None:
-        """Count a client in, which came so many nanoseconds after 1970."""
+        """Add a client, which connected so many nanoseconds after 1970."""
         self._clients[client] = since
         self._changed()
 
     def disconnected(self, client: Client) -> None:
-        """Count a client out; nothing happens if it was not in."""
+        """Remove a client; nothing happens if it is not there."""
         if self._clients.pop(client, None) is not None:
             self._changed()
 
     def __iter__(self) -> Iterator[tuple[Client, int]]:
-        """Each with the nanoseconds since 1970 when it came, the first to come first."""
+        """Iterate over the clients, each with the nanoseconds since 1970 when it connected."""
         return iter(self._clients.items())
 
-    def of(self, node: str) -> Client | None:
-        """The client that is a node; None if there is none of that name, or it is the hub's own."""
+    def find(self, node: str) -> Client | None:
+        """Return the client that is a node; None for unknown nodes and the hub's own."""
         named = (client for client in reversed(self._clients) if client.name == node)
-        # Whoever was replaced may still be here.
+        # A client that was replaced may still be here.
         return next(named, None)
 
     def close(self) -> None:
@@ -94,17 +91,17 @@ class ConnectedClients:
     def _publish(self) -> None:
         self._timer = None
         self._published = self._clock.time()
-        for publisher in self._publishers:
-            if publisher.current is not None and publisher.topic.channels:
-                publisher.publish(publisher.current())
+        for source in self._sources:
+            if source.make_latest is not None and source.topic.sinks():
+                source.publish(source.make_latest())
 
-    def _number(self) -> dict[str, Any]:
+    def _count(self) -> dict[str, Any]:
         return {"data": len(self._clients)}
 
     def _list(self) -> dict[str, Any]:
-        return {"clients": [_connected(client.address, since) for client, since in self]}
+        return {"clients": [_entry(client.address, since) for client, since in self]}
 
 
-def _connected(address: str, since: int) -> dict[str, Any]:
+def _entry(address: str, since: int) -> dict[str, Any]:
     secs, nsecs = divmod(since, 1_000_000_000)
     return {"ip_address": address, "connection_time": {"secs": secs, "nsecs": nsecs}}

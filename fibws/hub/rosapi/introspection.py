@@ -1,14 +1,14 @@
-"""What there is in the graph, as rosapi tells it: its topics, nodes, services, actions, and time.
+"""rosapi's lists of topics, nodes, services and actions, and the time.
 
-Some of these services are asked every few seconds by every open page. Their answers are kept as
-JSON text until the graph changes, and the text of a type for as long as there is room.
+Every open page asks some of these services every few seconds. Their responses are cached as JSON
+until the graph changes, and the text of a type for as long as there is room.
 """
 
 from __future__ import annotations
 
 import logging
 from collections import defaultdict
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from typing import Any
 
 from pydantic_core import to_json
@@ -16,18 +16,18 @@ from pydantic_core import to_json
 from fibws import names
 from fibws.errors import InterfaceError, InvalidName, InvalidTypeName
 from fibws.hub.graph.graph import Graph
-from fibws.hub.graph.service import Answer, Function
-from fibws.hub.logtext import is_power_of_ten
-from fibws.hub.rosapi.kept import KeptAnswers
-from fibws.hub.rosapi.texts import Texts
+from fibws.hub.graph.service import Function, Response
+from fibws.hub.graph.topic import Topic
+from fibws.hub.log_text import is_power_of_ten
+from fibws.hub.rosapi.cache import ResponseCache, TextCache
 
 logger = logging.getLogger("fibws.hub")
 
 HOST = "127.0.0.1"
-"""Where all services are: their callers reach them by the hub."""
+"""The host of all services: their callers reach them through the hub."""
 MOST_TEXT = 2**23
-"""Bytes that the full texts of all topics' types may have in one answer: half of what the hub keeps
-for a client that falls behind."""
+"""Bytes that the full texts of all topics' types may have in one response: half of what the hub
+keeps for a client that falls behind."""
 ACTION_TOPICS = frozenset({"goal", "cancel", "feedback", "status", "result"})
 """The topics in the namespace of an actionlib server."""
 
@@ -35,24 +35,20 @@ _NO_TEXT = b'""'
 
 
 class Introspection:
-    """The services that tell what there is.
+    """The services that list what there is.
 
-    Names in a request may be relative to the caller. What there is not has no type, no node and no
-    host, which are empty texts then, and nothing in its lists.
-
-    Args:
-        heard: the hub's own nodes that hear a topic, by the topic's name.
+    Names in a request may be relative to the caller. Unknown names give empty strings and lists,
+    and so does what the policy does not let the caller list.
     """
 
-    def __init__(self, graph: Graph, heard: Mapping[str, list[str]]) -> None:
+    def __init__(self, graph: Graph) -> None:
         self._graph = graph
-        self._heard = heard
-        self._full_texts = Texts(lambda name: to_json(graph.interfaces.full_text(name)))
-        self._kept = KeptAnswers(graph).of
+        self._full_texts = TextCache(lambda name: to_json(graph.interfaces.full_text(name)))
+        self._cached = ResponseCache(graph).get
         self._times_too_long = 0
 
     def services(self) -> dict[str, tuple[str, Function]]:
-        """All by their global names, each with its type and what answers it."""
+        """Return all services by their global names, each with its type and what responds."""
         return {
             "/rosapi/topics": ("rosapi/Topics", self.topics),
             "/rosapi/topics_for_type": ("rosapi/TopicsForType", self.topics_for_type),
@@ -72,112 +68,114 @@ class Introspection:
             "/rosapi/get_time": ("rosapi/GetTime", self.get_time),
         }
 
-    def get_time(self, request: dict[str, Any], caller: str) -> Answer:
-        """The time of the hub's clock, counted from 1970."""
+    def get_time(self, request: dict[str, Any], caller: str) -> Response:
+        """Return the time of the hub's clock, counted from 1970."""
         secs, nsecs = divmod(self._graph.now(), 1_000_000_000)
         return {"time": {"secs": secs, "nsecs": nsecs}}
 
     # Topics.
 
-    def topics(self, request: dict[str, Any], caller: str) -> Answer:
-        """All topics, published or subscribed to, with their types."""
-        return self._kept(self._topics)
+    def topics(self, request: dict[str, Any], caller: str) -> Response:
+        """Return all topics, published or subscribed to, with their types."""
+        return self._cached(self._topics, caller)
 
-    def topics_and_raw_types(self, request: dict[str, Any], caller: str) -> Answer:
-        """All topics with their types and the full texts of these, as genmsg writes them."""
-        return self._kept(self._topics_and_raw_types)
+    def topics_and_raw_types(self, request: dict[str, Any], caller: str) -> Response:
+        """Return all topics with their types and the full texts of these, as genmsg writes them."""
+        return self._cached(self._topics_and_raw_types, caller)
 
-    def topics_for_type(self, request: dict[str, Any], caller: str) -> Answer:
-        """The topics of a type."""
+    def topics_for_type(self, request: dict[str, Any], caller: str) -> Response:
+        """Return the topics of a type."""
         wanted = self._canonical(request["type"])
         topics = self._graph.topics.values()
         found = (each.name for each in topics if each.type is not None and each.type.name == wanted)
-        return {"topics": sorted(found)}
+        return {"topics": self._graph.listed(caller, found)}
 
-    def topic_type(self, request: dict[str, Any], caller: str) -> Answer:
-        """The type of a topic."""
-        topic = self._graph.topics.get(global_name(request["topic"], caller))
+    def topic_type(self, request: dict[str, Any], caller: str) -> Response:
+        """Return the type of a topic."""
+        topic = self._topic(request["topic"], caller)
         return {"type": topic.type.name if topic is not None and topic.type is not None else ""}
 
-    def publishers(self, request: dict[str, Any], caller: str) -> Answer:
-        """The nodes that publish a topic."""
-        topic = self._graph.topics.get(global_name(request["topic"], caller))
-        return {"publishers": sorted(topic.publishers) if topic is not None else []}
+    def publishers(self, request: dict[str, Any], caller: str) -> Response:
+        """Return the nodes that publish on a topic."""
+        topic = self._topic(request["topic"], caller)
+        nodes = self._graph.listed(caller, topic.sources) if topic is not None else []
+        return {"publishers": nodes}
 
-    def subscribers(self, request: dict[str, Any], caller: str) -> Answer:
-        """The nodes that subscribe to a topic."""
-        name = global_name(request["topic"], caller)
-        topic = self._graph.topics.get(name)
-        nodes = set(self._heard.get(name, []))
-        if topic is not None:
-            nodes.update(subscription.node for subscription in topic.subscriptions())
-        return {"subscribers": sorted(nodes)}
+    def subscribers(self, request: dict[str, Any], caller: str) -> Response:
+        """Return the nodes that subscribe to a topic."""
+        topic = self._topic(request["topic"], caller)
+        nodes = self._graph.listed(caller, topic.subscribers()) if topic is not None else []
+        return {"subscribers": nodes}
 
     # Services.
 
-    def service_names(self, request: dict[str, Any], caller: str) -> Answer:
-        """All services."""
-        return self._kept(self._services)
+    def service_names(self, request: dict[str, Any], caller: str) -> Response:
+        """Return all services."""
+        return self._cached(self._services, caller)
 
-    def services_for_type(self, request: dict[str, Any], caller: str) -> Answer:
-        """The services of a type."""
+    def services_for_type(self, request: dict[str, Any], caller: str) -> Response:
+        """Return the services of a type."""
         wanted = self._canonical(request["type"])
         services = self._graph.services.values()
-        return {"services": sorted(each.name for each in services if each.type.name == wanted)}
+        found = (each.name for each in services if each.type.name == wanted)
+        return {"services": self._graph.listed(caller, found)}
 
-    def service_providers(self, request: dict[str, Any], caller: str) -> Answer:
-        """The nodes that provide services of a type, which the request calls the service."""
+    def service_providers(self, request: dict[str, Any], caller: str) -> Response:
+        """Return the nodes that serve a type, which the request calls the service."""
         wanted = self._canonical(request["service"])
         services = self._graph.services.values()
-        return {"providers": sorted({each.node for each in services if each.type.name == wanted})}
+        found = {each.node for each in services if each.type.name == wanted}
+        return {"providers": self._graph.listed(caller, found)}
 
-    def service_type(self, request: dict[str, Any], caller: str) -> Answer:
-        """The type of a service."""
-        service = self._graph.services.get(global_name(request["service"], caller))
-        return {"type": service.type.name if service is not None else ""}
+    def service_type(self, request: dict[str, Any], caller: str) -> Response:
+        """Return the type of a service."""
+        name = self._service(request["service"], caller)
+        return {"type": self._graph.services[name].type.name if name is not None else ""}
 
-    def service_node(self, request: dict[str, Any], caller: str) -> Answer:
-        """The node that provides a service."""
-        service = self._graph.services.get(global_name(request["service"], caller))
-        return {"node": service.node if service is not None else ""}
+    def service_node(self, request: dict[str, Any], caller: str) -> Response:
+        """Return the node that serves a service."""
+        name = self._service(request["service"], caller)
+        node = self._graph.services[name].node if name is not None else ""
+        return {"node": node if self._graph.may_list(caller, node) else ""}
 
-    def service_host(self, request: dict[str, Any], caller: str) -> Answer:
-        """The host of a service."""
-        known = global_name(request["service"], caller) in self._graph.services
-        return {"host": HOST if known else ""}
+    def service_host(self, request: dict[str, Any], caller: str) -> Response:
+        """Return the host of a service."""
+        return {"host": HOST if self._service(request["service"], caller) is not None else ""}
 
     # Nodes and actions.
 
-    def nodes(self, request: dict[str, Any], caller: str) -> Answer:
-        """All nodes."""
-        return self._kept(self._nodes)
+    def nodes(self, request: dict[str, Any], caller: str) -> Response:
+        """Return all nodes."""
+        return self._cached(self._nodes, caller)
 
-    def node_details(self, request: dict[str, Any], caller: str) -> Answer:
-        """The topics and services of a node."""
-        node = self._graph.nodes.get(global_name(request["node"], caller))
-        if node is None:
+    def node_details(self, request: dict[str, Any], caller: str) -> Response:
+        """Return the topics and services of a node."""
+        listed = self._graph.listed
+        name = global_name(request["node"], caller)
+        if name not in self._graph.nodes or not self._graph.may_list(caller, name):
             return {"subscribing": [], "publishing": [], "services": []}
+        node = self._graph.nodes[name]
         return {
-            "subscribing": sorted(node.subscribing()),
-            "publishing": sorted(node.publishing()),
-            "services": sorted(node.providing()),
+            "subscribing": listed(caller, node.subscribing()),
+            "publishing": listed(caller, node.publishing()),
+            "services": listed(caller, node.providing()),
         }
 
-    def action_servers(self, request: dict[str, Any], caller: str) -> Answer:
-        """All actions: those by themselves, as in ROS 2, and those that are topics, as in ROS 1."""
-        return self._kept(self._action_servers)
+    def action_servers(self, request: dict[str, Any], caller: str) -> Response:
+        """Return all actions: those of ROS 2's kind, and those over topics, as in ROS 1."""
+        return self._cached(self._action_servers, caller)
 
-    # The answers that are kept.
+    # The responses that are cached.
 
-    def _topics(self) -> bytes:
-        pairs = self._types_of_topics()
+    def _topics(self, caller: str) -> bytes:
+        pairs = self._types_of_topics(caller)
         return to_json(
             {"topics": [name for name, _ in pairs], "types": [type_ for _, type_ in pairs]}
         )
 
-    def _topics_and_raw_types(self) -> bytes:
+    def _topics_and_raw_types(self, caller: str) -> bytes:
         texts, room = [], MOST_TEXT
-        for _, type_ in self._types_of_topics():
+        for _, type_ in self._types_of_topics(caller):
             # Once there is no room left, no more texts are made.
             text = self._full_text(type_) if room >= 0 else _NO_TEXT
             room -= len(text)
@@ -185,35 +183,53 @@ class Introspection:
         if room < 0:
             self._times_too_long += 1
             if is_power_of_ten(self._times_too_long):
-                logger.warning("The types of all topics have more text than rosapi will tell.")
-        return b'%b,"typedefs_full_text":[%b]}' % (self._kept(self._topics)[:-1], b",".join(texts))
+                logger.warning(
+                    "/rosapi/topics_and_raw_types leaves out types: their text has more than "
+                    "%d bytes.",
+                    MOST_TEXT,
+                )
+        topics = self._cached(self._topics, caller)
+        return b'%b,"typedefs_full_text":[%b]}' % (topics[:-1], b",".join(texts))
 
-    def _services(self) -> bytes:
-        return to_json({"services": sorted(self._graph.services)})
+    def _services(self, caller: str) -> bytes:
+        return to_json({"services": self._graph.listed(caller, self._graph.services)})
 
-    def _nodes(self) -> bytes:
-        return to_json({"nodes": sorted(self._graph.nodes)})
+    def _nodes(self, caller: str) -> bytes:
+        return to_json({"nodes": self._graph.listed(caller, self._graph.nodes)})
 
-    def _action_servers(self) -> bytes:
-        servers = actions_over_topics(self._graph.topics) | self._graph.actions.keys()
-        return to_json({"action_servers": sorted(servers)})
+    def _action_servers(self, caller: str) -> bytes:
+        graph = self._graph
+        servers = actions_over_topics(graph.listed(caller, graph.topics)) | graph.actions.keys()
+        return to_json({"action_servers": graph.listed(caller, servers)})
 
-    def _types_of_topics(self) -> list[tuple[str, str]]:
-        """All topics, sorted, each with its type's name, which is empty if it has none."""
-        return sorted(
-            (name, topic.type.name if topic.type is not None else "")
-            for name, topic in self._graph.topics.items()
-        )
+    def _types_of_topics(self, caller: str) -> list[tuple[str, str]]:
+        """Return all topics, sorted, each with its type's name, which is empty without a type."""
+        topics = self._graph.topics
+        types = ((name, topics[name].type) for name in self._graph.listed(caller, topics))
+        return [(name, type_.name if type_ is not None else "") for name, type_ in types]
+
+    # Looking up.
+
+    def _topic(self, name: str, caller: str) -> Topic | None:
+        """Return a topic that the caller may list."""
+        found = global_name(name, caller)
+        return self._graph.topics.get(found) if self._graph.may_list(caller, found) else None
+
+    def _service(self, name: str, caller: str) -> str | None:
+        """Return the global name of a service that is there and that the caller may list."""
+        found = global_name(name, caller)
+        known = found in self._graph.services and self._graph.may_list(caller, found)
+        return found if known else None
 
     def _full_text(self, type_: str) -> bytes:
-        """The full text of a type as JSON, which is empty if nobody knows it."""
+        """Return the full text of a type as JSON, which is empty if the type is unknown."""
         try:
-            return self._full_texts.of(type_) if type_ else _NO_TEXT
+            return self._full_texts.get(type_) if type_ else _NO_TEXT
         except InterfaceError:
             return _NO_TEXT
 
     def _canonical(self, type_: str) -> str | None:
-        """The type's name as the graph has it, if it is one."""
+        """Return the type's name as the graph has it, or None if it is not a type's name."""
         try:
             return self._graph.interfaces.canonical(type_)
         except InvalidTypeName:
@@ -221,7 +237,7 @@ class Introspection:
 
 
 def actions_over_topics(topics: Iterable[str]) -> set[str]:
-    """The actions that are topics, as in ROS 1: the namespaces that hold all five of these."""
+    """Return the actions that are topics, as in ROS 1: namespaces that hold all five of these."""
     found: defaultdict[str, set[str]] = defaultdict(set)
     for name in topics:
         namespace, _, topic = name.rpartition("/")
@@ -233,7 +249,7 @@ def actions_over_topics(topics: Iterable[str]) -> set[str]:
 
 
 def global_name(name: str, caller: str) -> str:
-    """The name that the caller means; what is no name stays so, and is nobody's."""
+    """Resolve a name for the caller; return it unchanged if it is not legal."""
     try:
         return names.resolve(name, node=caller)
     except InvalidName:

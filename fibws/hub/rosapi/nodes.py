@@ -1,21 +1,32 @@
-"""The nodes that the hub itself is: they stand for ROS's rosout, rosapi and rosbridge_websocket."""
+"""The hub's own nodes: they stand for ROS's rosout, rosapi and rosbridge_websocket.
+
+rosapi's services let clients that have no ROS ask for what ROS knows. Their names, types and rules
+are those of the ROS 1 package (RobotWebTools/rosbridge_suite, rosapi). ROS 2's get_ros_version is
+left out on purpose: clients take a hub that has it for ROS 2. The services with types of fibws_msgs
+are additions of fibws: one response holds what would otherwise take hundreds of calls.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
-from fibws.hub.clock import Clock
+from fibws.hub.delivery.clock import Clock
 from fibws.hub.graph.graph import Graph
-from fibws.hub.graph.publisher import Publisher
+from fibws.hub.graph.publication import Publication
+from fibws.hub.graph.service import Function
+from fibws.hub.graph.topic import SinkReport, Source
 from fibws.hub.rosapi import loggers
 from fibws.hub.rosapi.clients import Client, ConnectedClients
-from fibws.hub.rosapi.parameters import set_defaults
-from fibws.hub.rosapi.rosapi import Rosapi
+from fibws.hub.rosapi.introspection import Introspection
+from fibws.hub.rosapi.parameters import ParameterServices, set_defaults
+from fibws.hub.rosapi.rosnode import Rosnode
+from fibws.hub.rosapi.snapshot import Snapshot
+from fibws.hub.rosapi.statistics import Statistics
+from fibws.hub.rosapi.typedefs import TypeDefs
 
 ROSOUT = "/rosout"
-"""A node, and the topic that it hears."""
+"""A node, and the topic that it subscribes to."""
 ROSAPI = "/rosapi"
 ROSBRIDGE = "/rosbridge_websocket"
 OWN_NODES = (ROSAPI, ROSBRIDGE, ROSOUT)
@@ -28,8 +39,6 @@ PUBLISHED = {
     "/connected_clients": (ROSBRIDGE, "rosbridge_msgs/ConnectedClients"),
 }
 """The hub's own topics, each with the node that publishes it and its type."""
-HEARD = {ROSOUT: [ROSOUT]}
-"""The topics that the hub's own nodes hear, with these."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,28 +47,51 @@ class OwnNode:
 
     name: str
     published: Sequence[str]
-    heard: Sequence[str]
-    provided: Sequence[str]
+    subscribed: Sequence[str]
+    services: Sequence[str]
 
     def publishing(self) -> Sequence[str]:
-        """The topics that it publishes."""
+        """Return the topics that it publishes."""
         return self.published
 
     def subscribing(self) -> Sequence[str]:
-        """The topics that it subscribes to."""
-        return self.heard
+        """Return the topics that it subscribes to."""
+        return self.subscribed
 
     def providing(self) -> Sequence[str]:
-        """The services that it provides."""
-        return self.provided
+        """Return the services that it provides."""
+        return self.services
 
     def replaced(self) -> None:
-        """The gate does not let that happen."""
+        """Fail: no client can take its name."""
         raise AssertionError(f"{self.name} is the hub's own")
 
 
+class RosoutAggregator:
+    """Publishes every message of /rosout on /rosout_agg, as ROS's rosout node does; a `Sink`."""
+
+    node = ROSOUT
+
+    def __init__(self, aggregated: Source) -> None:
+        self._aggregated = aggregated
+        self._messages = 0
+
+    def receive(self, publication: Publication) -> None:
+        """Publish a message again, if somebody subscribes."""
+        self._messages += 1
+        if self._aggregated.topic.sinks():
+            self._aggregated.forward(publication)
+
+    def replay(self, publication: Publication) -> None:
+        """Ignore a latched message: nodes do not latch their log."""
+
+    def report(self) -> SinkReport:
+        """Return the totals."""
+        return SinkReport(messages=self._messages)
+
+
 class OwnNodes:
-    """The hub's own nodes with all that they publish, hear and provide, and the first parameters.
+    """The hub's own nodes with all that they publish and serve, and the first parameters.
 
     Args:
         host: the name or the address by which the hub is reached.
@@ -69,25 +101,24 @@ class OwnNodes:
 
     def __init__(self, graph: Graph, clock: Clock, *, host: str, port: int, run_id: str) -> None:
         self._graph = graph
+        graph.internal.update(OWN_NODES)
         set_defaults(graph.parameters, run_id=run_id, host=host, port=port)
-        self._publishers = {topic: self._publisher(topic) for topic in PUBLISHED}
+        self._sources = {topic: self._advertise(topic) for topic in PUBLISHED}
         self.clients = ConnectedClients(
-            self._publishers["/client_count"], self._publishers["/connected_clients"], clock
+            self._sources["/client_count"], self._sources["/connected_clients"], clock
         )
-        """Those that are connected."""
-        rosapi = Rosapi(graph, OWN_NODES, HEARD, self.clients, clock)
-        self._rosnode = rosapi.rosnode
-        services = rosapi.services()
-        for name in OWN_NODES:
-            services.update(loggers.services(name))
+        """The clients that are connected."""
+        self._rosnode = Rosnode(graph, self.clients, clock)
+        services = self._services()
         for service, (type_, function) in services.items():
-            graph.offer(service, type_, _namespace(service), function)
-        graph.topics[ROSOUT].observers.append(self._repeat)
+            graph.serve_internally(service, type_, _namespace(service), function)
+        self._aggregator = RosoutAggregator(self._sources["/rosout_agg"])
+        graph.subscribe(graph.topics[ROSOUT], self._aggregator, LOG)
         self._nodes = [
             OwnNode(
                 name,
                 [topic for topic, (node, _) in PUBLISHED.items() if node == name],
-                [topic for topic, nodes in HEARD.items() if name in nodes],
+                [ROSOUT] if name == ROSOUT else [],
                 [service for service in services if _namespace(service) == name],
             )
             for name in OWN_NODES
@@ -96,15 +127,15 @@ class OwnNodes:
             graph.enter(node, node.name)
 
     def connected(self, client: Client) -> None:
-        """A client has come."""
+        """Add a client that has connected."""
         self.clients.connected(client, self._graph.now())
 
     def ponged(self, client: Client, data: bytes) -> None:
-        """A client has sent a pong with these data."""
+        """Take note that a client has sent a pong with these data."""
         self._rosnode.ponged(client, data)
 
     def disconnected(self, client: Client) -> None:
-        """A client is gone; nothing happens if it had not come."""
+        """Remove a client; nothing happens if it had not connected."""
         self.clients.disconnected(client)
         self._rosnode.left(client)
 
@@ -114,24 +145,33 @@ class OwnNodes:
             return
         self.clients.close()
         self._rosnode.close()
-        self._graph.topics[ROSOUT].observers.remove(self._repeat)
-        for publisher in self._publishers.values():
-            self._graph.remove_publisher(publisher)
+        self._graph.unsubscribe(self._graph.topics[ROSOUT], self._aggregator)
+        for source in self._sources.values():
+            self._graph.remove_source(source)
         for node in self._nodes:
-            for service in node.provided:
+            for service in node.services:
                 self._graph.remove_service(self._graph.services[service])
             self._graph.leave(node, node.name)
         self._nodes.clear()
 
-    def _publisher(self, topic: str) -> Publisher:
+    def _advertise(self, topic: str) -> Source:
         node, type_ = PUBLISHED[topic]
-        return self._graph.add_publisher(self._graph.topic(topic), node, type_, latch=False)
+        return self._graph.advertise(self._graph.topic(topic), node, type_)
 
-    def _repeat(self, message: dict[str, Any]) -> None:
-        """Publish a message on /rosout again, to those who hear what rosout has gathered."""
-        aggregated = self._publishers["/rosout_agg"]
-        if aggregated.topic.channels:
-            aggregated.publish(message)
+    def _services(self) -> dict[str, tuple[str, Function]]:
+        """Return all services by their global names, each with its type and what responds."""
+        graph = self._graph
+        services = {
+            **Introspection(graph).services(),
+            **ParameterServices(graph).services(),
+            **Snapshot(graph, OWN_NODES, self.clients).services(),
+            **Statistics(graph, self.clients).services(),
+            **TypeDefs(graph.interfaces).services(),
+            **self._rosnode.services(),
+        }
+        for name in OWN_NODES:
+            services.update(loggers.services(name))
+        return services
 
 
 def _namespace(name: str) -> str:

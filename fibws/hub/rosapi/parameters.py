@@ -1,7 +1,7 @@
-"""The parameters as rosapi serves them: as JSON texts, so that they may have any type.
+"""rosapi's services for parameters, whose values are JSON texts so that they may have any type.
 
-The rules are those of rosapi's params.py: who asks for what is not set gets the default, and who
-deletes it need not care.
+The rules are those of rosapi's params.py: a parameter that is not set has the caller's default, and
+to delete it is no error.
 """
 
 from __future__ import annotations
@@ -13,16 +13,17 @@ from pydantic_core import from_json, to_json
 
 from fibws import names
 from fibws.errors import OperationError, ParameterNotSet, ParametersFull
-from fibws.hub.graph.parameters import Parameters
-from fibws.hub.graph.service import Answer, Function
+from fibws.hub.graph.graph import Graph
+from fibws.hub.graph.parameters import Parameters, canonical
+from fibws.hub.graph.service import Function, Response
 
 ROSDISTRO = "noetic\n"
 ROSVERSION = "1.16.0\n"
-"""Both end their line, as the output of the program does that ROS's roscore takes them from."""
+"""Both end with a newline, as roscore sets them."""
 
 
 def set_defaults(parameters: Parameters, *, run_id: str, host: str, port: int) -> None:
-    """Set the parameters that are there from the start, as roscore does.
+    """Set the parameters that roscore sets at its start.
 
     Args:
         run_id: a UUID of this run of the hub.
@@ -39,11 +40,12 @@ def set_defaults(parameters: Parameters, *, run_id: str, host: str, port: int) -
 class ParameterServices:
     """The services that read and change the parameters."""
 
-    def __init__(self, parameters: Parameters) -> None:
-        self._parameters = parameters
+    def __init__(self, graph: Graph) -> None:
+        self._graph = graph
+        self._parameters = graph.parameters
 
     def services(self) -> dict[str, tuple[str, Function]]:
-        """All by their global names, each with its type and what answers it."""
+        """Return all services by their global names, each with its type and what responds."""
         return {
             "/rosapi/get_param": ("rosapi/GetParam", self.get),
             "/rosapi/set_param": ("rosapi/SetParam", self.set),
@@ -53,24 +55,23 @@ class ParameterServices:
             "/rosapi/get_param_names": ("rosapi/GetParamNames", self.names),
         }
 
-    def get(self, request: dict[str, Any], caller: str) -> Answer:
-        """A value as JSON text, or the default, which is JSON text or else a text itself."""
+    def get(self, request: dict[str, Any], caller: str) -> Response:
+        """Return a value as JSON, or the default, which is taken for a string if it is not JSON."""
         try:
-            text = self._parameters.text(_global(request["name"], caller))
+            text = self._graph.get_parameter(caller, _global(request["name"], caller))
         except ParameterNotSet:
             text = _default(request["default"])
         return {"value": text.decode()}
 
-    def set(self, request: dict[str, Any], caller: str) -> Answer:
-        """Give a parameter the value that a JSON text stands for.
+    def set(self, request: dict[str, Any], caller: str) -> Response:
+        """Set a parameter to the value of a JSON text.
 
         Raises:
-            OperationError: the text is not JSON.
-            ParameterError: the value is nothing that a parameter can be, or there is no room.
+            OperationError: the text is not JSON, or the policy forbids it.
+            ParameterError: the value cannot be a parameter's, or there is no room.
         """
         text, most = request["value"], self._parameters.max_bytes
-        if len(text) > most:
-            # To read it first would only take time.
+        if len(text) > most:  # Decoding it first would only take time.
             raise ParametersFull(request["name"], len(text), most)
         try:
             value = from_json(text, allow_inf_nan=False)
@@ -79,31 +80,33 @@ class ParameterServices:
                 "Due to the type flexibility of the ROS parameter server, the value argument to "
                 f"set_param must be a JSON-formatted string. ({error})"
             ) from None
-        self._parameters.set(_global(request["name"], caller), value)
+        self._graph.set_parameter(caller, _global(request["name"], caller), value)
         return {}
 
-    def has(self, request: dict[str, Any], caller: str) -> Answer:
-        """Whether there is a parameter of that name, or a namespace."""
-        return {"exists": self._parameters.has(_global(request["name"], caller))}
-
-    def delete(self, request: dict[str, Any], caller: str) -> Answer:
-        """Have a parameter be no more, whether or not it was there."""
+    def has(self, request: dict[str, Any], caller: str) -> Response:
+        """Return whether there is a parameter of that name, or a namespace."""
         name = _global(request["name"], caller)
-        if self._parameters.has(name):
-            self._parameters.delete(name)
+        exists = self._parameters.has(name)
+        return {"exists": exists and self._graph.may_list(caller, canonical(name))}
+
+    def delete(self, request: dict[str, Any], caller: str) -> Response:
+        """Delete a parameter, whether or not it was there."""
+        self._graph.delete_parameter(caller, _global(request["name"], caller))
         return {}
 
-    def search(self, request: dict[str, Any], caller: str) -> Answer:
-        """The name of the parameter nearest to the caller, or an empty text if there is none."""
-        return {"global_name": self._parameters.search(request["name"], caller) or ""}
+    def search(self, request: dict[str, Any], caller: str) -> Response:
+        """Return the name of the parameter nearest to the caller, or an empty string."""
+        found = self._parameters.search(request["name"], caller)
+        listed = found is not None and self._graph.may_list(caller, canonical(found))
+        return {"global_name": found if listed else ""}
 
-    def names(self, request: dict[str, Any], caller: str) -> Answer:
-        """The names of all parameters."""
-        return {"names": self._parameters.names()}
+    def names(self, request: dict[str, Any], caller: str) -> Response:
+        """Return the names of all parameters."""
+        return {"names": self._graph.listed(caller, self._parameters.names())}
 
 
 def _global(name: str, caller: str) -> str:
-    """The name that the caller means; what a global one is made of, ROS does not check."""
+    """Resolve a name for the caller; a global one is not checked, as in ROS."""
     return name if name.startswith("/") else names.resolve(name, node=caller)
 
 

@@ -1,4 +1,4 @@
-"""What ROS's rosnode does to a node: /rosapi/ping_node and /rosapi/kill_node."""
+"""Services that ping and kill nodes, as ROS's rosnode does: /rosapi/ping_node, kill_node."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from functools import partial
 from itertools import count
 from typing import Any
 
-from fibws.hub.clock import Clock, Timer
+from fibws.hub.delivery.clock import Clock, Timer
 from fibws.hub.graph.graph import Graph
-from fibws.hub.graph.service import Answer, Function, Later
-from fibws.hub.logtext import printable, shortened
+from fibws.hub.graph.service import Deferred, Function, Response
+from fibws.hub.log_text import printable, shortened
 from fibws.hub.rosapi.clients import Client, ConnectedClients
 from fibws.hub.rosapi.introspection import global_name
-from fibws.protocol.closing import KILLED
+from fibws.protocol.websocket import KILLED
 
 logger = logging.getLogger("fibws.hub")
 
@@ -24,16 +24,16 @@ PATIENCE = 3.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ping:
-    """A ping that is not answered yet; it was ``sent`` so many nanoseconds after 1970."""
+    """A ping that waits for its pong; it was ``sent`` so many nanoseconds after 1970."""
 
     node: str
     sent: int
     timer: Timer
-    later: Later
+    response: Deferred
 
 
 class Rosnode:
-    """Pings and kills nodes by their connections; the hub's own have none.
+    """Pings and kills nodes through their connections; the hub's own nodes have none.
 
     Args:
         clients: those that are connected.
@@ -45,40 +45,40 @@ class Rosnode:
         self._clock = clock
         self._numbers = count(1)
         self._pings: dict[Client, dict[bytes, Ping]] = {}
-        """Those of each client by what their pongs bring back, in the order of their sending."""
+        """Each client's pings by the data of their pongs, the oldest first."""
 
     def services(self) -> dict[str, tuple[str, Function]]:
-        """All by their global names, each with its type and what answers it."""
+        """Return all services by their global names, each with its type and what responds."""
         return {
             "/rosapi/ping_node": ("fibws_msgs/PingNode", self.ping),
             "/rosapi/kill_node": ("fibws_msgs/KillNode", self.kill),
         }
 
-    def ping(self, request: dict[str, Any], caller: str) -> Answer | Later:
-        """How long a node takes to answer a WebSocket ping, in seconds."""
+    def ping(self, request: dict[str, Any], caller: str) -> Response | Deferred:
+        """Return how many seconds a node takes to answer a WebSocket ping."""
         node = global_name(request["node"], caller)
-        if node not in self._graph.nodes:
+        if not self._is_known(node, caller):
             return _ping_failed(_unknown(node))
-        client = self._clients.of(node)
+        client = self._clients.find(node)
         if client is None:
             return {"success": True, "message": f"{node} is the hub's own", "seconds": 0.0}
-        if client.outbox.paused:
+        if client.queue.paused:
             return _ping_failed(f"{node} reads too slowly: a ping would wait behind other bytes")
         data = next(self._numbers).to_bytes(8, "big")
         # The clock of an event loop may be as coarse as a millisecond, and as old as its turn.
         sent = self._graph.now()
         client.ping(data)
-        later = Later(partial(self._drop, client, data))
+        response = Deferred(partial(self._drop, client, data))
         timer = self._clock.call_later(PATIENCE, partial(self._give_up, client, data))
-        self._pings.setdefault(client, {})[data] = Ping(node, sent, timer, later)
-        return later
+        self._pings.setdefault(client, {})[data] = Ping(node, sent, timer, response)
+        return response
 
-    def kill(self, request: dict[str, Any], caller: str) -> Answer:
-        """End a node, by closing its connection with a reason; fibws's own nodes heed that."""
+    def kill(self, request: dict[str, Any], caller: str) -> Response:
+        """End a node by closing its connection with a reason, on which fibws's nodes exit."""
         node = global_name(request["node"], caller)
-        if node not in self._graph.nodes:
+        if not self._is_known(node, caller):
             return {"success": False, "message": _unknown(node)}
-        client = self._clients.of(node)
+        client = self._clients.find(node)
         if client is None:
             text = f"{node} is the hub's own, which ends with the hub alone"
             return {"success": False, "message": text}
@@ -88,7 +88,7 @@ class Rosnode:
         return {"success": True, "message": f"killed {node}"}
 
     def ponged(self, client: Client, data: bytes) -> None:
-        """A client has sent a pong."""
+        """Respond to the pings that a client's pong answers."""
         now = self._graph.now()
         # A pong may stand for the pings before as well (RFC 6455, section 5.5.3).
         while data in (pings := self._pings.get(client, {})):
@@ -98,24 +98,28 @@ class Rosnode:
             self._settle(client, first, {"success": True, "message": text, "seconds": seconds})
 
     def left(self, client: Client) -> None:
-        """A client's connection is gone."""
+        """Fail the pings of a client that has disconnected."""
         for data, ping in list(self._pings.get(client, {}).items()):
             self._settle(client, data, _ping_failed(f"{ping.node} has left"))
 
     def close(self) -> None:
-        """Wait for no pong any more."""
+        """Fail all pings."""
         for client, pings in list(self._pings.items()):
             for data in list(pings):
                 self._settle(client, data, _ping_failed("the hub is shutting down"))
+
+    def _is_known(self, node: str, caller: str) -> bool:
+        """Return whether a node is there and the caller may list it."""
+        return node in self._graph.nodes and self._graph.may_list(caller, node)
 
     def _give_up(self, client: Client, data: bytes) -> None:
         text = f"{self._pings[client][data].node} did not answer within {PATIENCE:g} s"
         self._settle(client, data, _ping_failed(text))
 
     def _settle(self, client: Client, data: bytes, answer: dict[str, Any]) -> None:
-        later = self._pings[client][data].later
+        response = self._pings[client][data].response
         self._drop(client, data)
-        later.answer(answer)
+        response.respond(answer)
 
     def _drop(self, client: Client, data: bytes) -> None:
         self._pings[client].pop(data).timer.cancel()

@@ -1,7 +1,7 @@
-"""What went over each topic, and how each client keeps up: /rosapi/statistics.
+"""Totals of messages, bytes and drops of each topic and client: /rosapi/statistics.
 
-All numbers are totals. Who wants rates takes the differences of two answers, so that the hub keeps
-no windows and runs no timer.
+All numbers are totals. Programs that want rates take the difference of two responses, so that the
+hub keeps no windows and runs no timer.
 """
 
 from __future__ import annotations
@@ -11,14 +11,14 @@ from typing import Any
 from pydantic_core import to_json
 
 from fibws.hub.graph.graph import Graph
-from fibws.hub.graph.service import Answer, Function
-from fibws.hub.graph.topic import Topic
+from fibws.hub.graph.service import Function, Response
+from fibws.hub.graph.topic import Sink, Topic
+from fibws.hub.rosapi.cache import ResponseCache
 from fibws.hub.rosapi.clients import ConnectedClients
-from fibws.hub.rosapi.kept import KeptAnswers
 
 
 class Statistics:
-    """The totals of every publisher, subscription and client since it came.
+    """The totals of every publisher, subscription and client.
 
     Args:
         clients: those that are connected.
@@ -27,52 +27,60 @@ class Statistics:
     def __init__(self, graph: Graph, clients: ConnectedClients) -> None:
         self._graph = graph
         self._clients = clients
-        self._just_now = KeptAnswers(graph).just_now
+        self._cached = ResponseCache(graph).get_recent
 
     def services(self) -> dict[str, tuple[str, Function]]:
-        """The service by its global name, with its type and what answers it."""
+        """Return the service by its global name, with its type and what responds."""
         return {"/rosapi/statistics": ("fibws_msgs/GetStatistics", self.statistics)}
 
-    def statistics(self, request: dict[str, Any], caller: str) -> Answer:
-        """All totals, when that was, and the revision of the graph."""
-        return self._just_now(self._all)
+    def statistics(self, request: dict[str, Any], caller: str) -> Response:
+        """Return all totals, the time, and the revision of the graph."""
+        return self._cached(self._all, caller)
 
-    def _all(self) -> bytes:
-        secs, nsecs = divmod(self._graph.now(), 1_000_000_000)
+    def _all(self, caller: str) -> bytes:
+        graph = self._graph
+        secs, nsecs = divmod(graph.now(), 1_000_000_000)
         return to_json(
             {
-                "revision": self._graph.revision,
+                "revision": graph.revision,
                 "stamp": {"secs": secs, "nsecs": nsecs},
-                "topics": [_topic(topic) for _, topic in sorted(self._graph.topics.items())],
-                "clients": self._list(),
+                "topics": [
+                    self._topic(graph.topics[name], caller)
+                    for name in graph.listed(caller, graph.topics)
+                ],
+                "clients": self._list(caller),
             }
         )
 
-    def _list(self) -> list[dict[str, Any]]:
-        # Whoever was replaced, or is being closed, may still be connected.
+    def _topic(self, topic: Topic, caller: str) -> dict[str, Any]:
+        may_list = self._graph.may_list
+        sources = [topic.sources[node] for node in self._graph.listed(caller, topic.sources)]
+        sinks = sorted(topic.sinks(), key=lambda sink: sink.node)
+        return {
+            "topic": topic.name,
+            "publishers": [
+                {"node": each.node, "messages": each.messages, "bytes": each.bytes}
+                for each in sources
+            ],
+            "subscriptions": [_subscription(sink) for sink in sinks if may_list(caller, sink.node)],
+        }
+
+    def _list(self, caller: str) -> list[dict[str, Any]]:
+        # A client that was replaced, or is being closed, may still be connected.
         clients = {client.name: client for client, _ in self._clients}
+        names = (name for name in clients if name in self._graph.nodes)
         return [
             {
                 "node": name,
-                "address": client.peer,
-                "kept_bytes": client.outbox.kept_bytes,
-                "dropped": client.outbox.dropped,
-                "slow": client.outbox.paused,
+                "address": clients[name].peer,
+                "kept_bytes": clients[name].queue.kept_bytes,
+                "dropped": clients[name].queue.dropped,
+                "slow": clients[name].queue.paused,
             }
-            for name, client in sorted(clients.items())
-            if name in self._graph.nodes
+            for name in self._graph.listed(caller, names)
         ]
 
 
-def _topic(topic: Topic) -> dict[str, Any]:
-    return {
-        "topic": topic.name,
-        "publishers": [
-            {"node": node, "messages": publisher.messages, "bytes": publisher.bytes}
-            for node, publisher in sorted(topic.publishers.items())
-        ],
-        "subscriptions": [
-            {"node": each.node, "messages": each.messages, "dropped": each.queue.dropped}
-            for each in sorted(topic.subscriptions(), key=lambda each: each.node)
-        ],
-    }
+def _subscription(sink: Sink) -> dict[str, Any]:
+    report = sink.report()
+    return {"node": sink.node, "messages": report.messages, "dropped": report.dropped}

@@ -1,4 +1,4 @@
-"""What types are made of, as rosapi/TypeDef tells it (rosapi's objectutils.py)."""
+"""The fields of types, as rosapi/TypeDef lists them (rosapi's objectutils.py)."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 from pydantic_core import to_json
 
 from fibws.hub.graph.service import Function
-from fibws.hub.rosapi.texts import Texts
+from fibws.hub.rosapi.cache import TextCache
 from fibws.interfaces import Interfaces, MessageDefinition, builtin
 from fibws.interfaces.definition import Field
 
@@ -16,45 +16,45 @@ from fibws.interfaces.definition import Field
 class TypeDefs:
     """Lists of type definitions: a type's own, then those of the types in it, depth first.
 
-    Every list is the JSON text of a response with ``typedefs`` in it. Names may have ROS 2's
-    spelling. What there is no definition of raises `InterfaceError`.
+    Every list is the JSON of a response with ``typedefs`` in it. Names may have ROS 2's spelling.
+    An unknown type raises `InterfaceError`.
     """
 
     def __init__(self, interfaces: Interfaces) -> None:
         self._interfaces = interfaces
-        self._messages = Texts(lambda name: self._text(interfaces.message(name)))
-        self._requests = Texts(lambda name: self._text(interfaces.service(name).request))
-        self._responses = Texts(lambda name: self._text(interfaces.service(name).response))
+        self._messages = TextCache(lambda name: self._text(interfaces.message(name)))
+        self._requests = TextCache(lambda name: self._text(interfaces.service(name).request))
+        self._responses = TextCache(lambda name: self._text(interfaces.service(name).response))
 
     def services(self) -> dict[str, tuple[str, Function]]:
-        """All by their global names, each with its type and what answers it."""
+        """Return all services by their global names, each with its type and what responds."""
         return {
-            "/rosapi/message_details": ("rosapi/MessageDetails", _asked_for(self.message)),
+            "/rosapi/message_details": ("rosapi/MessageDetails", _for_type(self.message)),
             "/rosapi/service_request_details": (
                 "rosapi/ServiceRequestDetails",
-                _asked_for(self.request),
+                _for_type(self.request),
             ),
             "/rosapi/service_response_details": (
                 "rosapi/ServiceResponseDetails",
-                _asked_for(self.response),
+                _for_type(self.response),
             ),
         }
 
     def message(self, name: str) -> bytes:
-        """Of a message; of a type that ROS itself defines, which is no message, there are none."""
+        """Return the definitions of a message; none for the builtin types, except the times."""
         if name in builtin.TIMES:
             return _response([_time(name)])
         if name in builtin.NAMES:
             return _response([])
-        return self._messages.of(self._interfaces.canonical(name))
+        return self._messages.get(self._interfaces.canonical(name))
 
     def request(self, name: str) -> bytes:
-        """Of a service's request."""
-        return self._requests.of(self._interfaces.canonical(name))
+        """Return the definitions of a service's request."""
+        return self._requests.get(self._interfaces.canonical(name))
 
     def response(self, name: str) -> bytes:
-        """Of a service's response."""
-        return self._responses.of(self._interfaces.canonical(name))
+        """Return the definitions of a service's response."""
+        return self._responses.get(self._interfaces.canonical(name))
 
     def _text(self, definition: MessageDefinition) -> bytes:
         return _response(list(self._typedefs(definition, set())))
@@ -71,9 +71,9 @@ class TypeDefs:
                 yield _time(field.type)
 
 
-def _asked_for(tell: Callable[[str], bytes]) -> Function:
-    """What answers a request that names a type."""
-    return lambda request, caller: tell(request["type"])
+def _for_type(respond: Callable[[str], bytes]) -> Function:
+    """Return what responds to a request that names a type."""
+    return lambda request, caller: respond(request["type"])
 
 
 def _response(typedefs: list[dict[str, Any]]) -> bytes:
@@ -96,7 +96,7 @@ def _typedef(definition: MessageDefinition) -> dict[str, Any]:
 
 
 def _time(name: str) -> dict[str, Any]:
-    """The two types of time as if they were messages; unsigned or not, their parts are int32."""
+    """Describe a type of time as if it were a message; its parts are always called int32."""
     return {
         "type": name,
         "fieldnames": ["secs", "nsecs"],
@@ -109,14 +109,14 @@ def _time(name: str) -> dict[str, Any]:
 
 
 def _length(field: Field) -> int:
-    """The elements of an array: 0 stands for any number of them, and -1 for no array."""
+    """Return the number of an array's elements: 0 stands for any number, -1 for no array."""
     if field.array is None:
         return -1
     return field.array.fixed or 0
 
 
 def _example(field: Field) -> str:
-    """What the field is unless told otherwise, as Python's ``str`` writes it."""
+    """Return the field's default, as Python's ``str`` writes it."""
     if field.array is not None:
         return "[]"
     if field.is_nested or field.type in builtin.TIMES:

@@ -1,4 +1,4 @@
-"""What becomes of a goal, and how goals are cancelled by a service."""
+"""Goals of actions: execution, feedback, results, and cancelling by a service."""
 
 from __future__ import annotations
 
@@ -15,109 +15,109 @@ from fibws.hub.graph.types import Types
 from fibws.interfaces import Interfaces
 
 from ..fakes import FIBONACCI, NANOSECONDS, Client, FakeHub
-from ..session.pursuing import finishes, is_sent, sends_goal, server_and_client
+from ..rosbridge.action_clients import received_goals, send_goal, send_result, server_and_client
 
 TYPES = Types(Interfaces(), lambda: NANOSECONDS, strict=False)
-Happening: TypeAlias = Callable[["Pursuit"], object]
+Event: TypeAlias = Callable[["Execution"], object]
 
 
-class Pursuit:
-    """An action whose server and client only take note of what they are told."""
+class Execution:
+    """An action whose server and client record every call."""
 
     node = "/server"
 
     def __init__(self) -> None:
-        self.told: list[tuple[str, Goal]] = []
+        self.calls: list[tuple[str, Goal]] = []
         self.requests: list[dict[str, Any]] = []
-        self.heard: list[object] = []
+        self.received: list[object] = []
         self.action = Action("/fib", TYPES.action(FIBONACCI), self)
         self._numbers = count(1)
 
     def goal(self, accepted: int = NANOSECONDS) -> Goal:
-        """One that has started."""
+        """Start a goal."""
         uuid = bytes(15) + bytes([next(self._numbers)])
         goal = Goal(self.action, {"order": 5}, self, uuid, accepted)
         goal.start()
         return goal
 
-    def pursue(self, goal: Goal) -> None:
-        self.told.append(("pursue", goal))
+    def execute(self, goal: Goal) -> None:
+        self.calls.append(("execute", goal))
         self.requests.append(goal.request)
 
     def cancel(self, goal: Goal) -> None:
-        self.told.append(("cancel", goal))
+        self.calls.append(("cancel", goal))
 
     def forget(self, goal: Goal) -> None:
-        self.told.append(("forget", goal))
+        self.calls.append(("forget", goal))
 
     def displaced(self, action: Action) -> None:
-        raise AssertionError("nobody takes it over")
+        raise AssertionError("no other server takes it over")
 
-    def hear(self, goal: Goal, feedback: bytes) -> None:
-        self.heard.append(feedback)
+    def feedback(self, goal: Goal, values: bytes) -> None:
+        self.received.append(values)
 
-    def end(self, goal: Goal, status: Ros2GoalStatus, result: bytes, *, ok: bool) -> None:
-        self.heard.append((status, result, ok))
+    def result(self, goal: Goal, status: Ros2GoalStatus, values: bytes, code: str | None) -> None:
+        self.received.append((status, values, code))
 
 
-def test_the_states_are_numbered_as_in_ros_2() -> None:
+def test_goal_states_have_the_numbers_of_ros_2() -> None:
     constants = Interfaces().message("action_msgs/GoalStatus").constants
     numbers = {each.name.removeprefix("STATUS_"): each.value for each in constants}
     assert numbers == {status.name: status.value for status in Ros2GoalStatus}
 
 
-def test_a_goal_is_pursued_and_heard_of() -> None:
-    pursuit = Pursuit()
-    goal = pursuit.goal()
-    assert pursuit.told == [("pursue", goal)]
-    assert pursuit.action.goals == {goal.uuid: goal}
-    assert (pursuit.action.node, pursuit.requests) == ("/server", [{"order": 5}])
-    assert goal.request == {}, "what may be large is not kept"
+def test_a_goal_is_executed_and_sends_feedback() -> None:
+    execution = Execution()
+    goal = execution.goal()
+    assert execution.calls == [("execute", goal)]
+    assert execution.action.goals == {goal.uuid: goal}
+    assert (execution.action.node, execution.requests) == ("/server", [{"order": 5}])
+    assert goal.request == {}, "a large request is not kept"
     goal.feedback({"sequence": [0, 1]})
     goal.feedback({})
-    assert pursuit.heard == [b'{"sequence":[0,1]}', b'{"sequence":[]}']
+    assert execution.received == [b'{"sequence":[0,1]}', b'{"sequence":[]}']
 
 
-ENDS: dict[str, tuple[Happening, object]] = {
+ENDS: dict[str, tuple[Event, object]] = {
     "finish": (
-        lambda pursuit: pursuit.told[0][1].finish(Ros2GoalStatus.CANCELED, {"sequence": [1]}),
-        (Ros2GoalStatus.CANCELED, b'{"sequence":[1]}', True),
+        lambda execution: execution.calls[0][1].finish(Ros2GoalStatus.CANCELED, {"sequence": [1]}),
+        (Ros2GoalStatus.CANCELED, b'{"sequence":[1]}', None),
     ),
     "fail": (
-        lambda pursuit: pursuit.told[0][1].fail("no"),
-        (Ros2GoalStatus.ABORTED, b'"no"', False),
+        lambda execution: execution.calls[0][1].fail("no"),
+        (Ros2GoalStatus.ABORTED, b'"no"', "server_failed"),
     ),
-    "abandon": (lambda pursuit: pursuit.told[0][1].abandon(), None),
+    "abandon": (lambda execution: execution.calls[0][1].abandon(), None),
 }
 
 
 @pytest.mark.parametrize("order", [*permutations(ENDS)], ids=" ".join)
-def test_a_goal_ends_once(order: tuple[str, ...]) -> None:
-    pursuit = Pursuit()
-    goal = pursuit.goal()
+def test_a_goal_ends_only_once(order: tuple[str, ...]) -> None:
+    execution = Execution()
+    goal = execution.goal()
     for name in order:
-        happening, _ = ENDS[name]
-        happening(pursuit)
-        assert pursuit.action.goals == {}
+        event, _ = ENDS[name]
+        event(execution)
+        assert execution.action.goals == {}
     _, expected = ENDS[order[0]]
-    assert pursuit.heard == ([] if expected is None else [expected])
-    told = [what for what, each in pursuit.told if each is goal]
-    assert told == ["pursue", *(["cancel"] if order[0] == "abandon" else []), "forget"]
+    assert execution.received == ([] if expected is None else [expected])
+    calls = [call for call, each in execution.calls if each is goal]
+    assert calls == ["execute", *(["cancel"] if order[0] == "abandon" else []), "forget"]
 
 
 @pytest.mark.parametrize("values", [{"sequence": "1"}, {"sequences": []}, "1", None, []])
-def test_what_does_not_fit_neither_ends_a_goal_nor_is_heard(values: object) -> None:
-    pursuit = Pursuit()
-    goal = pursuit.goal()
+def test_invalid_feedback_and_results_are_refused_and_the_goal_goes_on(values: object) -> None:
+    execution = Execution()
+    goal = execution.goal()
     with pytest.raises(InvalidMessage):
         goal.feedback(values)
     with pytest.raises(InvalidMessage):
         goal.finish(Ros2GoalStatus.SUCCEEDED, values)
-    assert pursuit.heard == []
-    assert pursuit.action.goals == {goal.uuid: goal}
+    assert execution.received == []
+    assert execution.action.goals == {goal.uuid: goal}
 
 
-# Cancelling by a service.
+# Cancelling by the service beside an action.
 
 
 def request(uuid: bytes = bytes(16), stamp: int = 0) -> dict[str, Any]:
@@ -146,95 +146,95 @@ NO_GOALS: set[int] = set()
         (request(uuid=bytes(15) + b"\4", stamp=1_000_000_001), 0, {0}),
     ],
 )
-def test_goals_are_cancelled_by_their_uuid_or_their_age_or_all(
+def test_goals_are_cancelled_by_uuid_or_by_age_or_all_together(
     asked: dict[str, Any], code: int, cancelled: set[int]
 ) -> None:
-    pursuit = Pursuit()
-    goals = [pursuit.goal(1_000_000_000 + each) for each in (1, 2, 3)]
-    pursuit.told.clear()
-    response = cancel_goals(pursuit.action, asked)
-    assert pursuit.told == [("cancel", goals[each]) for each in sorted(cancelled)]
+    execution = Execution()
+    goals = [execution.goal(1_000_000_000 + each) for each in (1, 2, 3)]
+    execution.calls.clear()
+    response = cancel_goals(execution.action, asked)
+    assert execution.calls == [("cancel", goals[each]) for each in sorted(cancelled)]
     assert response["return_code"] == code
     canceling = [(each["goal_id"]["uuid"], each["stamp"]) for each in response["goals_canceling"]]
     assert canceling == [
         (b64encode(goals[each].uuid).decode(), {"secs": 1, "nsecs": each + 1})
         for each in sorted(cancelled)
     ]
-    assert len(pursuit.action.goals) == 3
+    assert len(execution.action.goals) == 3
 
 
-def cancels_all(client: Client, **goal_info: Any) -> dict[str, Any]:
-    """What roslib's cancelAllGoals calls, and the response to it."""
+def cancel_all(client: Client, **goal_info: Any) -> dict[str, Any]:
+    """Call the service that roslib's cancelAllGoals calls; return its response."""
     args = {"goal_info": goal_info} if goal_info else {}
-    client.says("call_service", service="/fib/_action/cancel_goal", args=args)
-    heard = client.hears()
-    [response] = [each for each in heard if each["op"] == "service_response"]
+    client.send("call_service", service="/fib/_action/cancel_goal", args=args)
+    received = client.receive()
+    [response] = [each for each in received if each["op"] == "service_response"]
     assert response["result"], response
     values: dict[str, Any] = response["values"]
     return values
 
 
-def test_the_service_beside_an_action_cancels_the_goals_of_all_clients() -> None:
-    hub, pursuer, client = server_and_client()
-    stranger = hub.client()
-    for each in (client, stranger):
-        sends_goal(each, id="x")
-    ids = is_sent(pursuer)
-    response = cancels_all(client)
+def test_the_cancel_service_cancels_the_goals_of_all_clients() -> None:
+    hub, server, client = server_and_client()
+    other = hub.client()
+    for each in (client, other):
+        send_goal(each, id="x")
+    ids = received_goals(server)
+    response = cancel_all(client)
     assert (response["return_code"], len(response["goals_canceling"])) == (0, 2)
-    assert [(each["op"], each["id"]) for each in pursuer.hears()] == [
+    assert [(each["op"], each["id"]) for each in server.receive()] == [
         ("cancel_action_goal", id_) for id_ in ids
     ]
     for id_ in ids:
-        finishes(pursuer, id_, status=5)
-    assert [each["status"] for each in (*client.hears(), *stranger.hears())] == [5, 5]
-    assert cancels_all(client) == {"return_code": 0, "goals_canceling": []}
+        send_result(server, id_, status=5)
+    assert [each["status"] for each in (*client.receive(), *other.receive())] == [5, 5]
+    assert cancel_all(client) == {"return_code": 0, "goals_canceling": []}
 
 
 @pytest.mark.parametrize("stamp", [{"sec": 0, "nanosec": 0}, {"secs": 0, "nsecs": 0}])
 @pytest.mark.parametrize("uuid", [[0] * 16, b64encode(bytes(16)).decode()])
-def test_what_is_zero_may_be_spelled_out(stamp: dict[str, int], uuid: object) -> None:
-    _, pursuer, client = server_and_client()
-    sends_goal(client)
-    is_sent(pursuer)
-    response = cancels_all(client, goal_id={"uuid": uuid}, stamp=stamp)
+def test_an_explicit_zero_stamp_and_uuid_cancel_all_goals(
+    stamp: dict[str, int], uuid: object
+) -> None:
+    _, server, client = server_and_client()
+    send_goal(client)
+    received_goals(server)
+    response = cancel_all(client, goal_id={"uuid": uuid}, stamp=stamp)
     assert len(response["goals_canceling"]) == 1
-    assert pursuer.hears_one("cancel_action_goal")
+    assert server.receive_one("cancel_action_goal")
 
 
-def test_a_goal_is_known_by_the_uuid_that_the_hub_gave_it() -> None:
-    hub, pursuer, client = server_and_client()
+def test_the_hub_gives_each_goal_a_uuid_by_which_it_can_be_cancelled() -> None:
+    hub, server, client = server_and_client()
     for id_ in "ab":
-        sends_goal(client, id=id_)
-    ids = is_sent(pursuer)
+        send_goal(client, id=id_)
+    ids = received_goals(server)
     first, second = (b64encode(each).decode() for each in hub.graph.actions["/fib"].goals)
-    response = cancels_all(client, goal_id={"uuid": second})
+    response = cancel_all(client, goal_id={"uuid": second})
     [canceling] = response["goals_canceling"]
     assert (response["return_code"], canceling["goal_id"]["uuid"]) == (0, second)
-    assert pursuer.hears_one("cancel_action_goal")["id"] == ids[1]
-    response = cancels_all(client)
+    assert server.receive_one("cancel_action_goal")["id"] == ids[1]
+    response = cancel_all(client)
     assert [each["goal_id"]["uuid"] for each in response["goals_canceling"]] == [first, second]
-    assert pursuer.hears_one("cancel_action_goal")["id"] == ids[0]
+    assert server.receive_one("cancel_action_goal")["id"] == ids[0]
 
 
-def test_the_service_comes_and_goes_with_its_action() -> None:
-    hub, pursuer, client = server_and_client()
+def test_the_cancel_service_comes_and_goes_with_its_action() -> None:
+    hub, server, client = server_and_client()
     service = hub.graph.services["/fib/_action/cancel_goal"]
     assert (service.type.name, service.node) == ("action_msgs/CancelGoal", "/server")
-    client.says("advertise_service", service=service.name, type="std_srvs/Empty")
-    assert "is the hub's own (/server)" in client.hears_statuses()[0]
-    pursuer.says("unadvertise_action", action="/fib")
+    client.send("advertise_service", service=service.name, type="std_srvs/Empty")
+    assert "is the hub's own (/server)" in client.receive_statuses()[0]
+    server.send("unadvertise_action", action="/fib")
     assert hub.graph.services == {}
 
 
-def test_an_action_takes_the_service_over_from_a_client_that_had_it() -> None:
+def test_an_action_takes_over_its_cancel_service_from_another_server() -> None:
     hub = FakeHub()
-    provider, client = hub.client("/provider"), hub.client("/server")
-    provider.says("set_level", level="warning")
-    provider.says("advertise_service", service="/fib/_action/cancel_goal", type="std_srvs/Empty")
-    client.says("advertise_action", action="/fib", type=FIBONACCI)
-    assert provider.hears_statuses("warning") == [
-        "/fib/_action/cancel_goal has another provider now"
-    ]
-    assert list(provider.session.providing()) == []
-    assert cancels_all(client) == {"return_code": 0, "goals_canceling": []}
+    older, client = hub.client("/older"), hub.client("/server")
+    older.send("set_level", level="warning")
+    older.send("advertise_service", service="/fib/_action/cancel_goal", type="std_srvs/Empty")
+    client.send("advertise_action", action="/fib", type=FIBONACCI)
+    assert len(older.receive_statuses("warning")) == 1
+    assert list(older.session.providing()) == []
+    assert cancel_all(client) == {"return_code": 0, "goals_canceling": []}

@@ -1,14 +1,14 @@
-"""Which nodes there are, which topics, and of which type."""
+"""The graph: its nodes, its topics, and their types."""
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable
 from typing import Any
 
 import pytest
 
 from fibws.errors import (
+    DefinitionMismatch,
     InvalidTypeName,
     OperationError,
     TypeConflict,
@@ -16,19 +16,17 @@ from fibws.errors import (
     UnknownType,
 )
 from fibws.hub.graph.graph import Graph
-from fibws.hub.graph.publisher import Publisher
-from fibws.hub.graph.subscription import MAX_REGISTRATIONS, Subscription
-from fibws.hub.outbox import Flusher, Outbox
+from fibws.hub.graph.topic import Source
 from fibws.interfaces import Interfaces
-from fibws.protocol.operations import Subscribe
 
-from ..fakes import INT32, NANOSECONDS, STRING, FakeClock
+from ..fakes import INT32, NANOSECONDS, STRING
+from .recorder import Recorder
 
 INTERFACES = Interfaces()
 
 
 class Node:
-    """A client that only counts how often it lost its name."""
+    """A node that counts how often it is replaced."""
 
     def __init__(self) -> None:
         self.times_replaced = 0
@@ -51,55 +49,42 @@ def new_graph(*, strict_types: bool = False) -> Graph:
 
 
 def advertise(
-    graph: Graph, node: str, name: str, type_: str, definition: str | None = None
-) -> Publisher:
-    return graph.add_publisher(graph.topic(name), node, type_, definition, latch=False)
+    graph: Graph, node: str, name: str, type_: str, definition: str | None = None, **options: Any
+) -> Source:
+    return graph.advertise(graph.topic(name), node, type_, definition, **options)
 
 
-def subscription(graph: Graph, name: str, spelling: str | None = None) -> Subscription:
-    outbox = Outbox(print, print, Flusher(print), max_bytes=1000)
-    return Subscription(
-        "/listener",
-        graph.topic(name),
-        spelling or name,
-        outbox,
-        FakeClock(),
-        print,
-        queue_length=10,
-    )
+def subscribe(graph: Graph, name: str, type_: str | None = None, **options: Any) -> Recorder:
+    recorder = Recorder("/listener")
+    graph.subscribe(graph.topic(name), recorder, type_, **options)
+    return recorder
 
 
-def subscribe(graph: Graph, name: str, **fields: Any) -> Subscription:
-    made = subscription(graph, name)
-    graph.subscribe(made, Subscribe(topic=name, **fields))
-    return made
-
-
-def test_a_client_without_a_name_is_given_one() -> None:
+def test_a_node_without_a_name_gets_one() -> None:
     graph = new_graph()
     assert [graph.enter(Node(), None) for _ in range(3)] == ["/client_1", "/client_2", "/client_3"]
 
 
-def test_a_name_that_was_given_is_not_given_again() -> None:
+def test_generated_names_are_not_used_again() -> None:
     graph, node = new_graph(), Node()
     graph.leave(node, graph.enter(node, None))
     assert graph.enter(Node(), None) == "/client_2"
 
 
-def test_the_hub_gives_nobody_a_name_that_is_taken() -> None:
+def test_a_generated_name_is_not_one_that_is_taken() -> None:
     graph, node = new_graph(), Node()
     graph.enter(node, "/client_1")
     assert graph.enter(Node(), None) != "/client_1"
     assert node.times_replaced == 0
 
 
-def test_a_client_has_the_name_that_it_asked_for() -> None:
+def test_a_node_gets_the_name_that_it_asked_for() -> None:
     graph, node = new_graph(), Node()
     assert graph.enter(node, "/talker") == "/talker"
     assert graph.nodes == {"/talker": node}
 
 
-def test_the_older_node_of_a_name_is_told_that_it_lost_it() -> None:
+def test_the_older_node_of_a_name_is_replaced() -> None:
     graph, older, newer = new_graph(), Node(), Node()
     graph.enter(older, "/talker")
     graph.enter(newer, "/talker")
@@ -107,7 +92,7 @@ def test_the_older_node_of_a_name_is_told_that_it_lost_it() -> None:
     assert graph.nodes == {"/talker": newer}
 
 
-def test_a_node_that_lost_its_name_takes_it_from_nobody_when_it_leaves() -> None:
+def test_a_replaced_node_does_not_remove_the_newer_one_when_it_leaves() -> None:
     graph, older, newer = new_graph(), Node(), Node()
     graph.enter(older, "/talker")
     graph.enter(newer, "/talker")
@@ -117,7 +102,7 @@ def test_a_node_that_lost_its_name_takes_it_from_nobody_when_it_leaves() -> None
     assert graph.nodes == {}
 
 
-def test_asking_for_a_topic_does_not_register_it() -> None:
+def test_looking_up_a_topic_does_not_register_it() -> None:
     graph = new_graph()
     assert graph.topic("/a").name == "/a"
     assert graph.topics == {}
@@ -127,7 +112,7 @@ def test_asking_for_a_topic_does_not_register_it() -> None:
     "join",
     [lambda graph: advertise(graph, "/talker", "/a", INT32), lambda graph: subscribe(graph, "/a")],
 )
-def test_a_topic_that_somebody_has_to_do_with_is_known(join: Callable[[Graph], object]) -> None:
+def test_a_topic_is_registered_while_it_is_used(join: Callable[[Graph], object]) -> None:
     graph = new_graph()
     join(graph)
     assert list(graph.topics) == ["/a"]
@@ -135,13 +120,13 @@ def test_a_topic_that_somebody_has_to_do_with_is_known(join: Callable[[Graph], o
     assert graph.topic("/b") is not graph.topics["/a"]
 
 
-def test_a_node_has_one_publisher_of_a_topic_and_its_first_call_decides_on_latching() -> None:
+def test_a_node_has_one_source_of_a_topic_and_the_first_latch_counts() -> None:
     graph = new_graph()
-    first = graph.add_publisher(graph.topic("/a"), "/talker", INT32, latch=True)
-    assert graph.add_publisher(graph.topic("/a"), "/talker", INT32, latch=False) is first
+    first = graph.advertise(graph.topic("/a"), "/talker", INT32, latch=True)
+    assert graph.advertise(graph.topic("/a"), "/talker", INT32, latch=False) is first
     assert first.latch
     assert advertise(graph, "/other", "/a", INT32) is not first
-    assert list(graph.topics["/a"].publishers) == ["/talker", "/other"]
+    assert list(graph.topics["/a"].sources) == ["/talker", "/other"]
 
 
 @pytest.mark.parametrize("spelling", [INT32, "std_msgs/msg/Int32"])
@@ -163,30 +148,30 @@ def test_a_topic_keeps_its_type_while_a_node_holds_it() -> None:
 
 def test_a_subscription_that_names_the_type_holds_it_as_well() -> None:
     graph = new_graph()
-    subscribe(graph, "/a", type=INT32)
+    subscribe(graph, "/a", INT32)
     with pytest.raises(TypeConflict) as caught:
-        subscribe(graph, "/a", type=STRING)
+        subscribe(graph, "/a", STRING)
     assert caught.value.by == "/listener"
 
 
-def test_a_type_that_nobody_holds_gives_way() -> None:
+def test_a_type_is_free_when_its_last_holder_leaves() -> None:
     graph = new_graph()
     subscribe(graph, "/a")
-    graph.remove_publisher(advertise(graph, "/talker", "/a", INT32))
+    graph.remove_source(advertise(graph, "/talker", "/a", INT32))
     assert advertise(graph, "/talker", "/a", STRING).type.name == STRING
 
 
 @pytest.mark.parametrize("name", ["Int32", "std_msgs/", "/Int32", "a/b/c/d", "std_msgs/Int 32", ""])
-def test_what_is_no_type_name_is_refused(name: str) -> None:
+def test_an_invalid_type_name_is_refused(name: str) -> None:
     graph = new_graph()
     with pytest.raises(InvalidTypeName):
         advertise(graph, "/talker", "/a", name)
     with pytest.raises(InvalidTypeName):
-        subscribe(graph, "/a", type=name)
+        subscribe(graph, "/a", name)
     assert graph.topics == {}
 
 
-def test_a_typing_error_is_met_with_a_suggestion() -> None:
+def test_an_unknown_type_is_refused_with_a_suggestion() -> None:
     with pytest.raises(UnknownType, match=r"did you mean std_msgs/String\?"):
         advertise(new_graph(), "/talker", "/a", "std_msgs/Sting")
 
@@ -199,38 +184,20 @@ def test_a_topic_of_an_unknown_package_is_not_checked() -> None:
     assert advertise(graph, "/talker", "/b", "my_msgs/Thing").type.name == found.name
 
 
-def test_unless_types_are_strict() -> None:
+def test_strict_types_refuse_an_unknown_package() -> None:
     graph = new_graph(strict_types=True)
     with pytest.raises(UnknownPackage):
         advertise(graph, "/talker", "/a", "my_msgs/Thing")
     assert graph.topics == {}
 
 
-def test_an_unknown_package_is_logged_once(caplog: pytest.LogCaptureFixture) -> None:
-    graph = new_graph()
-    for name in ("/a", "/b"):
-        advertise(graph, "/talker", name, "my_msgs/Thing")
-    assert [record.message for record in caplog.records] == [
-        "Unable to load the manifest for package my_msgs. Caused by: no folder of definitions "
-        "holds it. Messages of type my_msgs/Thing are relayed unchecked."
-    ]
-
-
-def test_who_makes_up_packages_does_not_fill_the_log(caplog: pytest.LogCaptureFixture) -> None:
-    caplog.set_level(logging.WARNING)
-    graph = new_graph()
-    for number in range(1000):
-        advertise(graph, "/talker", f"/a{number}", f"made_up_{number}/Thing")
-    assert len(caplog.records) < 100
-
-
-def test_a_definition_may_be_brought_along() -> None:
+def test_a_client_may_bring_a_definition() -> None:
     graph = Graph(Interfaces(), lambda: NANOSECONDS)
     found = advertise(graph, "/talker", "/a", "my_msgs/Thing", "int32 number\n").type
     assert found.validate({}) == {"number": 0}
 
 
-def test_what_conflicts_is_not_learned() -> None:
+def test_a_definition_with_a_conflict_is_not_learned() -> None:
     interfaces = Interfaces()
     graph = Graph(interfaces, lambda: NANOSECONDS)
     advertise(graph, "/talker", "/a", INT32)
@@ -240,7 +207,7 @@ def test_what_conflicts_is_not_learned() -> None:
 
 
 def test_an_established_type_is_not_looked_up_again() -> None:
-    """Else who brings one type of a package would break the topics of its others."""
+    """A client that brings one type of a package must not break topics of its other types."""
     graph = Graph(Interfaces(), lambda: NANOSECONDS)
     pose = advertise(graph, "/talker", "/a", "my_msgs/Pose").type
     advertise(graph, "/other", "/b", "my_msgs/Other", "int32 number\n")
@@ -248,59 +215,151 @@ def test_an_established_type_is_not_looked_up_again() -> None:
     assert not advertise(graph, "/late", "/c", "my_msgs/Pose").type.checked
 
 
-def test_a_topic_that_nobody_has_to_do_with_is_forgotten() -> None:
+def test_a_topic_that_is_no_longer_used_is_forgotten() -> None:
     graph = new_graph()
     first, second = (advertise(graph, node, "/a", INT32) for node in ("/a", "/b"))
     listener = subscribe(graph, "/a")
-    graph.remove_publisher(first)
-    graph.unsubscribe(listener, None)
+    graph.remove_source(first)
+    graph.unsubscribe(graph.topics["/a"], listener)
     assert list(graph.topics) == ["/a"]
-    graph.remove_publisher(second)
+    graph.remove_source(second)
     assert graph.topics == {}
 
 
-def test_a_publisher_may_be_removed_twice() -> None:
+def test_removing_a_source_twice_is_harmless() -> None:
     graph = new_graph()
     publisher = advertise(graph, "/talker", "/a", INT32)
     for _ in range(2):
-        graph.remove_publisher(publisher)
+        graph.remove_source(publisher)
     assert graph.topics == {}
 
 
-def test_a_topic_that_is_only_listened_to_has_no_type() -> None:
+def test_a_source_that_was_removed_does_not_take_a_newer_one_with_it() -> None:
+    graph = new_graph()
+    older = advertise(graph, "/talker", "/a", INT32)
+    graph.remove_source(older)
+    newer = advertise(graph, "/talker", "/a", INT32)
+    graph.remove_source(older)
+    assert list(graph.topics["/a"].sources.values()) == [newer]
+
+
+def test_a_topic_that_was_forgotten_does_not_take_a_newer_one_with_it() -> None:
+    graph = new_graph()
+    listener = subscribe(graph, "/a")
+    older = graph.topics["/a"]
+    graph.unsubscribe(older, listener)
+    advertise(graph, "/talker", "/a", INT32)
+    graph.unsubscribe(older, listener)
+    assert list(graph.topics["/a"].sources) == ["/talker"]
+
+
+def test_a_topic_with_untyped_subscribers_only_has_no_type() -> None:
     graph = new_graph()
     subscribe(graph, "/a")
     publisher = advertise(graph, "/talker", "/a", INT32)
-    graph.remove_publisher(publisher)
+    graph.remove_source(publisher)
     assert graph.topics["/a"].type is None
 
 
-def test_a_request_that_is_taken_back_takes_the_type_along() -> None:
+def test_a_subscription_renewed_without_a_type_no_longer_holds_it() -> None:
     graph = new_graph()
-    listener = subscribe(graph, "/a", id="typed", type=INT32)
-    graph.subscribe(listener, Subscribe(topic="/a", id="untyped"))
-    graph.unsubscribe(listener, "unknown")
-    assert graph.topics["/a"].held
-    graph.unsubscribe(listener, "typed")
-    assert graph.topics["/a"].type is None
-    graph.unsubscribe(listener, "untyped")
+    listener = subscribe(graph, "/a", INT32)
+    topic = graph.topics["/a"]
+    held = [topic.held]
+    graph.subscribe(topic, listener)
+    assert topic.type is None
+    assert [*held, topic.held] == [True, False]
+    graph.unsubscribe(topic, listener)
     assert graph.topics == {}
 
 
-def test_a_request_that_is_replaced_by_one_without_a_type_takes_the_type_along() -> None:
+def test_a_refused_change_leaves_a_subscription_as_it_was() -> None:
     graph = new_graph()
-    listener = subscribe(graph, "/a", id="a", type=INT32)
-    graph.subscribe(listener, Subscribe(topic="/a", id="a"))
-    assert graph.topics["/a"].type is None
+    listener = subscribe(graph, "/a", INT32)
+    with pytest.raises(TypeConflict):
+        graph.subscribe(graph.topics["/a"], listener, STRING)
+    assert graph.topics["/a"].type is not None
+    assert graph.topics["/a"].type.name == INT32
+    advertise(graph, "/talker", "/a", INT32).publish({"data": 5})
+    assert listener.numbers == [5]
 
 
-def test_a_request_that_is_one_too_many_leaves_the_topic_as_it_was() -> None:
+def test_unsubscribing_twice_is_harmless() -> None:
     graph = new_graph()
-    listener = subscription(graph, "/a")
-    for id_ in range(MAX_REGISTRATIONS):
-        graph.subscribe(listener, Subscribe(topic="/a", id=id_))
-    with pytest.raises(OperationError, match="100 subscriptions to one topic are enough"):
-        graph.subscribe(listener, Subscribe(topic="/a", id="another", type=INT32))
-    assert len(listener.requests) == MAX_REGISTRATIONS
-    assert not graph.topics["/a"].held
-    assert graph.topics["/a"].type is None
+    listener = subscribe(graph, "/a")
+    topic = graph.topics["/a"]
+    for _ in range(2):
+        graph.unsubscribe(topic, listener)
+    assert graph.topics == {}
+
+
+def test_serialized_messages_need_a_known_definition() -> None:
+    graph = new_graph()
+    with pytest.raises(OperationError, match="my_msgs/Thing"):
+        subscribe(graph, "/a", "my_msgs/Thing", serialized=True)
+    assert graph.topics == {}
+
+
+# The md5sum of a type.
+
+INT32_MD5 = "da5909fbe378aeaf85e547e830cc1bb7"
+OTHER_MD5 = "992ce8a1687cec8c8bd883ec73ca41d1"
+
+
+@pytest.mark.parametrize("md5sum", [INT32_MD5, "*", None])
+@pytest.mark.parametrize("join", ["advertise", "subscribe"])
+def test_the_md5sum_of_the_hubs_definition_is_accepted(join: str, md5sum: str | None) -> None:
+    graph = new_graph()
+    if join == "advertise":
+        advertise(graph, "/talker", "/a", INT32, md5sum=md5sum)
+    else:
+        subscribe(graph, "/a", INT32, md5sum=md5sum)
+    assert graph.topics["/a"].held
+
+
+@pytest.mark.parametrize("established", [False, True])
+@pytest.mark.parametrize("join", ["advertise", "subscribe"])
+def test_the_md5sum_of_another_definition_is_refused(join: str, established: bool) -> None:
+    graph = new_graph()
+    if established:
+        advertise(graph, "/first", "/a", INT32)
+    with pytest.raises(DefinitionMismatch) as caught:
+        if join == "advertise":
+            advertise(graph, "/talker", "/a", INT32, md5sum=OTHER_MD5)
+        else:
+            subscribe(graph, "/a", INT32, md5sum=OTHER_MD5)
+    assert (caught.value.type, caught.value.given, caught.value.known) == (
+        INT32,
+        OTHER_MD5,
+        INT32_MD5,
+    )
+    assert caught.value.code == "type_conflict"
+    assert list(graph.topics) == (["/a"] if established else [])
+    if established:
+        assert list(graph.topics["/a"].sources) == ["/first"]
+        assert not graph.topics["/a"].subscribers()
+
+
+def test_the_md5sum_of_an_unknown_type_is_not_checked() -> None:
+    graph = new_graph()
+    advertise(graph, "/talker", "/a", "my_msgs/Thing", md5sum=OTHER_MD5)
+    subscribe(graph, "/a", "my_msgs/Thing", md5sum=INT32_MD5)
+    assert graph.topics["/a"].held
+
+
+def test_a_definition_with_another_md5sum_is_refused() -> None:
+    graph = Graph(Interfaces(), lambda: NANOSECONDS)
+    with pytest.raises(DefinitionMismatch, match="my_msgs/Thing"):
+        advertise(graph, "/talker", "/a", "my_msgs/Thing", "int8 x\n", md5sum=OTHER_MD5)
+    assert graph.topics == {}
+
+
+def test_a_definition_brought_later_is_for_earlier_sources_too() -> None:
+    graph = Graph(Interfaces(), lambda: NANOSECONDS)
+    early = advertise(graph, "/early", "/a", "my_msgs/Thing")
+    recorder = subscribe(graph, "/a")
+    early.publish({"any": "thing"})
+    advertise(graph, "/late", "/a", "my_msgs/Thing", "int8 x\n")
+    early.publish({})
+    early.publish_serialized(b"\5")
+    assert recorder.values == [{"any": "thing"}, {"x": 0}, {"x": 5}]

@@ -1,4 +1,4 @@
-"""The parameter server keeps a tree of values by ROS 1's rules."""
+"""Parameters: a tree of values with the rules of ROS 1's parameter server."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from hypothesis import strategies as st
 
 from fibws.errors import InvalidName, ParameterError, ParameterNotSet, ParametersFull
 from fibws.hub.graph import parameters as module
-from fibws.hub.graph.parameters import DEEPEST, SHARE, Parameters
+from fibws.hub.graph.parameters import DEEPEST, ENTRY_OVERHEAD, Parameters
 from fibws.names import MAX_LENGTH
 
-PLENTY = 2**20
+UNLIMITED = 2**20
 
 
-def parameters(values: dict[str, Any] | None = None, max_bytes: int = PLENTY) -> Parameters:
+def parameters(values: dict[str, Any] | None = None, max_bytes: int = UNLIMITED) -> Parameters:
     made = Parameters(max_bytes)
     made.set("/", values or {})
     return made
@@ -33,7 +33,7 @@ def nested(depth: int, value: Any = 1) -> Any:
 # Reading.
 
 
-def test_a_value_is_read_back() -> None:
+def test_a_value_can_be_read() -> None:
     tree = parameters()
     tree.set("/robot/name", "kitt")
     assert tree.get("/robot/name") == "kitt"
@@ -47,8 +47,8 @@ def test_a_namespace_is_read_as_an_object() -> None:
     assert tree.get("/") == {"robot": {"name": "kitt", "wheels": 4, "arms": {}}}
 
 
-@pytest.mark.parametrize("name", ["/nobody", "/robot/nobody", "/robot/name/first", "/list/0"])
-def test_what_is_not_there_is_not_set(name: str) -> None:
+@pytest.mark.parametrize("name", ["/nothing", "/robot/nothing", "/robot/name/first", "/list/0"])
+def test_an_unknown_parameter_is_not_set(name: str) -> None:
     tree = parameters({"robot": {"name": "kitt"}, "list": [{"0": 1}]})
     assert not tree.has(name)
     with pytest.raises(ParameterNotSet) as error:
@@ -56,12 +56,12 @@ def test_what_is_not_there_is_not_set(name: str) -> None:
     assert str(error.value) == f"Parameter [{name}] is not set"
 
 
-def test_parameters_and_namespaces_are_there() -> None:
+def test_has_finds_parameters_and_namespaces() -> None:
     tree = parameters({"robot": {"name": "", "arms": {}}})
     assert all(tree.has(name) for name in ("/", "/robot", "/robot/name", "/robot/arms"))
 
 
-def test_empty_parts_of_a_name_do_not_count() -> None:
+def test_empty_parts_of_a_name_are_ignored() -> None:
     tree = parameters()
     tree.set("//robot//name/", 1)
     assert tree.names() == ["/robot/name"]
@@ -69,14 +69,14 @@ def test_empty_parts_of_a_name_do_not_count() -> None:
 
 
 @pytest.mark.parametrize("name", ["", "robot", "~name", "/" + "a" * MAX_LENGTH])
-def test_only_global_names_of_some_length_are_names(name: str) -> None:
+def test_a_name_must_be_global_and_not_too_long(name: str) -> None:
     tree = parameters()
     for act in (tree.get, tree.text, tree.has, tree.delete, lambda name: tree.set(name, 1)):
         with pytest.raises(InvalidName):
             act(name)
 
 
-def test_what_was_read_can_be_changed_and_what_was_set_cannot() -> None:
+def test_values_are_copied_when_set_and_when_read() -> None:
     tree = parameters()
     value = {"list": [1, 2], "space": {"x": 1}}
     tree.set("/robot", value)
@@ -88,29 +88,29 @@ def test_what_was_read_can_be_changed_and_what_was_set_cannot() -> None:
 # Setting.
 
 
-def test_an_object_replaces_all_that_was_in_a_namespace() -> None:
+def test_an_object_replaces_a_whole_namespace() -> None:
     tree = parameters({"robot": {"name": "kitt", "arms": {"left": 1}}, "other": 1})
     tree.set("/robot", {"arms": {"right": 2}})
     assert tree.get("/") == {"robot": {"arms": {"right": 2}}, "other": 1}
 
 
-def test_a_value_takes_the_place_of_a_namespace() -> None:
+def test_a_value_replaces_a_namespace() -> None:
     tree = parameters({"robot": {"name": "kitt"}})
     tree.set("/robot", 5)
     assert tree.names() == ["/robot"]
 
 
-def test_a_value_on_the_way_becomes_a_namespace() -> None:
+def test_a_longer_name_replaces_a_value_by_a_namespace() -> None:
     tree = parameters({"robot": {"arm": 5}})
     tree.set("/robot/arm/joints/first", 1)
     assert tree.get("/") == {"robot": {"arm": {"joints": {"first": 1}}}}
 
 
-def test_the_root_is_set_to_an_object_and_to_nothing_else() -> None:
+def test_the_root_can_only_be_set_to_an_object() -> None:
     tree = parameters({"robot": 1})
     tree.set("/", {"other": 2})
     assert tree.names() == ["/other"]
-    with pytest.raises(ParameterError, match="set it to an object"):
+    with pytest.raises(ParameterError, match="object"):
         tree.set("/", 5)
     assert tree.names() == ["/other"]
 
@@ -136,7 +136,7 @@ def test_the_root_is_set_to_an_object_and_to_nothing_else() -> None:
     ],
     ids=repr,
 )
-def test_every_value_comes_back_exactly(value: Any) -> None:
+def test_every_value_is_kept_exactly(value: Any) -> None:
     tree = parameters()
     tree.set("/x", value)
     assert repr(tree.get("/x")) == repr(value)
@@ -145,37 +145,37 @@ def test_every_value_comes_back_exactly(value: Any) -> None:
 @pytest.mark.parametrize(
     ("value", "fault"),
     [
-        (None, r"^Parameter \[/x\]: null is no value; to unset it, delete it$"),
+        (None, r"\[/x\].*null"),
         ([1, [None]], "null"),
-        ({"y": {"z": None}}, r"^Parameter \[/x/y/z\]: null"),
+        ({"y": {"z": None}}, r"\[/x/y/z\].*null"),
         ([{"y": None}], "null"),
-        (math.nan, r"^Parameter \[/x\]: nan is no number that JSON has$"),
-        ([-math.inf], "-inf is no number"),
-        (2**1024, "an integer has at most 1024 bits"),
-        ([{"y": -(2**1024)}], "an integer has at most 1024 bits"),
-        (b"bytes", r"^Parameter \[/x\]: JSON has no bytes$"),
-        ({"": 1}, "^'/x/' is not a legal name"),
-        ({"y": {"a/b": 1}}, "^'/x/y/a/b' is not a legal name"),
-        ({5: 1}, "^'/x/5' is not a legal name"),
-        ({"y" * MAX_LENGTH: 1}, "is longer than 1024 characters"),
-        (nested(DEEPEST + 1), r"more than 100 values in each other$"),
-        ([[nested(DEEPEST - 1)]], r"more than 100 values in each other$"),
-        (nested(DEEPEST - 1, [[]]), r"more than 100 values in each other$"),
+        (math.nan, r"\[/x\].*nan"),
+        ([-math.inf], "-inf"),
+        (2**1024, "1024 bits"),
+        ([{"y": -(2**1024)}], "1024 bits"),
+        (b"bytes", r"\[/x\].*bytes"),
+        ({"": 1}, "^'/x/'"),
+        ({"y": {"a/b": 1}}, "^'/x/y/a/b'"),
+        ({5: 1}, "^'/x/5'"),
+        ({"y" * MAX_LENGTH: 1}, "1024 characters"),
+        (nested(DEEPEST + 1), "100"),
+        ([[nested(DEEPEST - 1)]], "100"),
+        (nested(DEEPEST - 1, [[]]), "100"),
     ],
 )
-def test_what_cannot_be_a_parameter_changes_nothing(value: Any, fault: str) -> None:
+def test_an_invalid_value_is_refused_and_changes_nothing(value: Any, fault: str) -> None:
     tree = parameters({"x": 1})
     with pytest.raises((ParameterError, InvalidName), match=fault):
         tree.set("/x", value)
     assert tree.get("/") == {"x": 1}
 
 
-def test_namespaces_of_a_name_count_as_depth_as_well() -> None:
+def test_the_namespaces_of_a_name_count_as_depth() -> None:
     tree = parameters()
     tree.set("/a" * DEEPEST, {"a": 1})
-    with pytest.raises(ParameterError, match="more than 100 values in each other"):
+    with pytest.raises(ParameterError, match="100"):
         tree.set("/a" * (DEEPEST + 2), 1)
-    with pytest.raises(ParameterError, match="more than 100 values in each other"):
+    with pytest.raises(ParameterError, match="100"):
         tree.set("/a" * (DEEPEST + 1), [])
     assert tree.names() == ["/a" * (DEEPEST + 1)]
     assert tree.get("/") == nested(DEEPEST + 1)
@@ -184,7 +184,7 @@ def test_namespaces_of_a_name_count_as_depth_as_well() -> None:
 # Deleting.
 
 
-def test_what_was_deleted_is_gone_and_its_namespace_remains() -> None:
+def test_delete_keeps_the_namespace() -> None:
     tree = parameters({"robot": {"arm": {"left": 1, "right": 2}}})
     tree.delete("/robot/arm/left")
     assert tree.get("/") == {"robot": {"arm": {"right": 2}}}
@@ -194,8 +194,8 @@ def test_what_was_deleted_is_gone_and_its_namespace_remains() -> None:
     assert tree.get("/") == {}
 
 
-@pytest.mark.parametrize("name", ["/nobody", "/robot/nobody", "/robot/name/first", "/a/b/c"])
-def test_what_is_not_there_cannot_be_deleted(name: str) -> None:
+@pytest.mark.parametrize("name", ["/nothing", "/robot/nothing", "/robot/name/first", "/a/b/c"])
+def test_an_unknown_parameter_cannot_be_deleted(name: str) -> None:
     tree = parameters({"robot": {"name": "kitt"}})
     with pytest.raises(ParameterNotSet):
         tree.delete(name)
@@ -204,12 +204,12 @@ def test_what_is_not_there_cannot_be_deleted(name: str) -> None:
 
 def test_the_root_cannot_be_deleted() -> None:
     tree = parameters({"robot": 1})
-    with pytest.raises(ParameterError, match="cannot be deleted"):
+    with pytest.raises(ParameterError, match="/"):
         tree.delete("/")
     assert tree.names() == ["/robot"]
 
 
-# Searching. The example is the one that rosmaster's own documentation gives.
+# Searching; the example is from rosmaster's documentation.
 
 
 @pytest.fixture
@@ -239,7 +239,7 @@ def robots() -> Parameters:
         ("/leaf", "/pr2", None),
     ],
 )
-def test_a_search_goes_upwards(
+def test_a_search_goes_upwards_from_the_namespace(
     robots: Parameters, key: str, namespace: str, found: str | None
 ) -> None:
     assert robots.search(key, namespace) == found
@@ -249,38 +249,41 @@ def test_a_search_goes_upwards(
     ("key", "namespace"),
     [("", "/"), ("~x", "/"), ("x", "pr2"), ("x", ""), ("x" * MAX_LENGTH, "/")],
 )
-def test_only_names_can_be_searched_for(robots: Parameters, key: str, namespace: str) -> None:
+def test_a_search_needs_a_relative_name_and_a_global_namespace(
+    robots: Parameters, key: str, namespace: str
+) -> None:
     with pytest.raises(InvalidName):
         robots.search(key, namespace)
 
 
-# All names.
+# Names.
 
 
-def test_names_are_those_of_values_sorted() -> None:
+def test_names_lists_values_in_order() -> None:
     tree = parameters({"b": {"y": 1, "x": {}}, "a": [{"no": "name"}], "c": {}})
     assert tree.names() == ["/a", "/b/y"]
 
 
-def test_no_parameters_have_no_names() -> None:
-    assert Parameters(PLENTY).names() == []
-    assert Parameters(PLENTY).get("/") == {}
+def test_a_new_tree_is_empty() -> None:
+    assert Parameters(UNLIMITED).names() == []
+    assert Parameters(UNLIMITED).get("/") == {}
 
 
-# Bounds.
+# Limits.
 
 
-def test_what_has_no_room_changes_nothing_and_names_the_setting() -> None:
+def test_a_value_beyond_the_limit_changes_nothing_and_names_the_setting() -> None:
     tree = parameters(max_bytes=1000)
     with pytest.raises(ParametersFull) as error:
         tree.set("/x", "a" * 1000)
-    assert "all parameters together would take 1208 bytes" in str(error.value)
-    assert "they may take 1000 (--max-parameter-bytes of the hub)" in str(error.value)
+    assert (error.value.needed, error.value.limit) == (1208, 1000)
+    assert "1000" in str(error.value)
+    assert "--max-parameter-bytes" in str(error.value)
     assert tree.names() == []
     tree.set("/x", "a" * 600)
 
 
-def test_room_is_for_the_taking_again() -> None:
+def test_deleted_and_replaced_values_free_their_bytes() -> None:
     tree = parameters(max_bytes=1000)
     for name in ("/x", "/x/y", "/z"):
         for _ in range(10):
@@ -289,15 +292,15 @@ def test_room_is_for_the_taking_again() -> None:
         tree.set("/", {})
 
 
-def test_what_replaces_another_needs_only_the_difference() -> None:
+def test_a_replacement_needs_only_the_difference() -> None:
     tree = parameters({"x": {"y": "a" * 500}}, max_bytes=1000)
     tree.set("/x", "b" * 600)
     with pytest.raises(ParametersFull):
         tree.set("/y", "c" * 600)
 
 
-def test_each_name_counts_so_that_deep_trees_are_bounded_as_well() -> None:
-    tree = parameters(max_bytes=100 * SHARE)
+def test_names_and_namespaces_count_towards_the_limit() -> None:
+    tree = parameters(max_bytes=100 * ENTRY_OVERHEAD)
     with pytest.raises(ParametersFull):
         tree.set("/a" * DEEPEST, 1)
 
@@ -311,8 +314,8 @@ VALUES: st.SearchStrategy[Any] = st.recursive(
 PATHS = st.lists(KEYS, max_size=4)
 
 
-def plainly_set(tree: dict[str, Any], path: list[str], value: Any) -> None:
-    """As rosmaster's documentation has it, with no thought of speed."""
+def set_in_model(tree: dict[str, Any], path: list[str], value: Any) -> None:
+    """Set a value as rosmaster's documentation describes it."""
     for key in path[:-1]:
         if not isinstance(tree.get(key), dict):
             tree[key] = {}
@@ -321,31 +324,33 @@ def plainly_set(tree: dict[str, Any], path: list[str], value: Any) -> None:
 
 
 @given(st.lists(st.tuples(PATHS, VALUES), max_size=8), st.lists(PATHS, max_size=3))
-def test_it_is_as_a_plain_tree(changes: list[tuple[list[str], Any]], gone: list[list[str]]) -> None:
-    plain: dict[str, Any] = {}
-    tree = Parameters(PLENTY)
+def test_any_changes_give_the_same_tree_as_a_simple_model(
+    changes: list[tuple[list[str], Any]], deleted: list[list[str]]
+) -> None:
+    model: dict[str, Any] = {}
+    tree = Parameters(UNLIMITED)
     for path, value in changes:
         if path:
-            plainly_set(plain, path, value)
+            set_in_model(model, path, value)
             tree.set("/" + "/".join(path), value)
-    for path in gone:
+    for path in deleted:
         name = "/" + "/".join(path)
         if path and tree.has(name):
             tree.delete(name)
-            space = plain
+            space = model
             for key in path[:-1]:
                 space = space[key]
             del space[path[-1]]
-    assert tree.get("/") == plain
-    fresh = Parameters(PLENTY)
-    fresh.set("/", plain)
+    assert tree.get("/") == model
+    fresh = Parameters(UNLIMITED)
+    fresh.set("/", model)
     assert tree._bytes == fresh._bytes
 
 
-def test_a_set_costs_what_is_set_and_not_the_tree(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_change_costs_the_same_however_large_the_tree_is(monkeypatch: pytest.MonkeyPatch) -> None:
     steps: list[str] = []
     tree = parameters({f"p{number}": {"x": number} for number in range(1000)}, max_bytes=2**30)
-    for name in ("_planted", "_weight", "_check"):
+    for name in ("_to_tree", "_size", "_check"):
         monkeypatch.setattr(module, name, counted(name, getattr(module, name), steps))
     tree.set("/p5/x", 1)
     tree.set("/p6/y/z", 1)

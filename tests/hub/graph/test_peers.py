@@ -1,96 +1,129 @@
-"""Who is told of the nodes at the other side of a topic."""
+"""Peer lists: the nodes at the other end of a topic, sent to those that watch it."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Callable
 
-from fibws.hub.graph.peers import Peers
+import pytest
+
+from fibws.errors import LimitReached
+from fibws.hub.graph.peers import MOST_REQUESTS, PeerWatch
 
 
-class Ear:
-    """Somebody who asks, and what is told."""
+class Watcher:
+    """Records the peer lists that it is sent."""
 
     def __init__(self) -> None:
-        self.heard: list[list[str]] = []
+        self.lists: list[list[str]] = []
 
     def tell(self, nodes: bytes) -> None:
-        self.heard.append(json.loads(nodes))
+        self.lists.append(json.loads(nodes))
 
 
-def asking(peers: Peers, *nodes: str, owner: object = "/a", id_: str = "1") -> Ear:
-    ear = Ear()
-    peers.ask(owner, id_, ear.tell, nodes)
-    return ear
+def watching(peers: PeerWatch, *nodes: str, owner: object = "/a", id_: str = "1") -> Watcher:
+    watcher = Watcher()
+    peers.add(owner, id_, watcher.tell, nodes)
+    return watcher
 
 
-def test_who_asks_is_told_at_once_and_of_each_change() -> None:
-    peers = Peers()
-    ear = asking(peers)
+def test_a_watcher_gets_the_list_at_once_and_after_each_change() -> None:
+    peers = PeerWatch()
+    watcher = watching(peers)
     peers.changed(["/b"])
-    other = asking(peers, "/b", owner="/other")
+    other = watching(peers, "/b", owner="/other")
     peers.changed(["/c", "/b"])
-    assert ear.heard == [[], ["/b"], ["/b", "/c"]]
-    assert other.heard == [["/b"], ["/b", "/c"]]
+    assert watcher.lists == [[], ["/b"], ["/b", "/c"]]
+    assert other.lists == [["/b"], ["/b", "/c"]]
 
 
-def test_names_are_sorted_and_each_there_once() -> None:
-    peers = Peers()
-    ear = asking(peers, "/c", "/a", "/c")
-    peers.changed(["/b", "/c", "/b", "/a"])
-    assert ear.heard == [["/a", "/c"], ["/a", "/b", "/c"]]
+def test_names_are_sorted() -> None:
+    peers = PeerWatch()
+    watcher = watching(peers, "/c", "/a")
+    peers.changed(["/b", "/c", "/a"])
+    assert watcher.lists == [["/a", "/c"], ["/a", "/b", "/c"]]
 
 
-def test_the_same_nodes_are_no_news() -> None:
-    peers = Peers()
-    ear = asking(peers, "/a", "/b")
-    peers.changed(["/b", "/a", "/b"])
-    assert ear.heard == [["/a", "/b"]]
+def test_an_unchanged_list_is_not_sent_again() -> None:
+    peers = PeerWatch()
+    watcher = watching(peers, "/a", "/b")
+    peers.changed(["/b", "/a"])
+    assert watcher.lists == [["/a", "/b"]]
 
 
-def test_what_changed_while_nobody_asked_is_not_taken_for_news() -> None:
-    peers = Peers()
-    asking(peers, "/a")
+def test_changes_without_a_watcher_are_not_reported_later() -> None:
+    peers = PeerWatch()
+    watching(peers, "/a")
     peers.forget("/a")
-    # Whoever reports passes it by then: it is false.
     assert not peers
-    ear = asking(peers, "/b")
+    watcher = watching(peers, "/b")
     peers.changed(["/b"])
-    assert ear.heard == [["/b"]]
+    assert watcher.lists == [["/b"]]
 
 
-def test_a_request_of_the_same_id_replaces_the_older() -> None:
-    peers = Peers()
-    older, newer = asking(peers), asking(peers)
+def test_a_request_replaces_an_older_one_of_the_same_id() -> None:
+    peers = PeerWatch()
+    older, newer = watching(peers), watching(peers)
     peers.changed(["/b"])
-    assert (older.heard, newer.heard) == ([[]], [[], ["/b"]])
+    assert (older.lists, newer.lists) == ([[]], [[], ["/b"]])
 
 
 def test_requests_end_one_by_one_or_with_their_owner() -> None:
-    steps: list[tuple[Callable[[Peers], None], list[bool]]] = [
+    steps: list[tuple[Callable[[PeerWatch], None], list[bool]]] = [
         (lambda peers: peers.cancel("/a", "2"), [True, False, True]),
         (lambda peers: peers.forget("/a"), [False, False, True]),
         (lambda peers: peers.cancel("/b", "1"), [False, False, False]),
     ]
-    peers = Peers()
-    ears = [
-        asking(peers),
-        asking(peers, id_="2"),
-        asking(peers, owner="/b"),
+    peers = PeerWatch()
+    watchers = [
+        watching(peers),
+        watching(peers, id_="2"),
+        watching(peers, owner="/b"),
     ]
-    for number, (step, told) in enumerate(steps):
+    for number, (step, expected) in enumerate(steps):
         step(peers)
-        before = [len(ear.heard) for ear in ears]
+        before = [len(watcher.lists) for watcher in watchers]
         peers.changed([str(number)])
-        assert [len(ear.heard) > size for ear, size in zip(ears, before, strict=True)] == told
+        assert [
+            len(watcher.lists) > size for watcher, size in zip(watchers, before, strict=True)
+        ] == expected
     assert not peers
 
 
-def test_who_never_asked_may_be_forgotten() -> None:
-    peers = Peers()
-    ear = asking(peers)
+def test_unknown_requests_and_owners_can_be_removed() -> None:
+    peers = PeerWatch()
+    watcher = watching(peers)
     peers.cancel("/b", "1")
     peers.cancel("/a", "never")
     peers.forget("/b")
     peers.changed(["/c"])
-    assert ear.heard == [[], ["/c"]]
+    assert watcher.lists == [[], ["/c"]]
+
+
+def test_requests_of_one_owner_are_limited() -> None:
+    peers = PeerWatch()
+    for id_ in range(MOST_REQUESTS):
+        peers.check_room("/a", str(id_))
+        watching(peers, id_=str(id_))
+    with pytest.raises(LimitReached, match=str(MOST_REQUESTS)):
+        peers.check_room("/a", "another")
+    peers.check_room("/a", "1")
+    peers.check_room("/b", "another")
+
+
+def test_a_watcher_may_end_requests_while_it_gets_a_list() -> None:
+    peers = PeerWatch()
+    lists: list[bytes] = []
+
+    def end_all(nodes: bytes) -> None:
+        if nodes != b"[]":
+            for owner in ("/a", "/b"):
+                peers.forget(owner)
+
+    peers.add("/c", "1", lists.append, [])
+    peers.add("/a", "1", end_all, [])
+    peers.add("/b", "1", lists.append, [])
+    peers.changed(["/x"])
+    peers.changed(["/y"])
+    assert lists[-1] == b'["/y"]'
+    assert lists.count(b'["/y"]') == 1

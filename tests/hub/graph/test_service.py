@@ -1,4 +1,4 @@
-"""What becomes of a call."""
+"""Service calls: from the request to the one response."""
 
 from __future__ import annotations
 
@@ -8,8 +8,15 @@ from typing import Any, TypeAlias
 
 import pytest
 
-from fibws.errors import InvalidMessage, OperationError
-from fibws.hub.graph.service import Answer, Call, Later, OwnProvider, Provider, Service
+from fibws.errors import CallFailed, InvalidMessage, OperationError
+from fibws.hub.graph.service import (
+    Call,
+    Deferred,
+    InternalServer,
+    Response,
+    Service,
+    ServiceServer,
+)
 from fibws.hub.graph.types import Types
 from fibws.interfaces import Interfaces
 
@@ -17,212 +24,235 @@ from ..fakes import ADD, NANOSECONDS
 
 TYPE = Types(Interfaces(), lambda: NANOSECONDS, strict=False).service(ADD)
 REQUEST = {"a": 1, "b": 2}
-Happening: TypeAlias = Callable[["Calling"], object]
+Event: TypeAlias = Callable[["Caller"], object]
 
 
-class Patient:
-    """A provider that takes its time."""
+class SlowServer:
+    """A service server that responds only when the test says so."""
 
-    node = "/patient"
+    node = "/server"
 
     def __init__(self) -> None:
         self.due: list[Call] = []
         self.requests: list[dict[str, Any]] = []
 
-    def take(self, call: Call) -> None:
+    def handle(self, call: Call) -> None:
         self.due.append(call)
         self.requests.append(call.request)
 
-    def forget(self, call: Call) -> None:
+    def cancel(self, call: Call) -> None:
         if call in self.due:
             self.due.remove(call)
 
     def displaced(self, service: Service) -> None:
-        raise AssertionError("nobody takes it over")
+        raise AssertionError("no other server takes it over")
 
 
-class Calling:
-    """A call, and what its caller hears."""
+class Caller:
+    """A call, and the responses and errors that its caller gets."""
 
-    def __init__(self, provider: Provider | None = None) -> None:
-        self.patient = Patient()
-        self.heard: list[object] = []
-        service = Service("/add", TYPE, provider or self.patient)
-        self.call = Call(service, REQUEST, "/caller", self._hear, self._hear)
+    def __init__(self, server: ServiceServer | None = None) -> None:
+        self.server = SlowServer()
+        self.received: list[object] = []
+        service = Service("/add", TYPE, server or self.server)
+        self.call = Call(service, REQUEST, "/caller", self._succeeded, self._failed)
 
-    def _hear(self, call: Call, what: bytes | str) -> None:
+    def _succeeded(self, call: Call, values: bytes) -> None:
         assert call is self.call
-        self.heard.append(what)
+        self.received.append(values)
+
+    def _failed(self, call: Call, text: str, code: str) -> None:
+        assert call is self.call
+        self.received.append((text, code))
 
 
-def started() -> Calling:
-    calling = Calling()
-    calling.call.start()
-    return calling
+def started() -> Caller:
+    caller = Caller()
+    caller.call.start()
+    return caller
 
 
-def test_a_service_is_of_its_providers_node() -> None:
-    assert Service("/add", TYPE, Patient()).node == "/patient"
+def test_a_service_belongs_to_the_node_of_its_server() -> None:
+    assert Service("/add", TYPE, SlowServer()).node == "/server"
 
 
-def test_a_call_waits_for_its_provider() -> None:
-    calling = started()
-    assert calling.patient.due == [calling.call]
-    assert (calling.patient.requests, calling.call.caller) == ([REQUEST], "/caller")
-    assert calling.call.request == {}, "what may be large is not kept"
-    assert calling.heard == []
+def test_a_call_waits_for_its_server() -> None:
+    caller = started()
+    assert caller.server.due == [caller.call]
+    assert (caller.server.requests, caller.call.caller) == ([REQUEST], "/caller")
+    assert caller.call.request == {}, "a large request is not kept"
+    assert caller.received == []
 
 
-HAPPENINGS: dict[str, tuple[Happening, object]] = {
-    "answer": (lambda calling: calling.call.answer({"sum": 3}), b'{"sum":3}'),
-    "text": (lambda calling: calling.call.answer_text(b'{"sum":4}'), b'{"sum":4}'),
-    "fail": (lambda calling: calling.call.fail("no"), "no"),
-    "time": (
-        lambda calling: calling.call.give_up(5),
-        "Service /add did not answer within 5 s",
+EVENTS: dict[str, tuple[Event, object]] = {
+    "respond": (lambda caller: caller.call.respond({"sum": 3}), b'{"sum":3}'),
+    "respond_json": (lambda caller: caller.call.respond_json(b'{"sum":4}'), b'{"sum":4}'),
+    "fail": (lambda caller: caller.call.fail("no", "server_lost"), ("no", "server_lost")),
+    "time_out": (
+        lambda caller: caller.call.time_out(5),
+        ("Service /add did not answer within 5 s", "timeout"),
     ),
-    "abandon": (lambda calling: calling.call.abandon(), None),
+    "abandon": (lambda caller: caller.call.abandon(), None),
 }
 
 
-@pytest.mark.parametrize("order", [*permutations(HAPPENINGS, 3)], ids=" ".join)
-def test_whatever_happens_the_caller_hears_of_the_first_alone(order: tuple[str, ...]) -> None:
-    calling = started()
+@pytest.mark.parametrize("order", [*permutations(EVENTS, 3)], ids=" ".join)
+def test_a_call_ends_with_the_first_event_only(order: tuple[str, ...]) -> None:
+    caller = started()
     for name in order:
-        happening, _ = HAPPENINGS[name]
-        happening(calling)
-    _, expected = HAPPENINGS[order[0]]
-    assert calling.heard == ([] if expected is None else [expected])
+        event, _ = EVENTS[name]
+        event(caller)
+    _, expected = EVENTS[order[0]]
+    assert caller.received == ([] if expected is None else [expected])
 
 
-@pytest.mark.parametrize(("name", "left"), [("abandon", 0), ("time", 0), ("fail", 1)])
-def test_a_provider_need_not_answer_what_the_hub_gave_up(name: str, left: int) -> None:
-    calling = started()
-    HAPPENINGS[name][0](calling)
-    assert len(calling.patient.due) == left
+@pytest.mark.parametrize(("name", "left"), [("abandon", 0), ("time_out", 0), ("fail", 1)])
+def test_a_server_need_not_respond_to_a_call_that_the_hub_ended(name: str, left: int) -> None:
+    caller = started()
+    EVENTS[name][0](caller)
+    assert len(caller.server.due) == left
 
 
 @pytest.mark.parametrize("values", [{"sum": "3"}, {"total": 3}, "3", None, []])
-def test_what_does_not_fit_answers_nothing(values: object) -> None:
-    calling = started()
+def test_an_invalid_response_is_refused_and_the_call_goes_on(values: object) -> None:
+    caller = started()
     with pytest.raises(InvalidMessage):
-        calling.call.answer(values)
-    assert calling.heard == []
-    calling.call.answer({"sum": 3})
-    assert calling.heard == [b'{"sum":3}']
+        caller.call.respond(values)
+    assert caller.received == []
+    caller.call.respond({"sum": 3})
+    assert caller.received == [b'{"sum":3}']
 
 
-def test_an_answer_is_filled() -> None:
-    calling = started()
-    calling.call.answer({})
-    assert calling.heard == [b'{"sum":0}']
+def test_missing_fields_of_a_response_get_defaults() -> None:
+    caller = started()
+    caller.call.respond({})
+    assert caller.received == [b'{"sum":0}']
 
 
-# The hub's own services.
+# Internal servers: the hub's own services.
 
 
-def own(function: Callable[[dict[str, Any], str], Answer | Later]) -> Calling:
-    return Calling(OwnProvider("/rosapi", function))
+def call_internal(function: Callable[[dict[str, Any], str], Response | Deferred]) -> Caller:
+    return Caller(InternalServer("/rosapi", function))
 
 
-@pytest.mark.parametrize("answer", [{"sum": 3}, b'{"sum":3}'])
-def test_the_hub_answers_at_once_by_an_object_or_by_its_text(answer: Answer) -> None:
-    asked: list[tuple[dict[str, Any], str]] = []
+@pytest.mark.parametrize("response", [{"sum": 3}, b'{"sum":3}'])
+def test_an_internal_server_responds_with_values_or_json(response: Response) -> None:
+    calls: list[tuple[dict[str, Any], str]] = []
 
-    def function(request: dict[str, Any], caller: str) -> Answer:
-        asked.append((request, caller))
-        return answer
+    def function(request: dict[str, Any], node: str) -> Response:
+        calls.append((request, node))
+        return response
 
-    calling = own(function)
-    calling.call.start()
-    assert calling.heard == [b'{"sum":3}']
-    assert asked == [(REQUEST, "/caller")]
+    caller = call_internal(function)
+    caller.call.start()
+    assert caller.received == [b'{"sum":3}']
+    assert calls == [(REQUEST, "/caller")]
 
 
-def test_what_the_hub_refuses_comes_with_its_reason() -> None:
-    def function(request: dict[str, Any], caller: str) -> Answer:
+def test_an_error_of_an_internal_server_fails_the_call_with_its_code() -> None:
+    def function(request: dict[str, Any], node: str) -> Response:
         raise OperationError("not today")
 
-    calling = own(function)
-    calling.call.start()
-    assert calling.heard == ["not today"]
+    caller = call_internal(function)
+    caller.call.start()
+    assert caller.received == [("not today", "invalid_operation")]
 
 
-@pytest.mark.parametrize("answer", [{"sum": "3"}, {"total": 3}])
-def test_an_answer_of_the_hubs_own_must_fit_too(answer: dict[str, Any]) -> None:
-    calling = own(lambda request, caller: answer)
-    calling.call.start()
-    [text] = calling.heard
-    assert isinstance(text, str)
-    assert "rospy_tutorials/AddTwoIntsResponse" in text
+@pytest.mark.parametrize("response", [{"sum": "3"}, {"total": 3}])
+def test_a_response_of_an_internal_server_is_checked(response: dict[str, Any]) -> None:
+    caller = call_internal(lambda request, node: response)
+    caller.call.start()
+    [error] = caller.received
+    assert isinstance(error, tuple)
+    assert "rospy_tutorials/AddTwoIntsResponse" in error[0]
+    assert error[1] == "invalid_message"
 
 
-def test_a_fault_of_the_hubs_own_is_logged_and_the_caller_hears_of_it(
+def test_an_exception_in_an_internal_server_is_logged_and_fails_the_call(
     caplog: pytest.LogCaptureFixture,
 ) -> None:
-    def function(request: dict[str, Any], caller: str) -> Answer:
+    def function(request: dict[str, Any], node: str) -> Response:
         raise KeyError("injected")
 
-    calling = own(function)
-    calling.call.start()
-    assert calling.heard == ["/add failed in the hub, whose log says why"]
+    caller = call_internal(function)
+    caller.call.start()
+    [error] = caller.received
+    assert isinstance(error, tuple)
+    assert "/add" in error[0]
+    assert error[1] == "server_failed"
     assert "injected" in caplog.text
 
 
-def test_nothing_is_kept_of_a_call_to_the_hub_itself() -> None:
-    provider = OwnProvider("/rosapi", lambda request, caller: {"sum": 3})
-    calling = Calling(provider)
-    calling.call.start()
-    provider.forget(calling.call)
-    calling.call.abandon()
-    assert calling.heard == [b'{"sum":3}']
+def test_an_internal_server_keeps_nothing_of_a_finished_call() -> None:
+    server = InternalServer("/rosapi", lambda request, node: {"sum": 3})
+    caller = Caller(server)
+    caller.call.start()
+    server.cancel(caller.call)
+    caller.call.abandon()
+    assert caller.received == [b'{"sum":3}']
 
 
-class Thinking:
-    """A function of the hub's own that answers later, and what became of its answer."""
+class DeferredCall:
+    """A call of an internal server that responds later."""
 
     def __init__(self) -> None:
-        self.forgotten = 0
-        self.later = Later(self._forget)
-        self.calling = own(lambda request, caller: self.later)
-        self.calling.call.start()
+        self.cancelled = 0
+        self.response = Deferred(self._cancel)
+        self.caller = call_internal(lambda request, node: self.response)
+        self.caller.call.start()
 
-    def _forget(self) -> None:
-        self.forgotten += 1
-
-
-def test_the_hub_may_answer_later() -> None:
-    thinking = Thinking()
-    assert thinking.calling.heard == []
-    thinking.later.answer({"sum": 3})
-    assert thinking.calling.heard == [b'{"sum":3}']
-    assert not thinking.forgotten
+    def _cancel(self) -> None:
+        self.cancelled += 1
 
 
-@pytest.mark.parametrize("name", ["abandon", "time"])
-def test_what_nobody_waits_for_is_forgotten_once(name: str) -> None:
-    thinking = Thinking()
-    happening, expected = HAPPENINGS[name]
-    happening(thinking.calling)
-    happening(thinking.calling)
-    assert thinking.forgotten == 1
-    assert thinking.calling.heard == ([] if expected is None else [expected])
+def test_an_internal_server_may_respond_later() -> None:
+    deferred = DeferredCall()
+    assert deferred.caller.received == []
+    deferred.response.respond({"sum": 3})
+    assert deferred.caller.received == [b'{"sum":3}']
+    assert not deferred.cancelled
 
 
-def test_an_answer_that_has_been_given_is_not_forgotten_later() -> None:
-    thinking = Thinking()
-    thinking.later.answer({"sum": 3})
-    thinking.calling.call.abandon()
-    thinking.calling.call.give_up(5)
-    assert (thinking.forgotten, thinking.calling.heard) == (0, [b'{"sum":3}'])
+@pytest.mark.parametrize("name", ["abandon", "time_out"])
+def test_a_deferred_response_is_cancelled_once_when_nobody_waits(name: str) -> None:
+    deferred = DeferredCall()
+    event, expected = EVENTS[name]
+    event(deferred.caller)
+    event(deferred.caller)
+    assert deferred.cancelled == 1
+    assert deferred.caller.received == ([] if expected is None else [expected])
 
 
-def test_what_is_known_at_once_is_not_answered_later() -> None:
+def test_a_response_that_was_given_is_not_cancelled() -> None:
+    deferred = DeferredCall()
+    deferred.response.respond({"sum": 3})
+    deferred.caller.call.abandon()
+    deferred.caller.call.time_out(5)
+    assert (deferred.cancelled, deferred.caller.received) == (0, [b'{"sum":3}'])
+
+
+def test_a_response_that_is_known_at_once_must_not_be_deferred() -> None:
     with pytest.raises(AssertionError, match="known at once"):
-        Later(print).answer({})
+        Deferred(lambda: None).respond({})
 
 
-def test_nobody_takes_over_what_the_hub_provides() -> None:
-    provider = OwnProvider("/rosapi", lambda request, caller: {})
+def test_an_internal_server_cannot_be_displaced() -> None:
+    server = InternalServer("/rosapi", lambda request, node: {})
     with pytest.raises(AssertionError, match="/add is the hub's own"):
-        provider.displaced(Service("/add", TYPE, provider))
+        server.displaced(Service("/add", TYPE, server))
+
+
+@pytest.mark.parametrize("md5sum", [TYPE.md5sum, "*", None])
+def test_a_caller_may_name_the_md5sum_of_the_type(md5sum: str | None) -> None:
+    headers = {} if md5sum is None else {"md5sum": md5sum}
+    service = Service("/add", TYPE, SlowServer())
+    call = Call(service, REQUEST, "/caller", print, print, headers)
+    assert call.request == REQUEST
+
+
+def test_a_caller_with_another_md5sum_is_refused() -> None:
+    service = Service("/add", TYPE, SlowServer())
+    with pytest.raises(CallFailed, match="deadbeef") as caught:
+        Call(service, REQUEST, "/caller", print, print, {"md5sum": "deadbeef"})
+    assert caught.value.code == "type_conflict"

@@ -1,8 +1,10 @@
-"""The type of a topic: who sets it, what it must be, and when it is free again."""
+"""The type of a topic: which clients set it, and when it is free again."""
 
 from __future__ import annotations
 
 import pytest
+
+from fibws.hub.rosbridge.subscription import MAX_REGISTRATIONS
 
 from ..fakes import INT32, STRING, FakeHub, talker_and_listener
 
@@ -13,8 +15,8 @@ def test_a_topic_may_be_joined_under_either_spelling_of_its_type(op: str, spelli
     hub = FakeHub()
     talker_and_listener(hub)
     other = hub.client()
-    other.says(op, "/fib", type=spelling)
-    assert other.hears() == []
+    other.send(op, "/fib", type=spelling)
+    assert other.receive() == []
 
 
 @pytest.mark.parametrize("op", ["advertise", "subscribe"])
@@ -22,59 +24,57 @@ def test_a_topic_has_one_type(op: str) -> None:
     hub = FakeHub()
     talker_and_listener(hub)
     other = hub.client()
-    other.says(op, "/fib", type=STRING)
-    assert other.hears_statuses() == [
-        f"{op}: Tried to register topic /fib with type std_msgs/String "
-        "but it is already established with type std_msgs/Int32 (by /talker)"
-    ]
-    assert not other.session.topics.publishers
+    other.send(op, "/fib", type=STRING)
+    [status] = other.receive_statuses()
+    assert all(each in status for each in (op, "/fib", STRING, INT32, "/talker"))
+    assert not other.session.topics.sources
     assert not other.session.topics.subscriptions
 
 
 def test_a_subscription_with_a_type_holds_the_topic_to_it() -> None:
     hub = FakeHub()
     listener, talker = hub.client("/listener"), hub.client()
-    listener.says("subscribe", "/fib", type=INT32)
-    talker.says("advertise", "/fib", type=STRING)
-    assert "(by /listener)" in talker.hears_statuses()[0]
-    listener.says("unsubscribe", "/fib")
-    talker.says("advertise", "/fib", type=STRING)
-    assert talker.hears() == []
+    listener.send("subscribe", "/fib", type=INT32)
+    talker.send("advertise", "/fib", type=STRING)
+    assert "(by /listener)" in talker.receive_statuses()[0]
+    listener.send("unsubscribe", "/fib")
+    talker.send("advertise", "/fib", type=STRING)
+    assert talker.receive() == []
 
 
-def test_a_subscription_with_a_type_holds_it_when_the_publisher_is_gone() -> None:
+def test_a_subscription_with_a_type_holds_it_after_the_publisher_left() -> None:
     hub = FakeHub()
     listener, talker = hub.client("/listener"), hub.client()
-    listener.says("subscribe", "/fib", type=INT32)
-    talker.says("advertise", "/fib", type=INT32)
-    talker.says("unadvertise", "/fib")
-    talker.says("advertise", "/fib", type=STRING)
-    assert "(by /listener)" in talker.hears_statuses()[0]
+    listener.send("subscribe", "/fib", type=INT32)
+    talker.send("advertise", "/fib", type=INT32)
+    talker.send("unadvertise", "/fib")
+    talker.send("advertise", "/fib", type=STRING)
+    assert "(by /listener)" in talker.receive_statuses()[0]
 
 
 @pytest.mark.parametrize("end", ["unadvertise", "leave"])
-def test_a_type_is_free_when_nobody_holds_it(end: str) -> None:
+def test_a_type_is_free_when_its_last_holder_leaves(end: str) -> None:
     hub = FakeHub()
     talker, _ = talker_and_listener(hub)
     if end == "leave":
         talker.leaves()
     else:
-        talker.says("unadvertise", "/fib")
+        talker.send("unadvertise", "/fib")
     assert hub.graph.topics["/fib"].type is None
     other = hub.client()
-    other.says("subscribe", "/fib", type=STRING)
-    assert other.hears() == []
+    other.send("subscribe", "/fib", type=STRING)
+    assert other.receive() == []
 
 
 def test_a_type_is_free_when_the_request_that_named_it_is_replaced() -> None:
     hub = FakeHub()
     listener, talker = hub.client(), hub.client()
-    listener.says("subscribe", "/fib", id="a", type=INT32)
-    listener.says("subscribe", "/fib", id="a")
-    talker.says("advertise", "/fib", type=STRING)
-    talker.says("publish", "/fib", msg={"data": "x"})
-    assert listener.hears_messages("/fib") == [{"data": "x"}]
-    assert talker.hears() == []
+    listener.send("subscribe", "/fib", id="a", type=INT32)
+    listener.send("subscribe", "/fib", id="a")
+    talker.send("advertise", "/fib", type=STRING)
+    talker.send("publish", "/fib", msg={"data": "x"})
+    assert listener.receive_messages("/fib") == [{"data": "x"}]
+    assert talker.receive() == []
 
 
 @pytest.mark.parametrize(
@@ -89,30 +89,30 @@ def test_a_type_is_free_when_the_request_that_named_it_is_replaced() -> None:
     ],
 )
 @pytest.mark.parametrize("op", ["advertise", "subscribe"])
-def test_a_type_that_is_none_is_refused_and_leaves_nothing_behind(
+def test_an_invalid_type_is_refused_and_leaves_nothing_behind(
     op: str, type_: str, fault: str
 ) -> None:
     hub = FakeHub()
     client = hub.client()
-    client.says(op, "/a", type=type_)
-    assert client.hears_statuses() == [f"{op}: {fault}"]
+    client.send(op, "/a", type=type_)
+    assert client.receive_statuses() == [f"{op}: {fault}"]
     assert hub.graph.topics == {}
 
 
 def test_messages_of_an_unknown_package_are_relayed_unchecked() -> None:
     client = FakeHub().client()
-    client.says("advertise", "/a", type="my_msgs/Thing")
-    client.says("subscribe", "/a", type="my_msgs/msg/Thing")
-    client.says("publish", "/a", msg={"any": ["thing"]})
-    client.says("publish", "/a")
-    assert client.hears_messages("/a") == [{"any": ["thing"]}, {}]
+    client.send("advertise", "/a", type="my_msgs/Thing")
+    client.send("subscribe", "/a", type="my_msgs/msg/Thing")
+    client.send("publish", "/a", msg={"any": ["thing"]})
+    client.send("publish", "/a")
+    assert client.receive_messages("/a") == [{"any": ["thing"]}, {}]
 
 
-def test_who_advertises_a_type_of_an_unknown_package_is_warned() -> None:
+def test_advertising_a_type_of_an_unknown_package_gives_a_warning() -> None:
     client = FakeHub().client()
-    client.says("set_level", level="warning")
-    client.says("advertise", "/a", type="my_msgs/Thing", id=1)
-    assert client.hears() == [
+    client.send("set_level", level="warning")
+    client.send("advertise", "/a", type="my_msgs/Thing", id=1)
+    assert client.receive() == [
         {
             "op": "status",
             "id": 1,
@@ -126,60 +126,99 @@ def test_who_advertises_a_type_of_an_unknown_package_is_warned() -> None:
 def test_strict_types_refuse_an_unknown_package(op: str) -> None:
     hub = FakeHub(strict_types=True)
     client = hub.client()
-    client.says(op, "/a", type="my_msgs/Thing")
-    assert client.hears_statuses() == [
+    client.send(op, "/a", type="my_msgs/Thing")
+    assert client.receive_statuses() == [
         f"{op}: Unable to load the manifest for package my_msgs. "
         "Caused by: no folder of definitions holds it"
     ]
     assert hub.graph.topics == {}
 
 
-def test_a_client_may_bring_a_definition_along() -> None:
+def test_a_client_may_bring_a_definition() -> None:
     client = FakeHub(strict_types=True).client()
-    client.says("advertise", "/a", type="my_msgs/msg/Thing", definition="int8 one\nstring two\n")
-    client.says("subscribe", "/a", type="my_msgs/Thing")
-    client.says("publish", "/a", msg={"one": 1})
-    assert client.hears_messages("/a") == [{"one": 1, "two": ""}]
-    client.says("publish", "/a", msg={"one": 1000})
-    assert "1000 is not in -128..127" in client.hears_statuses()[0]
+    client.send("advertise", "/a", type="my_msgs/msg/Thing", definition="int8 one\nstring two\n")
+    client.send("subscribe", "/a", type="my_msgs/Thing")
+    client.send("publish", "/a", msg={"one": 1})
+    assert client.receive_messages("/a") == [{"one": 1, "two": ""}]
+    client.send("publish", "/a", msg={"one": 1000})
+    assert "1000 is not in -128..127" in client.receive_statuses()[0]
 
 
-def test_an_unchecked_topic_is_not_broken_by_who_brings_another_type_of_the_package() -> None:
+def test_an_unchecked_topic_goes_on_when_another_type_of_its_package_is_defined() -> None:
     hub = FakeHub()
-    talker, bringer, late = hub.client(), hub.client(), hub.client()
-    talker.says("advertise", "/a", type="my_msgs/Pose")
-    bringer.says("advertise", "/b", type="my_msgs/Other", definition="int32 x\n")
-    assert bringer.hears() == []
-    late.says("subscribe", "/a", type="my_msgs/Pose")
-    talker.says("advertise", "/a", type="my_msgs/Pose", id="again")
-    late.says("publish", "/a", msg={"any": "thing"})
-    talker.says("publish", "/a", msg={"other": "thing"})
-    late.says("advertise", "/c", type="my_msgs/Pose")
-    assert late.hears_messages("/a") == [{"any": "thing"}, {"other": "thing"}]
-    assert talker.hears() == []
+    talker, other, late = hub.client(), hub.client(), hub.client()
+    talker.send("advertise", "/a", type="my_msgs/Pose")
+    other.send("advertise", "/b", type="my_msgs/Other", definition="int32 x\n")
+    assert other.receive() == []
+    late.send("subscribe", "/a", type="my_msgs/Pose")
+    talker.send("advertise", "/a", type="my_msgs/Pose", id="again")
+    late.send("publish", "/a", msg={"any": "thing"})
+    talker.send("publish", "/a", msg={"other": "thing"})
+    late.send("advertise", "/c", type="my_msgs/Pose")
+    assert late.receive_messages("/a") == [{"any": "thing"}, {"other": "thing"}]
+    assert talker.receive() == []
 
 
-def test_a_definition_that_comes_with_a_conflict_is_not_learned() -> None:
+def test_a_definition_with_a_conflict_is_not_learned() -> None:
     hub = FakeHub()
     _, client = talker_and_listener(hub)
-    client.says("advertise", "/fib", type="my_msgs/Thing", definition="int8 a\n")
-    assert "already established with type std_msgs/Int32" in client.hears_statuses()[0]
-    client.says("advertise", "/a", type="my_msgs/Thing", definition="string b\n")
-    assert client.hears() == []
+    client.send("advertise", "/fib", type="my_msgs/Thing", definition="int8 a\n")
+    assert "already established with type std_msgs/Int32" in client.receive_statuses()[0]
+    client.send("advertise", "/a", type="my_msgs/Thing", definition="string b\n")
+    assert client.receive() == []
 
 
-def test_a_definition_that_does_not_parse_is_refused_and_leaves_nothing_behind() -> None:
+def test_an_invalid_definition_is_refused_and_leaves_nothing_behind() -> None:
     hub = FakeHub()
     client = hub.client()
-    client.says("advertise", "/a", type="my_msgs/Thing", definition="int33 one\n")
-    assert client.hears_statuses()[0].startswith("advertise: ")
+    client.send("advertise", "/a", type="my_msgs/Thing", definition="int33 one\n")
+    assert client.receive_statuses()[0].startswith("advertise: ")
     assert hub.graph.topics == {}
 
 
 def test_a_definition_of_a_known_type_must_agree() -> None:
     hub = FakeHub()
     client = hub.client()
-    client.says("advertise", "/a", type=INT32, definition="int32 data\n")
-    assert client.hears() == []
-    client.says("advertise", "/b", type=INT32, definition="int64 data\n")
-    assert "is known here with other fields" in client.hears_statuses()[0]
+    client.send("advertise", "/a", type=INT32, definition="int32 data\n")
+    assert client.receive() == []
+    client.send("advertise", "/b", type=INT32, definition="int64 data\n")
+    assert "is known here with other fields" in client.receive_statuses()[0]
+
+
+def test_unknown_types_are_logged_without_filling_the_log(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    client = FakeHub().client("/talker")
+    for number in range(1000):
+        client.send("advertise", f"/a{number}", type=f"made_up_{number}/Thing")
+    assert len(caplog.records) == 4
+    assert "made_up_0/Thing" in caplog.records[0].message
+
+
+@pytest.mark.parametrize("id_", ["typed", None])
+def test_a_type_is_free_when_the_request_that_named_it_is_cancelled(id_: str | None) -> None:
+    hub = FakeHub()
+    listener = hub.client()
+    listener.send("subscribe", "/fib", id="typed", type=INT32)
+    listener.send("subscribe", "/fib", id="untyped")
+    listener.send("unsubscribe", "/fib", id="unknown")
+    assert hub.graph.topics["/fib"].held
+    listener.send("unsubscribe", "/fib", **({"id": id_} if id_ else {}))
+    if id_:
+        assert hub.graph.topics["/fib"].type is None
+    else:
+        assert "/fib" not in hub.graph.topics
+
+
+def test_a_request_beyond_the_limit_leaves_the_topic_as_it_was() -> None:
+    hub = FakeHub()
+    listener = hub.client()
+    for id_ in range(MAX_REGISTRATIONS):
+        listener.send("subscribe", "/fib", id=str(id_))
+    listener.send("subscribe", "/fib", id="another", type=INT32)
+    [status] = listener.receive_statuses()
+    assert "/fib" in status
+    assert str(MAX_REGISTRATIONS) in status
+    assert not hub.graph.topics["/fib"].held
+    assert hub.graph.topics["/fib"].type is None
+    assert len(listener.session.topics.subscriptions["/fib"].requests) == MAX_REGISTRATIONS

@@ -1,8 +1,7 @@
-"""What checks messages, and what encodes them."""
+"""Types: they check and encode messages, requests and goals."""
 
 from __future__ import annotations
 
-import logging
 from struct import pack
 from typing import Any
 
@@ -32,13 +31,17 @@ def new_types(*, strict: bool = False) -> Types:
 # Messages.
 
 
-def test_a_known_type_checks_fills_and_encodes() -> None:
+def test_a_known_type_checks_completes_and_encodes_messages() -> None:
     type_ = TYPES.message(INT32)
     assert (type_.name, type_.checked, type_.sequenced) == (INT32, True, False)
     assert type_.validate({}) == {"data": 0}
     assert type_.missing({}) == ["data"]
     assert cbor2.loads(type_.cbor({"data": 5})) == {"data": 5}
-    assert type_.binary({"data": 5}) == pack("<i", 5)
+    assert type_.serialize({"data": 5}) == pack("<i", 5)
+    type_.check(pack("<i", 5))
+    assert type_.deserialize(pack("<i", 5)) == ({"data": 5}, False)
+    assert type_.cbor_of(pack("<i", 5)) == (cbor2.dumps({"data": 5}), False)
+    assert (type_.md5sum, type_.has_floats) == ("da5909fbe378aeaf85e547e830cc1bb7", False)
     with pytest.raises(InvalidMessage):
         type_.validate({"data": "5"})
 
@@ -49,19 +52,19 @@ def test_a_type_is_made_once() -> None:
     assert TYPES.action(FIBONACCI) is TYPES.action(FIBONACCI)
 
 
-def test_a_type_that_begins_with_a_header_is_counted() -> None:
+def test_messages_that_begin_with_a_header_are_numbered() -> None:
     assert TYPES.message("rospy_tutorials/HeaderString").sequenced
     assert not TYPES.message("std_msgs/Header").sequenced
 
 
-def test_now_is_what_the_clock_of_the_hub_says() -> None:
+def test_now_is_the_time_of_the_hubs_clock() -> None:
     secs, nsecs = divmod(NANOSECONDS, 10**9)
     stamp = {"secs": secs, "nsecs": nsecs}
     assert TYPES.message("std_msgs/Time").validate({"data": "now"}) == {"data": stamp}
     assert TYPES.message("std_msgs/Header").validate({})["stamp"] == stamp
 
 
-def test_an_unknown_type_relays_messages_as_they_come() -> None:
+def test_messages_of_an_unknown_type_are_relayed_unchanged() -> None:
     type_ = TYPES.message("my_msgs/Thing")
     assert (type_.name, type_.checked, type_.sequenced) == ("my_msgs/Thing", False, False)
     message = {"any": [{"thing": None}], "header": {"seq": 5}}
@@ -70,27 +73,55 @@ def test_an_unknown_type_relays_messages_as_they_come() -> None:
     assert cbor2.loads(type_.cbor(message)) == message
 
 
-def test_an_unknown_type_has_no_binary_form() -> None:
+def test_messages_of_an_unknown_type_cannot_be_serialized() -> None:
     unknown = TYPES.message("my_msgs/Thing")
-    for ask in (lambda: unknown.binary({}), unknown.check_binary):
-        with pytest.raises(OperationError, match="cbor-raw needs the definition of my_msgs/Thing"):
-            ask()
-    TYPES.message(INT32).check_binary()
+    assert unknown.md5sum is None
+    for attempt in (
+        unknown.check_known,
+        lambda: unknown.check(b""),
+        lambda: unknown.serialize({}),
+        lambda: unknown.deserialize(b""),
+        lambda: unknown.cbor_of(b""),
+    ):
+        with pytest.raises(OperationError, match="definition of my_msgs/Thing"):
+            attempt()
+    TYPES.message(INT32).check_known()
+
+
+@pytest.mark.parametrize("data", [b"", b"abc", b"abcde"])
+def test_bytes_that_do_not_fit_the_type_are_refused(data: bytes) -> None:
+    with pytest.raises(InvalidMessage):
+        TYPES.message(INT32).check(data)
+
+
+@pytest.mark.parametrize(
+    ("type_", "has_floats"),
+    [
+        (INT32, False),
+        ("std_msgs/Float32", True),
+        ("std_msgs/Float64MultiArray", True),
+        ("geometry_msgs/TwistStamped", True),
+        ("rospy_tutorials/HeaderString", False),
+        ("my_msgs/Thing", True),
+    ],
+)
+def test_a_type_knows_whether_a_message_may_hold_floats(type_: str, has_floats: bool) -> None:
+    assert TYPES.message(type_).has_floats == has_floats
 
 
 @pytest.mark.parametrize("msg", [5, "x", [], None])
-def test_an_unchecked_message_must_be_an_object_all_the_same(msg: object) -> None:
+def test_an_unchecked_message_must_be_an_object(msg: object) -> None:
     with pytest.raises(InvalidMessage, match="Expected a JSON object for type my_msgs/Thing but"):
         TYPES.message("my_msgs/Thing").validate(msg)
 
 
-def test_a_message_may_come_with_its_definition() -> None:
+def test_a_client_may_bring_the_definition_of_a_message() -> None:
     types = new_types(strict=True)
     assert types.message("my_msgs/Thing", "int8 one\n").validate({}) == {"one": 0}
     assert types.message("my_msgs/Thing").checked
 
 
-def test_what_was_unknown_is_known_once_somebody_brings_it() -> None:
+def test_an_unknown_type_is_known_once_a_client_brings_its_definition() -> None:
     types = new_types()
     assert not types.message("my_msgs/Thing").checked
     assert types.message("my_msgs/Thing", "int8 one\n").checked
@@ -122,28 +153,30 @@ def test_a_service_checks_requests_and_responses() -> None:
         (1, {"a": 0, "b": 0}),
     ],
 )
-def test_a_request_may_be_asked_for_in_many_ways(args: object, request_: dict[str, int]) -> None:
-    assert TYPES.service(ADD).ask(args) == request_
+def test_a_request_may_be_an_object_or_a_list_of_its_fields(
+    args: object, request_: dict[str, int]
+) -> None:
+    assert TYPES.service(ADD).fill_request(args) == request_
 
 
-def test_a_service_without_fields_takes_no_arguments() -> None:
+def test_a_request_without_fields_ignores_a_list() -> None:
     type_ = TYPES.service("std_srvs/Empty")
     assert type_.arguments == ()
-    assert type_.ask([1, 2]) == type_.ask(None) == {}
+    assert type_.fill_request([1, 2]) == type_.fill_request(None) == {}
     with pytest.raises(InvalidMessage):
-        type_.ask({"a": 1})
+        type_.fill_request({"a": 1})
 
 
-def test_an_unknown_service_relays_all_but_arguments_in_order() -> None:
+def test_an_unknown_service_takes_objects_but_not_lists() -> None:
     type_ = TYPES.service("my_srvs/Do")
     assert (type_.name, type_.arguments) == ("my_srvs/Do", None)
-    assert type_.ask({"any": 1}) == type_.response({"any": 1}) == {"any": 1}
-    assert type_.ask("any") == {}
+    assert type_.fill_request({"any": 1}) == type_.response({"any": 1}) == {"any": 1}
+    assert type_.fill_request("any") == {}
     with pytest.raises(InvalidMessage, match="my_srvs/Do, whose fields are not known here"):
-        type_.ask([])
+        type_.fill_request([])
 
 
-def test_a_service_may_come_with_its_definition() -> None:
+def test_a_client_may_bring_the_definition_of_a_service() -> None:
     types = new_types()
     assert types.service("my_srvs/Do").arguments is None
     assert types.service("my_srvs/Do", "int8 one\n---\n").arguments == ("one",)
@@ -162,7 +195,7 @@ def test_an_action_checks_goals_feedback_and_results() -> None:
             check({"wrong": 1})
 
 
-def test_an_unknown_action_relays_all() -> None:
+def test_messages_of_an_unknown_action_are_relayed_unchanged() -> None:
     type_ = TYPES.action("my_actions/Do")
     for check in (type_.goal, type_.feedback, type_.result):
         assert check({"any": 1}) == {"any": 1}
@@ -170,7 +203,7 @@ def test_an_unknown_action_relays_all() -> None:
             check([1])
 
 
-def test_an_action_may_come_with_its_definition() -> None:
+def test_a_client_may_bring_the_definition_of_an_action() -> None:
     types = new_types()
     definition = "int8 goal\n---\nint8 result\n---\nint8 feedback\n"
     assert types.action("my_actions/Do").goal({"any": 1}) == {"any": 1}
@@ -182,7 +215,7 @@ def test_an_action_may_come_with_its_definition() -> None:
     )
 
 
-# What all three have in common.
+# Messages, services and actions.
 
 KINDS = ["message", "service", "action"]
 WRONG = {"message": "int33 x\n", "service": "int33 x\n---\n", "action": "int33 x\n---\n---\n"}
@@ -195,20 +228,20 @@ def made(types: Types, kind: str, *args: Any) -> Any:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_strict_types_refuse_what_is_unknown(kind: str) -> None:
+def test_strict_types_refuse_an_unknown_package(kind: str) -> None:
     with pytest.raises(UnknownPackage, match="my_package"):
         made(new_types(strict=True), kind, "my_package/Thing")
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_typing_error_is_refused_strict_or_not(kind: str) -> None:
+def test_an_unknown_type_of_a_known_package_is_refused_with_a_suggestion(kind: str) -> None:
     name = KNOWN[kind]
     with pytest.raises(UnknownType, match=rf"did you mean {name}\?"):
         made(TYPES, kind, name[:-1])
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_definition_that_is_wrong_is_refused_and_not_kept(kind: str) -> None:
+def test_an_invalid_definition_is_refused_and_not_kept(kind: str) -> None:
     types = new_types(strict=True)
     with pytest.raises(DefinitionError, match="int33"):
         made(types, kind, "my_package/Thing", WRONG[kind])
@@ -217,7 +250,7 @@ def test_a_definition_that_is_wrong_is_refused_and_not_kept(kind: str) -> None:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_definition_must_agree_with_what_is_known(kind: str) -> None:
+def test_another_definition_of_a_known_type_is_refused(kind: str) -> None:
     types = new_types()
     with pytest.raises(InterfaceError, match="is known here with other fields"):
         made(types, kind, KNOWN[kind], OTHER[kind])
@@ -226,22 +259,8 @@ def test_a_definition_must_agree_with_what_is_known(kind: str) -> None:
         made(types, kind, "my_package/Thing", OTHER[kind].replace("int8", "int16"))
 
 
-def test_unknown_packages_are_logged_but_do_not_fill_the_log(
-    caplog: pytest.LogCaptureFixture,
-) -> None:
-    caplog.set_level(logging.WARNING)
-    types = new_types()
-    for number in range(1000):
-        made(types, KINDS[number % 3], f"made_up_{number}/Thing")
-    assert len(caplog.records) == 4
-    assert caplog.records[0].message == (
-        "Unable to load the manifest for package made_up_0. Caused by: no folder of definitions "
-        "holds it. Messages of type made_up_0/Thing are relayed unchecked."
-    )
-
-
 @pytest.mark.parametrize("kind", KINDS)
-def test_names_that_are_made_up_are_not_kept(kind: str) -> None:
+def test_unknown_type_names_are_not_kept(kind: str) -> None:
     types = new_types()
     for number in range(100):
         made(types, kind, f"made_up_{number}/Thing")

@@ -1,4 +1,4 @@
-"""What there is in the graph, told by rosapi."""
+"""rosapi's services that list topics, services, nodes and actions."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from fibws.hub.rosapi import introspection
 from fibws.interfaces import Interfaces
 
 from ..fakes import INT32, STRING, Client
-from .asking import Asking
+from .rosapi_client import RosapiClient
 
 OWN_TOPICS = {
     "/client_count": "std_msgs/Int32",
@@ -23,30 +23,32 @@ ADD = "rospy_tutorials/AddTwoInts"
 
 
 @pytest.fixture
-def asking() -> Asking:
-    return Asking()
+def rosapi() -> RosapiClient:
+    return RosapiClient()
 
 
-def talker(asking: Asking, node: str = "/talker", **topics: str) -> Client:
-    client = asking.joins(node)
+def talker(rosapi: RosapiClient, node: str = "/talker", **topics: str) -> Client:
+    client = rosapi.add_client(node)
     for topic, type_ in topics.items():
-        client.says("advertise", f"/{topic}", type=type_)
+        client.send("advertise", f"/{topic}", type=type_)
     return client
 
 
-def adder(asking: Asking, node: str = "/adder", service: str = "/add") -> Client:
-    client = asking.joins(node)
-    client.says("advertise_service", service=service, type=ADD)
+def adder(rosapi: RosapiClient, node: str = "/adder", service: str = "/add") -> Client:
+    client = rosapi.add_client(node)
+    client.send("advertise_service", service=service, type=ADD)
     return client
 
 
 # Topics.
 
 
-def test_topics_are_those_published_or_subscribed_to_with_their_types(asking: Asking) -> None:
-    talker(asking, fib=INT32)
-    asking.joins("/listener").says("subscribe", "/awaited")
-    topics = asking.gets("/rosapi/topics")
+def test_topics_lists_published_and_subscribed_topics_with_their_types(
+    rosapi: RosapiClient,
+) -> None:
+    talker(rosapi, fib=INT32)
+    rosapi.add_client("/listener").send("subscribe", "/awaited")
+    topics = rosapi.call("/rosapi/topics")
     assert dict(zip(topics["topics"], topics["types"], strict=True)) == {
         **OWN_TOPICS,
         "/fib": INT32,
@@ -55,102 +57,105 @@ def test_topics_are_those_published_or_subscribed_to_with_their_types(asking: As
     assert topics["topics"] == sorted(topics["topics"])
 
 
-def test_topics_change_with_the_graph(asking: Asking) -> None:
-    assert asking.gets("/rosapi/topics")["topics"] == [*OWN_TOPICS]
-    client = talker(asking, fib=INT32)
-    assert "/fib" in asking.gets("/rosapi/topics")["topics"]
-    client.says("unadvertise", "/fib")
-    assert asking.gets("/rosapi/topics")["topics"] == [*OWN_TOPICS]
+def test_topics_changes_with_the_graph(rosapi: RosapiClient) -> None:
+    assert rosapi.call("/rosapi/topics")["topics"] == [*OWN_TOPICS]
+    client = talker(rosapi, fib=INT32)
+    assert "/fib" in rosapi.call("/rosapi/topics")["topics"]
+    client.send("unadvertise", "/fib")
+    assert rosapi.call("/rosapi/topics")["topics"] == [*OWN_TOPICS]
 
 
-def test_topics_of_a_type(asking: Asking) -> None:
-    talker(asking, b=STRING, a=STRING, fib=INT32)
-    asking.joins("/listener").says("subscribe", "/awaited")
+def test_topics_for_type_lists_the_topics_of_a_type(rosapi: RosapiClient) -> None:
+    talker(rosapi, b=STRING, a=STRING, fib=INT32)
+    rosapi.add_client("/listener").send("subscribe", "/awaited")
     for spelling in (STRING, "std_msgs/msg/String"):
-        found = asking.gets("/rosapi/topics_for_type", type=spelling)
+        found = rosapi.call("/rosapi/topics_for_type", type=spelling)
         assert found == {"topics": ["/a", "/b"]}
-    for nothing in ("std_msgs/Bool", "String", ""):
-        assert asking.gets("/rosapi/topics_for_type", type=nothing) == {"topics": []}
+    for unknown in ("std_msgs/Bool", "String", ""):
+        assert rosapi.call("/rosapi/topics_for_type", type=unknown) == {"topics": []}
 
 
 @pytest.mark.parametrize("spelling", ["/fib", "fib"])
-def test_the_type_of_a_topic(asking: Asking, spelling: str) -> None:
-    talker(asking, fib=INT32)
-    assert asking.gets("/rosapi/topic_type", topic=spelling) == {"type": INT32}
+def test_topic_type_returns_the_type(rosapi: RosapiClient, spelling: str) -> None:
+    talker(rosapi, fib=INT32)
+    assert rosapi.call("/rosapi/topic_type", topic=spelling) == {"type": INT32}
 
 
-@pytest.mark.parametrize("name", ["/awaited", "/nothing", "", "no name"])
-def test_what_has_no_type_has_an_empty_one(asking: Asking, name: str) -> None:
-    asking.joins("/listener").says("subscribe", "/awaited")
-    assert asking.gets("/rosapi/topic_type", topic=name) == {"type": ""}
+@pytest.mark.parametrize("name", ["/awaited", "/nothing", "", "not a name"])
+def test_topic_type_is_empty_for_an_unknown_topic_or_type(rosapi: RosapiClient, name: str) -> None:
+    rosapi.add_client("/listener").send("subscribe", "/awaited")
+    assert rosapi.call("/rosapi/topic_type", topic=name) == {"type": ""}
 
 
-def test_private_names_are_those_of_the_caller(asking: Asking) -> None:
-    asking.client.says("advertise", "~mine", type=INT32)
-    assert asking.gets("/rosapi/topic_type", topic="~mine") == {"type": INT32}
-    assert asking.gets("/rosapi/topic_type", topic="/asker/mine") == {"type": INT32}
+def test_private_names_belong_to_the_caller(rosapi: RosapiClient) -> None:
+    rosapi.client.send("advertise", "~mine", type=INT32)
+    assert rosapi.call("/rosapi/topic_type", topic="~mine") == {"type": INT32}
+    assert rosapi.call("/rosapi/topic_type", topic="/caller/mine") == {"type": INT32}
 
 
-def test_the_publishers_of_a_topic(asking: Asking) -> None:
-    talker(asking, "/b", fib=INT32)
-    talker(asking, "/a", fib=INT32)
-    assert asking.gets("/rosapi/publishers", topic="/fib") == {"publishers": ["/a", "/b"]}
-    assert asking.gets("/rosapi/publishers", topic="/nothing") == {"publishers": []}
-    assert "/rosapi" in asking.gets("/rosapi/publishers", topic="/rosout")["publishers"]
+def test_publishers_lists_nodes_in_order(rosapi: RosapiClient) -> None:
+    talker(rosapi, "/b", fib=INT32)
+    talker(rosapi, "/a", fib=INT32)
+    assert rosapi.call("/rosapi/publishers", topic="/fib") == {"publishers": ["/a", "/b"]}
+    assert rosapi.call("/rosapi/publishers", topic="/nothing") == {"publishers": []}
+    assert "/rosapi" in rosapi.call("/rosapi/publishers", topic="/rosout")["publishers"]
 
 
-def test_the_subscribers_of_a_topic_each_once(asking: Asking) -> None:
+def test_subscribers_lists_each_node_once(rosapi: RosapiClient) -> None:
     for node in ("/b", "/a"):
-        client = asking.joins(node)
-        client.says("subscribe", "/fib")
-        client.says("subscribe", "fib")
-    assert asking.gets("/rosapi/subscribers", topic="fib") == {"subscribers": ["/a", "/b"]}
-    assert asking.gets("/rosapi/subscribers", topic="/nothing") == {"subscribers": []}
-    assert asking.gets("/rosapi/subscribers", topic="/rosout") == {"subscribers": ["/rosout"]}
+        client = rosapi.add_client(node)
+        client.send("subscribe", "/fib")
+        client.send("subscribe", "fib")
+    assert rosapi.call("/rosapi/subscribers", topic="fib") == {"subscribers": ["/a", "/b"]}
+    assert rosapi.call("/rosapi/subscribers", topic="/nothing") == {"subscribers": []}
+    assert rosapi.call("/rosapi/subscribers", topic="/rosout") == {"subscribers": ["/rosout"]}
 
 
 # Topics with the texts of their types.
 
 
-def texts(asking: Asking) -> dict[str, str]:
-    told = asking.gets("/rosapi/topics_and_raw_types")
-    plain = asking.gets("/rosapi/topics")
-    assert (told["topics"], told["types"]) == (plain["topics"], plain["types"])
-    return dict(zip(told["topics"], told["typedefs_full_text"], strict=True))
+def texts(rosapi: RosapiClient) -> dict[str, str]:
+    found = rosapi.call("/rosapi/topics_and_raw_types")
+    plain = rosapi.call("/rosapi/topics")
+    assert (found["topics"], found["types"]) == (plain["topics"], plain["types"])
+    return dict(zip(found["topics"], found["typedefs_full_text"], strict=True))
 
 
-def test_topics_come_with_the_full_text_of_their_types(asking: Asking) -> None:
-    talker(asking, pose="geometry_msgs/PoseStamped")
-    asking.joins("/listener").says("subscribe", "/awaited")
-    told = texts(asking)
-    assert told["/pose"] == Interfaces().full_text("geometry_msgs/PoseStamped")
-    assert f"\n{'=' * 80}\nMSG: geometry_msgs/Pose\n" in told["/pose"]
-    assert "string[] topics" in told["/rosout"]
-    assert told["/awaited"] == ""
+def test_topics_and_raw_types_has_the_full_text_of_each_type(rosapi: RosapiClient) -> None:
+    talker(rosapi, pose="geometry_msgs/PoseStamped")
+    rosapi.add_client("/listener").send("subscribe", "/awaited")
+    found = texts(rosapi)
+    assert found["/pose"] == Interfaces().full_text("geometry_msgs/PoseStamped")
+    assert f"\n{'=' * 80}\nMSG: geometry_msgs/Pose\n" in found["/pose"]
+    assert "string[] topics" in found["/rosout"]
+    assert found["/awaited"] == ""
 
 
-def test_a_type_that_nobody_knows_has_no_text_until_somebody_brings_it(asking: Asking) -> None:
-    talker(asking, thing="nowhere_msgs/Thing")
-    assert texts(asking)["/thing"] == ""
-    client = asking.joins("/knower")
-    client.says("advertise", "/other", type="nowhere_msgs/Thing", definition="int32 x")
-    assert texts(asking)["/thing"] == "int32 x"
+def test_an_unknown_type_has_no_text_until_a_client_brings_its_definition(
+    rosapi: RosapiClient,
+) -> None:
+    talker(rosapi, thing="nowhere_msgs/Thing")
+    assert texts(rosapi)["/thing"] == ""
+    client = rosapi.add_client("/late")
+    client.send("advertise", "/other", type="nowhere_msgs/Thing", definition="int32 x")
+    assert texts(rosapi)["/thing"] == "int32 x"
 
 
-def test_more_text_than_there_is_room_for_is_left_out(
-    asking: Asking, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+def test_texts_beyond_the_limit_are_left_out(
+    rosapi: RosapiClient, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     monkeypatch.setattr(introspection, "MOST_TEXT", 1000)
-    talker(asking, **{f"y{number}": STRING for number in range(100)})
-    told = texts(asking)
-    assert told["/client_count"] == Interfaces().full_text(INT32)
-    assert told["/y0"] == Interfaces().full_text(STRING)
-    assert told["/y99"] == ""
-    assert "more text than rosapi will tell" in caplog.text
+    talker(rosapi, **{f"y{number}": STRING for number in range(100)})
+    found = texts(rosapi)
+    assert found["/client_count"] == Interfaces().full_text(INT32)
+    assert found["/y0"] == Interfaces().full_text(STRING)
+    assert found["/y99"] == ""
+    assert "/rosapi/topics_and_raw_types" in caplog.text
+    assert "1000 bytes" in caplog.text
 
 
-def test_no_text_is_made_that_there_is_no_room_for(
-    asking: Asking, monkeypatch: pytest.MonkeyPatch
+def test_texts_beyond_the_limit_are_not_made(
+    rosapi: RosapiClient, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(introspection, "MOST_TEXT", 1)
     read: list[str] = []
@@ -159,122 +164,127 @@ def test_no_text_is_made_that_there_is_no_room_for(
         read.append(name)
         return "much"
 
-    monkeypatch.setattr(asking.graph.interfaces, "full_text", much)
-    assert set(texts(asking).values()) == {""}
+    monkeypatch.setattr(rosapi.graph.interfaces, "full_text", much)
+    assert set(texts(rosapi).values()) == {""}
     assert read == [OWN_TOPICS["/client_count"]]
 
 
-def test_the_warning_about_too_much_text_does_not_fill_the_log(
-    asking: Asking, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+def test_the_warning_about_texts_left_out_does_not_fill_the_log(
+    rosapi: RosapiClient, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     monkeypatch.setattr(introspection, "MOST_TEXT", 1)
     for number in range(9):
-        talker(asking, **{f"y{number}": STRING})
-        texts(asking)
+        talker(rosapi, **{f"y{number}": STRING})
+        texts(rosapi)
     assert [record.levelno for record in caplog.records] == [logging.WARNING]
 
 
-def test_an_answer_is_made_once_for_each_state_of_the_graph(
-    asking: Asking, monkeypatch: pytest.MonkeyPatch
+def test_a_response_is_made_once_for_each_revision(
+    rosapi: RosapiClient, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     read: list[str] = []
-    full_text = asking.graph.interfaces.full_text
+    full_text = rosapi.graph.interfaces.full_text
 
     def counted(name: str) -> str:
         read.append(name)
         return full_text(name)
 
-    monkeypatch.setattr(asking.graph.interfaces, "full_text", counted)
+    monkeypatch.setattr(rosapi.graph.interfaces, "full_text", counted)
     names = ("topics", "topics_and_raw_types", "services", "nodes", "action_servers")
-    functions = [asking.graph.services[f"/rosapi/{name}"].provider for name in names]
-    first = [answer(function) for function in functions]
-    again = [answer(function) for function in functions]
+    servers = [rosapi.graph.services[f"/rosapi/{name}"].server for name in names]
+    first = [response(server) for server in servers]
+    again = [response(server) for server in servers]
     assert all(one is other for one, other in zip(first, again, strict=True))
-    talker(asking, fib=INT32)
-    later = [answer(function) for function in functions]
+    talker(rosapi, fib=INT32)
+    later = [response(server) for server in servers]
     assert all(one is not other for one, other in zip(first, later, strict=True))
     assert sorted(read) == sorted({*OWN_TOPICS.values()})
 
 
-def answer(provider: Any) -> Any:
-    return provider._function({}, "/asker")
+def response(server: Any) -> Any:
+    """The response itself, not a copy of its bytes."""
+    return server._function({}, "/caller")
 
 
 # Services.
 
 
-def test_services_are_all_there_are(asking: Asking) -> None:
-    adder(asking)
-    services = asking.gets("/rosapi/services")["services"]
-    assert services == sorted(asking.graph.services)
+def test_services_lists_all_services(rosapi: RosapiClient) -> None:
+    adder(rosapi)
+    services = rosapi.call("/rosapi/services")["services"]
+    assert services == sorted(rosapi.graph.services)
     assert {"/add", "/rosapi/topics", "/rosout/get_loggers"} < set(services)
 
 
-def test_services_of_a_type_and_their_providers(asking: Asking) -> None:
-    adder(asking, "/b", "/plus")
-    client = adder(asking, "/a", "/add")
-    client.says("advertise_service", service="/add2", type=ADD)
+def test_services_and_servers_of_a_type_are_listed(rosapi: RosapiClient) -> None:
+    adder(rosapi, "/b", "/plus")
+    client = adder(rosapi, "/a", "/add")
+    client.send("advertise_service", service="/add2", type=ADD)
     for spelling in (ADD, "rospy_tutorials/srv/AddTwoInts"):
-        found = asking.gets("/rosapi/services_for_type", type=spelling)
+        found = rosapi.call("/rosapi/services_for_type", type=spelling)
         assert found == {"services": ["/add", "/add2", "/plus"]}
-        providers = asking.gets("/rosapi/service_providers", service=spelling)
+        providers = rosapi.call("/rosapi/service_providers", service=spelling)
         assert providers == {"providers": ["/a", "/b"]}
-    for nothing in ("std_srvs/Empty", "/add", ""):
-        assert asking.gets("/rosapi/services_for_type", type=nothing) == {"services": []}
-        assert asking.gets("/rosapi/service_providers", service=nothing) == {"providers": []}
+    for unknown in ("std_srvs/Empty", "/add", ""):
+        assert rosapi.call("/rosapi/services_for_type", type=unknown) == {"services": []}
+        assert rosapi.call("/rosapi/service_providers", service=unknown) == {"providers": []}
 
 
 @pytest.mark.parametrize("spelling", ["/add", "add"])
-def test_the_type_node_and_host_of_a_service(asking: Asking, spelling: str) -> None:
-    adder(asking)
-    assert asking.gets("/rosapi/service_type", service=spelling) == {"type": ADD}
-    assert asking.gets("/rosapi/service_node", service=spelling) == {"node": "/adder"}
-    assert asking.gets("/rosapi/service_host", service=spelling) == {"host": "127.0.0.1"}
+def test_the_type_node_and_host_of_a_service_are_returned(
+    rosapi: RosapiClient, spelling: str
+) -> None:
+    adder(rosapi)
+    assert rosapi.call("/rosapi/service_type", service=spelling) == {"type": ADD}
+    assert rosapi.call("/rosapi/service_node", service=spelling) == {"node": "/adder"}
+    assert rosapi.call("/rosapi/service_host", service=spelling) == {"host": "127.0.0.1"}
 
 
-@pytest.mark.parametrize("name", ["/nothing", "", "no name"])
-def test_a_service_that_is_not_there_has_none_of_them(asking: Asking, name: str) -> None:
-    assert asking.gets("/rosapi/service_type", service=name) == {"type": ""}
-    assert asking.gets("/rosapi/service_node", service=name) == {"node": ""}
-    assert asking.gets("/rosapi/service_host", service=name) == {"host": ""}
+@pytest.mark.parametrize("name", ["/nothing", "", "not a name"])
+def test_the_type_node_and_host_of_an_unknown_service_are_empty(
+    rosapi: RosapiClient, name: str
+) -> None:
+    assert rosapi.call("/rosapi/service_type", service=name) == {"type": ""}
+    assert rosapi.call("/rosapi/service_node", service=name) == {"node": ""}
+    assert rosapi.call("/rosapi/service_host", service=name) == {"host": ""}
 
 
-def test_the_hub_s_own_services_are_its_nodes(asking: Asking) -> None:
-    found = asking.gets("/rosapi/service_node", service="/rosapi/topics")
+def test_the_hubs_own_services_belong_to_its_nodes(rosapi: RosapiClient) -> None:
+    found = rosapi.call("/rosapi/service_node", service="/rosapi/topics")
     assert found == {"node": "/rosapi"}
-    found = asking.gets("/rosapi/service_node", service="/rosout/get_loggers")
+    found = rosapi.call("/rosapi/service_node", service="/rosout/get_loggers")
     assert found == {"node": "/rosout"}
 
 
 # Nodes.
 
 
-def test_nodes_are_the_clients_and_the_hub_s_own(asking: Asking) -> None:
+def test_nodes_lists_clients_and_the_hubs_own_nodes(rosapi: RosapiClient) -> None:
     own = ["/rosapi", "/rosbridge_websocket", "/rosout"]
-    assert asking.gets("/rosapi/nodes") == {"nodes": ["/asker", *own]}
-    client = talker(asking)
-    assert asking.gets("/rosapi/nodes") == {"nodes": ["/asker", *own, "/talker"]}
+    assert rosapi.call("/rosapi/nodes") == {"nodes": ["/caller", *own]}
+    client = talker(rosapi)
+    assert rosapi.call("/rosapi/nodes") == {"nodes": ["/caller", *own, "/talker"]}
     client.leaves()
-    assert asking.gets("/rosapi/nodes") == {"nodes": ["/asker", *own]}
+    assert rosapi.call("/rosapi/nodes") == {"nodes": ["/caller", *own]}
 
 
 @pytest.mark.parametrize("spelling", ["/busy", "busy"])
-def test_the_details_of_a_node_are_sorted(asking: Asking, spelling: str) -> None:
-    client = talker(asking, "/busy", d=INT32, c=INT32)
+def test_node_details_are_sorted(rosapi: RosapiClient, spelling: str) -> None:
+    client = talker(rosapi, "/busy", d=INT32, c=INT32)
     for topic in ("/b", "b", "/a"):
-        client.says("subscribe", topic)
+        client.send("subscribe", topic)
     for service in ("/f", "/e"):
-        client.says("advertise_service", service=service, type=ADD)
-    assert asking.gets("/rosapi/node_details", node=spelling) == {
+        client.send("advertise_service", service=service, type=ADD)
+    assert rosapi.call("/rosapi/node_details", node=spelling) == {
         "subscribing": ["/a", "/b"],
         "publishing": ["/c", "/d"],
         "services": ["/e", "/f"],
     }
 
 
-@pytest.mark.parametrize("name", ["/nobody", "", "no name"])
-def test_a_node_that_is_not_there_has_nothing(asking: Asking, name: str) -> None:
-    assert asking.gets("/rosapi/node_details", node=name) == {
+@pytest.mark.parametrize("name", ["/nobody", "", "not a name"])
+def test_node_details_of_an_unknown_node_are_empty(rosapi: RosapiClient, name: str) -> None:
+    assert rosapi.call("/rosapi/node_details", node=name) == {
         "subscribing": [],
         "publishing": [],
         "services": [],
@@ -284,31 +294,33 @@ def test_a_node_that_is_not_there_has_nothing(asking: Asking, name: str) -> None
 # Actions.
 
 
-def test_action_servers_are_namespaces_with_all_five_topics(asking: Asking) -> None:
+def test_a_namespace_with_all_five_topics_is_an_action_server(rosapi: RosapiClient) -> None:
     for namespace in ("/robot/move", "/fibonacci"):
         topics = {f"{namespace[1:]}/{each}": STRING for each in introspection.ACTION_TOPICS}
-        talker(asking, f"{namespace}_server", **topics)
-    found = asking.gets("/rosapi/action_servers")
+        talker(rosapi, f"{namespace}_server", **topics)
+    found = rosapi.call("/rosapi/action_servers")
     assert found == {"action_servers": ["/fibonacci", "/robot/move"]}
 
 
 @pytest.mark.parametrize("missing", sorted(introspection.ACTION_TOPICS))
-def test_with_one_topic_missing_there_is_no_action_server(asking: Asking, missing: str) -> None:
+def test_a_namespace_without_one_of_the_topics_is_not_an_action_server(
+    rosapi: RosapiClient, missing: str
+) -> None:
     topics = {f"fib/{each}": STRING for each in introspection.ACTION_TOPICS - {missing}}
-    talker(asking, **topics, **{f"other/{missing}": STRING})
-    assert asking.gets("/rosapi/action_servers") == {"action_servers": []}
+    talker(rosapi, **topics, **{f"other/{missing}": STRING})
+    assert rosapi.call("/rosapi/action_servers") == {"action_servers": []}
 
 
-def test_topics_in_no_namespace_make_no_action_server(asking: Asking) -> None:
-    talker(asking, **dict.fromkeys(introspection.ACTION_TOPICS, STRING))
-    assert asking.gets("/rosapi/action_servers") == {"action_servers": []}
+def test_topics_without_a_namespace_are_not_an_action_server(rosapi: RosapiClient) -> None:
+    talker(rosapi, **dict.fromkeys(introspection.ACTION_TOPICS, STRING))
+    assert rosapi.call("/rosapi/action_servers") == {"action_servers": []}
 
 
-def test_actions_of_ros_2_are_action_servers_too(asking: Asking) -> None:
-    client = asking.joins("/server")
-    client.says("advertise_action", action="/count", type="example_interfaces/Fibonacci")
+def test_actions_of_ros_2_are_listed_too(rosapi: RosapiClient) -> None:
+    client = rosapi.add_client("/server")
+    client.send("advertise_action", action="/count", type="example_interfaces/Fibonacci")
     topics = {f"fib/{each}": STRING for each in introspection.ACTION_TOPICS}
-    talker(asking, **topics)
-    assert asking.gets("/rosapi/action_servers") == {"action_servers": ["/count", "/fib"]}
+    talker(rosapi, **topics)
+    assert rosapi.call("/rosapi/action_servers") == {"action_servers": ["/count", "/fib"]}
     client.leaves()
-    assert asking.gets("/rosapi/action_servers") == {"action_servers": ["/fib"]}
+    assert rosapi.call("/rosapi/action_servers") == {"action_servers": ["/fib"]}

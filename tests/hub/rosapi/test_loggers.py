@@ -1,4 +1,4 @@
-"""The levels of the hub's log can be read and changed by any client."""
+"""get_loggers and set_logger_level: the level of the hub's log."""
 
 from __future__ import annotations
 
@@ -7,22 +7,22 @@ from collections.abc import Iterator
 
 import pytest
 
-from .asking import Asking
+from .rosapi_client import RosapiClient
 
 LOGGER = logging.getLogger("fibws.hub")
 NODES = ["/rosapi", "/rosbridge_websocket", "/rosout"]
 
 
 @pytest.fixture(autouse=True)
-def the_log_is_left_as_it_was() -> Iterator[None]:
+def restore_the_level() -> Iterator[None]:
     level = LOGGER.level
     yield
     LOGGER.setLevel(level)
 
 
 @pytest.fixture
-def asking() -> Asking:
-    return Asking()
+def rosapi() -> RosapiClient:
+    return RosapiClient()
 
 
 @pytest.mark.parametrize("node", NODES)
@@ -39,11 +39,11 @@ def asking() -> Asking:
         (1000, "fatal"),
     ],
 )
-def test_the_level_is_told_under_both_names(
-    asking: Asking, node: str, number: int, level: str
+def test_the_level_is_listed_under_both_names(
+    rosapi: RosapiClient, node: str, number: int, level: str
 ) -> None:
     LOGGER.setLevel(number)
-    assert asking.gets(f"{node}/get_loggers") == {
+    assert rosapi.call(f"{node}/get_loggers") == {
         "loggers": [{"name": "rosout", "level": level}, {"name": "fibws.hub", "level": level}]
     }
 
@@ -60,22 +60,24 @@ def test_the_level_is_told_under_both_names(
         ("fatal", logging.CRITICAL),
     ],
 )
-def test_the_level_is_set(asking: Asking, node: str, logger: str, level: str, number: int) -> None:
-    assert asking.gets(f"{node}/set_logger_level", logger=logger, level=level) == {}
+def test_the_level_is_set(
+    rosapi: RosapiClient, node: str, logger: str, level: str, number: int
+) -> None:
+    assert rosapi.call(f"{node}/set_logger_level", logger=logger, level=level) == {}
     assert LOGGER.level == number
 
 
 @pytest.mark.parametrize("level", ["", "loud", "warning", "20"])
-def test_an_unknown_level_is_refused(asking: Asking, level: str) -> None:
+def test_an_unknown_level_is_refused(rosapi: RosapiClient, level: str) -> None:
     before = LOGGER.level
-    refused = asking.is_refused("/rosout/set_logger_level", logger="rosout", level=level)
-    assert refused == f'a level is debug or info or warn or error or fatal, not "{level}"'
+    refusal = rosapi.refusal("/rosout/set_logger_level", logger="rosout", level=level)
+    assert all(each in refusal for each in ("debug", "info", "warn", "error", "fatal", level))
     assert LOGGER.level == before
 
 
 @pytest.mark.parametrize("logger", ["", "ros", "fibws"])
-def test_an_unknown_logger_is_refused(asking: Asking, logger: str) -> None:
+def test_an_unknown_logger_is_refused(rosapi: RosapiClient, logger: str) -> None:
     before = LOGGER.level
-    refused = asking.is_refused("/rosout/set_logger_level", logger=logger, level="debug")
-    assert refused == f'a logger of the hub is rosout or fibws.hub, not "{logger}"'
+    refusal = rosapi.refusal("/rosout/set_logger_level", logger=logger, level="debug")
+    assert all(each in refusal for each in ("rosout", "fibws.hub", logger))
     assert LOGGER.level == before

@@ -1,107 +1,142 @@
-"""The hub's own nodes are there from the start, as nodes among others."""
+"""The hub's own nodes: their topics, services and log."""
 
 from __future__ import annotations
 
 import pytest
 
+from fibws.hub.graph.publication import Publication
+from fibws.hub.graph.types import CheckedType
 from fibws.hub.rosapi.nodes import OwnNode
+from fibws.protocol.serialized import publish_head, read_delivery
 
 from ..fakes import INT32
-from .asking import Asking
+from .rosapi_client import RosapiClient
 
 LOG = {"name": "/talker", "msg": "hello", "level": 2}
 
 
 @pytest.fixture
-def asking() -> Asking:
-    return Asking()
+def rosapi() -> RosapiClient:
+    return RosapiClient()
 
 
 def loggers(node: str) -> list[str]:
     return [f"{node}/get_loggers", f"{node}/set_logger_level"]
 
 
-def test_they_publish_hear_and_provide(asking: Asking) -> None:
-    rosout = asking.gets("/rosapi/node_details", node="/rosout")
+def test_the_hubs_own_nodes_publish_subscribe_and_serve(rosapi: RosapiClient) -> None:
+    rosout = rosapi.call("/rosapi/node_details", node="/rosout")
     assert rosout == {
         "publishing": ["/rosout_agg"],
         "subscribing": ["/rosout"],
         "services": loggers("/rosout"),
     }
-    rosbridge = asking.gets("/rosapi/node_details", node="/rosbridge_websocket")
+    rosbridge = rosapi.call("/rosapi/node_details", node="/rosbridge_websocket")
     assert rosbridge == {
         "publishing": ["/client_count", "/connected_clients"],
         "subscribing": [],
         "services": loggers("/rosbridge_websocket"),
     }
-    rosapi = asking.gets("/rosapi/node_details", node="/rosapi")
-    assert (rosapi["publishing"], rosapi["subscribing"]) == (["/rosout"], [])
-    assert set(rosapi["services"]) == {
-        name for name in asking.graph.services if name.startswith("/rosapi/")
+    own = rosapi.call("/rosapi/node_details", node="/rosapi")
+    assert (own["publishing"], own["subscribing"]) == (["/rosout"], [])
+    assert set(own["services"]) == {
+        name for name in rosapi.graph.services if name.startswith("/rosapi/")
     }
 
 
-def test_a_message_on_rosout_is_repeated(asking: Asking) -> None:
-    talker, listener = asking.joins("/talker"), asking.joins("/listener")
-    listener.says("subscribe", "/rosout")
-    listener.says("subscribe", "/rosout_agg")
-    talker.says("advertise", "/rosout", type="rosgraph_msgs/Log")
+def test_a_message_on_rosout_is_published_on_rosout_agg(rosapi: RosapiClient) -> None:
+    talker, listener = rosapi.add_client("/talker"), rosapi.add_client("/listener")
+    listener.send("subscribe", "/rosout")
+    listener.send("subscribe", "/rosout_agg")
+    talker.send("advertise", "/rosout", type="rosgraph_msgs/Log")
     for number in (1, 2):
-        talker.says("publish", "/rosout", msg={**LOG, "line": number})
-        heard = {each["topic"]: each["msg"] for each in listener.hears()}
-        assert heard["/rosout"] == heard["/rosout_agg"]
-        assert (heard["/rosout"]["msg"], heard["/rosout"]["line"]) == ("hello", number)
+        talker.send("publish", "/rosout", msg={**LOG, "line": number})
+        received = {each["topic"]: each["msg"] for each in listener.receive()}
+        assert received["/rosout"] == received["/rosout_agg"]
+        assert (received["/rosout"]["msg"], received["/rosout"]["line"]) == ("hello", number)
 
 
-def test_nothing_is_repeated_to_nobody(asking: Asking, monkeypatch: pytest.MonkeyPatch) -> None:
-    (aggregated,) = asking.graph.topics["/rosout_agg"].publishers.values()
-    checked: list[object] = []
-    monkeypatch.setattr(type(aggregated), "publish", lambda self, msg: checked.append(msg))
-    asking.graph.topics["/rosout"].observers[0](dict(LOG))
-    assert checked == []
-    asking.joins("/listener").says("subscribe", "/rosout_agg")
-    asking.graph.topics["/rosout"].observers[0](dict(LOG))
-    assert checked == [LOG]
+def test_rosout_agg_is_published_only_to_subscribers(
+    rosapi: RosapiClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (aggregated,) = rosapi.graph.topics["/rosout_agg"].sources.values()
+    forwarded: list[Publication] = []
+    monkeypatch.setattr(
+        type(aggregated), "forward", lambda self, publication: forwarded.append(publication)
+    )
+    talker = rosapi.add_client("/talker")
+    talker.send("advertise", "/rosout", type="rosgraph_msgs/Log")
+    talker.send("publish", "/rosout", msg=LOG)
+    assert forwarded == []
+    rosapi.add_client("/listener").send("subscribe", "/rosout_agg")
+    talker.send("publish", "/rosout", msg=LOG)
+    assert [each.values()["msg"] for each in forwarded] == ["hello"]
 
 
-def test_their_topics_have_their_types_for_good(asking: Asking) -> None:
-    talker = asking.joins("/talker")
-    talker.says("advertise", "/client_count", type="std_msgs/String")
-    (status,) = talker.hears_statuses()
+def test_the_types_of_their_topics_cannot_be_changed(rosapi: RosapiClient) -> None:
+    talker = rosapi.add_client("/talker")
+    talker.send("advertise", "/client_count", type="std_msgs/String")
+    (status,) = talker.receive_statuses()
     assert "already established with type std_msgs/Int32 (by /rosbridge_websocket)" in status
 
 
-def test_their_services_are_not_to_be_taken_over(asking: Asking) -> None:
-    thief = asking.joins("/thief")
-    thief.says("advertise_service", service="/rosapi/topics", type="rosapi/Topics")
-    assert thief.hears_statuses() != []
-    assert "/rosout" in asking.gets("/rosapi/topics")["topics"]
+def test_their_services_cannot_be_taken_over(rosapi: RosapiClient) -> None:
+    client = rosapi.add_client("/client")
+    client.send("advertise_service", service="/rosapi/topics", type="rosapi/Topics")
+    assert client.receive_statuses() != []
+    assert "/rosout" in rosapi.call("/rosapi/topics")["topics"]
 
 
-def test_they_are_never_replaced() -> None:
+def test_an_own_node_is_never_replaced() -> None:
     with pytest.raises(AssertionError, match="/rosapi is the hub's own"):
         OwnNode("/rosapi", [], [], []).replaced()
 
 
-def test_in_the_end_nothing_is_left(asking: Asking) -> None:
-    connections = [asking.connects() for _ in range(2)]
-    asking.client.says("advertise", "/fib", type=INT32)
-    asking.client.leaves()
+def test_closing_removes_all_nodes_topics_and_services(rosapi: RosapiClient) -> None:
+    connections = [rosapi.connect() for _ in range(2)]
+    rosapi.client.send("advertise", "/fib", type=INT32)
+    rosapi.client.leaves()
     for connection in connections:
         connection.client.leaves()
-    asking.own.close()
-    graph = asking.graph
+    rosapi.own.close()
+    graph = rosapi.graph
     assert (graph.nodes, graph.topics, graph.services) == ({}, {}, {})
-    assert asking.hub.clock.timers == 0
+    assert rosapi.hub.clock.timers == 0
 
 
-def test_they_close_only_once(asking: Asking) -> None:
-    asking.own.close()
-    asking.own.close()
+def test_closing_twice_is_harmless(rosapi: RosapiClient) -> None:
+    rosapi.own.close()
+    rosapi.own.close()
 
 
-def test_what_clients_subscribe_to_outlives_them(asking: Asking) -> None:
-    asking.client.says("subscribe", "/rosout")
-    asking.own.close()
-    assert list(asking.graph.topics) == ["/rosout"]
-    assert asking.graph.topics["/rosout"].observers == []
+def test_a_topic_with_a_client_as_subscriber_outlives_them(rosapi: RosapiClient) -> None:
+    rosapi.client.send("subscribe", "/rosout")
+    rosapi.own.close()
+    assert list(rosapi.graph.topics) == ["/rosout"]
+    assert list(rosapi.graph.topics["/rosout"].subscribers()) == ["/caller"]
+
+
+def test_a_serialized_message_on_rosout_is_repeated_without_being_decoded(
+    rosapi: RosapiClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    talker, listener = (rosapi.hub.client(node, serialized=True) for node in ("/a", "/b"))
+    talker.send("advertise", "/rosout", type="rosgraph_msgs/Log", publisher=1)
+    for topic in ("/rosout", "/rosout_agg"):
+        listener.send("subscribe", topic, compression="ros1")
+    assert [each["op"] for each in listener.receive()] == ["subscribed", "subscribed"]
+    log = rosapi.graph.topics["/rosout"].type
+    assert log is not None
+    data = bytes(log.serialize(log.validate(LOG)))
+    monkeypatch.setattr(CheckedType, "deserialize", None)
+    talker.send_binary(publish_head(1) + data)
+    messages = [read_delivery(payload).message for _, payload in listener.receive_frames()]
+    assert [bytes(message[4:]) for message in messages] == [data[4:], data[4:]]
+
+
+def test_rosout_counts_as_a_subscriber_of_the_log(rosapi: RosapiClient) -> None:
+    talker = rosapi.add_client("/talker")
+    talker.send("advertise", "/rosout", type="rosgraph_msgs/Log", peers=True)
+    assert talker.receive_one("peers")["nodes"] == ["/rosout"]
+    talker.send("publish", "/rosout", msg=LOG)
+    [report] = [sink.report() for sink in rosapi.graph.topics["/rosout"].sinks()]
+    assert report.messages == 1

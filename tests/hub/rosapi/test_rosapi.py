@@ -1,11 +1,11 @@
-"""rosapi offers what the ROS 1 package does, by the same names and types."""
+"""rosapi has the services of the ROS 1 package, with the same names and types."""
 
 from __future__ import annotations
 
 import pytest
 
 from ..fakes import NANOSECONDS
-from .asking import Asking
+from .rosapi_client import RosapiClient
 
 SERVICES = {
     "action_servers": "GetActionServers",
@@ -37,46 +37,47 @@ SERVICES = {
 
 
 @pytest.fixture
-def asking() -> Asking:
-    return Asking()
+def rosapi() -> RosapiClient:
+    return RosapiClient()
 
 
-def test_its_services_are_those_of_ros_1(asking: Asking) -> None:
+def test_the_services_are_those_of_ros_1(rosapi: RosapiClient) -> None:
     own = {
         name.removeprefix("/rosapi/"): service.type.name.removeprefix("rosapi/")
-        for name, service in asking.graph.services.items()
+        for name, service in rosapi.graph.services.items()
         if service.type.name.startswith("rosapi/")
     }
     assert own == SERVICES
 
 
-def test_it_is_not_taken_for_ros_2(asking: Asking) -> None:
-    refused = asking.is_refused("/rosapi/get_ros_version")
-    assert refused == "Service /rosapi/get_ros_version does not exist"
+def test_get_ros_version_is_missing_so_that_clients_do_not_assume_ros_2(
+    rosapi: RosapiClient,
+) -> None:
+    assert "/rosapi/get_ros_version" in rosapi.refusal("/rosapi/get_ros_version")
 
 
-def test_its_services_may_be_called_without_a_slash(asking: Asking) -> None:
-    assert "/rosapi" in asking.gets("rosapi/nodes")["nodes"]
+def test_services_may_be_called_without_a_leading_slash(rosapi: RosapiClient) -> None:
+    assert "/rosapi" in rosapi.call("rosapi/nodes")["nodes"]
 
 
-def test_the_time_is_that_of_the_hub(asking: Asking) -> None:
+def test_get_time_returns_the_hubs_time(rosapi: RosapiClient) -> None:
     secs, nsecs = divmod(NANOSECONDS, 10**9)
-    assert asking.gets("/rosapi/get_time") == {"time": {"secs": secs, "nsecs": nsecs}}
+    assert rosapi.call("/rosapi/get_time") == {"time": {"secs": secs, "nsecs": nsecs}}
 
 
 @pytest.mark.parametrize(
-    ("service", "type_", "told"),
+    ("service", "type_", "expected"),
     [
         ("message_details", "std_msgs/Header", ["std_msgs/Header", "time"]),
         ("service_request_details", "std_srvs/SetBool", ["std_srvs/SetBoolRequest"]),
         ("service_response_details", "std_srvs/SetBool", ["std_srvs/SetBoolResponse"]),
     ],
 )
-def test_types_are_told_in_detail(
-    asking: Asking, service: str, type_: str, told: list[str]
+def test_the_details_of_types_are_returned(
+    rosapi: RosapiClient, service: str, type_: str, expected: list[str]
 ) -> None:
-    typedefs = asking.gets(f"/rosapi/{service}", type=type_)["typedefs"]
-    assert [typedef["type"] for typedef in typedefs] == told
+    typedefs = rosapi.call(f"/rosapi/{service}", type=type_)["typedefs"]
+    assert [typedef["type"] for typedef in typedefs] == expected
 
 
 @pytest.mark.parametrize(
@@ -91,12 +92,12 @@ def test_types_are_told_in_detail(
         ("std_msgs/Thing", " class Thing from package std_msgs. Caused by"),
     ],
 )
-def test_a_type_that_nobody_defined_is_refused(
-    asking: Asking, service: str, type_: str, fault: str
+def test_an_unknown_type_is_refused(
+    rosapi: RosapiClient, service: str, type_: str, fault: str
 ) -> None:
-    assert fault in asking.is_refused(f"/rosapi/{service}", type=type_)
+    assert fault in rosapi.refusal(f"/rosapi/{service}", type=type_)
 
 
-def test_an_unknown_field_is_refused(asking: Asking) -> None:
-    refused = asking.is_refused("/rosapi/topic_type", topic="/x", bogus=1)
+def test_an_unknown_field_is_refused(rosapi: RosapiClient) -> None:
+    refused = rosapi.refusal("/rosapi/topic_type", topic="/x", bogus=1)
     assert refused == "Message type rosapi/TopicTypeRequest does not have a field bogus"

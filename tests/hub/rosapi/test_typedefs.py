@@ -1,4 +1,4 @@
-"""What types are made of, as rosapi's TypeDefs."""
+"""The fields of types, as rosapi/TypeDef lists them."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ HEADER = {
 
 
 @pytest.fixture
-def users(tmp_path: Path) -> Interfaces:
-    """Types with all that a definition can have."""
+def user_types(tmp_path: Path) -> Interfaces:
+    """Types with every kind of field and constant."""
     files = {
         "msg/Everything.msg": "bool b\nbyte o\nchar c\nfloat32 f\nfloat64[] d\nuint8[4] u\n"
         "string s\nLeaf[<=3] leaves\nLeaf leaf\nduration d1\ntime[2] t\nwstring w\n"
@@ -51,7 +51,7 @@ def users(tmp_path: Path) -> Interfaces:
 
 
 def typedefs(text: bytes) -> list[dict[str, Any]]:
-    """What a response tells, which fits rosapi's own definition of it."""
+    """The type definitions of a response, which fit rosapi's definition of them."""
     response = json.loads(text)
     assert list(response) == ["typedefs"]
     validate = Validators(Interfaces(), lambda: 0).of("rosapi/TypeDef").validate
@@ -64,11 +64,11 @@ def types(text: bytes) -> list[str]:
     return [each["type"] for each in typedefs(text)]
 
 
-def test_a_message_is_told_with_the_types_in_it() -> None:
+def test_a_message_is_listed_with_the_types_in_it() -> None:
     assert typedefs(TypeDefs(Interfaces()).message("std_msgs/Header")) == [HEADER, TIME]
 
 
-def test_types_come_depth_first_each_once() -> None:
+def test_types_are_listed_depth_first_and_once() -> None:
     assert types(TypeDefs(Interfaces()).message("geometry_msgs/PoseWithCovarianceStamped")) == [
         "geometry_msgs/PoseWithCovarianceStamped",
         "std_msgs/Header",
@@ -84,16 +84,18 @@ def test_types_come_depth_first_each_once() -> None:
     ]
 
 
-def test_every_kind_of_field_is_told(users: Interfaces) -> None:
-    everything, leaf, duration, time = typedefs(TypeDefs(users).message("user_msgs/Everything"))
-    told = zip(
+def test_every_kind_of_field_is_listed(user_types: Interfaces) -> None:
+    everything, leaf, duration, time = typedefs(
+        TypeDefs(user_types).message("user_msgs/Everything")
+    )
+    fields = zip(
         everything["fieldnames"],
         everything["fieldtypes"],
         everything["fieldarraylen"],
         everything["examples"],
         strict=True,
     )
-    assert list(told) == [
+    assert list(fields) == [
         ("b", "bool", -1, "False"),
         ("o", "byte", -1, "0"),
         ("c", "char", -1, "0"),
@@ -113,17 +115,20 @@ def test_every_kind_of_field_is_told(users: Interfaces) -> None:
     assert time == TIME
 
 
-def test_constants_are_sorted_by_name(users: Interfaces) -> None:
-    (leaf,) = typedefs(TypeDefs(users).message("user_msgs/Leaf"))
+def test_constants_are_sorted_by_name(user_types: Interfaces) -> None:
+    (leaf,) = typedefs(TypeDefs(user_types).message("user_msgs/Leaf"))
     assert leaf["constnames"] == ["A", "F", "M", "Z"]
     assert leaf["constvalues"] == ["some text", "2.0", "True", "-3"]
 
 
-def test_a_service_is_told_by_its_request_and_its_response(users: Interfaces) -> None:
-    told = TypeDefs(users)
-    assert types(told.request("user_msgs/Twice")) == ["user_msgs/TwiceRequest", "user_msgs/Leaf"]
-    assert types(told.response("user_msgs/Twice")) == ["user_msgs/TwiceResponse", "time"]
-    (request,) = typedefs(told.request("rospy_tutorials/AddTwoInts"))
+def test_requests_and_responses_of_a_service_are_listed(user_types: Interfaces) -> None:
+    typedefs_of = TypeDefs(user_types)
+    assert types(typedefs_of.request("user_msgs/Twice")) == [
+        "user_msgs/TwiceRequest",
+        "user_msgs/Leaf",
+    ]
+    assert types(typedefs_of.response("user_msgs/Twice")) == ["user_msgs/TwiceResponse", "time"]
+    (request,) = typedefs(typedefs_of.request("rospy_tutorials/AddTwoInts"))
     assert request == {
         "type": "rospy_tutorials/AddTwoIntsRequest",
         "fieldnames": ["a", "b"],
@@ -135,42 +140,42 @@ def test_a_service_is_told_by_its_request_and_its_response(users: Interfaces) ->
     }
 
 
-def test_what_has_no_fields_is_told_all_the_same(users: Interfaces) -> None:
-    (empty,) = typedefs(TypeDefs(users).message("user_msgs/Empty"))
+def test_a_message_without_fields_is_listed(user_types: Interfaces) -> None:
+    (empty,) = typedefs(TypeDefs(user_types).message("user_msgs/Empty"))
     assert (empty["type"], empty["fieldnames"], empty["examples"]) == ("user_msgs/Empty", [], [])
 
 
 @pytest.mark.parametrize("name", ["int32", "string", "char", "bool"])
-def test_a_plain_value_is_made_of_nothing(name: str) -> None:
+def test_a_builtin_type_has_an_empty_list(name: str) -> None:
     assert typedefs(TypeDefs(Interfaces()).message(name)) == []
 
 
 @pytest.mark.parametrize("name", ["time", "duration"])
-def test_times_are_told_as_if_they_were_messages(name: str) -> None:
+def test_time_and_duration_are_listed_like_messages(name: str) -> None:
     assert typedefs(TypeDefs(Interfaces()).message(name)) == [{**TIME, "type": name}]
 
 
 def test_names_may_be_spelled_as_in_ros_2() -> None:
-    told = TypeDefs(Interfaces())
-    assert told.message("std_msgs/msg/Header") is told.message("std_msgs/Header")
-    assert told.request("std_srvs/srv/SetBool") is told.request("std_srvs/SetBool")
-    assert told.response("std_srvs/srv/SetBool") is told.response("std_srvs/SetBool")
+    typedefs_of = TypeDefs(Interfaces())
+    assert typedefs_of.message("std_msgs/msg/Header") is typedefs_of.message("std_msgs/Header")
+    assert typedefs_of.request("std_srvs/srv/SetBool") is typedefs_of.request("std_srvs/SetBool")
+    assert typedefs_of.response("std_srvs/srv/SetBool") is typedefs_of.response("std_srvs/SetBool")
 
 
 @pytest.mark.parametrize("name", ["", "Header", "std_msgs/Sting", "nowhere_msgs/Thing"])
-def test_what_nobody_defined_is_an_error(name: str) -> None:
-    told = TypeDefs(Interfaces())
-    for tell in (told.message, told.request, told.response):
+def test_an_unknown_type_is_an_error(name: str) -> None:
+    typedefs_of = TypeDefs(Interfaces())
+    for details in (typedefs_of.message, typedefs_of.request, typedefs_of.response):
         with pytest.raises(InterfaceError):
-            tell(name)
+            details(name)
 
 
-def test_every_standard_type_can_be_told() -> None:
+def test_every_standard_type_can_be_listed() -> None:
     interfaces = Interfaces()
-    told = TypeDefs(interfaces)
+    typedefs_of = TypeDefs(interfaces)
     for package in interfaces.packages():
         for name in interfaces.messages(package):
-            assert types(told.message(name))[0] == name
+            assert types(typedefs_of.message(name))[0] == name
         for name in interfaces.services(package):
-            assert types(told.request(name))[0] == f"{name}Request"
-            assert types(told.response(name))[0] == f"{name}Response"
+            assert types(typedefs_of.request(name))[0] == f"{name}Request"
+            assert types(typedefs_of.response(name))[0] == f"{name}Response"

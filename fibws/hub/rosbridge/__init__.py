@@ -1,0 +1,1 @@
+"""The rosbridge protocol: one endpoint of the hub's connections, which performs operations."""

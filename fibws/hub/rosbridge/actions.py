@@ -1,0 +1,262 @@
+"""The goals that one client sends, and the actions that it serves."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from fibws.errors import FibwsError, InvalidMessage, OperationError
+from fibws.hub.graph.action import Action, Goal, Ros2GoalStatus, cancel_service
+from fibws.hub.rosbridge.client import Client, check_room
+from fibws.protocol.frame_queue import Lane
+from fibws.protocol.operations import (
+    ActionFeedback,
+    ActionResult,
+    AdvertiseAction,
+    CancelActionGoal,
+    Id,
+    SendActionGoal,
+    UnadvertiseAction,
+    encode,
+    encode_fields,
+    json_of,
+    legal_id,
+)
+
+
+class Goals:
+    """One client's goals until they end; whatever becomes of a goal, there is a result.
+
+    It is an `ActionClient`.
+    """
+
+    __slots__ = ("_by_id", "_client", "_sent")
+
+    def __init__(self, client: Client) -> None:
+        self._client = client
+        self._sent: dict[Goal, tuple[SendActionGoal, Lane]] = {}
+        """With the lane of the feedback in the client's send queue."""
+        self._by_id: dict[Id, Goal] = {}
+        """By the ids that the client gave."""
+
+    def send(self, request: SendActionGoal) -> None:
+        """Send a goal.
+
+        Raises:
+            OperationError: another goal has its id, and the client could not tell their results.
+        """
+        if request.id in self._by_id:
+            raise OperationError(f"A goal of id {request.id} has not ended yet")
+        client = self._client
+        try:
+            check_room(len(self._sent), client.settings.max_goals, "goals")
+            name = client.resolve(request.action)
+            goal = client.graph.send_goal(
+                name, request.action_type, request.args, self, client.node
+            )
+        except FibwsError as error:
+            self._respond(request, Ros2GoalStatus.ABORTED, json_of(str(error)), error.code)
+            return
+        # The arguments may be large, and the server gets them.
+        request = request.model_copy(update={"args": None})
+        self._sent[goal] = (request, Lane(client.settings.queue_length))
+        if request.id is not None:
+            self._by_id[request.id] = goal
+        try:
+            goal.start()
+        except Exception:
+            goal.abandon()
+            self._pop(goal)
+            raise
+
+    def refuse(self, fields: dict[str, Any], text: str, code: str) -> None:
+        """Respond with an error to a malformed send_action_goal: its client may wait all the same.
+
+        Args:
+            fields: of the operation.
+        """
+        action, id_ = fields.get("action"), legal_id(fields.get("id"))
+        if isinstance(action, str) and id_ is not None and id_ not in self._by_id:
+            request = SendActionGoal(id=id_, action=action, action_type="")
+            self._respond(request, Ros2GoalStatus.ABORTED, json_of(text), code)
+
+    def cancel(self, request: CancelActionGoal) -> None:
+        """Cancel a goal; its result still comes."""
+        goal = self._by_id.get(request.id)
+        if goal is None:
+            # It may have ended in the meantime.
+            text = f"cancel_action_goal: no goal of {request.action} has this id"
+            self._client.statuses.info(request.id, text)
+        else:
+            goal.cancel()
+
+    def feedback(self, goal: Goal, values: bytes) -> None:
+        """Send the client feedback, if it wants any."""
+        request, lane = self._sent[goal]
+        if request.feedback:
+            text = _text(request, {"op": "action_feedback"}, values)
+            self._client.queue.put(self._client.frames(text, request.fragment_size), lane)
+
+    def result(self, goal: Goal, status: Ros2GoalStatus, values: bytes, code: str | None) -> None:
+        """Send the client a goal's end."""
+        self._respond(self._pop(goal), status, values, code)
+
+    def leave(self) -> None:
+        """Cancel all goals."""
+        for goal, (_, lane) in list(self._sent.items()):
+            goal.abandon()
+            self._client.queue.forget(lane)
+        self._sent.clear()
+        self._by_id.clear()
+
+    def _pop(self, goal: Goal) -> SendActionGoal:
+        request, lane = self._sent.pop(goal)
+        self._client.queue.forget(lane)
+        self._by_id.pop(request.id, None)
+        return request
+
+    def _respond(
+        self, request: SendActionGoal, status: Ros2GoalStatus, values: bytes, code: str | None
+    ) -> None:
+        fields = {
+            "op": "action_result",
+            "status": int(status),
+            "result": code is None,
+            "code": self._client.code(code),
+        }
+        self._client.reply(_text(request, fields, values), request.fragment_size)
+
+
+class Actions:
+    """One client's actions, and the goals that it executes; an `ActionServer`."""
+
+    __slots__ = ("_client", "_goals", "_served")
+
+    def __init__(self, client: Client) -> None:
+        self._client = client
+        self._served: dict[str, tuple[Action, str]] = {}
+        """By the action's name, with the spelling of it that the client knows."""
+        self._goals: dict[Id, tuple[Goal, str]] = {}
+        """By the ids that the client was given, with its spelling of the action's name."""
+
+    @property
+    def node(self) -> str:
+        """The name of the client's node."""
+        return self._client.node
+
+    def services(self) -> list[str]:
+        """Return the names of the services that cancel the goals."""
+        return [cancel_service(name) for name in self._served]
+
+    def advertise(self, request: AdvertiseAction) -> None:
+        """Serve an action; an older server is displaced."""
+        name = self._client.resolve(request.action)
+        if name not in self._served:
+            limit = self._client.settings.max_advertisements
+            check_room(len(self._served), limit, "advertisements")
+        action = self._client.graph.serve_action(name, request.type, request.definition, self)
+        self._served[name] = (action, request.action)
+        statuses, type_ = self._client.statuses, action.type
+        if type_.arguments is None:
+            text = f"{name}: goals of type {type_.name} are not checked"
+            statuses.unchecked(request.id, text)
+        statuses.info(request.id, f"{self.node} serves {name} ({type_.name})")
+
+    def unadvertise(self, request: UnadvertiseAction) -> None:
+        """Serve an action no more; goals that have not ended are aborted."""
+        action, _ = self._served.pop(self._client.resolve(request.action), (None, ""))
+        if action is not None:
+            self._client.graph.remove_action(action)
+            for goal, _ in list(self._goals.values()):
+                if goal.action.name == action.name:
+                    goal.fail(f"Action {action.name} was unadvertised", "server_lost")
+
+    def execute(self, goal: Goal) -> None:
+        """Pass a goal to the client."""
+        action = goal.action
+        _, spelling = self._served[action.name]
+        goal.id = f"action_goal:{spelling}:{next(self._client.numbers)}"
+        request = SendActionGoal(
+            id=goal.id,
+            action=spelling,
+            action_type=action.type.name,
+            args=goal.request,
+            feedback=True,
+        )
+        if self._client.forward_request(encode(request)):
+            self._goals[goal.id] = (goal, spelling)
+        else:
+            text = f"Action {action.name} is unavailable: {self.node} reads too slowly"
+            goal.fail(text, "server_busy")
+
+    def cancel(self, goal: Goal) -> None:
+        """Ask the client to stop executing a goal."""
+        _, spelling = self._goals[goal.id]
+        self._client.reply(encode(CancelActionGoal(id=goal.id, action=spelling)))
+
+    def forget(self, goal: Goal) -> None:
+        """Forget a goal that has ended."""
+        self._goals.pop(goal.id, None)
+
+    def displaced(self, action: Action) -> None:
+        """Take note that another server has an action; the goals that this one has go on.
+
+        It may be this one, by advertising again.
+        """
+        if self._client.graph.actions[action.name].server is not self:
+            self._served.pop(action.name, None)
+            self._client.statuses.warning(None, f"{action.name} has another server now")
+
+    def feedback(self, feedback: ActionFeedback) -> None:
+        """Take the client's feedback; raises `InvalidMessage`."""
+        goal, _ = self._goals.get(feedback.id, (None, ""))
+        if goal is None:
+            self._report_unknown(feedback)
+        else:
+            goal.feedback({} if feedback.values is None else feedback.values)
+
+    def result(self, result: ActionResult) -> None:
+        """Take a goal's result.
+
+        Raises:
+            InvalidMessage: it does not fit the type; the goal's client was told so, too.
+        """
+        goal, _ = self._goals.get(result.id, (None, ""))
+        if goal is None:
+            self._report_unknown(result)
+            return
+        status = Ros2GoalStatus(result.status)
+        if not result.result:
+            reason = result.values
+            text = reason if isinstance(reason, str) and reason else "the goal failed"
+            canceled = status is Ros2GoalStatus.CANCELED
+            goal.fail(text, status=Ros2GoalStatus.CANCELED if canceled else Ros2GoalStatus.ABORTED)
+            return
+        try:
+            values = {} if result.values is None else result.values
+            goal.finish(status or Ros2GoalStatus.SUCCEEDED, values)
+        except InvalidMessage as error:
+            goal.fail(str(error), error.code)
+            raise
+
+    def fail_malformed_result(self, id_: object, text: str, code: str) -> None:
+        """Fail the goal whose action_result was malformed."""
+        if isinstance(id_, str) and id_ in self._goals:
+            self._goals[id_][0].fail(text, code)
+
+    def leave(self) -> None:
+        """Take all actions back; goals that have not ended are aborted."""
+        for action, _ in self._served.values():
+            self._client.graph.remove_action(action)
+        self._served.clear()
+        for goal, _ in list(self._goals.values()):
+            text = f"Action {goal.action.name} is unavailable: {self.node} has left"
+            goal.fail(text, "server_lost")
+
+    def _report_unknown(self, operation: ActionFeedback | ActionResult) -> None:
+        # The goal may have ended in the meantime.
+        text = f"{operation.op}: no goal of {operation.action} has this id"
+        self._client.statuses.info(operation.id, text)
+
+
+def _text(request: SendActionGoal, fields: dict[str, Any], values: bytes) -> bytes:
+    return encode_fields({**fields, "action": request.action, "id": request.id}, values=values)

@@ -1,0 +1,70 @@
+"""The state that the handlers of one client's session share."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from itertools import count
+
+from fibws import names
+from fibws.errors import LimitReached
+from fibws.hub.delivery.clock import Clock
+from fibws.hub.delivery.send_queue import SendQueue
+from fibws.hub.graph.graph import Graph
+from fibws.hub.rosbridge.encodings import text_frame, text_frames
+from fibws.hub.rosbridge.statuses import Statuses
+from fibws.hub.rosbridge.subscription import Groups
+from fibws.hub.settings import Settings
+
+
+def check_room(taken: int, limit: int, what: str) -> None:
+    """Raise `LimitReached` if a client has as many of something as it may have."""
+    if taken >= limit:
+        raise LimitReached(f"too many {what} of one client (limit {limit}, --max-{what})")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Client:
+    """One client: its name, the graph, and the way back to it.
+
+    Attributes:
+        groups: the groups of subscriptions of the hub.
+        serialized: whether the connection speaks ``fibws.v1``.
+        numbers: for ids that the hub makes up.
+    """
+
+    node: str
+    graph: Graph
+    groups: Groups
+    queue: SendQueue
+    clock: Clock
+    settings: Settings
+    statuses: Statuses
+    serialized: bool
+    numbers: Iterator[int] = field(default_factory=lambda: count(1))
+
+    def resolve(self, spelling: str) -> str:
+        """Return the global name that the client means; raise `InvalidName`."""
+        return names.resolve(spelling, node=self.node)
+
+    def reply(self, text: bytes, fragment_size: int | None = None) -> None:
+        """Send a text that may not be dropped, in pieces if it is longer than that."""
+        self.queue.reply(self.frames(text, fragment_size))
+
+    def frames(self, text: bytes, fragment_size: int | None) -> bytes:
+        """Return the frame of a text, or those of its pieces."""
+        return text_frames(text, fragment_size, lambda: f"{self.node}:{next(self.numbers)}")
+
+    def forward_request(self, text: bytes) -> bool:
+        """Send another client's request; return False if the send queue is half full.
+
+        Replies are never dropped, and the calls of others must not make the client overfull.
+        """
+        if not self.queue.has_room(len(text)):
+            return False
+        self.queue.reply(text_frame(text))
+        return True
+
+    def code(self, code: str | None) -> str | None:
+        """Return an error's code if the client is sent those."""
+        return code if self.serialized else None

@@ -1,0 +1,296 @@
+"""The services that one client calls, and those that it serves."""
+
+from __future__ import annotations
+
+from math import inf
+from typing import Any, NamedTuple
+
+from fibws.errors import FibwsError, InvalidMessage
+from fibws.hub.delivery.clock import Timer
+from fibws.hub.graph.service import Call, Service
+from fibws.hub.rosbridge.client import Client, check_room
+from fibws.protocol.operations import (
+    AdvertiseService,
+    CallService,
+    Id,
+    ServiceResponse,
+    UnadvertiseService,
+    encode_fields,
+    json_of,
+    legal_id,
+)
+
+LONGEST_TIMEOUT = 86400.0
+"""Seconds that a call may ask for: a day."""
+
+
+class WaitingCall(NamedTuple):
+    """A call until its response, without its arguments, which may be large."""
+
+    id: Id
+    service: str
+    fragment_size: int | None
+    timeout: float
+
+
+class Calls:
+    """One client's calls until their responses; whatever becomes of a call, there is one."""
+
+    __slots__ = ("_client", "_due", "_timer", "_waiting")
+
+    def __init__(self, client: Client) -> None:
+        self._client = client
+        self._waiting: dict[Call, WaitingCall] = {}
+        self._timer: Timer | None = None
+        """One for all calls; it is due no later than the first of them."""
+        self._due = 0.0
+
+    def call(self, request: CallService) -> None:
+        """Call a service."""
+        if self._client.queue.overfull:
+            # No response would be kept, and it may be much work: the client is to be closed.
+            return
+        spelling, hash_, suffix = request.service.partition("#")
+        # There may be an id behind the name, as the real server's call_service.py takes it.
+        id_ = suffix if hash_ and request.id is None else request.id
+        timeout = self._timeout(request)
+        waiting = WaitingCall(id_, request.service, request.fragment_size, timeout)
+        try:
+            self._start(waiting, self._client.resolve(spelling), request)
+        except FibwsError as error:
+            self._fail(waiting, str(error), error.code)
+
+    def refuse(self, fields: dict[str, Any], text: str, code: str) -> None:
+        """Respond with an error to a malformed call_service: its caller may wait all the same."""
+        service, id_ = fields.get("service"), legal_id(fields.get("id"))
+        if isinstance(service, str) and id_ is not None:
+            self._fail(WaitingCall(id_, service, None, inf), text, code)
+
+    def leave(self) -> None:
+        """Abandon all calls."""
+        for call in list(self._waiting):
+            call.abandon()
+        self._waiting.clear()
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+
+    def _start(self, waiting: WaitingCall, name: str, request: CallService) -> None:
+        client = self._client
+        check_room(len(self._waiting), client.settings.max_calls, "calls")
+        call = client.graph.call(
+            name, request.args, client.node, self._succeeded, self._failed, request.headers
+        )
+        call.due = client.clock.time() + waiting.timeout
+        self._waiting[call] = waiting
+        self._watch(call.due)
+        try:
+            call.start()
+        except Exception:
+            self._waiting.pop(call, None)
+            raise
+
+    def _succeeded(self, call: Call, values: bytes) -> None:
+        self._respond(self._waiting.pop(call), values)
+
+    def _failed(self, call: Call, text: str, code: str) -> None:
+        self._fail(self._waiting.pop(call), text, code)
+
+    def _fail(self, waiting: WaitingCall, text: str, code: str) -> None:
+        self._respond(waiting, json_of(text), code)
+
+    def _respond(self, waiting: WaitingCall, values: bytes, code: str | None = None) -> None:
+        fields = {
+            "op": "service_response",
+            "service": waiting.service,
+            "id": waiting.id,
+            "result": code is None,
+            "code": self._client.code(code),
+        }
+        self._client.reply(encode_fields(fields, values=values), waiting.fragment_size)
+
+    def _timeout(self, request: CallService) -> float:
+        """Return the seconds that a call may take; without any, or with 0, the hub decides."""
+        if request.timeout is None or request.timeout <= 0:
+            return self._client.settings.service_timeout or inf
+        return min(request.timeout, LONGEST_TIMEOUT)
+
+    def _watch(self, due: float) -> None:
+        """Make sure that the timer is due when a call is."""
+        if self._timer is not None:
+            if self._due <= due:
+                return
+            self._timer.cancel()
+            self._timer = None
+        if due < inf:
+            clock = self._client.clock
+            self._due = due
+            self._timer = clock.call_later(due - clock.time(), self._time_out)
+
+    def _time_out(self) -> None:
+        """Fail the calls that are overdue."""
+        self._timer = None
+        overdue = [call for call in self._waiting if call.due <= self._due]
+        later = (call.due for call in self._waiting if call.due > self._due)
+        self._watch(min(later, default=inf))
+        for call in overdue:
+            call.time_out(self._waiting[call].timeout)
+
+
+class ServedService(NamedTuple):
+    """One of the client's services, as it advertised it.
+
+    ``spelling`` is the service's name as the client knows it; ``headers`` tells whether it wants
+    the callers' headers.
+    """
+
+    service: Service
+    spelling: str
+    headers: bool
+
+
+class Services:
+    """One client's services, and the calls that it is to respond to; a `ServiceServer`."""
+
+    __slots__ = ("_calls", "_client", "_served")
+
+    def __init__(self, client: Client) -> None:
+        self._client = client
+        self._served: dict[str, ServedService] = {}
+        """By the service's name."""
+        self._calls: dict[Id, Call] = {}
+        """The calls that wait for the client, by the ids that it was given."""
+
+    @property
+    def node(self) -> str:
+        """The name of the client's node."""
+        return self._client.node
+
+    def names(self) -> list[str]:
+        """Return the names of the services."""
+        return list(self._served)
+
+    def advertise(self, request: AdvertiseService) -> None:
+        """Serve a service; an older server is displaced."""
+        name = self._client.resolve(request.service)
+        if name not in self._served:
+            limit = self._client.settings.max_advertisements
+            check_room(len(self._served), limit, "advertisements")
+        service = self._client.graph.serve(name, request.type, request.definition, self)
+        self._served[name] = ServedService(service, request.service, bool(request.headers))
+        statuses, type_ = self._client.statuses, service.type
+        if type_.arguments is None:
+            text = f"{name}: calls of type {type_.name} are not checked"
+            statuses.unchecked(request.id, text)
+        statuses.info(request.id, f"{self.node} provides {name} ({type_.name})")
+
+    def unadvertise(self, request: UnadvertiseService) -> None:
+        """Serve a service no more; calls that wait for a response fail at once."""
+        if request.service is None:
+            # ros-sharp sends no name, by mistake: that takes none back.
+            return
+        served = self._served.pop(self._client.resolve(request.service), None)
+        if served is not None:
+            service = served.service
+            self._client.graph.remove_service(service)
+            for id_, call in list(self._calls.items()):
+                if call.service.name == service.name:
+                    self._fail(id_, f"Service {service.name} was unadvertised", "server_lost")
+
+    def handle(self, call: Call) -> None:
+        """Pass a call to the client."""
+        served = self._served[call.service.name]
+        call.id = f"service_request:{served.spelling}:{next(self._client.numbers)}"
+        fields = {
+            "op": "call_service",
+            "id": call.id,
+            "service": served.spelling,
+            "args": call.request,
+        }
+        if served.headers:
+            fields["header"] = {"callerid": call.caller, **(call.headers or {})}
+        if self._client.forward_request(encode_fields(fields)):
+            self._calls[call.id] = call
+        else:
+            text = f"service [{call.service.name}] unavailable: {self.node} reads too slowly"
+            call.fail(text, "server_busy")
+
+    def respond(self, response: ServiceResponse) -> None:
+        """Take the client's response to a call.
+
+        Raises:
+            InvalidMessage: it does not fit the type; the caller was told so, too.
+        """
+        call = self._pop_call(response)
+        if call is None:
+            # It may have come too late.
+            self._client.statuses.info(
+                response.id, f"service_response: no call of {response.service} waits for this"
+            )
+            return
+        if not response.result and not self._counts_as_success(response):
+            reason = response.values
+            name = call.service.name
+            call.fail(
+                reason
+                if isinstance(reason, str) and reason
+                else f"service [{name}] responded with an error"
+            )
+            return
+        try:
+            call.respond({} if response.values is None else response.values)
+        except InvalidMessage as error:
+            call.fail(str(error), error.code)
+            raise
+
+    def fail_malformed_response(self, id_: object, text: str, code: str) -> None:
+        """Fail the call whose service_response was malformed."""
+        if isinstance(id_, str) and id_ in self._calls:
+            self._fail(id_, text, code)
+
+    def cancel(self, call: Call) -> None:
+        """Forget a call, which needs no response any more."""
+        self._calls.pop(call.id, None)
+
+    def displaced(self, service: Service) -> None:
+        """Take note that another server has the service; calls that wait may still be answered.
+
+        It may be this one, by advertising again.
+        """
+        if self._client.graph.services[service.name].server is not self:
+            self._served.pop(service.name, None)
+            self._client.statuses.warning(None, f"{service.name} has another provider now")
+
+    def leave(self) -> None:
+        """Take all services back; calls that wait for a response fail."""
+        for served in self._served.values():
+            self._client.graph.remove_service(served.service)
+        self._served.clear()
+        for id_, call in list(self._calls.items()):
+            text = f"service [{call.service.name}] unavailable: {self.node} has left"
+            self._fail(id_, text, "server_lost")
+
+    def _counts_as_success(self, response: ServiceResponse) -> bool:
+        """Return whether a failure is taken for a response all the same.
+
+        The real server does so if it has values, and roslibpy's users rely on that.
+        """
+        if not isinstance(response.values, dict) or self._client.settings.strict_responses:
+            return False
+        self._client.statuses.warning(
+            response.id, "service_response: result is false, but there are values: taken for true"
+        )
+        return True
+
+    def _pop_call(self, response: ServiceResponse) -> Call | None:
+        if response.id is not None:
+            return self._calls.pop(response.id, None)
+        # A client that sends no id responds in the order of the calls.
+        name = self._client.resolve(response.service)
+        for id_, call in self._calls.items():
+            if call.service.name == name:
+                return self._calls.pop(id_)
+        return None
+
+    def _fail(self, id_: Id, text: str, code: str) -> None:
+        self._calls.pop(id_).fail(text, code)

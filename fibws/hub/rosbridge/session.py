@@ -1,0 +1,325 @@
+"""Rosbridge sessions: what one client does, operation by operation.
+
+A session is synchronous and knows no socket: messages come in by `Session.receive_text` and
+`receive_binary`, frames go out by the client's send queue. Each operation is done by the handler it
+belongs to: `topics`, `services` (calls and services), `actions` (goals and actions).
+
+On connections of ``fibws.v1`` binary messages are serialized messages (`protocol.serialized`),
+otherwise CBOR, or JSON as the real server takes it.
+"""
+
+from __future__ import annotations
+
+from contextlib import ExitStack
+from typing import Any, assert_never
+
+from pydantic_core import from_json
+
+from fibws.errors import FibwsError, InvalidUtf8, OperationError
+from fibws.hub.delivery.clock import Clock
+from fibws.hub.graph.graph import Graph
+from fibws.hub.rosbridge.actions import Actions, Goals
+from fibws.hub.rosbridge.client import Client
+from fibws.hub.rosbridge.services import Calls, Services
+from fibws.hub.rosbridge.statuses import Statuses
+from fibws.hub.rosbridge.subscription import Groups
+from fibws.hub.rosbridge.topics import Topics
+from fibws.hub.settings import Settings
+from fibws.hub.websocket.endpoint import Opening
+from fibws.protocol.decoding import REQUESTS, decode_cbor, decode_json, parse_request
+from fibws.protocol.fragments import Reassembly
+from fibws.protocol.operations import (
+    ActionFeedback,
+    ActionResult,
+    Advertise,
+    AdvertiseAction,
+    AdvertiseService,
+    Auth,
+    CallService,
+    CancelActionGoal,
+    Fragment,
+    Publish,
+    Request,
+    SendActionGoal,
+    ServiceResponse,
+    SetLevel,
+    Subscribe,
+    Unadvertise,
+    UnadvertiseAction,
+    UnadvertiseService,
+    Unsubscribe,
+)
+from fibws.protocol.websocket import REPLACED, Payload
+
+MAX_OBJECTS = 1000
+"""Operations in one text: a megabyte of ``{}{}{}`` would keep all others waiting."""
+INTERNAL_ERROR = "this failed in the hub; see its log"
+
+
+class Rosbridge:
+    """The rosbridge protocol of one hub: makes a session for each connection.
+
+    Args:
+        clock: the event loop.
+    """
+
+    def __init__(self, graph: Graph, clock: Clock, settings: Settings) -> None:
+        self.graph = graph
+        self.clock = clock
+        self.settings = settings
+        self.groups: Groups = {}
+
+    def open(self, opening: Opening, *, serialized: bool = False) -> Session:
+        """Return a new session.
+
+        Args:
+            serialized: whether the connection speaks ``fibws.v1``.
+        """
+        return Session(self, opening, serialized=serialized)
+
+
+class Session:
+    """One client's session, from its handshake until it leaves; an `Endpoint` and a `Node`."""
+
+    __slots__ = (
+        "_actions",
+        "_calls",
+        "_client",
+        "_close",
+        "_goals",
+        "_reassembly",
+        "_services",
+        "_sources",
+        "_statuses",
+        "node",
+        "topics",
+    )
+
+    def __init__(
+        self,
+        rosbridge: Rosbridge,
+        opening: Opening,
+        *,
+        serialized: bool,
+    ) -> None:
+        graph, queue = rosbridge.graph, opening.queue
+        self._close = opening.close
+        self._reassembly: Reassembly | None = None
+        self.node = graph.enter(self, opening.node)
+        self._statuses = Statuses(self.node, queue, codes=serialized)
+        self._client = Client(
+            self.node,
+            graph,
+            rosbridge.groups,
+            queue,
+            rosbridge.clock,
+            rosbridge.settings,
+            self._statuses,
+            serialized,
+        )
+        self.topics = Topics(self._client)
+        self._sources = self.topics.sources
+        # Most clients use topics alone, and there may be thousands of them.
+        self._calls: Calls | None = None
+        self._services: Services | None = None
+        self._goals: Goals | None = None
+        self._actions: Actions | None = None
+
+    @property
+    def calls(self) -> Calls:
+        """The services that the client calls."""
+        if self._calls is None:
+            self._calls = Calls(self._client)
+        return self._calls
+
+    @property
+    def services(self) -> Services:
+        """The services that the client serves."""
+        if self._services is None:
+            self._services = Services(self._client)
+        return self._services
+
+    @property
+    def goals(self) -> Goals:
+        """The goals that the client sends."""
+        if self._goals is None:
+            self._goals = Goals(self._client)
+        return self._goals
+
+    @property
+    def actions(self) -> Actions:
+        """The actions that the client serves."""
+        if self._actions is None:
+            self._actions = Actions(self._client)
+        return self._actions
+
+    # As an endpoint.
+
+    def receive_text(self, data: Payload) -> None:
+        """Perform what a text asks for; what is wrong with it is answered by a status.
+
+        Raises:
+            InvalidUtf8: the bytes are not UTF-8.
+        """
+        try:
+            fields = from_json(data)
+        except ValueError:
+            fields = None
+        if type(fields) is dict:
+            self._perform(fields, len(data))
+            return
+        try:
+            self._perform_all(bytes(data))
+        except OperationError as error:
+            self._statuses.error(None, str(error), code=error.code)
+
+    def receive_binary(self, data: Payload) -> None:
+        """Perform what a binary message asks for; errors are answered by a status."""
+        if self._client.serialized:
+            try:
+                self.topics.publish_serialized(data)
+            except Exception as error:
+                self._refuse_serialized(error)
+            return
+        try:
+            if data[:1] < b"\x80":  # No map in CBOR begins with an ASCII character.
+                self.receive_text(data)
+            else:
+                self._perform(decode_cbor(bytes(data)), len(data))
+        except (OperationError, InvalidUtf8) as error:
+            text = f"Expected JSON text or CBOR: {error}"
+            self._statuses.error(None, text, code=error.code)
+
+    def leave(self) -> None:
+        """Take the client's registrations back; the second time nothing happens."""
+        with ExitStack() as stack:  # Whatever fails of this, the rest is done.
+            stack.callback(self._client.graph.leave, self, self.node)
+            for part in (self._actions, self._goals, self._services, self._calls, self.topics):
+                if part is not None:
+                    stack.callback(part.leave)
+
+    # As a node.
+
+    def replaced(self) -> None:
+        """Leave: another client has taken this one's name."""
+        self.leave()
+        self._close(REPLACED)
+
+    def publishing(self) -> set[str]:
+        """Return the global names of the topics that the client publishes."""
+        return {source.topic.name for source in self.topics.sources.values()}
+
+    def subscribing(self) -> set[str]:
+        """Return the global names of the topics that the client subscribes to."""
+        return {each.topic.name for each in self.topics.subscriptions.values()}
+
+    def providing(self) -> set[str]:
+        """Return the global names of the services that the client serves."""
+        names = set(self._services.names()) if self._services is not None else set()
+        return names.union(self._actions.services() if self._actions is not None else ())
+
+    # Operations.
+
+    def _perform_all(self, data: bytes, *, reassembled: bool = False) -> None:
+        size = len(data)
+        for number, fields in enumerate(decode_json(data)):
+            if number == MAX_OBJECTS:
+                raise OperationError(f"Expected at most {MAX_OBJECTS} operations in one text")
+            if reassembled and fields.get("op") == "fragment":
+                raise OperationError("a fragment must not hold fragments")
+            self._perform(fields, size)
+            size = 0  # The bytes count once, however many operations share them.
+
+    def _perform(self, fields: dict[str, Any], size: int) -> None:
+        try:
+            if fields.get("op") == "publish" and "to" not in fields:
+                # Nearly every operation is this one. Once advertised it needs no model: apart from
+                # its topic and its message, its fields mean nothing any more.
+                topic = fields.get("topic")
+                source = self._sources.get(topic) if type(topic) is str else None
+                if source is not None:
+                    msg = fields.get("msg")
+                    source.publish(msg, size)
+                    if self._statuses.wants_info:
+                        self.topics.report_defaults(source, msg, fields.get("id"))
+                    return
+            self._handle(parse_request(fields))
+        except FibwsError as error:
+            self._refuse(fields, str(error), error.code)
+        except Exception as fault:
+            self._refuse(fields, INTERNAL_ERROR, "internal_error", fault)
+
+    def _refuse_serialized(self, error: Exception) -> None:
+        if isinstance(error, FibwsError):
+            self._statuses.error(None, f"publish: {error}", code=error.code)
+        else:
+            text = f"publish: {INTERNAL_ERROR}"
+            self._statuses.error(None, text, error, code="internal_error")
+
+    def _refuse(
+        self, fields: dict[str, Any], text: str, code: str, fault: Exception | None = None
+    ) -> None:
+        """Report what is wrong with an operation, also to whoever waits for its outcome."""
+        operation, id_ = fields.get("op"), fields.get("id")
+        prefix = f"{operation}: " if operation in REQUESTS else ""
+        self._statuses.error(id_, f"{prefix}{text}", fault, code)
+        match operation:
+            case "call_service":
+                self.calls.refuse(fields, text, code)
+            case "service_response":
+                self.services.fail_malformed_response(id_, text, code)
+            case "send_action_goal":
+                self.goals.refuse(fields, text, code)
+            case "action_result":
+                self.actions.fail_malformed_result(id_, text, code)
+
+    def _handle(self, request: Request) -> None:
+        match request:
+            case Publish():
+                self.topics.publish(request)
+            case CallService():
+                self.calls.call(request)
+            case ServiceResponse():
+                self.services.respond(request)
+            case Subscribe():
+                self.topics.subscribe(request)
+            case Unsubscribe():
+                self.topics.unsubscribe(request)
+            case Advertise():
+                self.topics.advertise(request)
+            case Unadvertise():
+                self.topics.unadvertise(request)
+            case AdvertiseService():
+                self.services.advertise(request)
+            case UnadvertiseService():
+                self.services.unadvertise(request)
+            case SendActionGoal():
+                self.goals.send(request)
+            case CancelActionGoal():
+                self.goals.cancel(request)
+            case ActionFeedback():
+                self.actions.feedback(request)
+            case ActionResult():
+                self.actions.result(request)
+            case AdvertiseAction():
+                self.actions.advertise(request)
+            case UnadvertiseAction():
+                self.actions.unadvertise(request)
+            case Fragment():
+                self._reassemble(request)
+            case Auth():
+                # A hub without authentication accepts whoever offers some.
+                text = "auth: ignored, no authentication is enabled"
+                self._statuses.warning(request.id, text)
+            case SetLevel():
+                self._statuses.set_level(request.level)
+            case _:
+                assert_never(request)
+
+    def _reassemble(self, fragment: Fragment) -> None:
+        client = self._client
+        if self._reassembly is None:
+            self._reassembly = Reassembly(max_size=client.settings.max_fragment_bytes)
+        text = self._reassembly.add(fragment, client.clock.time())
+        if text is not None:
+            self._perform_all(text.encode(), reassembled=True)

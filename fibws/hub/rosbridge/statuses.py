@@ -1,0 +1,86 @@
+"""Statuses: what the hub reports to one client about its operations, and to the log."""
+
+from __future__ import annotations
+
+import logging
+
+from fibws.hub.delivery.send_queue import SendQueue
+from fibws.hub.log_text import is_power_of_ten, printable, shortened
+from fibws.hub.rosbridge.encodings import text_frame
+from fibws.protocol.operations import Level, Status, encode, legal_id
+
+logger = logging.getLogger("fibws.hub")
+
+_VERBOSITY: dict[Level, int] = {"none": 0, "error": 1, "warning": 2, "info": 3}
+
+
+class Statuses:
+    """Sends a client the statuses that it wants: errors, unless it asks for more or for none.
+
+    Args:
+        node: the client's name, for the log.
+        codes: whether errors are sent with their codes, as on connections of ``fibws.v1``.
+    """
+
+    __slots__ = ("_codes", "_errors", "_faults", "_level", "_node", "_queue", "wants_info")
+
+    def __init__(self, node: str, queue: SendQueue, *, codes: bool) -> None:
+        self._node = node
+        self._queue = queue
+        self._codes = codes
+        self._errors = 0
+        self._faults = 0
+        self.set_level("error")
+
+    def set_level(self, level: Level) -> None:
+        """Send this level and more severe ones from now on."""
+        self._level = _VERBOSITY[level]
+        self.wants_info = level == "info"
+
+    def error(
+        self, id_: object, text: str, fault: Exception | None = None, code: str | None = None
+    ) -> None:
+        """Report that an operation failed, to the log as well.
+
+        Args:
+            id_: the operation's.
+            fault: an error within the hub, whose traceback is logged.
+            code: names the error for programs.
+        """
+        self._errors += 1
+        self._faults += fault is not None
+        if is_power_of_ten(self._errors if fault is None else self._faults):
+            logger.log(
+                logging.WARNING if fault is None else logging.ERROR,
+                "%s: %s (error %d of this client)",
+                self._node,
+                printable(text),
+                self._errors,
+                exc_info=fault,
+            )
+        self._send("error", id_, text, code)
+
+    def warning(self, id_: object, text: str) -> None:
+        """Report that an operation was done in another way than the client meant."""
+        self._send("warning", id_, text)
+
+    def unchecked(self, id_: object, text: str) -> None:
+        """Report that something's messages are not checked, to the log as well."""
+        self._errors += 1
+        if is_power_of_ten(self._errors):
+            logger.warning("%s: %s: the definition is unknown.", self._node, printable(text))
+        self.warning(id_, text)
+
+    def info(self, id_: object, text: str) -> None:
+        """Report that an operation was done."""
+        self._send("info", id_, text)
+
+    def _send(self, level: Level, id_: object, text: str, code: str | None = None) -> None:
+        if _VERBOSITY[level] <= self._level:
+            status = Status(
+                id=legal_id(id_),
+                level=level,
+                msg=shortened(text),
+                code=code if self._codes else None,
+            )
+            self._queue.reply(text_frame(encode(status)))

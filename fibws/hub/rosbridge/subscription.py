@@ -1,0 +1,327 @@
+"""Subscriptions: what one client wants of one topic, under the spelling that it used."""
+
+from __future__ import annotations
+
+from fibws.errors import LimitReached, OperationError
+from fibws.hub.delivery.clock import Clock
+from fibws.hub.delivery.fan_out import FanOut
+from fibws.hub.delivery.send_queue import Flusher, Frame, SendQueue
+from fibws.hub.delivery.throttle import Throttle
+from fibws.hub.graph.graph import Graph
+from fibws.hub.graph.publication import Publication
+from fibws.hub.graph.topic import SinkReport, Topic
+from fibws.hub.graph.types import MessageType
+from fibws.hub.rosbridge.encodings import PLAIN, EncodeFrame, Encoding, text_frame
+from fibws.hub.rosbridge.statuses import Statuses
+from fibws.protocol.frame_queue import Lane
+from fibws.protocol.operations import Id, Subscribe, Subscribed, encode
+from fibws.protocol.serialized import ROS1
+
+MAX_REGISTRATIONS = 100
+"""Ids under which one client may subscribe to one topic, or advertise it."""
+
+
+class Group(FanOut[Publication, "Subscription"]):
+    """Subscriptions of one topic that get the same frames; the topic delivers to it once.
+
+    Args:
+        key: its key among the others.
+        others: all groups of the hub, of which this is one while it has members.
+    """
+
+    __slots__ = ("_key", "_others", "_type")
+
+    def __init__(
+        self,
+        key: GroupKey,
+        others: Groups,
+        encode: EncodeFrame,
+        flusher: Flusher,
+        clock: Clock,
+    ) -> None:
+        super().__init__(encode, flusher, clock)
+        self._key = key
+        self._others = others
+        self._type: MessageType | None = None
+        """Of the last message; clients of serialized ones must know it before."""
+
+    def receive(self, publication: Publication) -> None:
+        """Send a message to every subscription; they share the bytes of its frame."""
+        if publication.type is not self._type:
+            self._type = publication.type
+            for member in self.members():
+                member.answer(publication.type)
+        try:
+            self.send(publication)
+        except OperationError as fault:
+            # It cannot be encoded so. Whoever asked for that before the type was known is told.
+            for member in self.members():
+                member.refuse(fault)
+            return
+        if publication.has_invalid_text:
+            for member in self.members():
+                member.report_invalid_text()
+
+    def frame(self, publication: Publication) -> Frame:
+        """Return the frame of a message that not all subscriptions get, made once for those."""
+        return publication.cached(self, lambda: self.encode(publication))
+
+    def add(self, member: Subscription) -> None:
+        """Add a subscription that is in no group."""
+        self._others[self._key] = self
+        super().add(member)
+
+    def remove(self, member: Subscription) -> int:
+        """Remove a subscription; return how many messages it was sent, except by its throttle."""
+        sent = super().remove(member)
+        if not self:
+            del self._others[self._key]
+        return sent
+
+
+GroupKey = tuple[Topic, str, Encoding]
+Groups = dict[GroupKey, Group]
+"""All groups of a hub."""
+
+
+class Subscription:
+    """The requests of one client for one topic, merged; a `Sink` of the topic.
+
+    Args:
+        node: the client's name.
+        spelling: the topic's name as the client wrote it, and will read it.
+        queue: the client's send queue.
+        groups: those of the hub.
+        queue_length: messages kept for a slow client that named no queue_length.
+    """
+
+    __slots__ = (
+        "_answered",
+        "_clock",
+        "_complained",
+        "_default",
+        "_graph",
+        "_group",
+        "_groups",
+        "_reported_text",
+        "_sent",
+        "_statuses",
+        "_throttled_by",
+        "encoding",
+        "lane",
+        "node",
+        "queue",
+        "requests",
+        "spelling",
+        "throttle",
+        "topic",
+    )
+
+    def __init__(
+        self,
+        node: str,
+        topic: Topic,
+        spelling: str,
+        graph: Graph,
+        groups: Groups,
+        queue: SendQueue,
+        clock: Clock,
+        statuses: Statuses,
+        *,
+        queue_length: int,
+    ) -> None:
+        self.node = node
+        self.topic = topic
+        self.spelling = spelling
+        self.queue = queue
+        self.lane = Lane(queue_length)
+        self.throttle: Throttle | None = None
+        self.requests: dict[Id, Subscribe] = {}
+        self.encoding = PLAIN
+        self._graph = graph
+        self._groups = groups
+        self._group: Group | None = None
+        self._sent = 0
+        """Messages that it was sent, except those that its present group counts."""
+        self._clock = clock
+        self._statuses = statuses
+        self._complained = False
+        self._answered: MessageType | None = None
+        """The type that the client was told."""
+        self._reported_text = False
+        self._default = queue_length
+        self._throttled_by = (0.0, 0)
+
+    # As a sink.
+
+    def receive(self, publication: Publication) -> None:
+        """Take a message that is for this client alone."""
+        if self._group is not None:
+            self.answer(publication.type)
+            try:
+                self._offer(self._group.frame(publication))
+            except OperationError as fault:
+                self.refuse(fault)
+                return
+            if publication.has_invalid_text:
+                self.report_invalid_text()
+
+    def replay(self, publication: Publication) -> None:
+        """Take a latched message, whatever the throttle; raises `OperationError`."""
+        if self._group is not None:
+            self.answer(publication.type)
+            self._send(self._group.frame(publication))
+            if publication.has_invalid_text:
+                self.report_invalid_text()
+
+    def report(self) -> SinkReport:
+        """Return its settings and totals."""
+        group = self._group
+        return SinkReport(
+            queue_length=self.lane.limit,
+            throttle_rate=self._throttled_by[0] * 1000,
+            encoding=self.encoding.compression,
+            messages=self._sent + (group.sent_to(self) if group is not None else 0),
+            dropped=self.lane.dropped,
+        )
+
+    # As the client's requests.
+
+    def request(self, request: Subscribe) -> None:
+        """Add a request; one of the same id replaces the older one.
+
+        Raises:
+            LimitReached: there are too many.
+            OperationError: as `Graph.subscribe`; nothing has changed then.
+        """
+        if len(self.requests) >= MAX_REGISTRATIONS and request.id not in self.requests:
+            raise LimitReached(
+                f"too many subscriptions to {self.topic.name} (limit {MAX_REGISTRATIONS})"
+            )
+        self._change({**self.requests, request.id: request}, request)
+        if self.topic.type is not None and request.compression == ROS1:
+            self._answered = self.topic.type
+            self._send_subscribed(request, self.topic.type)
+
+    def cancel(self, id_: Id) -> None:
+        """Remove the request of this id, or all if it is None; an unknown id changes nothing."""
+        if id_ is not None and id_ not in self.requests:
+            return
+        requests = {key: each for key, each in self.requests.items() if id_ not in (None, key)}
+        if requests:
+            self._change(requests, None)
+            return
+        self.requests = requests
+        self._join(None, requests)
+        self._graph.unsubscribe(self.topic, self)
+        self.queue.forget(self.lane)
+
+    def answer(self, type_: MessageType) -> None:
+        """Tell a client of serialized messages the topic's number and type, unless it knows them.
+
+        That answers its requests, and precedes the first message if the topic had no type before.
+        """
+        if self._answered is type_ or self.encoding.compression != ROS1:
+            return
+        self._answered = type_
+        for request in self.requests.values():
+            if request.compression == ROS1:
+                self._send_subscribed(request, type_)
+
+    def refuse(self, fault: OperationError) -> None:
+        """Report, once, that messages cannot be encoded as the client asked."""
+        if not self._complained:
+            self._complained = True
+            compression = self.encoding.compression
+            id_ = next(
+                (each.id for each in self.requests.values() if each.compression == compression),
+                None,
+            )
+            self._statuses.error(id_, f"subscribe: {fault}", code=fault.code)
+
+    def report_invalid_text(self) -> None:
+        """Report, once, that a string was changed since it is not UTF-8."""
+        if not self._reported_text and self.encoding.compression not in (ROS1, "cbor-raw"):
+            self._reported_text = True
+            id_ = next(iter(self.requests), None)
+            self._statuses.warning(
+                id_,
+                f"subscribe: {self.topic.name} has strings that are not UTF-8; "
+                "their invalid bytes are replaced by U+FFFD",
+            )
+
+    def _change(self, requests: dict[Id, Subscribe], new: Subscribe | None) -> None:
+        """Subscribe to the topic as the requests ask, in the group of those who ask the same."""
+        encoding = Encoding.merged(requests.values())
+        group = self._group_of(encoding)
+        self._graph.subscribe(
+            self.topic,
+            self,
+            new.type if new is not None else None,
+            receiver=group,
+            holds_type=any(each.type is not None for each in requests.values()),
+            serialized=encoding.needs_definition,
+            definition=new.definition if new is not None else None,
+            md5sum=new.md5sum if new is not None else None,
+        )
+        self.requests = requests
+        self.encoding = encoding
+        self._join(group, requests)
+
+    def _group_of(self, encoding: Encoding) -> Group:
+        # Frames of `ROS1` do not hold the topic's name.
+        key = (self.topic, "" if encoding.compression == ROS1 else self.spelling, encoding)
+        group = self._groups.get(key)
+        if group is None:
+            encode_frame = encoding.for_topic(self.topic, self.spelling)
+            group = Group(key, self._groups, encode_frame, self.queue.flusher, self._clock)
+        return group
+
+    def _join(self, group: Group | None, requests: dict[Id, Subscribe]) -> None:
+        """Move to a group, with the throttle and the limit that the requests come to.
+
+        They are merged as in rosbridge's subscribe.py.
+        """
+        period, queue_length = 0.0, 0
+        if requests:
+            asked = requests.values()
+            period = min(max(0, request.throttle_rate) for request in asked) / 1000
+            queue_length = min(max(0, request.queue_length) for request in asked)
+            self.lane.limit = queue_length or self._default
+        throttled_by = (period, queue_length)
+        if group is self._group and throttled_by == self._throttled_by:
+            return
+        if self._group is not None:
+            self._sent += self._group.remove(self)
+        if throttled_by != self._throttled_by:
+            self._throttled_by = throttled_by
+            if self.throttle is not None:
+                self.throttle.cancel()
+                self.throttle = None
+            if period:
+                self.throttle = Throttle(
+                    self._send, self._clock, self.queue, period=period, queue_length=queue_length
+                )
+        self._group = group
+        if group is not None:
+            group.add(self)
+
+    def _offer(self, frame: Frame) -> None:
+        if self.throttle is None:
+            self._send(frame)
+        else:
+            self.throttle.offer(frame, self._clock.time())
+
+    def _send_subscribed(self, request: Subscribe, type_: MessageType) -> None:
+        answer = Subscribed(
+            id=request.id,
+            topic=request.topic,
+            topic_id=self.topic.number,
+            type=type_.name,
+            md5sum=type_.md5sum or "",
+        )
+        self.queue.reply(text_frame(encode(answer)))
+
+    def _send(self, frame: Frame) -> None:
+        self._sent += 1
+        self.queue.put(frame, self.lane)

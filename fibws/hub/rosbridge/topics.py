@@ -1,0 +1,350 @@
+"""The topics that one client publishes and subscribes to."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from fibws.errors import (
+    FibwsError,
+    InvalidMessage,
+    LimitReached,
+    OperationError,
+    UnknownPublisher,
+)
+from fibws.hub.delivery.clock import Timer
+from fibws.hub.graph.peers import PeerWatch
+from fibws.hub.graph.topic import Quota, Source, Topic
+from fibws.hub.rosbridge.client import Client, check_room
+from fibws.hub.rosbridge.encodings import COMPRESSIONS, text_frame
+from fibws.hub.rosbridge.subscription import MAX_REGISTRATIONS, Subscription
+from fibws.protocol.operations import (
+    Advertise,
+    Id,
+    Publish,
+    Subscribe,
+    Unadvertise,
+    Unsubscribe,
+    encode,
+    encode_fields,
+)
+from fibws.protocol.serialized import ROS1, read_publish
+from fibws.protocol.websocket import Payload
+
+GRACE = 3.0
+"""Seconds after a client has connected in which it may publish before it advertises."""
+MOST_PENDING_BYTES = 2**20
+"""Bytes of JSON that may wait for one client's advertisements."""
+PENDING_COST = 300
+"""Bytes that a pending message counts for besides its text, to bound floods of small ones."""
+
+
+class Topics:
+    """One client's publishers and subscriptions."""
+
+    __slots__ = (
+        "_advertisements",
+        "_client",
+        "_grace_ends",
+        "_latch_quota",
+        "_numbered",
+        "_pending",
+        "sources",
+        "subscriptions",
+    )
+
+    def __init__(self, client: Client) -> None:
+        self._client = client
+        self._latch_quota: Quota | None = None
+        self._grace_ends = client.clock.time() + GRACE
+        self._pending: PendingPublishes | None = None
+        self.sources: dict[str, Source] = {}
+        """By the spelling of the topic's name that the client used."""
+        self._advertisements: dict[Source, dict[Id, int | None]] = {}
+        """The ids that each source is advertised under, with its numbers in binary frames."""
+        self._numbered: dict[int, Source] = {}
+        """By the number that binary frames name."""
+        self.subscriptions: dict[str, Subscription] = {}
+        """By the spelling of the topic's name that the client used."""
+
+    # Publishing.
+
+    def publish_serialized(self, data: Payload) -> None:
+        """Publish the message of a binary frame.
+
+        Raises:
+            UnknownPublisher: the client has not advertised under the frame's number.
+            OperationError, InvalidMessage: as `read_publish` and `Source.publish_serialized`.
+        """
+        number, node, message = read_publish(data)
+        source = self._numbered.get(number)
+        if source is None:
+            raise UnknownPublisher(number)
+        try:
+            source.publish_serialized(message, node)
+        except InvalidMessage as error:
+            raise InvalidMessage(f"{source.topic.name}: {error}") from None
+
+    def advertise(self, request: Advertise) -> None:
+        """Register a publisher, or another advertisement of one."""
+        known = self.sources.get(request.topic)
+        if known is not None and request.peers:
+            known.topic.watching_sinks.check_room(known, request.id)
+        source = self._register(request, request.type, request.definition, request.md5sum)
+        self._count_advertisement(source, request)
+        if request.headers is not None:
+            source.set_headers(request.headers)
+        name, type_ = source.topic.name, source.type
+        statuses = self._client.statuses
+        if not type_.checked:
+            statuses.unchecked(request.id, f"{name}: messages of type {type_.name} are not checked")
+        statuses.info(request.id, f"{self._client.node} publishes {name} ({type_.name})")
+        topic = source.topic
+        self._watch(request, topic.watching_sinks, source, topic.subscribers())
+        self._publish_pending(topic)
+
+    def unadvertise(self, request: Unadvertise) -> None:
+        """Take back an advertisement; the source goes with the last."""
+        source = self.sources.get(request.topic)
+        if source is None:
+            return
+        source.topic.watching_sinks.cancel(source, request.id)
+        advertisements = self._advertisements.get(source, {})
+        for id_ in list(advertisements) if request.id is None else [request.id]:
+            self._release(source, advertisements.pop(id_, None))
+        if advertisements:
+            return
+        self._advertisements.pop(source, None)
+        for spelling, other in list(self.sources.items()):
+            if other is source:
+                del self.sources[spelling]
+        self._client.graph.remove_source(source)
+
+    def report_defaults(self, source: Source, msg: object, id_: Any) -> None:
+        """Tell a client that wants to know it which fields of its message were left out."""
+        missing = source.type.missing(msg if isinstance(msg, dict) else {})
+        if missing:
+            self._client.statuses.info(id_, f"publish: defaults used for {', '.join(missing)}")
+
+    def publish(self, request: Publish) -> None:
+        """Publish a message that is for one node alone, or that was not advertised.
+
+        The latter waits until its topic has a type.
+        """
+        source = self.sources.get(request.topic)
+        if source is None:
+            topic = self._topic(request.topic)
+            if topic.type is None and self._wait(topic, request):
+                return
+            self._publish_pending(topic)
+            source = self._advertise_by_publishing(request)
+        self._publish(source, request)
+
+    def _publish(self, source: Source, request: Publish) -> None:
+        to = None if request.to is None else self._client.resolve(request.to)
+        source.publish(request.msg, to=to)
+        if self._client.statuses.wants_info:
+            self.report_defaults(source, request.msg, request.id)
+
+    def _advertise_by_publishing(self, request: Publish) -> Source:
+        topic = self._topic(request.topic)
+        if topic.type is None:
+            raise OperationError(
+                f"Cannot infer topic type for topic {request.topic} as it is not yet advertised"
+            )
+        return self._register(request, topic.type.name, None, None)
+
+    def _wait(self, topic: Topic, request: Publish) -> bool:
+        """Keep a message until its topic has a type, if there is time and room for that."""
+        if self._pending is None:
+            if self._client.clock.time() >= self._grace_ends:
+                return False
+            self._pending = PendingPublishes(self)
+        return self._pending.put(topic.name, request)
+
+    def _publish_pending(self, topic: Topic) -> None:
+        """Publish what waited for the topic's type."""
+        if self._pending is not None:
+            for request in self._pending.take(topic.name):
+                self._publish_late(request)
+
+    def _publish_late(self, request: Publish) -> None:
+        try:
+            self._publish(self._advertise_by_publishing(request), request)
+        except FibwsError as error:
+            self._client.statuses.error(request.id, f"publish: {error}", code=error.code)
+
+    def _register(
+        self, request: Advertise | Publish, type_: str, definition: str | None, md5sum: str | None
+    ) -> Source:
+        if request.topic not in self.sources:
+            limit = self._client.settings.max_advertisements
+            check_room(len(self.sources), limit, "advertisements")
+        if self._latch_quota is None:
+            self._latch_quota = Quota(self._client.settings.max_latched_bytes)
+        source = self._client.graph.advertise(
+            self._topic(request.topic),
+            self._client.node,
+            type_,
+            definition,
+            latch=request.latch,
+            quota=self._latch_quota,
+            md5sum=md5sum,
+        )
+        self.sources[request.topic] = source
+        return source
+
+    def _count_advertisement(self, source: Source, request: Advertise) -> None:
+        advertisements = self._advertisements.setdefault(source, {})
+        if len(advertisements) >= MAX_REGISTRATIONS and request.id not in advertisements:
+            raise LimitReached(
+                f"too many advertisements of {source.topic.name} (limit {MAX_REGISTRATIONS})"
+            )
+        older = advertisements.get(request.id)
+        advertisements[request.id] = request.publisher
+        self._release(source, older)
+        if request.publisher is not None:
+            self._numbered[request.publisher] = source
+
+    def _release(self, source: Source, number: int | None) -> None:
+        """Free a number unless another advertisement of the source, or another source, has it."""
+        others = self._advertisements.get(source, {}).values()
+        if number is not None and self._numbered.get(number) is source and number not in others:
+            del self._numbered[number]
+
+    # Subscribing.
+
+    def subscribe(self, request: Subscribe) -> None:
+        """Add a request to the subscription of the topic that is spelled so."""
+        client = self._client
+        subscription = self.subscriptions.get(request.topic)
+        if subscription is None:
+            check_room(len(self.subscriptions), client.settings.max_subscriptions, "subscriptions")
+            subscription = Subscription(
+                client.node,
+                self._topic(request.topic),
+                request.topic,
+                client.graph,
+                client.groups,
+                client.queue,
+                client.clock,
+                client.statuses,
+                queue_length=client.settings.queue_length,
+            )
+        topic = subscription.topic
+        if request.peers:
+            topic.watching_sources.check_room(subscription, request.id)
+        if request.compression not in COMPRESSIONS:
+            request = self._with_known_compression(request, topic)
+        subscription.request(request)
+        self.subscriptions[request.topic] = subscription
+        if topic.type is None:
+            client.statuses.info(request.id, f"{topic.name} waits for a publisher to have a type")
+        self._watch(request, topic.watching_sources, subscription, topic.sources)
+        topic.replay(subscription)
+
+    def unsubscribe(self, request: Unsubscribe) -> None:
+        """Take back one request, or all; the subscription goes with the last."""
+        subscription = self.subscriptions.get(request.topic)
+        if subscription is not None:
+            subscription.topic.watching_sources.cancel(subscription, request.id)
+            subscription.cancel(request.id)
+            if not subscription.requests:
+                del self.subscriptions[request.topic]
+
+    def _with_known_compression(self, request: Subscribe, topic: Topic) -> Subscribe:
+        """Return the request, which has none of rosbridge's compressions, as it can be met."""
+        if request.compression == ROS1 and self._client.serialized:
+            return request
+        self._client.statuses.warning(
+            request.id,
+            f"{topic.name}: compression must be one of {', '.join(COMPRESSIONS)}, "
+            f"got {request.compression}",
+        )
+        return request.model_copy(update={"compression": "none"})
+
+    # Both.
+
+    def leave(self) -> None:
+        """Take everything back."""
+        if self._pending is not None:
+            self._pending.close()
+        for source in dict.fromkeys(self.sources.values()):
+            self._client.graph.remove_source(source)
+        self.sources.clear()
+        self._advertisements.clear()
+        self._numbered.clear()
+        for subscription in self.subscriptions.values():
+            subscription.cancel(None)
+        self.subscriptions.clear()
+
+    def _watch(
+        self, request: Advertise | Subscribe, peers: PeerWatch, owner: object, nodes: Iterable[str]
+    ) -> None:
+        """Send the client its peers, if a request asks for them."""
+        peers.cancel(owner, request.id)
+        if not request.peers:
+            return
+        fields = {"op": "peers", "id": request.id, "topic": request.topic}
+        before = encode_fields(fields, nodes=b"")[:-1]  # There may be thousands who are told.
+        queue = self._client.queue
+
+        def tell(nodes: bytes) -> None:
+            # Only the newest list is of use, and others must not make the client overfull.
+            queue.latest(tell, text_frame(b"%b%b}" % (before, nodes)))
+
+        peers.add(owner, request.id, tell, nodes)
+
+    def _topic(self, spelling: str) -> Topic:
+        return self._client.graph.topic(self._client.resolve(spelling))
+
+
+class PendingPublishes:
+    """Messages of a client that has just connected and has yet to advertise: they wait for that.
+
+    roslibpy that has lost its hub and found it again publishes for a second before it advertises
+    again.
+    """
+
+    def __init__(self, topics: Topics) -> None:
+        self._topics = topics
+        self._clock = topics._client.clock
+        self._end = topics._grace_ends
+        self._waiting: list[tuple[str, Publish]] = []
+        self._size = 0
+        self._timer: Timer | None = None
+
+    def put(self, topic: str, message: Publish) -> bool:
+        """Keep a message until its topic has a type; return whether there is room for it."""
+        now = self._clock.time()
+        size = _size(message)
+        if now >= self._end or self._size + size > MOST_PENDING_BYTES:
+            return False
+        self._waiting.append((topic, message))
+        self._size += size
+        if self._timer is None:
+            self._timer = self._clock.call_later(self._end - now, self._give_up)
+        return True
+
+    def take(self, topic: str) -> list[Publish]:
+        """Remove and return the messages of a topic."""
+        taken = [message for name, message in self._waiting if name == topic]
+        if taken:
+            self._waiting = [each for each in self._waiting if each[0] != topic]
+            self._size -= sum(map(_size, taken))
+        return taken
+
+    def close(self) -> None:
+        """Drop all messages."""
+        self._waiting.clear()
+        if self._timer is not None:
+            self._timer.cancel()
+
+    def _give_up(self) -> None:
+        late, self._waiting = self._waiting, []
+        for _, message in late:
+            self._topics._publish_late(message)
+
+
+def _size(message: Publish) -> int:
+    return len(encode(message)) + PENDING_COST

@@ -1,1 +1,0 @@
-"""What one client does: its operations, performed on the graph."""

@@ -1,0 +1,1 @@
+"""WebSocket connections and HTTP requests on the hub's port. Knows endpoints, not operations."""

@@ -1,0 +1,422 @@
+"""A client's connection: bytes in, messages to its endpoint, frames out.
+
+An asyncio protocol around websockets' sans-I/O `ServerProtocol`. A message is handled within the
+callback that read it; a connection has no task and no timer, only `Connection.sweep`, which the
+server calls for all connections once a second.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import http
+import logging
+import socket
+import sys
+from dataclasses import dataclass, field
+from typing import Protocol, cast
+
+from websockets.frames import Frame, Opcode
+from websockets.http11 import Request
+from websockets.protocol import State
+from websockets.server import ServerProtocol
+
+from fibws.errors import InvalidUtf8
+from fibws.hub.delivery.send_queue import Flusher, SendQueue
+from fibws.hub.log_text import printable
+from fibws.hub.settings import KIB, Settings
+from fibws.hub.websocket.endpoint import Endpoint, Endpoints, Opening
+from fibws.hub.websocket.http import HttpRequests, node_name
+from fibws.hub.websocket.keepalive import Keepalive
+from fibws.protocol.websocket import (
+    FRAGMENTS,
+    INVALID_UTF8,
+    OVERFULL,
+    CloseReason,
+    FrameParser,
+    Payload,
+)
+
+logger = logging.getLogger("fibws.hub")
+_library_logger = logging.getLogger("fibws.hub.websockets")
+_library_logger.setLevel(logging.WARNING)
+
+HIGH_WATER = 64 * KIB
+"""Bytes in a transport's buffer at which its client counts as slow."""
+MAX_FRAGMENTS = 4096
+"""Frames that one fragmented message may have: empty ones do not count towards its size."""
+DROP_REPORT_INTERVAL = 10.0
+"""Seconds between two log lines about one client's dropped messages."""
+
+
+@dataclass(frozen=True, slots=True)
+class Shared:
+    """The state that all connections of one hub share.
+
+    ``small`` and ``medium`` are the buffers that sockets are read into: what is read is used up
+    within the same callback, so that one buffer serves all. A small one makes a flooding publisher
+    take turns with the others; the other one is for connections in the middle of a longer frame.
+    """
+
+    settings: Settings
+    http: HttpRequests
+    endpoints: Endpoints
+    loop: asyncio.AbstractEventLoop
+    flusher: Flusher
+    observer: Observer
+    small: memoryview = field(default_factory=lambda: memoryview(bytearray(16 * KIB)))
+    medium: memoryview = field(default_factory=lambda: memoryview(bytearray(256 * KIB)))
+
+
+READ_SIZE = 512 * KIB
+"""Most bytes of a large message that are read at once."""
+
+
+class Observer(Protocol):
+    """Is told what happens to connections."""
+
+    def opened(self, connection: Connection) -> None:
+        """A socket has been opened."""
+
+    def connected(self, connection: Connection) -> None:
+        """A client has finished its handshake."""
+
+    def ponged(self, connection: Connection, data: bytes) -> None:
+        """A client has sent a pong with these data."""
+
+    def lost(self, connection: Connection) -> None:
+        """A socket is closed."""
+
+
+class Connection(asyncio.BufferedProtocol):
+    """One client's connection, from the socket's opening to its end."""
+
+    __slots__ = (
+        "_binary",
+        "_fragments",
+        "_head",
+        "_keepalive",
+        "_left",
+        "_parser",
+        "_pong_bytes",
+        "_protocol",
+        "_reported",
+        "_reported_at",
+        "_shared",
+        "_transport",
+        "address",
+        "endpoint",
+        "peer",
+        "queue",
+    )
+
+    def __init__(self, shared: Shared) -> None:
+        self._shared = shared
+        self._protocol = ServerProtocol(
+            select_subprotocol=shared.endpoints.select,
+            max_size=shared.settings.max_message_size,
+            logger=_library_logger,
+        )
+        self._transport: asyncio.Transport
+        self._keepalive = Keepalive(shared.settings, shared.loop.time())
+        self._head: bytes | None = b""
+        """The last bytes of a request that is not complete yet; None after the handshake."""
+        self._parser: FrameParser
+        self._fragments: list[bytes] = []
+        self._binary = False
+        self._pong_bytes = 0
+        self._left = False
+        self._reported = 0
+        self._reported_at = float("-inf")
+        self.queue: SendQueue
+        self.endpoint: Endpoint | None = None
+        self.address = ""
+        """The IP address that the client comes from."""
+        self.peer = ""
+        """That with its port."""
+
+    @property
+    def name(self) -> str:
+        """How the log calls the client: its node, or its address during the handshake."""
+        return self.endpoint.node if self.endpoint is not None else self.peer
+
+    # What asyncio calls.
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        self._transport = transport = cast(asyncio.Transport, transport)
+        transport.set_write_buffer_limits(HIGH_WATER)
+        sock = transport.get_extra_info("socket")
+        if hasattr(socket, "TCP_NOTSENT_LOWAT"):
+            # Otherwise the kernel keeps megabytes of messages that a slow client reads when stale.
+            sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NOTSENT_LOWAT, HIGH_WATER)
+        peer = transport.get_extra_info("peername")
+        # Most come from few addresses, and there may be thousands.
+        self.address = sys.intern(peer[0]) if peer else "unknown"
+        self.peer = f"{peer[0]}:{peer[1]}" if peer else "unknown"
+        self._shared.observer.opened(self)
+
+    def get_buffer(self, sizehint: int) -> memoryview:
+        if self._head is None:
+            parser = self._parser
+            if parser.in_large:
+                return parser.buffer()[:READ_SIZE]
+            if parser.missing > len(self._shared.small):
+                return self._shared.medium
+        return self._shared.small
+
+    def buffer_updated(self, nbytes: int) -> None:
+        shared = self._shared
+        if self._head is None and self._parser.in_large:
+            self._parser.filled(nbytes)
+        else:
+            buffer = self.get_buffer(nbytes)
+            data = bytes(buffer[:nbytes])
+            if nbytes == len(buffer):
+                # There is more: let the other connections have their turn first.
+                self._transport.pause_reading()
+                shared.loop.call_soon(self._resume_reading)
+            if self._head is None:
+                self._parser.receive(data)
+            else:
+                self._shake_hands(data)
+        if self.endpoint is not None and self.queue.paused and self.queue.overfull:
+            self._fail(OVERFULL)
+
+    def eof_received(self) -> bool:
+        if self._head is None:
+            self._parser.end()
+        self._protocol.receive_eof()
+        self._send()
+        return False
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        try:
+            self._leave()
+        finally:
+            self._shared.observer.lost(self)
+        if self.endpoint is not None:
+            self._report_drops(float("inf"))
+            logger.info("%s has left.", self.endpoint.node)
+
+    def pause_writing(self) -> None:
+        self._keepalive.paused(self._shared.loop.time(), self._transport.get_write_buffer_size())
+        if self.endpoint is not None:
+            self.queue.pause()
+
+    def resume_writing(self) -> None:
+        self._keepalive.resumed()
+        self._pong_bytes = 0
+        if self.endpoint is not None:
+            self.queue.resume()
+
+    def _resume_reading(self) -> None:
+        if not self._transport.is_closing():
+            self._transport.resume_reading()
+
+    # The handshake.
+
+    def _shake_hands(self, data: bytes) -> None:
+        """Pass the library the request's head and no byte more.
+
+        It would process frames sent behind the request before that is accepted.
+        """
+        assert self._head is not None
+        seen = self._head + data
+        end = seen.find(b"\r\n\r\n")
+        if end < 0:
+            self._head = seen[-3:]
+            self._feed(data)
+            return
+        rest = seen[end + 4 :]
+        self._head = None
+        settings = self._shared.settings
+        self._parser = FrameParser(
+            self._on_text,
+            self._on_binary,
+            self._feed,
+            max_size=settings.max_message_size,
+            masked=True,
+        )
+        if not settings.fast_framing:
+            self._parser.give_up()
+        self._feed(data[: len(data) - len(rest)])
+        if rest and self._protocol.state is State.OPEN:
+            self._parser.receive(rest)
+
+    def _on_request(self, request: Request) -> None:
+        shared = self._shared
+        response = shared.http.respond(request) or self._protocol.accept(request)
+        self._protocol.send_response(response)
+        if response.status_code == http.HTTPStatus.FORBIDDEN:
+            # A browser does not show its page why it was refused.
+            logger.warning("Refused %s: %s", self.peer, printable(bytes(response.body).decode()))
+        if self._protocol.state is not State.OPEN:
+            return
+        self.queue = SendQueue(
+            self._transport.write,
+            self._transport.abort,
+            shared.flusher,
+            max_bytes=shared.settings.max_queued_bytes,
+        )
+        open_endpoint = shared.endpoints.find(self._protocol.subprotocol, request.path)
+        self.endpoint = open_endpoint(Opening(node_name(request.path), self.queue, self.close))
+        self._keepalive.opened()
+        shared.observer.connected(self)
+        logger.info("%s has connected from %s.", self.endpoint.node, self.peer)
+
+    # Reading.
+
+    def _feed(self, data: bytes) -> None:
+        """Let the library read, and do what it says."""
+        if self._protocol.state is State.CLOSED:
+            return
+        self._protocol.receive_data(data)
+        for event in self._protocol.events_received():
+            if isinstance(event, Request):
+                self._on_request(event)
+            elif isinstance(event, Frame):
+                self._on_frame(event)
+        if self._protocol.state is not State.OPEN and self._head is None:
+            self._parser.give_up()
+            self._leave()
+        self._send()
+
+    def _on_frame(self, frame: Frame) -> None:
+        if frame.opcode is Opcode.PONG:
+            self._keepalive.ponged()
+            self._shared.observer.ponged(self, bytes(frame.data))
+        elif frame.opcode in (Opcode.TEXT, Opcode.BINARY, Opcode.CONT):
+            self._on_data(frame)
+
+    def _on_data(self, frame: Frame) -> None:
+        """Put fragments together.
+
+        The library has read on: frames before a close, or before an error, still count.
+        """
+        if self._left:
+            return
+        if len(self._fragments) == MAX_FRAGMENTS:
+            self._fail(FRAGMENTS)
+            return
+        if frame.opcode is not Opcode.CONT:
+            self._binary = frame.opcode is Opcode.BINARY
+        self._fragments.append(bytes(frame.data))
+        self._parser.fragmented = not frame.fin
+        if frame.fin:
+            message, self._fragments = b"".join(self._fragments), []
+            on_message = self._on_binary if self._binary else self._on_text
+            on_message(message)
+
+    def _on_text(self, text: Payload) -> None:
+        assert self.endpoint is not None
+        try:
+            self.endpoint.receive_text(text)
+        except InvalidUtf8:
+            self._fail(INVALID_UTF8)
+        except Exception:
+            # An exception here would end the connection of a client that did nothing wrong.
+            logger.exception("%s: an operation failed.", self.name)
+
+    def _on_binary(self, data: Payload) -> None:
+        assert self.endpoint is not None
+        try:
+            self.endpoint.receive_binary(data)
+        except Exception:
+            logger.exception("%s: an operation failed.", self.name)
+
+    # Writing.
+
+    def _send(self) -> None:
+        """Write what the library wants written."""
+        for data in self._protocol.data_to_send():
+            if data:
+                if self.endpoint is None or self._left:
+                    self._transport.write(data)
+                else:
+                    self.queue.write_control(data)
+                self._count_pongs(len(data))
+            else:
+                self._transport.write_eof()
+                self._keepalive.closing(self._shared.loop.time())
+
+    def _count_pongs(self, size: int) -> None:
+        """Cut off a client that sends pings but reads no pong: the queue does not bound them."""
+        if self.endpoint is not None and self.queue.paused:
+            self._pong_bytes += size
+            if self._pong_bytes > HIGH_WATER:
+                self._transport.abort()
+
+    def ping(self, data: bytes) -> None:
+        """Send a ping; `Observer.ponged` is given what its pong brings back."""
+        if self._protocol.state is State.OPEN:
+            self._protocol.send_ping(data)
+            self._send()
+
+    def close(self, reason: CloseReason) -> None:
+        """Close in good order; a later sweep cuts off a client that does not answer."""
+        if self._protocol.state is State.OPEN:
+            logger.info("%s is closed: %s.", self.name, reason.reason)
+            self._leave()
+            self._protocol.send_close(reason.code, reason.reason)
+            self._keepalive.closing(self._shared.loop.time())
+            self._parser.give_up()
+            self._send()
+        elif self._protocol.state is State.CONNECTING:
+            self._transport.abort()
+
+    def abort(self) -> None:
+        """Cut the connection off."""
+        self._transport.abort()
+
+    def _fail(self, reason: CloseReason) -> None:
+        """Close because of what the client did or did not do."""
+        if self._protocol.state is not State.OPEN:
+            return
+        logger.warning("%s is closed: %s.", self.name, reason.reason)
+        self._leave()
+        self._protocol.fail(reason.code, reason.reason)
+        self._parser.give_up()
+        self._send()
+
+    def _leave(self) -> None:
+        """Take the client's registrations back; what it was sent until now still goes out."""
+        if self.endpoint is not None and not self._left:
+            self._left = True
+            self._fragments = []
+            self.endpoint.leave()
+            self.queue.flush()
+            self.queue.close()
+
+    # Once a second.
+
+    def sweep(self, now: float, late: float) -> None:
+        """Do what is overdue.
+
+        Args:
+            now: seconds of the loop's clock.
+            late: seconds by which the sweep itself is late.
+        """
+        self._keepalive.excuse(late)
+        if self.endpoint is not None:
+            self._report_drops(now)
+            if self.queue.overfull:
+                self._fail(OVERFULL)
+        verdict = self._keepalive.verdict(now, self._transport.get_write_buffer_size())
+        if verdict == "abort":
+            self._transport.abort()
+        elif verdict == "ping":
+            self._protocol.send_ping(b"")
+            self._send()
+        elif verdict is not None:
+            self._fail(verdict)
+
+    def _report_drops(self, now: float) -> None:
+        new = self.queue.dropped - self._reported
+        if new and now - self._reported_at >= DROP_REPORT_INTERVAL:
+            self._reported = self.queue.dropped
+            self._reported_at = now
+            logger.warning(
+                "%s reads too slowly: %d messages dropped, %d in all.",
+                self.name,
+                new,
+                self.queue.dropped,
+            )

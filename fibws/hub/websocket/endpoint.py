@@ -1,0 +1,84 @@
+"""Endpoints: the port by which a protocol attaches to the hub's WebSocket connections.
+
+A connection passes its messages to an `Endpoint` and takes frames from its send queue. Which
+endpoint a connection gets is decided by the WebSocket subprotocol, or by the path.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol, TypeAlias
+
+from websockets.server import ServerProtocol
+from websockets.typing import Subprotocol
+
+from fibws.hub.delivery.send_queue import SendQueue
+from fibws.protocol.websocket import CloseReason, Payload
+
+
+class Endpoint(Protocol):
+    """One client's protocol on one connection."""
+
+    @property
+    def node(self) -> str:
+        """The global name of the client's node."""
+
+    def receive_text(self, data: Payload) -> None:
+        """Take a text message; raise `InvalidUtf8` to have the connection closed."""
+
+    def receive_binary(self, data: Payload) -> None:
+        """Take a binary message, which nobody else holds."""
+
+    def leave(self) -> None:
+        """Take the client's registrations back; called once, when the connection ends."""
+
+
+@dataclass(frozen=True, slots=True)
+class Opening:
+    """The parameters of a new endpoint.
+
+    Attributes:
+        node: the global name that the client asked for, if any.
+        queue: takes the frames for the client.
+        close: closes the connection.
+    """
+
+    node: str | None
+    queue: SendQueue
+    close: Callable[[CloseReason], None]
+
+
+OpenEndpoint: TypeAlias = Callable[[Opening], Endpoint]
+
+
+class Endpoints:
+    """The protocols that clients may speak, by WebSocket subprotocol and path.
+
+    Args:
+        default: the one for clients that ask for no known subprotocol.
+    """
+
+    def __init__(self, default: OpenEndpoint) -> None:
+        self._default = default
+        self._by_subprotocol: dict[str, OpenEndpoint] = {}
+        self._by_path: dict[str, OpenEndpoint] = {}
+
+        def select(protocol: ServerProtocol, offered: Sequence[Subprotocol]) -> Subprotocol | None:
+            return next((each for each in offered if each in self._by_subprotocol), None)
+
+        self.select = select
+        """Selects the first subprotocol of a client's that is known, for `ServerProtocol`, which
+        takes a function but no method."""
+
+    def add(self, open_: OpenEndpoint, *, subprotocol: str | None = None, path: str = "") -> None:
+        """Add a protocol, for clients that offer its subprotocol or connect to its path."""
+        if subprotocol is not None:
+            self._by_subprotocol[subprotocol] = open_
+        if path:
+            self._by_path[path] = open_
+
+    def find(self, subprotocol: str | None, path: str) -> OpenEndpoint:
+        """Return the protocol for a connection: the subprotocol decides, then the path."""
+        by_path = self._by_path.get(path.partition("?")[0], self._default)
+        return self._by_subprotocol.get(subprotocol, by_path) if subprotocol else by_path

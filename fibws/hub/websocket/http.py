@@ -1,0 +1,320 @@
+"""HTTP requests on the hub's port: which WebSockets may open, and what plain requests get.
+
+A web page may speak to the hub only if its origin names a host that the hub is known by: its own
+``Host`` header proves nothing, since a stranger's page can give its name this machine's address
+(DNS rebinding). Programs other than browsers send no origin and may connect.
+
+The page at ``/``, its parts and ``/roslib.js`` are files that the package's build makes. They are
+read once, when the hub starts; a request's path never reaches the file system.
+"""
+
+from __future__ import annotations
+
+import email.utils
+import gzip
+import hashlib
+import http
+import ipaddress
+from collections.abc import Callable, Collection, Mapping
+from functools import cached_property
+from importlib import resources
+from importlib.resources.abc import Traversable
+from typing import TypeAlias
+from urllib.parse import parse_qs, urlsplit
+
+from websockets.datastructures import Headers, MultipleValuesError
+from websockets.http11 import Request, Response
+
+from fibws import names
+from fibws.errors import InvalidName
+from fibws.hub.settings import Settings
+
+BUILT = resources.files("fibws").joinpath("web", "dist")
+
+# The system's own table of types, which the module mimetypes reads, may be anything.
+CONTENT_TYPES = {
+    "css": "text/css",
+    "html": "text/html",
+    "ico": "image/vnd.microsoft.icon",
+    "js": "text/javascript",
+    "json": "application/json",
+    "png": "image/png",
+    "svg": "image/svg+xml",
+    "txt": "text/plain",
+    "woff2": "font/woff2",
+}
+COMPRESSED = {"png", "woff2"}
+"""Kinds of files that gzip cannot make smaller."""
+
+CONTENT_SECURITY_POLICY = "; ".join(
+    (
+        "default-src 'none'",
+        "script-src 'self'",
+        "style-src 'self'",
+        "img-src 'self' data:",
+        "connect-src 'self' ws: wss:",
+        "worker-src 'self'",
+        "base-uri 'none'",
+        "form-action 'none'",
+        "frame-ancestors 'none'",
+        "require-trusted-types-for 'script'",
+        "trusted-types fibws",
+    )
+)
+"""The page's policy: nothing is loaded from other hosts, and no text becomes markup or script.
+
+``fibws`` is the page's only policy of Trusted Types, which lets its worker's address through.
+"""
+
+NOT_BUILT = """\
+<!doctype html>
+<html lang="en">
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta name="color-scheme" content="light dark">
+<title>fibws hub</title>
+<h1>This is a fibws hub, without its page</h1>
+<p>Nodes and other clients can connect. The page that shows the graph has not been built in this
+checkout. Build it there, and start the hub again:</p>
+<pre>python -m pip install -e .</pre>
+<p>How the hub is doing is at <a href="healthz">healthz</a>.</p>
+"""
+
+
+Route: TypeAlias = Callable[[Headers], Response]
+"""Responds to a GET request with these headers."""
+
+
+class HttpRequests:
+    """Responds to the requests that reach the hub's port.
+
+    Args:
+        files: what a browser may fetch, as `read_files` gives it.
+        reserved: names of nodes that no client may take.
+    """
+
+    def __init__(
+        self, settings: Settings, files: Mapping[str, bytes], reserved: Collection[str] = ()
+    ) -> None:
+        self._origins = frozenset(origin.rstrip("/").lower() for origin in settings.allow_origin)
+        self._host = settings.host.lower()
+        self._reserved = reserved
+        self._routes: dict[str, Route] = {"/": _respond_not_built}
+        for path, content in files.items():
+            self._routes[f"/{path}"] = File(path, content).respond
+        if "/index.html" in self._routes:
+            self._routes["/"] = self._routes.pop("/index.html")
+
+    def add(self, path: str, respond: Callable[[], bytes], content_type: str) -> None:
+        """Add a resource that only hosts and origins known to be the hub's may read.
+
+        Args:
+            path: of its URL.
+            respond: returns the body.
+        """
+
+        def route(headers: Headers) -> Response:
+            refusal = self._refuse_host(headers)
+            return refusal or response(http.HTTPStatus.OK, content_type, respond())
+
+        self._routes[path] = route
+
+    def respond(self, request: Request) -> Response | None:
+        """Return the response to a plain or refused request; None if a WebSocket may open."""
+        try:
+            if request.headers.get("Upgrade", "").lower() != "websocket":
+                return self._respond_to_plain(request)
+            refusal = self._refuse_origin(request.headers)
+            if refusal is not None:
+                return text_response(http.HTTPStatus.FORBIDDEN, refusal)
+            if node_name(request.path) in self._reserved:
+                fault = "that name is the hub's own; choose another"
+                return text_response(http.HTTPStatus.BAD_REQUEST, f"The query's node: {fault}")
+        except MultipleValuesError as error:
+            return text_response(http.HTTPStatus.BAD_REQUEST, f"More than one header {error}")
+        except InvalidName as error:
+            return text_response(http.HTTPStatus.BAD_REQUEST, f"The query's node: {error}")
+        return None
+
+    def _respond_to_plain(self, request: Request) -> Response:
+        if request.method not in ("GET", "HEAD"):
+            fault = "Only GET and HEAD are answered"
+            refusal = text_response(http.HTTPStatus.METHOD_NOT_ALLOWED, fault)
+            refusal.headers["Allow"] = "GET, HEAD"
+            return refusal
+        path = request.path.partition("?")[0]
+        route = self._routes.get(path)
+        if route is None:
+            found = text_response(http.HTTPStatus.NOT_FOUND, f"Nothing is at {path}; see /")
+        else:
+            found = route(request.headers)
+        if request.method == "HEAD":
+            found.body = b""
+        return found
+
+    def _refuse_host(self, headers: Headers) -> Response | None:
+        """Refuse pages that gave the hub's address a name of their own."""
+        host = headers.get("Host", "localhost")
+        here = _host_of(f"//{host}")
+        allowed = "*" in self._origins or f"http://{host}".lower() in self._origins
+        if allowed or (here is not None and self._is_own_name(here, here)):
+            return None
+        return text_response(
+            http.HTTPStatus.FORBIDDEN,
+            f"{host} is not known to be this hub's name. "
+            f"Start it with --allow-origin http://{host}",
+        )
+
+    def _refuse_origin(self, headers: Headers) -> str | None:
+        """Return why a page may not open a WebSocket; None if it may."""
+        origin = headers.get("Origin")
+        if origin is None or "*" in self._origins or origin.lower() in self._origins:
+            return None
+        page, here = _host_of(origin), _host_of(f"//{headers.get('Host', '')}")
+        if page is None or not self._is_own_name(page, here):
+            fault = f"Pages of origin {origin} may not connect"
+        elif here is None or not self._is_own_name(here, here):
+            fault = f"Pages may not connect by the name {here}, which is not known to be the hub's"
+        else:
+            return None
+        return f"{fault}. Start the hub with --allow-origin {origin} to let them in"
+
+    def _is_own_name(self, host: str, dialled: str | None) -> bool:
+        """Return whether a name is the hub's; an address that was dialled cannot be rebound."""
+        if host in ("localhost", self._host) or host.endswith(".localhost"):
+            return True
+        try:
+            address = ipaddress.ip_address(host)
+        except ValueError:
+            return False
+        return address.is_loopback or host == dialled
+
+
+class File:
+    """A file, and how it is sent.
+
+    Args:
+        path: relative to the built folder. The name of a file in ``assets/`` holds a digest of its
+            content, so that it may be cached for ever.
+    """
+
+    def __init__(self, path: str, content: bytes) -> None:
+        self._content = content
+        suffix = path.rpartition(".")[2]
+        self._compressible = suffix not in COMPRESSED
+        self._content_type = CONTENT_TYPES.get(suffix, "application/octet-stream")
+        self._etag = f'W/"{hashlib.sha256(content).hexdigest()[:32]}"'
+        forever = path.startswith("assets/")
+        self._headers = {
+            "Cache-Control": "public, max-age=31536000, immutable" if forever else "no-cache",
+            "Content-Security-Policy": CONTENT_SECURITY_POLICY,
+            "ETag": self._etag,
+            "Referrer-Policy": "no-referrer",
+            "Vary": "Accept-Encoding",
+        }
+        if path == "roslib.js":  # Other sites' pages may load it, too.
+            self._headers["Access-Control-Allow-Origin"] = "*"
+            self._headers["Cross-Origin-Resource-Policy"] = "cross-origin"
+
+    def respond(self, headers: Headers) -> Response:
+        """Return the response to a request that has these headers."""
+        if self._is_cached(headers):
+            found = response(http.HTTPStatus.NOT_MODIFIED)
+        elif self._compressible and _accepts_gzip(headers):
+            found = response(http.HTTPStatus.OK, self._content_type, self._zipped)
+            found.headers["Content-Encoding"] = "gzip"
+        else:
+            found = response(http.HTTPStatus.OK, self._content_type, self._content)
+        found.headers.update(self._headers)
+        return found
+
+    @cached_property
+    def _zipped(self) -> bytes:
+        return gzip.compress(self._content, 6, mtime=0)
+
+    def _is_cached(self, headers: Headers) -> bool:
+        known = ",".join(headers.get_all("If-None-Match"))
+        return any(tag.strip() in (self._etag, "*") for tag in known.split(","))
+
+
+def read_files(folder: Traversable = BUILT) -> dict[str, bytes]:
+    """Return the files in a folder and those below it, by their paths; none without a folder.
+
+    Hidden files are left out: the build keeps one that a browser does not need.
+    """
+    if not folder.is_dir():
+        return {}
+    files: dict[str, bytes] = {}
+    for child in folder.iterdir():
+        if child.name.startswith("."):
+            continue
+        if child.is_dir():
+            files |= {f"{child.name}/{path}": found for path, found in read_files(child).items()}
+        else:
+            files[child.name] = child.read_bytes()
+    return files
+
+
+def node_name(path: str) -> str | None:
+    """Return the global node name in the query of a URL, as in ``/?node=/talker``.
+
+    Raises:
+        InvalidName: it is not a legal graph name.
+    """
+    values = parse_qs(path.partition("?")[2], keep_blank_values=True).get("node")
+    if not values:
+        return None
+    if values[0].startswith("~"):
+        raise InvalidName(values[0], "a node's own name cannot be private")
+    return names.resolve(values[0])
+
+
+def response(
+    status: http.HTTPStatus, content_type: str | None = None, body: bytes = b""
+) -> Response:
+    """Return a response, which ends its connection; a browser may not guess the content's type.
+
+    Args:
+        content_type: of the body, such as ``text/plain``; None if the status allows no body.
+    """
+    headers = Headers(
+        {
+            "Date": email.utils.formatdate(usegmt=True),
+            "Connection": "close",
+            "X-Content-Type-Options": "nosniff",
+        }
+    )
+    if content_type is not None:
+        text = content_type.startswith("text/") or content_type == "application/json"
+        headers["Content-Type"] = f"{content_type}; charset=utf-8" if text else content_type
+        headers["Content-Length"] = str(len(body))
+    return Response(status.value, status.phrase, headers, body)
+
+
+def text_response(status: http.HTTPStatus, text: str) -> Response:
+    """Return a response of one sentence, which is given without its full stop."""
+    return response(status, "text/plain", f"{text}.\n".encode())
+
+
+def _respond_not_built(headers: Headers) -> Response:
+    found = response(http.HTTPStatus.SERVICE_UNAVAILABLE, "text/html", NOT_BUILT.encode())
+    found.headers["Cache-Control"] = "no-store"
+    found.headers["Content-Security-Policy"] = CONTENT_SECURITY_POLICY
+    return found
+
+
+def _accepts_gzip(headers: Headers) -> bool:
+    """Return whether Accept-Encoding names gzip, and not with the weight 0, which forbids it."""
+    for coding in ",".join(headers.get_all("Accept-Encoding")).lower().split(","):
+        name, _, weight = "".join(coding.split()).partition(";")
+        if name == "gzip":
+            # Of weights, only 0 has no other digit: q=0, q=0.000.
+            return not weight or weight.strip("q=0.") != ""
+    return False
+
+
+def _host_of(origin: str) -> str | None:
+    try:
+        return urlsplit(origin).hostname
+    except ValueError:
+        return None

@@ -1,0 +1,298 @@
+"""Decoding: from JSON text or CBOR to the fields of an operation, and from these to the operation.
+
+    JSON text ── decode_json ─┐
+                              ├─ fields ── parse_request or parse_reply ── operation
+    CBOR ─────── decode_cbor ─┘
+
+Everything that is wrong raises OperationError. Where rosbridge_suite has a text for it (in
+rosbridge_library's capability.py and protocol.py), clients get that text.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Iterator
+from functools import partial
+from io import BytesIO
+from itertools import islice
+from struct import calcsize, unpack
+from typing import Annotated, Any, Final, NoReturn, TypeVar, get_args
+
+import cbor2
+from pydantic import Field, TypeAdapter, ValidationError
+from pydantic_core import from_json, to_json
+
+from fibws.errors import InvalidUtf8, OperationError
+from fibws.protocol.operations import LONGEST_ID, Reply, Request
+
+T = TypeVar("T")
+
+QUOTED_LENGTH = 200
+"""Most characters of an invalid value that an error quotes."""
+
+_SCANNER = json.JSONDecoder()
+
+
+def decode_json(data: bytes) -> Iterable[dict[str, Any]]:
+    """Return the JSON objects of a text: usually one; rosbridge_suite accepts several in a row.
+
+    Raises:
+        OperationError: the text is not JSON, or has a value that is not an object. The objects
+            before an error are returned.
+        InvalidUtf8: the text is not UTF-8.
+    """
+    try:
+        value = from_json(data)
+    except ValueError as error:
+        return _several(data, error)
+    return (_object(value),)
+
+
+def _several(data: bytes, first_error: ValueError) -> Iterator[dict[str, Any]]:
+    """Yield the objects of a text that is not a single JSON value."""
+    try:
+        text = data.decode().lstrip()
+    except UnicodeDecodeError as error:
+        raise InvalidUtf8(str(error)) from None
+    position, end = 0, len(text)
+    while position < end:
+        try:
+            # The scanner only finds the end of the object; from_json decodes it, as always.
+            _, stop = _SCANNER.raw_decode(text, position)
+            value = from_json(text[position:stop])
+        except (ValueError, RecursionError):
+            raise OperationError(
+                f"Expected JSON objects: {first_error}. "
+                f"Original message was: {quoted(text[position:])}"
+            ) from None
+        yield _object(value)
+        while stop < end and text[stop] in " \t\r\n":
+            stop += 1
+        position = stop
+
+
+def _object(value: object) -> dict[str, Any]:
+    if isinstance(value, dict):
+        return value
+    raise OperationError(f"Expected a JSON object. Original message was: {quoted(value)}")
+
+
+# CBOR (RFC 8949)
+
+DEEPEST: Final = 200
+"""Most levels of nested arrays and maps: as many as pydantic_core allows in JSON."""
+
+MOST_ITEMS: Final = 2**20
+"""Most values in a map: an empty array takes one byte, and eighty once it is decoded."""
+
+_BYTES: Final = 2
+_TEXT: Final = 3
+"""The major types of byte strings and text strings, whose contents follow their head."""
+
+_TYPED_ARRAYS: Final = {
+    **{64: "<B", 68: "<B", 69: "<H", 70: "<I", 71: "<Q", 72: "<b", 77: "<h", 78: "<i", 79: "<q"},
+    **{65: ">H", 66: ">I", 67: ">Q", 73: ">h", 74: ">i", 75: ">q"},
+    **{80: ">e", 81: ">f", 82: ">d", 84: "<e", 85: "<f", 86: "<d"},
+}
+"""`struct` formats of typed arrays by tag (RFC 8746, section 2.1); `struct` has no float128."""
+
+_KNOWN_TO_CBOR2: Final = (
+    *(0, 1, 2, 3, 4, 5, 25, 28, 29, 30, 35, 36, 37, 52, 54, 100),
+    *(256, 258, 260, 261, 1004, 43000, 55799),
+)
+"""The tags that cbor2 decodes by default."""
+
+_SELF_DESCRIBED: Final = b"\xd9\xd9\xf7"
+"""The tag 55799, which CBOR data may begin with (RFC 8949, section 3.4.6)."""
+
+_SCALARS: Final = {str, int, float, bool, bytes, type(None)}
+
+
+def decode_cbor(data: bytes) -> dict[str, Any]:
+    """Return a CBOR map as a dict of JSON's types and bytes; undefined becomes None.
+
+    Typed arrays (RFC 8746) become lists. All other tags are refused: JSON has no equivalent, and
+    with some of them a few bytes keep a decoder busy for minutes.
+
+    Raises:
+        OperationError: the data is not one CBOR map, or has a value of another type.
+    """
+    _check_count(data)
+    source = BytesIO(data.removeprefix(_SELF_DESCRIBED))
+    decoder = cbor2.CBORDecoder(
+        source,
+        tag_hook=_refuse_unknown,
+        semantic_decoders=_TAG_DECODERS,
+        max_depth=DEEPEST,
+        strict_hashable_types=True,
+    )
+    try:
+        value = decoder.decode()
+    except cbor2.CBORError as error:
+        raise OperationError(f"Expected a map in CBOR: {error.__cause__ or error}") from None
+    if not isinstance(value, dict):
+        raise OperationError(f"Expected a map in CBOR, got {type(value).__name__}")
+    rest = len(source.getbuffer()) - source.tell()
+    if rest:
+        raise OperationError(f"Expected one map in CBOR, got {rest} more bytes after it")
+    return _checked_map(value)
+
+
+def _check_count(data: bytes) -> None:
+    """Refuse data with so many values that it takes far more memory once it is decoded.
+
+    This reads only the heads of values (RFC 8949, section 3): the elements of arrays and maps
+    follow as values of their own.
+    """
+    position, end = 0, len(data)
+    for _ in range(MOST_ITEMS):
+        if position >= end:
+            return
+        kind, argument = data[position] >> 5, data[position] & 31
+        position += 1
+        if 24 <= argument <= 27:
+            size = 1 << (argument - 24)
+            argument = int.from_bytes(data[position : position + size], "big")
+            position += size
+        elif argument > 27:
+            # Of indefinite length, whose chunks follow as values; or invalid: see the decoder.
+            argument = 0
+        if kind in (_BYTES, _TEXT):
+            position += argument
+    if position < end:
+        raise OperationError(f"Expected a map in CBOR of at most {MOST_ITEMS} values")
+
+
+def _checked_map(value: dict[Any, Any]) -> dict[str, Any]:
+    for key, member in value.items():
+        if type(key) is not str:
+            kind = type(key).__name__
+            raise OperationError(f"Expected text as the keys of maps in CBOR, got {kind}")
+        if type(member) not in _SCALARS:
+            value[key] = _checked(member)
+    return value
+
+
+def _checked(value: Any) -> Any:
+    if type(value) is dict:
+        return _checked_map(value)
+    if type(value) is list:
+        # Most lists have only scalars: comparing sets of types is faster than a loop.
+        if _SCALARS.issuperset(map(type, value)):
+            return value
+        return [member if type(member) in _SCALARS else _checked(member) for member in value]
+    if value is cbor2.undefined:
+        return None
+    kind = type(value).__name__
+    raise OperationError(f"Expected bytes or values that JSON has in CBOR, got {kind}")
+
+
+def _typed_array(layout: str, data: object, immutable: bool) -> list[int] | list[float]:
+    if not isinstance(data, bytes):
+        raise ValueError("a typed array must be a byte string")
+    count, rest = divmod(len(data), calcsize(layout))
+    if rest:
+        raise ValueError(f"a typed array of {len(data)} bytes ends within an element")
+    return list(unpack(f"{layout[0]}{count}{layout[1]}", data))
+
+
+def _refuse(tag: int, value: object, immutable: bool) -> NoReturn:
+    raise ValueError(f"unsupported tag {tag}; only typed arrays (RFC 8746) are supported")
+
+
+def _refuse_unknown(tagged: cbor2.CBORTag, immutable: bool) -> NoReturn:
+    _refuse(tagged.tag, tagged.value, immutable)
+
+
+_TAG_DECODERS: dict[int, Callable[[Any, bool], Any]] = {
+    **{tag: partial(_refuse, tag) for tag in _KNOWN_TO_CBOR2},
+    **{tag: partial(_typed_array, layout) for tag, layout in _TYPED_ARRAYS.items()},
+}
+
+
+# From fields to operations
+
+_REQUEST: TypeAdapter[Request] = TypeAdapter(Annotated[Request, Field(discriminator="op")])
+_REPLY: TypeAdapter[Reply] = TypeAdapter(Annotated[Reply, Field(discriminator="op")])
+REQUESTS = sorted(model.model_fields["op"].default for model in get_args(Request))
+"""The names of the operations that clients send."""
+REPLIES = sorted(model.model_fields["op"].default for model in get_args(Reply))
+"""The names of the operations that the hub sends."""
+
+
+def parse_request(fields: dict[str, Any]) -> Request:
+    """Return the operation that a client sent.
+
+    A field that is null counts as absent, as in rosbridge_suite.
+
+    Raises:
+        OperationError: the operation is unknown, or a field is missing or of a wrong type.
+    """
+    return _parse(_REQUEST, REQUESTS, fields)
+
+
+def parse_reply(fields: dict[str, Any]) -> Reply:
+    """Return the operation that the hub sent; see `parse_request`."""
+    return _parse(_REPLY, REPLIES, fields)
+
+
+def _parse(adapter: TypeAdapter[T], known: list[str], fields: dict[str, Any]) -> T:
+    if None in fields.values():
+        fields = {name: value for name, value in fields.items() if value is not None}
+    try:
+        return adapter.validate_python(fields)
+    except ValidationError as error:
+        raise OperationError(_error_text(error, known, fields)) from None
+
+
+_EXPECTED = {
+    "string_type": "str",
+    "bool_type": "bool",
+    "int_type": "int",
+    "int_from_float": "int",
+    "float_type": "int, float",
+    "finite_number": "a finite number",
+    "greater_than_equal": "an int from 0 to 6",
+    "less_than_equal": "an int from 0 to 6",
+}
+"""The types that an error of pydantic's asks for, as rosbridge_suite calls them."""
+
+
+def _error_text(error: ValidationError, known: list[str], fields: dict[str, Any]) -> str:
+    """Return the text of the first error."""
+    first = error.errors(include_url=False, include_context=True)[0]
+    operation = fields.get("op")
+    if first["type"] == "union_tag_not_found" or not isinstance(operation, str):
+        return (
+            "Received a message without an op.  All messages require 'op' field with value one of: "
+            f"{known}.  Original message was: {quoted(fields)}"
+        )
+    if first["type"] == "union_tag_invalid":
+        return f"Unknown operation: {operation}.  Allowed operations: {known}"
+    name = str(first["loc"][1])
+    if first["type"] == "missing":
+        return f"Expected a {name} field but none was found."
+    long = first["type"] == "string_too_long"
+    expected = (
+        f"str{f' of at most {LONGEST_ID} characters' * long}, int"
+        if name == "id"
+        else _EXPECTED.get(first["type"]) or first.get("ctx", {}).get("expected", first["msg"])
+    )
+    return f"Expected field {name} to be one of {expected}. Invalid value: {quoted(first['input'])}"
+
+
+def quoted(value: Any) -> str:
+    """Return an invalid value as JSON text, truncated to a readable length."""
+    start = _start(value, QUOTED_LENGTH)
+    text = to_json(start, inf_nan_mode="constants", bytes_mode="base64").decode()
+    return text if len(text) <= QUOTED_LENGTH else f"{text[:QUOTED_LENGTH]}..."
+
+
+def _start(value: Any, most: int) -> Any:
+    """Return the start of a value, which may have millions of elements, before it becomes text."""
+    if isinstance(value, list):
+        return [_start(each, most // 2) for each in value[: most + 1]]
+    if isinstance(value, dict):
+        items = islice(value.items(), most + 1)
+        return {name[: most + 1]: _start(each, most // 2) for name, each in items}
+    return value[: QUOTED_LENGTH + 1] if isinstance(value, str | bytes) else value

@@ -1,0 +1,160 @@
+"""Caches: responses are made once for each revision of the graph, texts of types once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from fibws.hub.graph.graph import Graph, Verb
+from fibws.hub.rosapi.cache import FRESH_FOR, LARGE, Make, ResponseCache, TextCache
+from fibws.interfaces import Interfaces
+
+from ..fakes import INT32, FakeHub
+
+
+class HideAll:
+    """A policy that lets nodes list nothing."""
+
+    allows_all = False
+
+    def may(self, node: str, verb: Verb, name: str) -> bool:
+        return verb != "list"
+
+
+# Responses.
+
+
+@pytest.mark.parametrize("get", [ResponseCache.get, ResponseCache.get_lately])
+def test_a_response_is_made_once_for_each_revision(
+    get: Callable[[ResponseCache, Make, str], bytes],
+) -> None:
+    hub = FakeHub()
+    made: list[str] = []
+
+    def make(caller: str) -> bytes:
+        made.append(caller)
+        return b"%d" % len(made)
+
+    cache = ResponseCache(hub.graph)
+    assert [get(cache, make, "/a"), get(cache, make, "/b")] == [b"1", b"1"]
+    client = hub.client()
+    assert [get(cache, make, "/a"), get(cache, make, "/b")] == [b"2", b"2"]
+    client.send("advertise", "/fib", type=INT32)
+    assert get(cache, make, "/a") == b"3"
+
+
+def test_different_responses_are_cached_separately() -> None:
+    cache = ResponseCache(FakeHub().graph)
+    assert [cache.get(make, "/a") for make in (_one, _two, _one)] == [b"1", b"2", b"1"]
+
+
+@pytest.mark.parametrize(
+    "get", [ResponseCache.get, ResponseCache.get_lately, ResponseCache.get_recent]
+)
+def test_nothing_is_cached_where_a_policy_limits_listings(
+    get: Callable[[ResponseCache, Make, str], bytes],
+) -> None:
+    cache = ResponseCache(FakeHub(policy=HideAll()).graph)
+    found = [get(cache, lambda caller: caller.encode() * LARGE, node) for node in ("/a", "/b")]
+    assert [text[:2] for text in found] == [b"/a", b"/b"]
+
+
+class Response:
+    """A response of some size about a graph, whose clock the test sets."""
+
+    def __init__(self, size: int) -> None:
+        self.now = 0
+        self.made = 0
+        self.size = size
+        self.graph = Graph(Interfaces(), lambda: self.now)
+        self.cache = ResponseCache(self.graph)
+
+    def make(self, caller: str) -> bytes:
+        self.made += 1
+        return b" " * self.size
+
+
+def test_a_large_response_is_reused_for_a_while_although_the_graph_changes() -> None:
+    response = Response(LARGE)
+    for now, made in ((0, 1), (LARGE * FRESH_FOR - 1, 1), (LARGE * FRESH_FOR, 2)):
+        response.now = now
+        response.graph.revision += 1
+        response.cache.get_lately(response.make, "/a")
+        assert response.made == made
+
+
+def test_a_response_without_a_revision_is_always_of_the_newest() -> None:
+    response = Response(LARGE)
+    for made in (1, 2, 3):
+        response.graph.revision += 1
+        response.cache.get(response.make, "/a")
+        assert response.made == made
+
+
+def test_a_response_that_changes_without_the_graph_is_reused_only_if_it_is_large() -> None:
+    for size, made in ((LARGE - 1, [1, 2, 3]), (LARGE, [1, 1, 2])):
+        response = Response(size)
+        for now, times in zip((0, 1, LARGE * FRESH_FOR), made, strict=True):
+            response.now = now
+            response.cache.get_recent(response.make, "/a")
+            assert response.made == times
+
+
+def test_a_clock_that_is_set_back_does_not_keep_a_response_for_long() -> None:
+    response = Response(LARGE)
+    for now in (10**18, 0):
+        response.now = now
+        response.cache.get_recent(response.make, "/a")
+    assert response.made == 2
+
+
+def _one(caller: str) -> bytes:
+    return b"1"
+
+
+def _two(caller: str) -> bytes:
+    return b"2"
+
+
+# Texts of types.
+
+
+class MakeText:
+    """Makes texts of ten bytes, and records their names."""
+
+    def __init__(self) -> None:
+        self.made: list[str] = []
+
+    def __call__(self, name: str) -> bytes:
+        self.made.append(name)
+        if name == "wrong":
+            raise LookupError(name)
+        return name.encode().ljust(10)
+
+
+def test_a_text_is_made_once() -> None:
+    make = MakeText()
+    texts = TextCache(make)
+    assert [texts.get(name) for name in "aba"] == [b"a         ", b"b         ", b"a         "]
+    assert make.made == ["a", "b"]
+
+
+def test_an_error_is_not_cached() -> None:
+    make = MakeText()
+    texts = TextCache(make)
+    for _ in range(2):
+        with pytest.raises(LookupError):
+            texts.get("wrong")
+    assert make.made == ["wrong", "wrong"]
+
+
+def test_all_texts_are_dropped_when_they_exceed_the_limit() -> None:
+    make = MakeText()
+    texts = TextCache(make, max_bytes=30)
+    for name in "abcabc":
+        texts.get(name)
+    assert make.made == ["a", "b", "c"]
+    for name in "dad":
+        texts.get(name)
+    assert make.made == ["a", "b", "c", "d", "a"]

@@ -1,0 +1,227 @@
+"""Clients that ask who is at the other side of a topic."""
+
+from __future__ import annotations
+
+import random
+from typing import Any
+
+import pytest
+
+from fibws.hub.graph.peers import MOST_REQUESTS
+
+from ..fakes import INT32, STRING, Client, FakeHub, number
+
+SIDES = {"advertise": "subscribe", "subscribe": "advertise"}
+"""For each operation, the one whose nodes are its peers."""
+
+
+def asks(hub: FakeHub, op: str, node: str = "/asking", **fields: Any) -> Client:
+    client = hub.client(node)
+    client.send(op, "/a", type=INT32, **{"id": "asked", "peers": True, **fields})
+    return client
+
+
+def joins(hub: FakeHub, op: str, node: str, topic: str = "/a") -> Client:
+    client = hub.client(node)
+    client.send(op, topic, type=INT32)
+    return client
+
+
+def told(client: Client) -> list[list[str]]:
+    """Return the peers lists that came since the last call; nothing else may have come."""
+    heard = client.receive()
+    assert all(each.keys() == {"op", "id", "topic", "nodes"} for each in heard), heard
+    return [each["nodes"] for each in heard]
+
+
+@pytest.mark.parametrize(("op", "other"), SIDES.items())
+def test_peers_come_at_once_with_the_requests_id_and_spelling(op: str, other: str) -> None:
+    hub = FakeHub()
+    joins(hub, other, "/b")
+    client = hub.client()
+    client.send(op, "a", type=INT32, id=5, peers=True)
+    assert client.receive() == [{"op": "peers", "id": 5, "topic": "a", "nodes": ["/b"]}]
+    client.send(op, "/a", type=INT32, peers=True)
+    assert client.receive() == [{"op": "peers", "topic": "/a", "nodes": ["/b"]}]
+
+
+@pytest.mark.parametrize("peers", [None, False])
+@pytest.mark.parametrize(("op", "other"), SIDES.items())
+def test_peers_are_not_sent_unless_requested(op: str, other: str, peers: bool | None) -> None:
+    hub = FakeHub()
+    client = asks(hub, op, peers=peers)
+    joins(hub, other, "/b").leaves()
+    assert client.receive() == []
+
+
+@pytest.mark.parametrize(("op", "other"), SIDES.items())
+def test_each_change_of_the_peers_is_sent(op: str, other: str) -> None:
+    hub = FakeHub()
+    client = asks(hub, op)
+    assert told(client) == [[]]
+    second = joins(hub, other, "/b2")
+    first = joins(hub, other, "/b1")
+    joins(hub, op, "/of the same side")
+    joins(hub, other, "/elsewhere", "/other")
+    first.leaves()
+    second.send(f"un{other}", "/a")
+    assert told(client) == [["/b2"], ["/b1", "/b2"], ["/b2"], []]
+
+
+@pytest.mark.parametrize(("op", "other"), SIDES.items())
+def test_node_is_listed_once_while_it_has_any_registration(op: str, other: str) -> None:
+    hub = FakeHub()
+    client = asks(hub, op)
+    node = hub.client("/b")
+    registrations = [("/a", 1), ("/a", 2), ("a", 3), ("a", 4)]
+    for spelling, id_ in registrations:
+        node.send(other, spelling, type=INT32, id=id_)
+    for spelling, id_ in registrations:
+        assert told(client)[-1:] in ([], [["/b"]])
+        node.send(f"un{other}", spelling, id=id_)
+    assert told(client) == [[]]
+
+
+@pytest.mark.parametrize(("op", "other"), SIDES.items())
+def test_replaced_node_is_removed_before_the_newer_is_added(op: str, other: str) -> None:
+    hub = FakeHub()
+    client = asks(hub, op)
+    joins(hub, other, "/b")
+    joins(hub, other, "/b")
+    assert told(client) == [[], ["/b"], [], ["/b"]]
+
+
+@pytest.mark.parametrize(("op", "other"), SIDES.items())
+def test_node_may_be_its_own_peer(op: str, other: str) -> None:
+    hub = FakeHub()
+    client = asks(hub, op)
+    client.send(other, "/a", type=INT32, peers=True, id="other")
+    assert [(each["id"], each["nodes"]) for each in client.receive()] == [
+        ("asked", []),
+        ("asked", ["/asking"]),
+        ("other", ["/asking"]),
+    ]
+    client.leaves()
+    assert hub.empty
+
+
+@pytest.mark.parametrize(("op", "other"), SIDES.items())
+def test_requests_end_by_their_ids(op: str, other: str) -> None:
+    hub = FakeHub()
+    client = asks(hub, op, id=1)
+    for id_ in (2, 3):
+        client.send(op, "/a", type=INT32, id=id_, peers=True)
+    client.send(op, "/a", type=INT32, id=4)
+    client.receive()
+    client.send(f"un{op}", "/a", id=1)
+    client.send(op, "/a", type=INT32, id=3)  # which asks no more
+    joins(hub, other, "/b")
+    assert [each["id"] for each in client.receive()] == [2]
+    client.send(f"un{op}", "/a")
+    joins(hub, other, "/c")
+    assert client.receive() == []
+
+
+@pytest.mark.parametrize(("op", "other"), SIDES.items())
+def test_clients_that_left_or_were_refused_get_no_peers(op: str, other: str) -> None:
+    hub = FakeHub()
+    client, refused = asks(hub, op), hub.client()
+    refused.send(op, "/a", type=STRING, peers=True)
+    assert len(refused.receive_statuses()) == 1
+    client.leaves()
+    client.receive()
+    joins(hub, other, "/b")
+    assert client.receive() == refused.receive() == []
+
+
+def test_publisher_learns_of_a_subscriber_that_gets_its_messages() -> None:
+    hub = FakeHub()
+    talker = asks(hub, "advertise", "/talker")
+    told(talker)
+    listener = joins(hub, "subscribe", "/listener")
+    [nodes] = told(talker)
+    talker.send("publish", "/a", msg=number(1), to=nodes[0])
+    assert listener.receive_numbers("/a") == [1]
+
+
+def test_subscriber_learns_of_a_publisher_before_its_messages() -> None:
+    hub = FakeHub()
+    talker = hub.client("/talker")
+    talker.send("advertise", "/a", type=INT32, latch=True)
+    talker.send("publish", "/a", msg=number(1))
+    late, early = asks(hub, "subscribe", "/late"), asks(hub, "subscribe", "/early", id="early")
+    other = joins(hub, "advertise", "/other")
+    other.send("publish", "/a", msg=number(2))
+    for client in (late, early):
+        assert [each["op"] for each in client.receive()] == ["peers", "publish", "peers", "publish"]
+
+
+def test_publisher_without_advertise_is_a_peer() -> None:
+    hub = FakeHub()
+    client = asks(hub, "subscribe")
+    hub.client("/b").send("publish", "/a", msg=number(1))
+    assert [each.get("nodes") for each in client.receive()] == [[], ["/b"], None]
+
+
+def test_slow_client_gets_only_the_newest_peers() -> None:
+    hub = FakeHub(max_queued_bytes=1000)
+    client = asks(hub, "advertise")
+    client.send("advertise", "/a", type=INT32, peers=True, id="again")
+    client.receive()
+    client.queue.pause()
+    for name in range(100):
+        joins(hub, "subscribe", f"/b{name % 7}")
+    assert not client.queue.overfull
+    client.queue.resume()
+    assert [(each["id"], len(each["nodes"])) for each in client.receive()] == [
+        ("asked", 7),
+        ("again", 7),
+    ]
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_peers_are_right_after_random_changes(seed: int) -> None:
+    chance = random.Random(seed)
+    hub = FakeHub()
+    publisher, subscriber = asks(hub, "advertise", "/p"), asks(hub, "subscribe", "/s")
+    others: dict[str, Client] = {}
+    heard: dict[Client, list[str]] = {}
+    for _ in range(300):
+        name = f"/n{chance.randrange(4)}"
+        spelling = chance.choice(["/a", "a", "/other"])
+        if name not in others or chance.random() < 0.1:
+            others[name] = hub.client(name)
+        other = others[name]
+        match chance.randrange(6):
+            case 0:
+                other.leaves()
+                del others[name]
+            case 1 | 2:
+                op = chance.choice(["advertise", "subscribe"])
+                other.send(op, spelling, type=INT32, id=chance.randrange(2))
+            case _:
+                op = chance.choice(["unadvertise", "unsubscribe"])
+                other.send(op, spelling, id=chance.choice([0, 1, None]))
+        topic = hub.graph.topics["/a"]
+        for client in (publisher, subscriber):
+            for nodes in told(client):
+                assert nodes != heard.get(client)
+                heard[client] = nodes
+        assert heard[publisher] == sorted(topic.subscribers())
+        assert heard[subscriber] == sorted(topic.sources)
+
+
+@pytest.mark.parametrize("op", SIDES)
+def test_number_of_peers_requests_is_limited(op: str) -> None:
+    hub = FakeHub()
+    client = hub.client("/asking")
+    for count in range(MOST_REQUESTS):
+        client.send(op, "/a", type=INT32, id=count, peers=True)
+    assert len(told(client)) == MOST_REQUESTS
+    client.send(op, "/a", type=INT32, id="too many", peers=True)
+    (refused,) = client.receive()
+    assert (refused["op"], refused["level"], refused["id"]) == ("status", "error", "too many")
+    assert f"limit {MOST_REQUESTS}" in refused["msg"]
+    client.send(op, "/a", type=INT32, id=3, peers=True)
+    client.send(op, "/a", type=INT32, id="does not ask")
+    assert told(client) == [[]], "the same one may ask again, others need not ask"

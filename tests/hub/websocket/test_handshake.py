@@ -1,0 +1,268 @@
+"""Handshakes and plain HTTP over a real socket."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from conftest import StartHub
+from websockets.asyncio.client import connect
+from websockets.extensions.permessage_deflate import ClientPerMessageDeflateFactory
+
+from fibws.hub import Hub
+from fibws.hub.settings import MIB
+
+from ..raw_client import (
+    PATIENT,
+    PING,
+    PONG,
+    Client,
+    Gone,
+    connected,
+    dialled,
+    frame,
+    handshake,
+    nodes,
+    operation,
+    until,
+)
+
+pytestmark = pytest.mark.both_loops
+
+
+class TestHandshake:
+    @pytest.mark.parametrize("path", ["/", "/a/b", "/?token=1&x", "//", "/a?b?c#d", "*", "/%FF"])
+    async def test_any_path_and_query_are_accepted(self, hub: Hub, path: str) -> None:
+        async with connected(hub.port, path) as client:
+            await client.is_processed()
+
+    async def test_path_that_is_not_a_url_breaks_nothing(self, hub: Hub) -> None:
+        async with dialled(hub.port) as client:
+            await client.send(handshake("//["))
+            status, _, _ = await client.response()
+        assert status in (101, 400)
+
+    async def test_request_may_arrive_byte_by_byte(self, hub: Hub) -> None:
+        async with dialled(hub.port) as client:
+            for byte in handshake("/?node=/slow"):
+                await client.send(bytes((byte,)))
+            assert (await client.response())[0] == 101
+            await client.is_processed()
+            assert nodes(hub) == ["/slow"]
+
+    async def test_frames_behind_the_request_are_answered_after_it(self, hub: Hub) -> None:
+        # R7: the library alone would send its PONG before the 101.
+        async with dialled(hub.port) as client:
+            await client.send(handshake(), frame(PING, b"early"), operation("nope"))
+            assert (await client.response())[0] == 101
+            assert await client.frame() == (PONG, b"early")
+            assert (await client.receive())["op"] == "status"
+
+    async def test_socket_may_cut_request_and_frames_anywhere(self, hub: Hub) -> None:
+        everything = handshake() + frame(PING, b"1") + frame(PING, b"2")
+        for cut in range(len(handshake()) - 6, len(everything)):
+            async with dialled(hub.port) as client:
+                await client.send(everything[:cut])
+                await client.send(everything[cut:])
+                assert (await client.response())[0] == 101
+                assert await client.frame() == (PONG, b"1")
+                assert await client.frame() == (PONG, b"2")
+
+    async def test_only_the_first_of_two_requests_is_answered(self, hub: Hub) -> None:
+        get = b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n"
+        async with dialled(hub.port) as client:
+            await client.send(get + get)
+            status, _, body = await client.response()
+        assert status == 200
+        assert body.count(b'"status"') == 1
+
+    async def test_frames_behind_a_refused_request_are_not_read(self, hub: Hub) -> None:
+        async with dialled(hub.port) as client:
+            await client.send(handshake(Origin="http://evil.example"), frame(PING, b"early"))
+            status, _, body = await client.response()
+            await client.send(frame(PING, b"late"))
+        assert status == 403
+        assert b"early" not in body
+
+    async def test_half_a_request_times_out(self, start_hub: StartHub) -> None:
+        hub = await start_hub(open_timeout=0.1)
+        async with dialled(hub.port) as silent, dialled(hub.port) as slow:
+            await slow.send(handshake()[:-1])
+            assert await _fate(silent) == b""
+            assert await _fate(slow) == b""
+
+    @pytest.mark.parametrize(
+        "garbage",
+        [
+            b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03" + bytes(range(256)) + b"\n",
+            b"\r\n\r\n",
+            b"\n\n\n\n",
+            b"GET\r\n\r\n",
+            b"GET / HTTP/2.0\r\n\r\n",
+            b"GET /\xff HTTP/1.1\r\n\r\n",
+            b"GET / HTTP/1.1\r\nno colon\r\n\r\n",
+            b"POST / HTTP/1.1\r\nContent-Length: 2\r\n\r\nhi",
+            b"POST / HTTP/1.1\r\nTransfer-Encoding: chunked\r\n\r\n2\r\nhi\r\n0\r\n\r\n",
+        ],
+        ids=lambda garbage: repr(garbage[:12]),
+    )
+    async def test_invalid_request_ends_the_connection(self, hub: Hub, garbage: bytes) -> None:
+        async with dialled(hub.port) as client:
+            await client.send(garbage)
+            assert await client.to_the_end() == b""
+
+    @pytest.mark.parametrize(
+        ("request_", "status"),
+        [
+            (b"GET /" + b"x" * 9000, 414),
+            (b"GET / HTTP/1.1\r\nX: " + b"x" * 9000, 431),
+            (b"GET / HTTP/1.1\r\n" + b"X: y\r\n" * 200, 431),
+        ],
+    )
+    async def test_oversized_request_is_refused_before_its_end(
+        self, hub: Hub, request_: bytes, status: int
+    ) -> None:
+        async with dialled(hub.port) as client:
+            await client.send(request_)
+            assert (await client.response())[0] == status
+
+    async def test_endless_refused_request_is_not_kept(self, start_hub: StartHub) -> None:
+        hub = await start_hub(close_timeout=PATIENT)
+        async with dialled(hub.port) as client:
+            await client.send(b"GET /" + b"x" * 9000)
+            await client.response()
+            for _ in range(64):
+                await client.send(bytes(MIB // 4))
+            (connection,) = hub._connections
+            assert len(connection._head or b"") < MIB
+            client.reset()
+            await until(lambda: not hub._connections)
+
+    @pytest.mark.parametrize(
+        ("headers", "status"),
+        [
+            ({"Sec_WebSocket_Key": "short"}, 400),
+            ({"Sec_WebSocket_Version": "8"}, 400),
+            ({"Connection": "close"}, 426),
+            ({"Upgrade": "h2c"}, 200),  # as curl asks for HTTP/2, to be left out
+        ],
+    )
+    async def test_invalid_upgrade_is_answered(
+        self, hub: Hub, headers: dict[str, str], status: int
+    ) -> None:
+        async with dialled(hub.port) as client:
+            await client.send(handshake(**headers))
+            assert (await client.response())[0] == status
+
+    async def test_unknown_origin_is_refused_with_the_remedy(self, hub: Hub) -> None:
+        async with dialled(hub.port) as client:
+            await client.send(handshake(Origin="http://evil.example"))
+            status, headers, body = await client.response()
+        assert status == 403
+        assert b"--allow-origin http://evil.example" in body
+        assert headers["content-length"] == str(len(body))
+        assert headers["connection"] == "close"
+
+    async def test_origin_that_is_not_ascii_is_refused(self, hub: Hub) -> None:
+        async with dialled(hub.port) as client:
+            await client.send(handshake(Origin="http://\xff\xfe"))
+            assert (await client.response())[0] == 403
+
+    async def test_page_of_this_machine_may_connect(self, hub: Hub) -> None:
+        async with connected(hub.port, Origin="http://localhost:3000") as client:
+            await client.is_processed()
+
+    async def test_allowed_origin_may_connect(self, start_hub: StartHub) -> None:
+        hub = await start_hub(allow_origin=("https://lab.example",))
+        async with connected(hub.port, Origin="https://lab.example") as client:
+            await client.is_processed()
+
+    @pytest.mark.parametrize("header", ["Upgrade: websocket", "Origin: x", "Host: y"])
+    async def test_header_given_twice_is_refused(self, hub: Hub, header: str) -> None:
+        twice = handshake(Origin="http://localhost").replace(
+            b"\r\n\r\n", f"\r\n{header}\r\n\r\n".encode()
+        )
+        async with dialled(hub.port) as client:
+            await client.send(twice)
+            assert (await client.response())[0] == 400
+
+    @pytest.mark.parametrize("name", ["", "9", "/a//b", "~x", "/a%00", "/%E4", "x" * 2000])
+    async def test_bad_node_name_is_refused_with_the_reason(self, hub: Hub, name: str) -> None:
+        async with dialled(hub.port) as client:
+            await client.send(handshake(f"/?node={name}"))
+            status, _, body = await client.response()
+        assert status == 400
+        assert b"The query's node: " in body
+
+    async def test_deflate_is_declined(self, hub: Hub) -> None:
+        async with dialled(hub.port) as client:
+            await client.send(handshake(Sec_WebSocket_Extensions="permessage-deflate"))
+            status, headers, _ = await client.response()
+        assert status == 101
+        assert "sec-websocket-extensions" not in headers
+
+    async def test_real_client_works_without_the_deflate_it_offers(self, hub: Hub) -> None:
+        async with connect(hub.url, extensions=[ClientPerMessageDeflateFactory()]) as websocket:
+            assert websocket.protocol.extensions == []
+            await websocket.send("{}")
+            assert json.loads(await websocket.recv())["op"] == "status"
+
+    async def test_hub_gives_an_unused_name(self, hub: Hub) -> None:
+        async with (
+            connected(hub.port, "/?node=/client_1") as known,
+            connected(hub.port) as nameless,
+        ):
+            await nameless.is_processed()
+            await known.is_processed()
+            assert len(nodes(hub)) == 2
+
+
+class TestPlainHttp:
+    async def test_get_returns_the_resource(self, hub: Hub) -> None:
+        status, headers, body = await _http(hub, "GET", "/healthz")
+        assert status == 200
+        assert headers["content-type"].startswith("application/json")
+        assert json.loads(body)["status"] == "ok"
+
+    async def test_head_returns_the_headers_without_a_body(self, hub: Hub) -> None:
+        _, got, page = await _http(hub, "GET", "/")
+        status, head, body = await _http(hub, "HEAD", "/")
+        assert (status, body) == (200, b"")
+        assert head["content-length"] == got["content-length"] == str(len(page))
+
+    async def test_unknown_path_is_404(self, hub: Hub) -> None:
+        status, _, body = await _http(hub, "GET", "/nothing?x")
+        assert (status, body) == (404, b"Nothing is at /nothing; see /.\n")
+
+    @pytest.mark.parametrize("method", ["POST", "PUT", "DELETE", "OPTIONS", "BREW"])
+    async def test_other_methods_are_405(self, hub: Hub, method: str) -> None:
+        status, headers, _ = await _http(hub, method, "/")
+        assert (status, headers["allow"]) == (405, "GET, HEAD")
+
+    async def test_http_1_0_is_answered_too(self, hub: Hub) -> None:
+        async with dialled(hub.port) as client:
+            await client.send(b"GET /healthz HTTP/1.0\r\n\r\n")
+            assert (await client.response())[0] == 200
+
+    async def test_client_that_stays_after_the_response_is_cut_off(
+        self, start_hub: StartHub
+    ) -> None:
+        hub = await start_hub(close_timeout=0.1)
+        async with dialled(hub.port) as client:
+            await client.send(b"GET / HTTP/1.1\r\n\r\n")
+            assert (await client.response())[0] == 200
+            await until(lambda: not hub._connections)
+
+
+async def _http(hub: Hub, method: str, path: str) -> tuple[int, dict[str, str], bytes]:
+    async with dialled(hub.port) as client:
+        await client.send(f"{method} {path} HTTP/1.1\r\nHost: localhost\r\n\r\n".encode())
+        return await client.response()
+
+
+async def _fate(client: Client) -> bytes:
+    """Return the bytes that a client gets until the hub disconnects it."""
+    try:
+        return await client.to_the_end()
+    except (ConnectionError, Gone):
+        return b""
