@@ -29,11 +29,9 @@ if TYPE_CHECKING:
     )
     from fibws.interfaces import Action, Duration, Message, Service, Time
     from fibws.names import Remapping, parse_remappings
-    from fibws.node.actions.client import ActionClient
-    from fibws.node.actions.client_goal import ClientGoal
-    from fibws.node.actions.over import Over
-    from fibws.node.actions.server import ActionServer, Execute
-    from fibws.node.actions.server_goal import ServerGoal
+    from fibws.node.actions.actions import Over
+    from fibws.node.actions.client import ActionClient, ClientGoal
+    from fibws.node.actions.server import ActionServer, Execute, ServerGoal
     from fibws.node.actions.status import GoalStatus
     from fibws.node.graph import Graph, NodeDetails
     from fibws.node.node import Node
@@ -41,7 +39,7 @@ if TYPE_CHECKING:
     from fibws.node.peers import Peers
     from fibws.node.publisher import Publisher
     from fibws.node.rate import Rate
-    from fibws.node.service import Handler, HeaderHandler, ServiceServer
+    from fibws.node.services import Handler, HeaderHandler, ServiceServer
     from fibws.node.subscription import Subscription
 
 __version__ = "0.1.0"
@@ -70,11 +68,9 @@ _HOMES = {
     ),
     "fibws.interfaces": ("Action", "Duration", "Message", "Service", "Time"),
     "fibws.names": ("Remapping", "parse_remappings"),
-    "fibws.node.actions.client": ("ActionClient",),
-    "fibws.node.actions.client_goal": ("ClientGoal",),
-    "fibws.node.actions.over": ("Over",),
-    "fibws.node.actions.server": ("ActionServer", "Execute"),
-    "fibws.node.actions.server_goal": ("ServerGoal",),
+    "fibws.node.actions.actions": ("Over",),
+    "fibws.node.actions.client": ("ActionClient", "ClientGoal"),
+    "fibws.node.actions.server": ("ActionServer", "Execute", "ServerGoal"),
     "fibws.node.actions.status": ("GoalStatus",),
     "fibws.node.graph": ("Graph", "NodeDetails"),
     "fibws.node.node": ("Node",),
@@ -82,7 +78,7 @@ _HOMES = {
     "fibws.node.peers": ("Peers",),
     "fibws.node.publisher": ("Publisher",),
     "fibws.node.rate": ("Rate",),
-    "fibws.node.service": ("Handler", "HeaderHandler", "ServiceServer"),
+    "fibws.node.services": ("Handler", "HeaderHandler", "ServiceServer"),
     "fibws.node.subscription": ("Subscription",),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}

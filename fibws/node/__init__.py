@@ -1,11 +1,18 @@
-"""The node library: what a program is on the ROS graph. `import fibws` has its public names.
+"""The node library: a node of the ROS graph in an asyncio program. `import fibws` for its API.
 
     Node ── Publisher, Subscription, Rosout ── Topics ─┐
-         ── ServiceServer, Loggers ── Services ────────┼─ Session ── Outbox ── Connection ── the hub
-         ── Params, Graph ── Calls ────────────────────┤
+         ── ServiceServer, Loggers ── Services ────────┼─ Session ── OutgoingQueue ─┬─ WebSocket
+         ── Params, Graph ── Calls ────────────────────┤          ── FrameParser ───┘
          ── ActionServer, ActionClient ────────────────┘
 
-Topics, services, calls, and each action's server or client are the parts of the session: what the
-node has registered and what it waits for. The session outlives the connection, which alone knows
-sockets. The outbox between them keeps what is to be sent in order and in bounds.
+Topics, Services, Calls, and each action's server or client are the session's handlers: they know
+what the node has registered and which responses it waits for. The session outlives connections
+(`connection`), which alone know sockets. `types` makes bytes and JSON of messages.
+
+One message, from `Publisher.publish` to the socket and from the socket to ``async for``:
+
+    Publisher.publish → encode_serialized (bytes of MessageCodec.serialize behind the WebSocket
+    header) → send → OutgoingQueue.put → WebSocket.write, or `_flush` at the end of the loop's turn
+    WebSocket.buffer_updated → FrameParser.receive → Topics._on_binary → Subscription.offer
+    ... Subscription.__anext__ → MessageCodec.deserialize
 """

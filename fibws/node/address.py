@@ -1,4 +1,4 @@
-"""Where a node finds its hub, and how it says there who it is."""
+"""The hub's URL, and the node's name in it."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ DEFAULT_PORT = 9090
 DEFAULT = f"ws://127.0.0.1:{DEFAULT_PORT}"
 ENVIRONMENT = "FIBWS_HUB"
 LOOPBACK = ("127.0.0.1", "::1", "localhost")
-"""What names this machine."""
+"""The addresses of this machine."""
 
 
 def hub_url(address: str | None = None) -> str:
-    """The URL that an address stands for: ``robot`` is ``ws://robot:9090``.
+    """Return the URL of an address: ``ws://robot:9090`` for ``robot``.
 
     Args:
-        address: where the hub is; by default where $FIBWS_HUB says, or else on this machine.
+        address: the hub's address; default $FIBWS_HUB, else this machine.
 
     Raises:
-        InvalidAddress: it is no address of a hub.
+        InvalidAddress: the address is invalid.
     """
     address = (address or os.environ.get(ENVIRONMENT) or DEFAULT).strip()
     url = address if "://" in address else f"ws://{address}"
@@ -33,19 +33,19 @@ def hub_url(address: str | None = None) -> str:
     if parts.scheme not in ("ws", "wss"):
         raise InvalidAddress(address, f"a hub speaks ws:// or wss://, not {parts.scheme}://")
     if address.isdigit():
-        raise InvalidAddress(address, "a number alone names no host")
+        raise InvalidAddress(address, "the host is missing")
     if not parts.hostname or any(character.isspace() for character in url):
-        raise InvalidAddress(address, "it names no host")
+        raise InvalidAddress(address, "the host is missing")
     if port == 0 or parts.fragment:
-        raise InvalidAddress(address, "its port is 0" if port == 0 else "it has a # part")
+        raise InvalidAddress(address, "the port is 0" if port == 0 else "it has a # part")
     if port is None and url != address:
-        # Only what is spelled as a URL has a URL's default, which is 80.
+        # An address that is spelled as a URL has the default port of its scheme.
         return parts._replace(netloc=f"{parts.netloc}:{DEFAULT_PORT}").geturl()
     return url
 
 
 def node_url(hub: str, node: str) -> str:
-    """The hub's URL with the node's name in its query, as the key ``node``."""
+    """Return the hub's URL with the node's name in its query, as ``node=<name>``."""
     parts = urlsplit(hub)
     keys = [(key, value) for key, value in parse_qsl(parts.query, True) if key != "node"]
     query = urlencode([*keys, ("node", node)], safe="/", quote_via=quote)

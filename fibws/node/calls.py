@@ -1,4 +1,4 @@
-"""A node's calls of services, until they are answered."""
+"""The services that a node calls: its own calls, and those of its library to the hub (rosapi)."""
 
 from __future__ import annotations
 
@@ -16,22 +16,29 @@ from fibws.errors import (
     ServiceLost,
     ServiceTimeout,
     UnknownService,
+    WaitTimeout,
 )
 from fibws.interfaces import Service
 from fibws.interfaces.message import Req, Res
-from fibws.node.fault import throw
-from fibws.node.part import Part
-from fibws.node.session import Session
+from fibws.node.session import OperationHandler, Session, throw
 from fibws.node.types import Types
+from fibws.protocol.decoding import quoted
 from fibws.protocol.headers import check_headers
 from fibws.protocol.operations import CallService, Reply, ServiceResponse
-from fibws.protocol.parsing import quoted
 
 MOST_CALLS = 500
-"""How many calls of one service wait for answers at once; the hub bounds those of all (1000)."""
-
+"""Calls of one service that wait for responses at once; the hub bounds those of all (1000)."""
 SHORTEST_TIMEOUT = 0.001
-"""Seconds that the hub is given at least: it takes 0 for no limit of ours."""
+"""Least seconds to send as a call's timeout: 0 would mean no limit."""
+FIRST_LOOK = 0.05
+LONGEST_LOOK = 0.5
+"""Seconds between two checks whether a service exists, at first and in the end (rospy's: 0.3)."""
+
+_ERRORS: dict[str | None, type[ServiceError]] = {
+    "unknown_service": UnknownService,
+    "timeout": ServiceTimeout,
+}
+"""Errors by the code of a failed response; others raise ServiceError."""
 
 _Outcome: TypeAlias = ServiceResponse | Exception
 
@@ -46,8 +53,8 @@ class _Call:
             self.outcome.set_result(outcome)
 
 
-class Calls(Part):
-    """The part of a session that calls services."""
+class Calls(OperationHandler):
+    """Calls services, and handles their responses."""
 
     def __init__(self, session: Session, types: Types) -> None:
         self._session = session
@@ -55,7 +62,7 @@ class Calls(Part):
         self._waiting: dict[str, _Call] = {}
         # One for each service: calls that a handler makes must not wait for those of the handler.
         self._slots: WeakValueDictionary[str, asyncio.Semaphore] = WeakValueDictionary()
-        session.join(self)
+        session.add_handler(self)
 
     def __len__(self) -> int:
         return len(self._waiting)
@@ -70,16 +77,60 @@ class Calls(Part):
         headers: Mapping[str, str] | None = None,
     ) -> Res:
         """Call a service by its global name; see `Node.call`."""
-        types = self._types.service(type_)
+        type_of_service = self._types.service(type_)
         header = check_headers(headers) if headers else None
-        values = await self._ask(service, types.ask(request), within, header)
+        args = type_of_service.write_request(request)
+        values = await self._call(service, args, within, header)
         try:
-            return types.answered(values)
+            return type_of_service.read_response(values)
         except InvalidMessage as error:
-            text = f"its response does not fit {types.name}: {error}"
+            text = f"its response does not fit {type_of_service.name}: {error}"
             raise ServiceError(service, text) from None
 
-    async def _ask(
+    async def call_rosapi(
+        self, service: str, type_: type[Service[Req, Res]], /, **request: Any
+    ) -> Res:
+        """Call ``/rosapi/<service>``, a service of the hub, with a request of these fields."""
+        return await self.call(f"/rosapi/{service}", type_, request)
+
+    async def wait_for_service(self, name: str, within: float | None) -> None:
+        """Wait until a service exists, by its global name; see `Node.wait_for_service`."""
+        delay = FIRST_LOOK
+        try:
+            async with asyncio.timeout(within):
+                while not await self._exists(name):
+                    if await self._session.ended(delay):
+                        raise NodeClosed(f"the node ended while waiting for service {name}")
+                    delay = min(2 * delay, LONGEST_LOOK)
+        except TimeoutError:
+            raise WaitTimeout(f"timeout exceeded while waiting for service {name}") from None
+
+    def receive(self, reply: Reply) -> bool:
+        """Handle a response; it may come late, when nobody waits for it any more."""
+        if not isinstance(reply, ServiceResponse):
+            return False
+        if (call := self._waiting.get(str(reply.id))) is not None:
+            call.settle(reply)
+        return True
+
+    def refuse(self, id_: str, error: OperationRejected) -> bool:
+        """Fail a call that the hub refuses."""
+        if (call := self._waiting.get(id_)) is None:
+            return False
+        call.settle(ServiceError(call.service, str(error)))
+        return True
+
+    def on_disconnect(self) -> None:
+        """Fail all pending calls: they may have taken place or not."""
+        for call in self._waiting.values():
+            call.settle(ServiceLost(call.service))
+
+    def end(self, error: Exception | None) -> None:
+        """Fail all pending calls."""
+        for call in self._waiting.values():
+            call.settle(error or NodeClosed("the node has ended"))
+
+    async def _call(
         self,
         service: str,
         args: dict[str, Any],
@@ -94,56 +145,36 @@ class Calls(Part):
                 await self._session.wait_for_hub()
                 call = self._waiting[id_] = _Call(service, loop.create_future())
                 left = max(end - loop.time(), SHORTEST_TIMEOUT) if end is not None else None
-                self._session.say(
+                self._session.send(
                     CallService(id=id_, service=service, args=args, timeout=left, headers=headers)
                 )
                 outcome = await call.outcome
         except TimeoutError:
-            asked = id_ in self._waiting or self._session.outbox.connected
-            fault = "no answer" if asked else "no hub to ask"
-            raise ServiceTimeout(service, f"{fault} within {within:g} s") from None
+            sent = id_ in self._waiting or self._session.outgoing.connected
+            missing = "no response" if sent else "no hub"
+            raise ServiceTimeout(service, f"{missing} within {within:g} s") from None
         finally:
             self._waiting.pop(id_, None)
         if isinstance(outcome, Exception):
             throw(outcome)
         if not outcome.result:
-            raise _failure(service, outcome.values)
+            raise _failure(service, outcome)
         return outcome.values
 
     def _slots_of(self, service: str) -> asyncio.Semaphore:
         return self._slots.setdefault(service, asyncio.Semaphore(MOST_CALLS))
 
-    def receive(self, reply: Reply) -> bool:
-        """Take an answer; it may come late, when nobody waits for it any more."""
-        if not isinstance(reply, ServiceResponse):
-            return False
-        if (call := self._waiting.get(str(reply.id))) is not None:
-            call.settle(reply)
-        return True
+    async def _exists(self, name: str) -> bool:
+        from fibws.srv.rosapi import ServiceType  # It takes 10 ms to load.
 
-    def refuse(self, id_: str, fault: OperationRejected) -> bool:
-        """Fail a call that the hub did not understand."""
-        if (call := self._waiting.get(id_)) is None:
-            return False
-        call.settle(ServiceError(call.service, str(fault)))
-        return True
-
-    def lose(self) -> None:
-        """Fail the calls that the lost hub was told of: it may have passed them on or not."""
-        for call in self._waiting.values():
-            call.settle(ServiceLost(call.service))
-
-    def end(self, fault: Exception | None) -> None:
-        """Let all callers know."""
-        for call in self._waiting.values():
-            call.settle(fault or NodeClosed("the node has ended"))
+        try:
+            return bool((await self.call_rosapi("service_type", ServiceType, service=name)).type)
+        except ServiceLost:
+            return False  # The next call waits until there is a hub again.
 
 
-def _failure(service: str, values: Any) -> ServiceError:
-    """What a response means that is none; rosbridge has no codes for it, only our hub's texts."""
+def _failure(service: str, response: ServiceResponse) -> ServiceError:
+    """Return the error that a failed response stands for."""
+    values = response.values
     text = values if isinstance(values, str) else quoted(values)
-    if text == f"Service {service} does not exist":
-        return UnknownService(service, text)
-    if text.startswith(f"Service {service} did not answer within "):
-        return ServiceTimeout(service, text)
-    return ServiceError(service, text)
+    return _ERRORS.get(response.code, ServiceError)(service, text, response.code)

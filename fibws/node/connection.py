@@ -1,4 +1,11 @@
-"""The socket between a node and its hub, made again whenever it breaks."""
+"""The connection between a node and its hub, which is made again whenever it breaks.
+
+connect() of websockets ── _Handshake ── the response's head ──> WebSocket
+socket ── WebSocket.buffer_updated ── FrameParser ──> messages: Session.receive_binary
+                                                 ├──> operations: Session.receive_text
+                                                 └──> control frames, fragments: _Handshake
+Session ── OutgoingQueue ── WebSocket.write ──> socket
+"""
 
 from __future__ import annotations
 
@@ -9,8 +16,9 @@ import random
 import re
 from collections.abc import Iterator
 from contextlib import suppress
+from typing import Any
 
-from websockets.asyncio.client import connect
+from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import (
     ConnectionClosed,
     InvalidHandshake,
@@ -18,114 +26,362 @@ from websockets.exceptions import (
     InvalidStatus,
     InvalidURI,
 )
-from websockets.protocol import State
+from websockets.frames import Frame, Opcode
+from websockets.protocol import Event, State
+from websockets.typing import Subprotocol
 
 from fibws.errors import HubUnreachable, NodeError, NodeKilled, NodeReplaced
 from fibws.node.address import node_url
-from fibws.node.rosout import TOPIC as ROSOUT
+from fibws.node.log import ROSOUT
+from fibws.node.outgoing_queue import TURN, PublisherLane
 from fibws.node.session import MAX_SIZE, Session
-from fibws.node.websocket import TURN, WebSocket
-from fibws.protocol.closing import KILLED, REPLACED
+from fibws.protocol.serialized import SUBPROTOCOL
+from fibws.protocol.websocket import (
+    KILLED,
+    REPLACED,
+    TEXT,
+    FrameParser,
+    client_frame,
+    client_payload,
+)
 
 FIRST_RETRY = 0.1
 LONGEST_RETRY = 0.5
-OPENING = 5.0
-FLUSHING = 0.6
-CLOSING = 0.3
+OPEN_TIMEOUT = 5.0
+FLUSH_TIMEOUT = 0.6
+CLOSE_TIMEOUT = 0.3
 """Seconds, all five; the last two together bound how long a node's end takes."""
+
+BUFFER_SIZE = 64 * 1024
+"""Bytes to read at once; a larger message is read into a buffer of its own."""
 
 _TRY_LATER = (408, 425, 429)
 _ERRNO = re.compile(r"\[Errno (\d+)\]")
+_DATA = (Opcode.TEXT, Opcode.BINARY, Opcode.CONT)
+
+
+class _Handshake(ClientConnection):
+    """websockets' connection: it does the handshake, and later control frames and fragments.
+
+    It is given the bytes of the handshake's response, and none that follow: those are kept until
+    `WebSocket` takes over.
+    """
+
+    def __init__(self, *arguments: Any, **named: Any) -> None:
+        super().__init__(*arguments, **named)
+        self._head: bytes | None = b""
+        """The last bytes of a response that is not complete yet."""
+        self.rest = b""
+        """The bytes that followed the handshake."""
+        self.websocket: WebSocket | None = None
+
+    def data_received(self, data: bytes) -> None:
+        """Read what the socket gave, up to the end of the handshake's response."""
+        if self._head is None:
+            if self.protocol.state is State.OPEN and self.websocket is None:
+                self.rest += data
+            else:
+                super().data_received(data)
+            return
+        seen = self._head + data
+        end = seen.find(b"\r\n\r\n")
+        if end < 0:
+            self._head = seen[-3:]
+            super().data_received(data)
+            return
+        self._head = None
+        rest = seen[end + 4 :]
+        super().data_received(data[: len(data) - len(rest)])
+        if self.protocol.state is State.OPEN:
+            self.rest = rest
+            self.transport.pause_reading()
+        elif rest:  # The body of a refusal.
+            super().data_received(rest)
+
+    def process_event(self, event: Event) -> None:
+        """Handle what the library has read."""
+        if self.websocket is not None and isinstance(event, Frame) and event.opcode in _DATA:
+            self.websocket.on_fragment(event)
+        else:
+            super().process_event(event)
+
+
+class WebSocket(asyncio.BufferedProtocol):
+    """A connection after its handshake: reads messages for a session, and writes its frames.
+
+    Args:
+        handshake: the connection of websockets, whose handshake has succeeded.
+        session: the node's.
+    """
+
+    def __init__(self, handshake: _Handshake, session: Session) -> None:
+        self._handshake = handshake
+        self._session = session
+        self._transport = handshake.transport
+        self._loop = handshake.loop
+        self.serialized = handshake.subprotocol == SUBPROTOCOL
+        """Whether the server speaks `fibws.v1`."""
+        self._parser = FrameParser(
+            session.receive_text,
+            session.receive_binary,
+            self._feed,
+            max_size=MAX_SIZE,
+            masked=False,
+            turn=TURN,
+        )
+        self._buffer = memoryview(bytearray(BUFFER_SIZE))
+        self._turn_is_due = False
+        """Whether `_next_turn` is about to be called."""
+        self._is_reading_paused = True  # by the handshake
+        self._fragments: list[bytes] = []
+        self._is_text = False
+
+    def start(self, *, hold: bool) -> None:
+        """Register with the hub and begin to read.
+
+        Args:
+            hold: keep messages until `OutgoingQueue.release`.
+        """
+        self._handshake.websocket = self
+        self._transport.set_protocol(self)
+        self._session.connect(
+            self, serialized=self.serialized, end_turn=self._parser.pause, hold=hold
+        )
+        self._receive(self._handshake.rest)
+        self._schedule_turn()
+
+    async def closed(self) -> ConnectionClosed:
+        """Wait until the connection is closed; return why."""
+        await self._handshake.wait_closed()
+        return self._handshake.protocol.close_exc
+
+    async def close(self) -> None:
+        """Close the connection within `CLOSE_TIMEOUT` seconds."""
+        with suppress(TimeoutError):
+            # The library's own timeout does not run while it waits for a full socket.
+            async with asyncio.timeout(CLOSE_TIMEOUT):
+                await self._handshake.close()
+        self._transport.abort()  # Does nothing if the connection was closed in good order.
+
+    # Writing, for the queue
+
+    def write(self, frame: bytes, lane: PublisherLane | None) -> None:
+        """Write one frame."""
+        if self._transport.is_closing():
+            return
+        if not self.serialized:
+            frame = _rosbridge_frame(frame, lane)
+        # asyncio slices off what the socket takes at once: of large bytes that would be a copy.
+        self._transport.write(frame if len(frame) < BUFFER_SIZE else memoryview(frame))
+
+    def write_joined(self, frames: list[tuple[bytes, PublisherLane | None]]) -> None:
+        """Write several small frames at once."""
+        if self._transport.is_closing():
+            return
+        if self.serialized:
+            self._transport.write(b"".join([frame for frame, _ in frames]))
+        else:
+            self._transport.write(b"".join([_rosbridge_frame(*frame) for frame in frames]))
+
+    @property
+    def is_behind(self) -> bool:
+        """Whether the transport still holds bytes that the socket did not take."""
+        return self._transport.get_write_buffer_size() > 0
+
+    # Reading: called by asyncio
+
+    def get_buffer(self, sizehint: int) -> memoryview:
+        """Return where to read."""
+        return self._parser.buffer() if self._parser.in_large else self._buffer
+
+    def buffer_updated(self, nbytes: int) -> None:
+        """Handle what was read."""
+        try:
+            if self._parser.in_large:
+                self._parser.filled(nbytes)
+            else:
+                self._parser.receive(bytes(self._buffer[:nbytes]))
+        except Exception as error:  # A bug, because of which the program must not hang.
+            self._session.end(error)
+        if self._parser.paused:
+            self._schedule_turn()
+
+    def eof_received(self) -> None:
+        """Handle the end of what the hub sends."""
+        self._parser.end()
+        self._handshake.eof_received()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Deliver what was read already, and report the loss."""
+        self._session.outgoing.disconnect()
+        while self._parser.paused:
+            self._receive_more()
+        self._handshake.connection_lost(exc)
+
+    def pause_writing(self) -> None:
+        """Handle a socket that is behind."""
+        self._handshake.pause_writing()
+        self._session.outgoing.pause()
+
+    def resume_writing(self) -> None:
+        """Handle a socket that has caught up."""
+        self._handshake.resume_writing()
+        self._session.outgoing.resume()
+
+    def on_fragment(self, frame: Frame) -> None:
+        """Put a fragmented message together; also takes whole messages that the library read."""
+        if frame.opcode is not Opcode.CONT:
+            self._is_text = frame.opcode is Opcode.TEXT
+        self._fragments.append(bytes(frame.data))
+        self._parser.fragmented = not frame.fin
+        if frame.fin:
+            message, self._fragments = b"".join(self._fragments), []
+            if self._is_text:
+                self._session.receive_text(message)
+            else:
+                self._session.receive_binary(message)
+
+    def _receive(self, data: bytes) -> None:
+        try:
+            self._parser.receive(data)
+        except Exception as error:  # A bug, because of which the program must not hang.
+            self._session.end(error)
+
+    def _receive_more(self) -> None:
+        try:
+            self._parser.resume()
+        except Exception as error:  # As in `_receive`.
+            self._session.end(error)
+
+    def _next_turn(self) -> None:
+        """Go on reading, now that the readers had a turn of the loop."""
+        self._turn_is_due = False
+        if self._transport.is_closing():
+            return
+        self._receive_more()
+        if self._parser.paused:
+            # One turn was not enough: what the socket brings meanwhile must not pile up.
+            if not self._is_reading_paused:
+                self._is_reading_paused = True
+                self._transport.pause_reading()
+            self._schedule_turn()
+        elif self._is_reading_paused:
+            self._is_reading_paused = False
+            self._transport.resume_reading()
+
+    def _schedule_turn(self) -> None:
+        if not self._turn_is_due:
+            self._turn_is_due = True
+            self._loop.call_soon(self._next_turn)
+
+    def _feed(self, data: bytes) -> None:
+        """Let the library read."""
+        self._handshake.data_received(data)
+        if self._handshake.protocol.state is not State.OPEN:
+            self._parser.give_up()
 
 
 class Connection:
-    """Keeps one node connected to its hub until it is closed."""
+    """Keeps one node connected to its hub until the node ends.
+
+    Args:
+        hub: the hub's URL.
+        node: the node's global name.
+        session: the node's.
+        log: gets a line when the hub is lost or found.
+    """
 
     def __init__(self, hub: str, node: str, session: Session, log: logging.Logger) -> None:
         self._hub = hub
         self._node = node
         self._session = session
         self._log = log
-        self._answered = asyncio.Event()
-        self._missed = False
+        self._found = asyncio.Event()
+        """Set once there was a hub, or will never be one."""
+        self._is_missing = False
         self._task: asyncio.Task[None] | None = None
 
     async def open(self) -> None:
-        """Wait until the hub has answered, for as long as that takes.
+        """Wait until there is a hub, for as long as that takes.
 
         Raises:
-            HubUnreachable: it never will.
+            HubUnreachable: the hub refuses the node, or its address cannot be used.
         """
+        # Makes glibc keep freed memory: otherwise each large message trims and grows the heap.
+        bytearray(16 << 20)
         self._session.begin()
         self._task = asyncio.create_task(self._run(), name=f"connection of {self._node}")
         try:
-            await self._answered.wait()
+            await self._found.wait()
             self._session.check()
         except BaseException:
             await self.close()
             raise
 
     async def close(self) -> None:
-        """Send what still waits if that is possible soon, then leave and say what was not sent."""
+        """Send what waits within `FLUSH_TIMEOUT`, disconnect, and log what was not sent."""
         self._session.end()
         if self._task is None:
             return
-        if not self._session.outbox.connected:
+        if not self._session.outgoing.connected:
             self._task.cancel()
         try:
-            await asyncio.wait({self._task}, timeout=FLUSHING)
+            await asyncio.wait({self._task}, timeout=FLUSH_TIMEOUT)
         finally:
             self._task.cancel()
             await asyncio.wait({self._task})
-        unsent = self._session.outbox.unsent()
+        unsent = self._session.outgoing.unsent()
         del unsent[ROSOUT]  # The console has shown those.
         if unsent:
             self._log.warning("Messages that were not sent: %d.", unsent.total())
 
     async def _run(self) -> None:
-        """Connect and converse, again and again, until the node is over."""
+        """Connect again and again, until the node ends."""
         delays = _delays()
         try:
             while not self._session.over:
-                if await self._visit():
+                if await self._connect_once():
                     delays = _delays()
                 if not self._session.over:
                     await asyncio.sleep(next(delays))
-        except Exception as fault:
-            # The hub's last word; or a mistake of ours, which must not leave a program waiting.
-            self._session.end(fault)
+        except Exception as error:
+            # The hub's final refusal; or a bug, because of which the program must not hang.
+            self._session.end(error)
         finally:
-            self._answered.set()
+            self._found.set()
 
-    async def _visit(self) -> bool:
-        """Connect and converse once; tell whether that went well for a while."""
+    async def _connect_once(self) -> bool:
+        """Connect, and wait until the connection is lost; return whether it lasted for a while."""
         try:
-            websocket = await self._connect()
+            websocket = WebSocket(await self._shake_hands(), self._session)
         except (OSError, InvalidHandshake) as error:
-            self._missing(_reason(error))
+            self._on_missing(_reason(error))
             return False
         loop = asyncio.get_running_loop()
         began = loop.time()
         closed = await self._converse(websocket)
-        if not self._session.over:
+        if closed is not None and not self._session.over:
             reason = closed.rcvd.reason if closed.rcvd is not None else ""
-            self._missing(reason or str(closed))
+            self._on_missing(reason or str(closed))
         return loop.time() - began > LONGEST_RETRY
 
-    async def _connect(self) -> WebSocket:
+    async def _shake_hands(self) -> _Handshake:
         try:
-            websocket = await connect(
+            handshake = await connect(
                 node_url(self._hub, self._node),
-                create_connection=WebSocket,
+                create_connection=_Handshake,
+                subprotocols=[Subprotocol(SUBPROTOCOL)],
                 compression=None,
                 max_size=MAX_SIZE,
-                open_timeout=OPENING,
-                close_timeout=CLOSING,
-                # A hub is next door: a proxy that the environment names is for the world outside.
+                open_timeout=OPEN_TIMEOUT,
+                close_timeout=CLOSE_TIMEOUT,
+                # What the socket does not take at once waits in our own queue, where it is bounded.
+                write_limit=1,
+                # A hub is nearby: the environment's proxy is for the internet.
                 proxy=True if self._hub.startswith("wss:") else None,
             )
-            assert isinstance(websocket, WebSocket)
-            return websocket
+            assert isinstance(handshake, _Handshake)
+            return handshake
         except InvalidStatus as error:
             status = error.response.status_code
             if status >= 500 or status in _TRY_LATER:
@@ -135,81 +391,55 @@ class Connection:
         except (InvalidURI, InvalidProxy, ValueError) as error:  # The last for odd host names.
             raise HubUnreachable(self._hub, str(error)) from None
 
-    async def _converse(self, websocket: WebSocket) -> ConnectionClosed:
-        """Talk until one side hangs up."""
-        outbox = self._session.outbox
-        greeting = self._session.greeting()
-        outbox.open()
-        writing = self._write(websocket, greeting, again=self._answered.is_set())
-        writer = asyncio.create_task(writing, name=f"to {self._hub}")
-        websocket.hand_to(self._take)
+    async def _converse(self, websocket: WebSocket) -> ConnectionClosed | None:
+        """Exchange messages until the connection is lost or the node ends; return why it was."""
+        outgoing = self._session.outgoing
+        again = self._found.is_set()
+        closed = asyncio.create_task(websocket.closed(), name=f"end of {self._hub}")
+        flushed = asyncio.create_task(self._flush(hold=again), name=f"flush to {self._hub}")
         try:
-            self._found()
-            while True:
-                for _ in range(TURN):
-                    # It returns at once while messages are left of what the socket had: unless the
-                    # readers have a turn in between, a burst overflows their queues.
-                    if not self._take(await websocket.receive()):
-                        break
-                await asyncio.sleep(0)
-        except ConnectionClosed as closed:
-            reason = closed
-            if (fault := self._last_word(closed)) is not None:
-                # Before the connection's loss is told, which would fail what waits for answers.
-                self._session.end(fault)
+            websocket.start(hold=again)
+            self._on_found()
+            await asyncio.wait({closed, flushed}, return_when=asyncio.FIRST_COMPLETED)
+            if closed.done() and (error := self._fatal_close(closed.result())) is not None:
+                # Before on_disconnect(), which would fail pending calls with another error.
+                self._session.end(error)
         finally:
-            self._session.lose()
-            writer.cancel()
-            await asyncio.wait({writer})
-            websocket.transport.abort()  # Does nothing if the writer could hang up in good order.
-        if not writer.cancelled():
-            writer.result()
-        return reason
+            outgoing.disconnect()
+            self._session.on_disconnect()
+            flushed.cancel()
+            await websocket.close()
+            await asyncio.wait({closed, flushed})
+        return closed.result()
 
-    def _take(self, text: bytes) -> bool:
-        """Hand on a message; tell whether there is room for another before the readers' turn."""
-        try:
-            self._session.receive(text)
-        except Exception as fault:  # A mistake of ours, which must not leave a program waiting.
-            self._session.end(fault)
-        crowded, self._session.crowded = self._session.crowded, False
-        return not crowded
+    async def _flush(self, *, hold: bool) -> None:
+        """Wait until the node has ended and its last frame is written, or the hub is lost.
 
-    def _last_word(self, closed: ConnectionClosed) -> NodeError | None:
-        """What ends the node for good, if that is why the hub has hung up."""
+        Args:
+            hold: write messages only after a while: other nodes have lost the hub, too, and would
+                get no messages before they are back, which takes them one retry at most.
+        """
+        if hold:
+            with suppress(Exception):  # The node's end, which is handled elsewhere.
+                await self._session.ended(LONGEST_RETRY)
+            self._session.outgoing.release()
+        await self._session.outgoing.emptied()
+
+    def _fatal_close(self, closed: ConnectionClosed) -> NodeError | None:
+        """Return what ends the node if the hub closed the connection for good."""
         code = closed.rcvd.code if closed.rcvd is not None else None
         if code == REPLACED.code:
             return NodeReplaced(f"another node took the name {self._node}")
         if code == KILLED.code:
-            return NodeKilled(f"{self._node} was killed: somebody asked the hub to end it")
+            return NodeKilled(f"{self._node} was killed: another program asked the hub to end it")
         return None
 
-    async def _write(self, websocket: WebSocket, greeting: list[bytes], *, again: bool) -> None:
-        """Send what there is to send until there never will be more, then hang up."""
-        outbox = self._session.outbox
-        try:
-            for text in greeting:
-                await websocket.send(text, text=True)
-            if again:
-                # The listeners lost their hub, too, and are back after a retry at the latest:
-                # what was kept for them would reach nobody before.
-                await self._session.ended(LONGEST_RETRY)
-            outbox.offer_first_to(websocket.write_at_once)
-            # At most once: a frame is taken just before it is written, so that none is sent twice.
-            # What the socket still held when it broke is lost, and nobody can count it.
-            while await outbox.arrival() and websocket.state is State.OPEN:
-                await websocket.send(outbox.pop(), text=True)
-        except ConnectionClosed:
-            pass  # The reader hears of it, too.
-        finally:
-            await _hang_up(websocket)
-
-    def _missing(self, reason: str) -> None:
-        """Say that there is no hub, once each time."""
-        if self._missed:
+    def _on_missing(self, reason: str) -> None:
+        """Log that there is no hub, once each time."""
+        if self._is_missing:
             return
-        self._missed = True
-        if self._answered.is_set():
+        self._is_missing = True
+        if self._found.is_set():
             self._log.warning("Lost the hub at %s (%s); trying again.", self._hub, reason)
         else:
             self._log.warning(
@@ -218,25 +448,24 @@ class Connection:
                 reason,
             )
 
-    def _found(self) -> None:
-        if self._missed:
-            word = "back" if self._answered.is_set() else "there"
+    def _on_found(self) -> None:
+        if self._is_missing:
+            word = "back" if self._found.is_set() else "there"
             self._log.info("The hub at %s is %s.", self._hub, word)
-        self._missed = False
-        self._answered.set()
+        self._is_missing = False
+        self._found.set()
 
 
-async def _hang_up(websocket: WebSocket) -> None:
-    with suppress(TimeoutError):
-        # Its own close_timeout does not count while it waits for a full socket to drain.
-        async with asyncio.timeout(CLOSING):
-            await websocket.close()
+def _rosbridge_frame(frame: bytes, lane: PublisherLane | None) -> bytes:
+    """Return a frame for a server without `fibws.v1`: as JSON, with a random masking key."""
+    text = client_payload(frame) if lane is None else lane.to_json(frame)
+    return client_frame(TEXT, text, os.urandom(4)) if text else b""
 
 
 def _delays() -> Iterator[float]:
-    """Seconds to wait before each retry, with some jitter so that nodes come back one by one.
+    """Yield the seconds to wait before each retry, with jitter so that nodes spread out.
 
-    All are shorter than LONGEST_RETRY, for who waits that long for others to have come back.
+    All are shorter than `LONGEST_RETRY`, after which a reconnected node expects the others.
     """
     delay = FIRST_RETRY
     while True:
@@ -245,7 +474,7 @@ def _delays() -> Iterator[float]:
 
 
 def _reason(error: Exception) -> str:
-    """Why there is no connection, without the address, which whoever reads this knows."""
+    """Return why a connection failed, without the address, which the log line has anyway."""
     if number := _ERRNO.search(str(error)):
         return os.strerror(int(number[1]))
     return getattr(error, "strerror", None) or str(error) or type(error).__name__

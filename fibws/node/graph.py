@@ -1,17 +1,17 @@
-"""Who is on the graph and what they do there, as a node can ask."""
+"""Which nodes, topics and services the graph has, as a node can ask."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from fibws.node.rosapi import Rosapi
+from fibws.node.calls import Calls
 from fibws.srv import rosapi
 
 
 @dataclass(frozen=True, slots=True)
 class NodeDetails:
-    """What one node does: the names of its topics and services."""
+    """The names of one node's topics and services."""
 
     publishing: list[str]
     subscribing: list[str]
@@ -19,72 +19,75 @@ class NodeDetails:
 
 
 class Graph:
-    """The graph as it is at the moment. Names are resolved as all others.
+    """The current state of the graph. Names are resolved as everywhere.
 
-    What the hub does not know has no type, no node and empty lists. While there is no hub, all of
-    these wait.
+    Unknown names give None or empty lists. While there is no hub, all methods wait.
+
+    Args:
+        calls: the node's.
+        resolve: returns the global name of a name.
 
     Raises:
-        InvalidName: the name that is asked about is not legal.
-        ServiceError: the hub refuses, or is lost, as the text says.
+        InvalidName: the name is not legal.
+        ServiceError: the hub refuses, or was lost, as the text says.
         NodeClosed: the node has ended.
     """
 
-    def __init__(self, rosapi: Rosapi, resolve: Callable[[str], str]) -> None:
-        self._ask = rosapi.ask
+    def __init__(self, calls: Calls, resolve: Callable[[str], str]) -> None:
+        self._ask = calls.call_rosapi
         self._resolve = resolve
 
     async def nodes(self) -> list[str]:
-        """The names of all nodes."""
+        """Return the names of all nodes."""
         return (await self._ask("nodes", rosapi.Nodes)).nodes
 
     async def node(self, name: str) -> NodeDetails:
-        """What one node does."""
+        """Return one node's topics and services."""
         answer = await self._ask("node_details", rosapi.NodeDetails, node=self._resolve(name))
         return NodeDetails(answer.publishing, answer.subscribing, answer.services)
 
     async def topics(self) -> dict[str, str]:
-        """The types of all topics by name: ``""`` where nobody said it yet."""
+        """Return the types of all topics by name: ``""`` if a type is not known yet."""
         answer = await self._ask("topics", rosapi.Topics)
         return dict(zip(answer.topics, answer.types, strict=True))
 
     async def topics_of_type(self, type_: str) -> list[str]:
-        """The names of the topics of a type, such as ``std_msgs/Int32``."""
+        """Return the names of the topics of a type, such as ``std_msgs/Int32``."""
         return (await self._ask("topics_for_type", rosapi.TopicsForType, type=type_)).topics
 
     async def topic_type(self, topic: str) -> str | None:
-        """A topic's type."""
+        """Return a topic's type, such as ``std_msgs/Int32``."""
         answer = await self._ask("topic_type", rosapi.TopicType, topic=self._resolve(topic))
         return answer.type or None
 
     async def publishers(self, topic: str) -> list[str]:
-        """The nodes that publish on a topic."""
+        """Return the nodes that publish a topic."""
         answer = await self._ask("publishers", rosapi.Publishers, topic=self._resolve(topic))
         return answer.publishers
 
     async def subscribers(self, topic: str) -> list[str]:
-        """The nodes that subscribe to a topic."""
+        """Return the nodes that subscribe to a topic."""
         answer = await self._ask("subscribers", rosapi.Subscribers, topic=self._resolve(topic))
         return answer.subscribers
 
     async def services(self) -> list[str]:
-        """The names of all services."""
+        """Return the names of all services."""
         return (await self._ask("services", rosapi.Services)).services
 
     async def services_of_type(self, type_: str) -> list[str]:
-        """The names of the services of a type, such as ``std_srvs/Trigger``."""
+        """Return the names of the services of a type, such as ``std_srvs/Trigger``."""
         return (await self._ask("services_for_type", rosapi.ServicesForType, type=type_)).services
 
     async def service_type(self, service: str) -> str | None:
-        """A service's type."""
+        """Return a service's type."""
         name = self._resolve(service)
         return (await self._ask("service_type", rosapi.ServiceType, service=name)).type or None
 
     async def service_node(self, service: str) -> str | None:
-        """The node that answers a service's calls."""
+        """Return the node that provides a service."""
         name = self._resolve(service)
         return (await self._ask("service_node", rosapi.ServiceNode, service=name)).node or None
 
     async def action_servers(self) -> list[str]:
-        """The names of the actions that are served over topics."""
+        """Return the names of the actions that are served over topics."""
         return (await self._ask("action_servers", rosapi.GetActionServers)).action_servers

@@ -1,19 +1,43 @@
-"""A node's log, on the console as rospy prints it."""
+"""A node's log: on the console as rospy prints it, on /rosout, and its level as others set it."""
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import os
 import sys
+from collections.abc import Callable, Iterator
+from contextlib import suppress
 from string import Template
 from typing import TextIO
 
-from fibws.protocol.levels import LEVELS
+from fibws.errors import CallRefused
+from fibws.interfaces import Time
+from fibws.msg.roscpp import Logger
+from fibws.msg.rosgraph_msgs import Log
+from fibws.msg.std_msgs import Header
+from fibws.node.checks import without_surrogates
+from fibws.node.services import Services
+from fibws.node.topics import Topics
+from fibws.node.types import MessageCodec
+from fibws.protocol.levels import LEVELS, named, severity, threshold
+from fibws.srv.roscpp import (
+    GetLoggers,
+    GetLoggersRequest,
+    GetLoggersResponse,
+    SetLoggerLevel,
+    SetLoggerLevelRequest,
+    SetLoggerLevelResponse,
+)
 
 FORMAT = "[${severity}] [${time}]: ${message}"
-"""How rospy prints a line when ROSCONSOLE_FORMAT does not say otherwise."""
+"""How rospy prints a line unless ROSCONSOLE_FORMAT is set."""
+ROSOUT = "/rosout"
+ROSOUT_QUEUE_SIZE = 100
+LOGGER_NAME = "rosout"
+"""The name of a node's own logger, as in rospy."""
 
-_TEXT = logging.Formatter()
+_FORMATTER = logging.Formatter()
 _NAMES = {each.python: each.name.upper() for each in LEVELS}
 _RESET = "\033[0m"
 
@@ -32,9 +56,10 @@ class Console(logging.Handler):
         self._template = Template(template)
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Write the record's line, at once even into a pipe.
+        """Write the record's line and flush it.
 
-        A reader who has left (``| head``) is for the program to know, so that it may end.
+        Raises:
+            BrokenPipeError: nobody reads the output any more (``| head``).
         """
         try:
             stream = sys.stderr if record.levelno >= logging.WARNING else sys.stdout
@@ -54,7 +79,7 @@ class Console(logging.Handler):
             severity=_NAMES.get(record.levelno, record.levelname),
             time=f"{record.created:f}",
             walltime=f"{record.created:f}",
-            message=_TEXT.format(record),
+            message=_FORMATTER.format(record),
             node=self._node,
             file=record.pathname,
             line=record.lineno,
@@ -64,19 +89,124 @@ class Console(logging.Handler):
         )
 
 
-class _Unlisted(logging.Logger):
-    """A logger that `logging` does not know, and so does not tell when its level changes."""
+class _UnlistedLogger(logging.Logger):
+    """A logger that `logging` does not list, and whose level it cannot cache."""
 
     def isEnabledFor(self, level: int) -> bool:
-        """As `logging.Logger` has it, but for its cache."""
+        """Return whether records of the level are logged, without a cache."""
         return not self.disabled and self.manager.disable < level >= self.getEffectiveLevel()
 
 
 def node_log(node: str, template: str) -> logging.Logger:
-    """A logger that belongs to one node alone: no other part of the program can find it."""
-    log = _Unlisted(node, logging.INFO)
+    """Return a logger for one node, which no other part of the program can find.
+
+    Args:
+        node: the node's global name.
+        template: the console's line, with the keys of ROSCONSOLE_FORMAT.
+    """
+    log = _UnlistedLogger(node, logging.INFO)
     log.addHandler(Console(node, template))
     return log
+
+
+class Rosout(logging.Handler):
+    """Publishes each record as a rosgraph_msgs/Log, from any thread, without waiting.
+
+    Args:
+        node: the node's global name.
+        topics: the node's.
+        codec: the codec of `Log`.
+    """
+
+    def __init__(self, node: str, topics: Topics, codec: MessageCodec[Log]) -> None:
+        super().__init__()
+        self._node = node
+        self._topics = topics
+        self._publisher = topics.advertise(ROSOUT, codec, queue_size=ROSOUT_QUEUE_SIZE)
+        self.loop: asyncio.AbstractEventLoop | None = None
+        """The node's loop, once it has one."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Publish the record."""
+        try:
+            message = self._message(record)
+        except Exception:
+            self.handleError(record)
+            return
+        if self.loop is None or self.loop is _running_loop():
+            self._publish(message)
+            return
+        with suppress(RuntimeError):  # The loop is closed: the node has ended.
+            self.loop.call_soon_threadsafe(self._publish, message)
+
+    def _message(self, record: logging.LogRecord) -> Log:
+        return Log(
+            header=Header(stamp=Time.from_nanoseconds(round(record.created * 1e9))),
+            level=severity(record.levelno).ros,
+            name=self._node,
+            msg=without_surrogates(_FORMATTER.format(record)),
+            file=without_surrogates(record.pathname),
+            function=record.funcName or "",
+            line=record.lineno,
+        )
+
+    def _publish(self, message: Log) -> None:
+        if not self._topics.over:
+            message.topics = self._topics.names()  # In the loop's thread, which changes them.
+            self._publisher.send_while_open(self._publisher.encode(message))
+
+
+class Loggers:
+    """Provides ``~get_loggers`` and ``~set_logger_level``, as every ROS node does.
+
+    Args:
+        log: the node's logger.
+        services: the node's.
+        resolve: returns the global name of a name.
+    """
+
+    def __init__(
+        self, log: logging.Logger, services: Services, resolve: Callable[[str], str]
+    ) -> None:
+        self._log = log
+        services.serve(resolve("~get_loggers"), GetLoggers, self._get)
+        services.serve(resolve("~set_logger_level"), SetLoggerLevel, self._set)
+
+    def _get(self, request: GetLoggersRequest) -> GetLoggersResponse:
+        return GetLoggersResponse(
+            [
+                Logger(name, threshold(log.getEffectiveLevel()).name)
+                for name, log in self._loggers().items()
+            ]
+        )
+
+    def _set(self, request: SetLoggerLevelRequest) -> SetLoggerLevelResponse:
+        loggers = self._loggers()
+        log = self._log if request.logger == self._log.name else loggers.get(request.logger)
+        if log is None:
+            known = ", ".join(map(repr, loggers))
+            raise CallRefused(f"unknown logger {request.logger!r}; known: {known}")
+        level = named(request.level)
+        if level is None:
+            known = ", ".join(each.name for each in LEVELS)
+            raise CallRefused(f"unknown level {request.level!r}; expected one of {known}")
+        log.setLevel(level.python)
+        return SetLoggerLevelResponse()
+
+    def _loggers(self) -> dict[str, logging.Logger]:
+        """Return the node's logger and the program's loggers below it, by their ROS names."""
+        found = {LOGGER_NAME: self._log}
+        for name, log in sorted(self._log.manager.loggerDict.items()):
+            if isinstance(log, logging.Logger) and self._log in _ancestors(log):
+                below = name.removeprefix(f"{self._log.name}.")  # No name begins with the root's.
+                found[f"{LOGGER_NAME}.{below}"] = log
+        return found
+
+
+def _ancestors(log: logging.Logger) -> Iterator[logging.Logger]:
+    while log.parent is not None:
+        log = log.parent
+        yield log
 
 
 def _colour(level: int, stream: TextIO) -> str | None:
@@ -85,3 +215,10 @@ def _colour(level: int, stream: TextIO) -> str | None:
     if level >= logging.ERROR:
         return "\033[31m"
     return "\033[33m" if level >= logging.WARNING else "\033[32m"
+
+
+def _running_loop() -> asyncio.AbstractEventLoop | None:
+    try:
+        return asyncio.get_running_loop()
+    except RuntimeError:
+        return None

@@ -1,4 +1,4 @@
-"""A node: one program's, or one part's, place on the ROS graph."""
+"""A node of the ROS graph."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import logging
 import os
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, Self, overload
 
@@ -15,31 +16,24 @@ from typing_extensions import TypeVar
 from fibws import names
 from fibws.interfaces import Action, Message, Service, Time
 from fibws.interfaces.message import F, G, R, Req, Res
+from fibws.msg.rosgraph_msgs import Log
 from fibws.node import address
 from fibws.node.calls import Calls
+from fibws.node.checks import check_queue_size, check_timeout
 from fibws.node.connection import Connection
-from fibws.node.identity import Identity
-from fibws.node.limits import UNBOUNDED_QUEUE, check_queue_size, check_timeout
-from fibws.node.log import FORMAT, node_log
-from fibws.node.loggers import Loggers
+from fibws.node.log import FORMAT, Loggers, Rosout, node_log
 from fibws.node.publisher import P, Publisher
 from fibws.node.rate import Rate
-from fibws.node.rosapi import Rosapi
-from fibws.node.rosout import Rosout
-from fibws.node.service import Handler, HeaderHandler, ServiceServer
-from fibws.node.services import Services
+from fibws.node.services import Handler, HeaderHandler, Services, ServiceServer
 from fibws.node.session import Session
-from fibws.node.subscription import Subscription
+from fibws.node.subscription import Subscription, next_message
 from fibws.node.topics import Topics
 from fibws.node.types import Types
-from fibws.node.waiting import wait_for_message, wait_for_service
 from fibws.protocol.headers import check_headers
-from fibws.protocol.operations import Advertise, Subscribe
 
 if TYPE_CHECKING:
-    from fibws.node.actions.actions import Actions
+    from fibws.node.actions.actions import Actions, Over
     from fibws.node.actions.client import ActionClient
-    from fibws.node.actions.over import Over
     from fibws.node.actions.server import ActionServer, Execute
     from fibws.node.graph import Graph
     from fibws.node.params import Params
@@ -49,33 +43,64 @@ M = TypeVar("M", bound=Message, default=Any)
 NO_REMAPPING = names.Remapping()
 
 
+@dataclass(frozen=True, slots=True)
+class Identity:
+    """A node's global name, the namespace of its relative names, and its remappings."""
+
+    name: str
+    namespace: str
+    remapping: names.Remapping
+
+    @classmethod
+    def choose(
+        cls, name: str, *, anonymous: bool, namespace: str | None, remapping: names.Remapping
+    ) -> Self:
+        """Return a node's identity by its arguments, the command line and $ROS_NAMESPACE.
+
+        The arguments are those of `Node`.
+        """
+        names.check_base(name)
+        if remapping.node_name is not None:
+            name = remapping.node_name
+        elif anonymous:
+            name = names.anonymous(name, pid=os.getpid(), milliseconds=time.time_ns() // 1_000_000)
+        namespace = names.check_namespace(
+            remapping.namespace or namespace or os.environ.get("ROS_NAMESPACE", "/")
+        )
+        return cls(names.resolve(name, namespace=namespace), namespace, remapping)
+
+    def resolve(self, name: str) -> str:
+        """Return the global name that ``name`` stands for, remappings included."""
+        return self.remapping.apply(name, namespace=self.namespace, node=self.name)
+
+
 class Node:
-    """One place on the ROS graph: ``async with fibws.Node("talker") as node``.
+    """A node of the ROS graph: ``async with fibws.Node("talker") as node``.
 
-    Entering, which is done once, waits until the hub answers. Leaving sends what still waits if
-    that takes no more than 0.6 s, and logs a warning with the number of messages that were not. In
-    between the node finds its hub again whenever that goes away, and registers with it as before.
+    A node is entered once, which waits until the hub answers. Leaving it sends pending messages for
+    up to 0.6 s, and logs a warning with the number of those that were not sent. In between the node
+    reconnects whenever the hub is lost, and registers everything again. Messages are serialized
+    (`fibws.v1`) with a fibws hub, and JSON with a rosbridge_suite server.
 
-    All names that a node is given are resolved and remapped as ROS does it
-    (http://wiki.ros.org/Names). Beside the errors that each of its methods names there may be
-    `InvalidName` for a name that is not legal, `InterfaceError` for a type that nobody defined, and
-    `NodeClosed` once the node has ended, or what ended it. What waits for the hub, and is called
-    before the node is entered, raises RuntimeError.
+    All names are resolved and remapped as in ROS (http://wiki.ros.org/Names). Besides the errors in
+    their docstrings all methods may raise `InvalidName` for an illegal name, `InterfaceError` for
+    an unknown type, and `NodeClosed`, or the error that ended the node, after its end. Methods that
+    wait for the hub raise RuntimeError before the node is entered.
 
     Args:
-        name: a name with no namespace in it; a remapping of ``__name`` goes before it.
-        hub: ``ws://host:port`` or ``host:port``; else $FIBWS_HUB, else this machine.
-        anonymous: make the name one that no other node has.
-        namespace: where relative names belong; else $ROS_NAMESPACE, else ``/``.
-        remapping: what the command line renames.
-        log_format: the console's line, as ROSCONSOLE_FORMAT writes it; else that variable.
-        log: the logger to use, with its own level and handlers, rather than one of the node's own
-            that writes to the console.
-        rosout: whether what is logged is published on /rosout.
+        name: a name without a namespace; a remapping of ``__name`` overrides it.
+        hub: ``ws://host:port`` or ``host:port``; default $FIBWS_HUB, else this machine.
+        anonymous: add a suffix that makes the name unique.
+        namespace: the namespace of relative names; default $ROS_NAMESPACE, else ``/``.
+        remapping: the remappings of the command line.
+        log_format: the console's line, as in ROSCONSOLE_FORMAT; default that variable.
+        log: a logger to use, with its level and handlers, instead of the node's own, which writes
+            to the console.
+        rosout: whether log records are published on /rosout.
 
     Raises:
         InvalidName: a name is not legal.
-        InvalidAddress: the hub's address is none.
+        InvalidAddress: the hub's address is invalid.
     """
 
     def __init__(
@@ -99,13 +124,13 @@ class Node:
         self.log = log or node_log(
             self.name, log_format or environment.get("ROSCONSOLE_FORMAT") or FORMAT
         )
-        """The node's logger: what it is told goes to the console, and from the entering on to
+        """The node's logger: its records go to the console and, once the node is entered, to
         /rosout."""
         self._session = Session(self.log)
         self._calls = Calls(self._session, self._types)
         self._services = Services(self._session, self._types)
-        self._topics = Topics(self._session)  # Last: what is latched ends the greeting.
-        self._rosout = Rosout(self.name, self._topics) if rosout else None
+        self._topics = Topics(self._session)
+        self._rosout = Rosout(self.name, self._topics, self._types.codec(Log)) if rosout else None
         self._loggers = Loggers(self.log, self._services, self.resolve)
         self._connection = Connection(self._hub, self.name, self._session, self.log)
 
@@ -127,8 +152,16 @@ class Node:
         """The URL of the node's hub."""
         return self._hub
 
+    @property
+    def serialized(self) -> bool:
+        """Whether messages are serialized (`fibws.v1`); a rosbridge_suite server has them as JSON.
+
+        It is that of the last connection while there is none, and may be read in any thread.
+        """
+        return self._session.serialized
+
     def resolve(self, name: str) -> str:
-        """The global name that ``name`` stands for here, remappings included."""
+        """Return the global name that ``name`` stands for, remappings included."""
         return self._identity.resolve(name)
 
     @cached_property
@@ -136,17 +169,17 @@ class Node:
         """The parameters that all nodes share."""
         from fibws.node.params import Params  # Its types take 10 ms to load, and few nodes use it.
 
-        return Params(Rosapi(self._calls), self.resolve)
+        return Params(self._calls, self.resolve)
 
     @cached_property
     def graph(self) -> Graph:
-        """What is known of the other nodes, of topics and services."""
+        """The graph: nodes, topics and services."""
         from fibws.node.graph import Graph  # As for params.
 
-        return Graph(Rosapi(self._calls), self.resolve)
+        return Graph(self._calls, self.resolve)
 
     def now(self) -> Time:
-        """The time of day."""
+        """Return the time of day."""
         return Time.from_nanoseconds(time.time_ns())
 
     async def advertise(
@@ -159,41 +192,67 @@ class Node:
         headers: Mapping[str, str] | None = None,
         peers: bool = False,
     ) -> Publisher[M, P]:
-        """Begin to publish on a topic.
+        """Advertise a topic and return its publisher.
 
         If the hub refuses, the next publish raises OperationRejected.
 
         Args:
             topic: its name.
             type: a message class, or a type's name such as ``"std_msgs/Int32"``.
-            queue_size: how many messages are kept while there is no hub.
-            latch: whether the hub keeps the last message for those who subscribe later. It is
-                published anew after each reconnection, so listeners may hear it again.
-            headers: what subscribers that ask for headers are told beside each message, which goes
-                before ``callerid`` and ``latching`` of the hub's making. A node has one header for
-                each topic: that of its newest publisher which has any.
-            peers: whether to ask who subscribes, for `Publisher.peers`.
+            queue_size: most messages to keep while there is no hub.
+            latch: whether the hub keeps the last message for later subscribers. It is published
+                again after each reconnection, so subscribers may receive it again.
+            headers: strings for the connection header, which overrides the hub's ``callerid`` and
+                ``latching``. A node has one header for each topic: that of its newest publisher
+                which has any.
+            peers: whether to ask for the subscribers, for `Publisher.peers`.
 
         Raises:
-            ValueError: ``queue_size`` is less than 1, or the headers are no short strings.
+            ValueError: ``queue_size`` is less than 1, or the headers are not short strings.
         """
         check_queue_size(queue_size)
-        header = check_headers(headers) if headers else None
-        topic = self.resolve(topic)
-        message_class = self._types.message_class(type)
-        name = message_class._type
-        operation = Advertise(
-            id=self._session.id("advertise", topic),
-            topic=topic,
-            type=name,
-            latch=latch,
+        publisher: Publisher[M, Any] = self._topics.advertise(
+            self.resolve(topic),
+            self._types.codec(self._types.message_class(type)),
             queue_size=queue_size,
-            definition=self._types.definition(name),
-            headers=header,
-            peers=peers or None,
+            latch=latch,
+            headers=check_headers(headers) if headers else None,
+            peers=peers,
         )
-        advertisement = self._topics.advertise(operation)
-        return Publisher(self._topics, advertisement, self._types.wire(message_class))
+        return publisher
+
+    async def advertise_serialized(
+        self,
+        topic: str,
+        type: str,
+        *,
+        md5sum: str | None = None,
+        definition: str | None = None,
+        queue_size: int = 10,
+        latch: bool = False,
+        headers: Mapping[str, str] | None = None,
+        peers: bool = False,
+    ) -> Publisher[Any, ...]:
+        """Advertise a topic whose messages are published as bytes in ROS 1's serialization.
+
+        The type need not be known here. A rosbridge_suite server gets no messages of a type that is
+        not. The other arguments, and the errors, are those of `advertise`.
+
+        Args:
+            topic: its name.
+            type: the type's name.
+            md5sum: the md5 of the type; None if it is not known.
+            definition: the type's text (genpy's ``_full_text``), for a hub that lacks it.
+        """
+        check_queue_size(queue_size)
+        return self._topics.advertise(
+            self.resolve(topic),
+            self._types.serialized(type, md5sum, definition),
+            queue_size=queue_size,
+            latch=latch,
+            headers=check_headers(headers) if headers else None,
+            peers=peers,
+        )
 
     def subscribe(
         self,
@@ -204,60 +263,48 @@ class Node:
         headers: bool = False,
         peers: bool = False,
     ) -> Subscription[M]:
-        """Begin to listen to a topic: ``async for message in node.subscribe(...)``.
+        """Subscribe to a topic: ``async for message in node.subscribe(...)``.
 
-        If the hub refuses, the reading raises OperationRejected.
+        If the hub refuses, the iteration raises OperationRejected.
 
         Args:
             topic: its name.
-            type: a message class, or a type's name such as ``"std_msgs/Int32"``.
-            queue_size: how many messages wait for a slow reader; then the newest ones stay. With
-                None all wait, and only the hub drops any, if the connection is too slow.
+            type: a message class, or a type's name such as ``"std_msgs/Int32"``. Messages of
+                rospy's AnyMsg are not decoded, and may be of any type.
+            queue_size: most messages that wait for a slow reader, the newest ones. With None there
+                is no limit here; the hub drops messages if the connection is too slow.
             headers: whether to ask for `Subscription.connection_header`.
-            peers: whether to ask who publishes, for `Subscription.peers`.
+            peers: whether to ask for the publishers, for `Subscription.peers`.
 
         Raises:
             ValueError: ``queue_size`` is less than 1.
         """
         if queue_size is not None:
             check_queue_size(queue_size)
-        topic = self.resolve(topic)
-        message_class = self._types.message_class(type)
-        operation = Subscribe(
-            id=self._session.id("subscribe", topic),
-            topic=topic,
-            type=message_class._type,
-            queue_length=queue_size or UNBOUNDED_QUEUE,
-            headers=headers or None,
-            peers=peers or None,
+        return self._topics.subscribe(
+            self.resolve(topic),
+            self._types.codec(self._types.message_class(type)),
+            queue_size=queue_size,
+            headers=headers,
+            peers=peers,
         )
-        subscription: Subscription[M] = Subscription(
-            operation,
-            message_class._type,
-            queue_size,
-            self._types.wire(message_class).read,
-            self._topics.unsubscribe,
-            self.log,
-        )
-        self._topics.subscribe(subscription)
-        return subscription
 
     async def wait_for_message(
         self, topic: str, type: type[M] | str, *, timeout: float | None = None
     ) -> M:
-        """Wait for the next message on a topic, on a hub that may not be there yet either.
+        """Wait for the next message of a topic, and return it; without a hub, wait for that, too.
 
         Args:
             topic: its name.
             type: a message class, or a type's name such as ``"std_msgs/Int32"``.
-            timeout: the most seconds to wait; None for ever.
+            timeout: most seconds to wait; None for no limit.
 
         Raises:
-            WaitTimeout: they have passed. It is a TimeoutError, too.
-            OperationRejected: the hub refuses.
+            WaitTimeout: the time is over (a TimeoutError, too).
+            OperationRejected: the hub refused the subscription.
         """
         check_timeout(timeout)
-        return await wait_for_message(self.subscribe(topic, type, queue_size=1), timeout)
+        return await next_message(self.subscribe(topic, type, queue_size=1), timeout)
 
     @overload
     async def service(
@@ -297,27 +344,27 @@ class Node:
         *,
         headers: bool = False,
     ) -> ServiceServer[Any, Any]:
-        """Begin to answer the calls of a service.
+        """Provide a service.
 
-        Each call is answered in a task of its own, which the end of the service or of the node
-        cancels. If the handler raises, the caller is told ``error processing request: ...``, the
-        log has the traceback, and the service goes on. A BrokenPipeError ends the node, whose
-        `spin` raises it, since nobody reads the program's output any more. If the hub refuses the
-        service, the log says so and `ServiceServer.spin` raises OperationRejected.
+        Each call is handled in a task of its own, which the end of the service or of the node
+        cancels. If the handler raises, the caller gets ``error processing request: ...``, the
+        traceback is logged, and the service goes on. A BrokenPipeError ends the node, and its
+        `spin` raises it: nobody reads the program's output any more. If the hub refuses the
+        service, this is logged and `ServiceServer.spin` raises OperationRejected.
 
         Args:
             name: its name.
             type: a service class, or a type's name such as ``"rospy_tutorials/AddTwoInts"``.
-            handler: is given the request, and returns the response: whole, or its fields as a dict
-                or a tuple, or the value of its only field. It may be async; if it is not, the node
-                does nothing else until it returns.
-            headers: whether the handler is given the caller's header, too, a dict behind the
-                request: ``callerid`` is the caller's node, and what `call` was given as headers is
-                beside it. It is empty with hubs of others.
+            handler: takes the request, and returns the response: whole, or its fields as a dict or
+                a tuple, or the value of its only field. It may be async; if it is not, it blocks
+                the node until it returns.
+            headers: whether the handler also takes the caller's header, a dict: ``callerid`` is the
+                caller's node, and the headers given to `call` are beside it. It is empty with a
+                rosbridge_suite server.
 
         Raises:
-            AlreadyOffered: this node offers the service already. It is a ValueError, too.
-            TypeError: the handler is no function.
+            AlreadyOffered: this node provides the service already (a ValueError, too).
+            TypeError: the handler is not callable.
         """
         service = self._types.service_class(type)
         return self._services.serve(self.resolve(name), service, handler, headers=headers)
@@ -331,24 +378,24 @@ class Node:
         timeout: float | None = None,
         headers: Mapping[str, str] | None = None,
     ) -> Res:
-        """Call a service and return its response. Without a hub it waits until there is one.
+        """Call a service and return its response; without a hub, wait for that first.
 
         Args:
             name: its name.
             type: a service class, or a type's name such as ``"rospy_tutorials/AddTwoInts"``.
             request: a message, or a dict of its fields; None for the type's defaults.
-            timeout: seconds after which the caller waits no more; the hub is told them, too. With
-                None it is the hub's to give up (``--service-timeout``).
-            headers: what a provider that asks for headers is told beside the request.
+            timeout: most seconds to wait, sent to the hub, too. With None the hub's own limit
+                applies (``--service-timeout``).
+            headers: strings for the header that the service's handler may ask for.
 
         Raises:
-            ValueError: the timeout is not above 0, or the headers are no short strings.
+            ValueError: the timeout is not above 0, or the headers are not short strings.
             InvalidMessage: a field of the request does not fit the type.
             TypeError: the request is a message of another class.
-            UnknownService: nobody offers the service.
-            ServiceError: it failed; the text is its own, or the hub's.
-            ServiceTimeout: there was no answer in time. It is a TimeoutError, too.
-            ServiceLost: the connection broke before the answer; nobody knows what was done.
+            UnknownService: the service does not exist.
+            ServiceError: the call failed; the text is the service's, or the hub's.
+            ServiceTimeout: there was no response in time (a TimeoutError, too).
+            ServiceLost: the connection was lost; the call may have taken place or not.
         """
         check_timeout(timeout)
         service = self._types.service_class(type)
@@ -357,17 +404,17 @@ class Node:
         )
 
     async def wait_for_service(self, name: str, *, timeout: float | None = None) -> None:
-        """Wait until somebody offers a service, on a hub that may not be there yet either.
+        """Wait until a service exists; without a hub, wait for that, too.
 
         Args:
             name: its name.
-            timeout: the most seconds to wait; None for ever.
+            timeout: most seconds to wait; None for no limit.
 
         Raises:
-            WaitTimeout: they have passed. It is a TimeoutError, too.
+            WaitTimeout: the time is over (a TimeoutError, too).
         """
         check_timeout(timeout)
-        await wait_for_service(self.resolve(name), Rosapi(self._calls), self._session, timeout)
+        await self._calls.wait_for_service(self.resolve(name), timeout)
 
     async def action_server(
         self,
@@ -378,62 +425,66 @@ class Node:
         over: Over = "topics",
         concurrent: bool | None = None,
     ) -> ActionServer[G, R, F]:
-        """Begin to pursue the goals of an action.
+        """Provide an action.
 
-        Each goal is pursued in a task of its own, which the end of the server or of the node
-        cancels. If ``execute`` raises, the goal is aborted with the error's text, the log has the
-        traceback, and the server goes on; a BrokenPipeError ends the node, as with `service`. If
-        the hub refuses the server, the log says so and `ActionServer.spin` raises
-        OperationRejected.
+        Each goal is executed in a task of its own, which the end of the server or of the node
+        cancels. If ``execute`` raises, the goal is aborted with the error's text, the traceback is
+        logged, and the server goes on; a BrokenPipeError ends the node, as with `service`. If the
+        hub refuses the server, this is logged and `ActionServer.spin` raises OperationRejected.
 
         Args:
             name: its name.
             type: an action class, or a type's name such as ``"actionlib_tutorials/Fibonacci"``.
-            execute: is given a `ServerGoal`, and returns the result. It may be async; if it is not,
-                the node does nothing else until it returns.
-            over: how goals come: by the ``"topics"`` of ROS 1's actionlib, or by the
-                ``"operations"`` that rosbridge has for ROS 2.
-            concurrent: whether goals are pursued side by side; if not, a new goal has the one
-                before it canceled, and begins when that has ended. Unless told, it is as in most
-                programs of either ROS: not over topics (SimpleActionServer), but over operations.
+            execute: takes a `ServerGoal`, and returns the result. It may be async; if it is not, it
+                blocks the node until it returns.
+            over: how goals travel: ``"topics"`` as in ROS 1's actionlib, or ``"operations"`` as
+                rosbridge has them for ROS 2.
+            concurrent: whether goals are executed at the same time; if not, a new goal cancels the
+                current one, and begins when that has ended. The default is that of most programs
+                of either ROS: false over topics (SimpleActionServer), true over operations.
 
         Raises:
-            ValueError: there is no such way as ``over``.
-            AlreadyOffered: this node serves the action already. It is a ValueError, too.
+            ValueError: ``over`` is neither.
+            AlreadyOffered: this node provides the action already (a ValueError, too).
         """
-        from fibws.node.actions.over import serve
-
-        action = self._types.action_class(type)
-        return serve(self._actions, self.resolve(name), action, execute, over, concurrent)
+        return self._actions.serve(
+            self.resolve(name),
+            self._types.action_class(type),
+            execute,
+            over=over,
+            concurrent=concurrent,
+        )
 
     def action_client(
         self, name: str, type: type[Action[G, R, F]] | str, *, over: Over = "topics"
     ) -> ActionClient[G, R, F]:
-        """Get ready to send goals to an action.
+        """Return a client of an action, which sends goals to it.
 
         Args:
             name: its name.
             type: an action class, or a type's name such as ``"actionlib_tutorials/Fibonacci"``.
-            over: how goals go, as with `action_server`.
+            over: how goals travel, as in `action_server`.
 
         Raises:
-            ValueError: there is no such way as ``over``.
+            ValueError: ``over`` is neither ``"topics"`` nor ``"operations"``.
         """
-        from fibws.node.actions.over import client
-
-        return client(self._actions, self.resolve(name), self._types.action_class(type), over)
+        return self._actions.client(self.resolve(name), self._types.action_class(type), over=over)
 
     @cached_property
     def _actions(self) -> Actions:
-        from fibws.node.actions.actions import Actions  # Its types take time to load as well.
+        from fibws.node.actions.actions import Actions  # Takes time to load; few nodes need it.
 
-        async def wait(name: str, within: float | None) -> None:
-            await wait_for_service(name, Rosapi(self._calls), self._session, within)
-
-        return Actions(self.name, self._session, self._topics, self._types, wait, time.time_ns)
+        return Actions(
+            self.name,
+            self._session,
+            self._topics,
+            self._types,
+            self._calls.wait_for_service,
+            time.time_ns,
+        )
 
     def rate(self, hz: float) -> Rate:
-        """Ticks for a loop, until the node ends: ``async for _ in node.rate(10)``.
+        """Return ticks for a loop, until the node ends: ``async for _ in node.rate(10)``.
 
         Raises:
             ValueError: ``hz`` is not a finite number above 0.
@@ -441,16 +492,19 @@ class Node:
         return Rate(hz, self._session.ended)
 
     async def spin(self) -> None:
-        """Wait until the node ends; raise the reason if it was not the program's own doing.
+        """Wait until the node ends.
 
-        Once the program has ended the node itself, this returns, and so does every ``async for`` of
-        it, while whoever waits for one thing (`wait_for_message`, `call`) has NodeClosed raised.
+        When the program itself has ended the node, this returns, every ``async for`` ends, and
+        pending calls (`wait_for_message`, `call`) raise NodeClosed.
+
+        Raises:
+            Exception: what else ended the node, such as NodeReplaced.
         """
         await self._session.ended()
 
     async def __aenter__(self) -> Self:
         if self._session.begun:
-            raise RuntimeError("a node is entered once")
+            raise RuntimeError("a node can be entered only once")
         if self._rosout is not None:
             self._rosout.loop = asyncio.get_running_loop()
             self.log.addHandler(self._rosout)
@@ -469,6 +523,6 @@ class Node:
             await self._session.tasks.finished()
 
     def _leave_log(self) -> None:
-        """Let a logger that outlives the node be."""
+        """Remove the node's handler from its logger, which may outlive it."""
         if self._rosout is not None:
             self.log.removeHandler(self._rosout)

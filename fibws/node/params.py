@@ -8,7 +8,7 @@ from typing import Any
 
 from fibws import names
 from fibws.errors import InvalidName, ParameterNotSet
-from fibws.node.rosapi import Rosapi
+from fibws.node.calls import Calls
 from fibws.srv import rosapi
 
 _MISSING = object()
@@ -18,25 +18,29 @@ _ROOT = "/"
 class Params:
     """The parameters that all nodes share: a tree of values, which lasts as long as the hub.
 
-    Names are resolved as all others: ``gain`` belongs to the node's namespace, ``~gain`` to the
-    node alone; ``/`` is the whole tree. A value is what JSON can hold but for null, and a dict is a
-    namespace (http://wiki.ros.org/Parameter%20Server). While there is no hub, all of these wait.
+    Names are resolved as everywhere: ``gain`` belongs to the node's namespace, ``~gain`` to the
+    node alone; ``/`` is the whole tree. A value is any JSON value except null, and a dict is a
+    namespace (http://wiki.ros.org/Parameter%20Server). While there is no hub, all methods wait.
+
+    Args:
+        calls: the node's.
+        resolve: returns the global name of a name.
 
     Raises:
         InvalidName: a parameter's name is not legal.
-        ServiceError: the hub refuses, or is lost, as the text says.
+        ServiceError: the hub refuses, or was lost, as the text says.
         NodeClosed: the node has ended.
     """
 
-    def __init__(self, rosapi: Rosapi, resolve: Callable[[str], str]) -> None:
-        self._ask = rosapi.ask
+    def __init__(self, calls: Calls, resolve: Callable[[str], str]) -> None:
+        self._ask = calls.call_rosapi
         self._resolve = resolve
 
     async def get(self, name: str, default: Any = _MISSING) -> Any:
-        """The value of a parameter, or all of a namespace as a dict; or else the default.
+        """Return the value of a parameter, a namespace as a dict, or else ``default``.
 
         Raises:
-            ParameterNotSet: there is neither. It is a KeyError, too.
+            ParameterNotSet: the parameter is not set and no default was given (a KeyError, too).
         """
         name = self._global(name)
         answer = await self._ask("get_param", rosapi.GetParam, name=name, default="null")
@@ -48,30 +52,30 @@ class Params:
         return default
 
     async def set(self, name: str, value: Any) -> None:
-        """Set a parameter; a dict takes the place of a whole namespace.
+        """Set a parameter; a dict replaces a whole namespace.
 
         Raises:
-            TypeError, ValueError: JSON cannot hold the value, or it is None.
+            TypeError, ValueError: the value is None, or not a JSON value.
         """
         if value is None:
-            raise ValueError(f"parameter {name}: None is no value; delete() makes it unset")
+            raise ValueError(f"parameter {name}: None is not a value; use delete() to unset it")
         text = json.dumps(value, allow_nan=False)
         await self._ask("set_param", rosapi.SetParam, name=self._global(name), value=text)
 
     async def has(self, name: str) -> bool:
-        """Whether there is a parameter or a namespace of this name."""
+        """Return whether a parameter or a namespace of this name exists."""
         answer = await self._ask("has_param", rosapi.HasParam, name=self._global(name))
         return answer.exists
 
     async def delete(self, name: str) -> None:
-        """Delete a parameter, or all of a namespace; does nothing if there is none."""
+        """Delete a parameter or a namespace; do nothing if it does not exist."""
         await self._ask("delete_param", rosapi.DeleteParam, name=self._global(name))
 
     async def search(self, name: str) -> str | None:
-        """The global name of the nearest parameter of this name.
+        """Return the global name of the nearest parameter of this name, or None.
 
-        It is looked for in the node's own namespace (``/robot/talker``), then in each above. A
-        global name stands for itself; a private one is an InvalidName.
+        The search begins in the node's own namespace (``/robot/talker``) and goes up to ``/``. A
+        global name stands for itself; a private one raises InvalidName.
         """
         if names.check(name).startswith("~"):
             raise InvalidName(name, "a private name cannot be searched for")
@@ -79,7 +83,7 @@ class Params:
         return answer.global_name or None
 
     async def names(self) -> list[str]:
-        """The names of all parameters, without those of namespaces."""
+        """Return the names of all parameters, without namespaces."""
         return (await self._ask("get_param_names", rosapi.GetParamNames)).names
 
     def _global(self, name: str) -> str:

@@ -1,4 +1,4 @@
-"""The nodes at the other side of a topic, as a publisher or a subscription hears of them."""
+"""The subscribers of a publisher, and the publishers of a subscription."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from collections import deque
 from collections.abc import AsyncIterator
 
 MOST_CHANGES = 1000
-"""How many changes wait for one slow reader; then the newest ones stay."""
+"""Most changes that wait for one slow reader; then the oldest are dropped."""
 
 
 class Peers:
     """The subscribers of a publisher's topic, or the publishers of a subscription's.
 
-    The hub tells them only if that was asked for, by ``peers=True`` of `Node.advertise` or
-    `Node.subscribe`; else there are none, and no change ever comes.
+    The hub reports them only if ``peers=True`` was given to `Node.advertise` or `Node.subscribe`;
+    otherwise there are none, and no change ever comes.
     """
 
     def __init__(self) -> None:
@@ -28,22 +28,22 @@ class Peers:
 
     @property
     def names(self) -> list[str]:
-        """Their global names, sorted; none before the hub's first word, and while there is no hub.
+        """Their global names, sorted; empty until the hub reports them, and while there is no hub.
 
-        It may be asked in any thread.
+        It may be read in any thread.
         """
         return list(self._names or ())
 
     @property
     def told(self) -> bool:
-        """Whether the hub has told them; a rosbridge that is no hub of fibws never does."""
+        """Whether the hub has reported them; a rosbridge_suite server never does."""
         return self._names is not None
 
     async def changes(self) -> AsyncIterator[list[str]]:
-        """Give `names` as they are, once the hub has told them, and then after each change.
+        """Yield `names` once the hub has reported them, and again after each change.
 
-        A peer that goes and comes back while the reader is busy is seen to do so, since each change
-        waits for it. It ends with the publisher, the subscription or the node, whatever the reason.
+        Every change is yielded, so that a peer that left and came back while the reader was busy
+        is seen to do so. The iteration ends with the publisher, the subscription or the node.
         """
         waiting: deque[list[str]] = deque(maxlen=MOST_CHANGES)
         if self._names is not None:
@@ -60,21 +60,21 @@ class Peers:
         finally:
             self._readers.remove(waiting)
 
-    def take(self, names: list[str]) -> None:
-        """These are the peers now."""
+    def update(self, names: list[str]) -> None:
+        """Set the peers' names."""
         if names != self._names:
             self._names = names
             for waiting in self._readers:
                 waiting.append(names)
             self._news.set()
 
-    def lose(self) -> None:
-        """There is no hub, and so no peer."""
+    def on_disconnect(self) -> None:
+        """Forget the peers: there is no hub."""
         if self._names:
-            self.take([])
+            self.update([])
 
     def end(self) -> None:
-        """No change will come any more."""
+        """End all iterations of `changes`."""
         self._names = None
         self._ended = True
         self._news.set()

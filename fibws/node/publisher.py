@@ -2,28 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, Generic, Self, TypeVar, overload
 
 from typing_extensions import ParamSpec
 
-from fibws.errors import NodeError
+from fibws.errors import InvalidMessage, NodeClosed, NodeError, OperationRejected
 from fibws.interfaces import Message
 from fibws.interfaces.json_text import exact_json_of
-from fibws.node.advertisement import Advertisement
+from fibws.node.outgoing_queue import PublisherLane
 from fibws.node.peers import Peers
-from fibws.node.topics import Topics
-from fibws.node.wire import Wire
+from fibws.node.session import Session, throw
+from fibws.node.types import MessageCodec
 from fibws.protocol.headers import check_headers
-from fibws.protocol.operations import encode_fields, json_of
+from fibws.protocol.operations import Advertise, encode_fields, json_of
+from fibws.protocol.serialized import publish_head, read_publish
+from fibws.protocol.websocket import BINARY, client_header, client_payload
 
 M = TypeVar("M", bound=Message)
 P = ParamSpec("P", default=...)
 """The fields of the messages, as their class takes them; any, if they are not known."""
-
-
-class _ToOne(bytes):
-    """A message for one node alone, which those who come later are not to hear."""
 
 
 class Publisher(Generic[M, P]):
@@ -33,19 +31,42 @@ class Publisher(Generic[M, P]):
     and in the loop `room`, which may be left out, and `send`.
 
     Leave it with `close`, or by ``async with``, to stop publishing before the node does.
+
+    Args:
+        session: the node's.
+        operation: the advertisement, as for a server without `fibws.v1`.
+        number: the publisher's number on connections of `fibws.v1`.
+        codec: the codec of its messages.
+        withdraw: takes the advertisement back.
+        refused: is called if the hub refuses the advertisement.
     """
 
     def __init__(
         self,
-        topics: Topics,
-        advertisement: Advertisement,
-        wire: Wire[M],
+        session: Session,
+        operation: Advertise,
+        number: int,
+        codec: MessageCodec[M],
+        withdraw: Callable[[Publisher[Any, ...]], None],
+        refused: Callable[[NodeError], None] | None = None,
     ) -> None:
-        self._topics = topics
-        self._advertisement = advertisement
-        self._wire = wire
-        self._before = b'{"op":"publish","topic":%b,"msg":' % json_of(self.topic)
-        """What each message's operation begins with."""
+        self._session = session
+        self._outgoing = session.outgoing
+        self._operation = operation
+        self._number = number
+        self._codec = codec
+        self._class: type[Any] = codec.message_class
+        self._serialize_after = codec.serialize_after
+        self._withdraw = withdraw
+        self._refused = refused
+        self._head = publish_head(number)
+        self._prefix = (-1, b"")
+        """The bytes before a message of a size, and this size: that of the last message."""
+        self._lane = PublisherLane(operation.queue_size, operation.topic, self._to_json)
+        self._peers = Peers()
+        self._latched: bytes | None = None
+        self._closed = False
+        self._fault: NodeError | None = None
 
     def __repr__(self) -> str:
         return f"<Publisher {self.topic} [{self.type}]>"
@@ -53,27 +74,27 @@ class Publisher(Generic[M, P]):
     @property
     def topic(self) -> str:
         """The topic's global name."""
-        return self._advertisement.operation.topic
+        return self._operation.topic
 
     @property
     def type(self) -> str:
         """The type of its messages, such as ``std_msgs/Int32``."""
-        return self._advertisement.operation.type
+        return self._operation.type
 
     @property
     def dropped(self) -> int:
         """How many of its messages were dropped before they were sent."""
-        return self._advertisement.dropped
+        return self._lane.dropped
 
     @property
     def fault(self) -> NodeError | None:
-        """Why nobody can hear this publisher: the hub has refused it. Usually None."""
-        return self._advertisement.fault
+        """The hub's refusal of the topic, because of which nothing is published; usually None."""
+        return self._fault
 
     @property
     def peers(self) -> Peers:
-        """The nodes that subscribe to the topic, if `Node.advertise` was told to ask for them."""
-        return self._advertisement.peers
+        """The nodes that subscribe to the topic, if ``peers=True`` was given."""
+        return self._peers
 
     @overload
     async def publish(self, message: M, /) -> None: ...
@@ -84,20 +105,25 @@ class Publisher(Generic[M, P]):
     async def publish(self, *fields: Any, **named: Any) -> None:
         """Publish a message: one of the topic's class, or its fields in order, or by name.
 
-        Waits while the connection is slower than the program. Without a hub it waits for nothing:
-        the newest ``queue_size`` messages are kept for when there is one again. Messages arrive at
-        most once, in order. A header's stamp is 0 unless given, as in rospy; `Node.now` is the
-        time of day.
+        Waits while the connection is slower than the program. Without a hub the newest
+        ``queue_size`` messages are kept for the next connection. Messages arrive at most once, in
+        order. A header's stamp is 0 unless given, as in rospy; `Node.now` is the time of day.
 
         Raises:
             InvalidMessage: a field does not fit the type.
             TypeError: fields both in order and by name, or a message of another class.
-            OperationRejected: the hub refused the topic, so that nobody can hear this.
+            OperationRejected: the hub refused the topic.
             NodeClosed: the publisher or its node was closed.
         """
-        text = self._encode(fields, named)
-        await self.room()
-        self.send(text)
+        frame = self._encode(fields, named)
+        outgoing = self._outgoing
+        if not outgoing.ready:
+            await outgoing.room()
+        if self._closed or self._session.over:
+            self._raise()
+        if self._operation.latch:
+            self._retain(frame)
+        outgoing.put(frame, self._lane)
 
     @overload
     def encode(self, message: M, /) -> bytes: ...
@@ -106,9 +132,9 @@ class Publisher(Generic[M, P]):
     def encode(self, *fields: P.args, **named: P.kwargs) -> bytes: ...
 
     def encode(self, *fields: Any, **named: Any) -> bytes:
-        """Check a message, given as to `publish`, and make of it what `send` takes.
+        """Return the frame of a message, given as to `publish`, for `send`.
 
-        It changes nothing and waits for nothing, and may be called in any thread.
+        It changes nothing, waits for nothing, and may be called in any thread.
 
         Raises:
             InvalidMessage: a field does not fit the type.
@@ -123,50 +149,82 @@ class Publisher(Generic[M, P]):
     def encode_to(self, node: str, /, *fields: P.args, **named: P.kwargs) -> bytes: ...
 
     def encode_to(self, node: str, /, *fields: Any, **named: Any) -> bytes:
-        """As `encode`, for one subscriber: its global name, such as ``peers`` has it.
+        """Return a frame for one subscriber alone: a node's global name, such as `peers` has it.
 
-        If that node does not subscribe, nobody hears the message. It is never latched. Hubs of
-        others send it to all.
+        It is discarded if that node does not subscribe, and never latched. A rosbridge_suite server
+        sends it to all subscribers.
+
+        Raises:
+            InvalidMessage, TypeError: as `encode`.
         """
-        return _ToOne(self._encode(fields, named, to=node))
+        return self._encode(fields, named, node)
+
+    def encode_serialized(self, message: bytes, node: str | None = None) -> bytes:
+        """Return the frame of a message that is serialized already, which nobody checks here.
+
+        Args:
+            message: ROS 1's serialization.
+            node: the only subscriber to send it to; None for all.
+        """
+        return self._prefix_to(node)(len(message)) + message
 
     @property
     def has_room(self) -> bool:
-        """Whether `room` waits for nothing, in the node's loop."""
-        return self._topics.has_room
+        """Whether `room` returns at once, in the node's loop."""
+        return self._outgoing.has_room
 
     @property
     def is_idle(self) -> bool:
-        """Whether all that the node had to say has been written to its socket."""
-        return self._topics.is_idle
+        """Whether everything that the node sent has been given to its socket."""
+        return not self._outgoing.size
 
     async def room(self) -> None:
-        """Wait while the connection is slower than the program; without a hub for nothing."""
-        await self._topics.room()
+        """Wait while the connection is slower than the program, and give other tasks their turns.
 
-    def send(self, text: bytes) -> None:
-        """Send what `encode` made, in the node's loop, and wait for nothing.
+        Without a hub it only does the latter.
+        """
+        await self._outgoing.room()
+
+    def send(self, frame: bytes) -> None:
+        """Send what `encode` returned, in the node's loop, without waiting.
 
         While there is no `room`, or no hub, the newest ``queue_size`` messages are kept.
 
         Raises:
-            OperationRejected: the hub refused the topic, so that nobody can hear this.
+            OperationRejected: the hub refused the topic.
             NodeClosed: the publisher or its node was closed.
         """
-        to_all = not isinstance(text, _ToOne)
-        self._topics.publish(self._advertisement, text, to_all=to_all)
+        if self._closed or self._session.over:
+            self._raise()
+        if self._operation.latch:
+            self._retain(frame)
+        self._outgoing.put(frame, self._lane)
+
+    def send_while_open(self, frame: bytes) -> None:
+        """Send a frame, as `send`, even while the node ends; do nothing once this is closed."""
+        if not self._closed:
+            if self._operation.latch:
+                self._retain(frame)
+            self._outgoing.put(frame, self._lane)
 
     def introduce(self, headers: Mapping[str, str]) -> None:
-        """From now on have subscribers told these headers, as `Node.advertise` has it.
+        """From now on send subscribers other headers; see `Node.advertise`.
 
         Raises:
-            ValueError: the headers are no short strings.
+            ValueError: the headers are not short strings.
         """
-        self._topics.introduce(self._advertisement, check_headers(headers))
+        checked = check_headers(headers)
+        if checked == (self._operation.headers or {}):
+            return
+        self._operation = self._operation.model_copy(update={"headers": checked})
+        if not self._closed:
+            self._session.send(self.registration())
 
     def close(self) -> None:
-        """Publish no more. Does nothing when called again."""
-        self._topics.unadvertise(self._advertisement)
+        """Stop publishing. Does nothing when called again."""
+        if not self._closed:
+            self._close()
+            self._withdraw(self)
 
     async def __aenter__(self) -> Self:
         return self
@@ -174,17 +232,89 @@ class Publisher(Generic[M, P]):
     async def __aexit__(self, *error: object) -> None:
         self.close()
 
-    def _encode(
-        self, fields: tuple[Any, ...], named: dict[str, Any], to: str | None = None
-    ) -> bytes:
-        message = exact_json_of(self._wire.write(self._message(fields, named)))
-        if to is None:
-            return b"%b%b}" % (self._before, message)
-        return encode_fields({"op": "publish", "topic": self.topic, "to": to}, msg=message)
+    # Called by `Topics`
 
-    def _message(self, fields: tuple[Any, ...], named: dict[str, Any]) -> Any:
-        if fields and named:
+    @property
+    def id(self) -> str:
+        """The id of the advertisement."""
+        return str(self._operation.id)
+
+    @property
+    def latched(self) -> bytes | None:
+        """The frame of the message to send again on each new connection."""
+        return self._latched
+
+    @property
+    def lane(self) -> PublisherLane:
+        """Its share of the queue of outgoing frames."""
+        return self._lane
+
+    def registration(self) -> Advertise:
+        """Return the advertisement for the current connection."""
+        if not self._session.serialized:
+            return self._operation
+        return self._operation.model_copy(
+            update={"publisher": self._number, "md5sum": self._codec.md5sum}
+        )
+
+    def refuse(self, fault: OperationRejected) -> None:
+        """Handle the hub's refusal of the topic."""
+        self._fault = fault
+        self._close()
+        if self._refused is not None:
+            self._refused(fault)
+
+    def _close(self) -> None:
+        self._closed = True
+        self._lane.limit = 0  # The next hub is sent nothing more of it.
+        self._peers.end()
+
+    def _raise(self) -> None:
+        self._session.check()
+        if self._fault is not None:
+            throw(self._fault)
+        raise NodeClosed(f"the publisher of {self.topic} was closed")
+
+    def _encode(
+        self, fields: tuple[Any, ...], named: dict[str, Any], node: str | None = None
+    ) -> bytes:
+        message_class = self._class
+        if len(fields) == 1 and not named and isinstance(fields[0], Message):
+            message = fields[0]
+            if not isinstance(message, message_class):
+                raise TypeError(f"expected [{self.type}] but got [{message._type}]")
+        elif fields and named:
             raise TypeError("publish() can be called with arguments or keywords, but not both.")
-        if len(fields) == 1 and isinstance(fields[0], Message):
-            return fields[0]
-        return self._wire.message_class(*fields, **named)
+        else:
+            message = message_class(*fields, **named)
+        return self._serialize_after(self._prefix_to(node), message)
+
+    def _prefix_to(self, node: str | None) -> Callable[[int], bytes]:
+        """Return the function that returns the bytes before a message of a size."""
+        if node is None:
+            return self._prefix_of
+        head = publish_head(self._number, node)
+        return lambda size: client_header(BINARY, len(head) + size) + head
+
+    def _prefix_of(self, size: int) -> bytes:
+        prefix = self._prefix
+        if prefix[0] != size:
+            header = client_header(BINARY, len(self._head) + size)
+            prefix = self._prefix = (size, header + self._head)
+        return prefix[1]
+
+    def _retain(self, frame: bytes) -> None:
+        if read_publish(client_payload(memoryview(frame))).node is None:
+            self._latched = frame
+
+    def _to_json(self, frame: bytes) -> bytes:
+        """Return a frame's message as rosbridge's operation; nothing if its bytes are invalid."""
+        _, node, payload = read_publish(client_payload(frame))
+        try:
+            message = exact_json_of(self._codec.write(self._codec.deserialize(payload)))
+        except InvalidMessage as error:
+            self._session.log.error("Dropped a message for %s: %s", self.topic, error)
+            return b""
+        if node is not None:
+            return encode_fields({"op": "publish", "topic": self.topic, "to": node}, msg=message)
+        return b'{"op":"publish","topic":%b,"msg":%b}' % (json_of(self.topic), message)

@@ -1,4 +1,4 @@
-"""A loop's rhythm."""
+"""Rates: loops that run a number of times per second."""
 
 from __future__ import annotations
 
@@ -8,19 +8,19 @@ from collections.abc import Awaitable, Callable
 
 
 class Schedule:
-    """When the ticks of a rate are due, by rospy's rules: no drift, but no chase either.
+    """When the ticks of a rate are due, by rospy's rules: without drift.
 
-    Whoever is late by more than two periods goes on from where it is.
+    A loop that is late by more than two periods skips the missed ticks.
     """
 
     def __init__(self, hz: float) -> None:
         if not 0 < hz < math.inf:
-            raise ValueError(f"a rate is a number of times a second above 0, not {hz!r}")
+            raise ValueError(f"a rate must be a finite number above 0 (hertz), got {hz!r}")
         self._period = 1 / hz
         self._due: float | None = None
 
     def delay(self, now: float) -> float:
-        """Seconds from ``now`` to the next tick; the first one is due at once."""
+        """Return the seconds from ``now`` to the next tick; the first one is due at once."""
         due = now if self._due is None else self._due + self._period
         if now - due > 2 * self._period:
             due = now
@@ -39,6 +39,6 @@ class Rate:
         return self
 
     async def __anext__(self) -> None:
-        # A delay of 0 gives way as well: a loop that is always late must not starve the rest.
+        # With a delay of 0, too: a loop that is always late must not starve other tasks.
         if await self._ended(self._schedule.delay(asyncio.get_running_loop().time())):
             raise StopAsyncIteration

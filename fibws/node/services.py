@@ -1,35 +1,205 @@
-"""The services that a node offers, as its hub knows them."""
+"""The services that a node provides."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any
+import asyncio
+from collections import deque
+from collections.abc import Awaitable, Callable, Iterator, Mapping
+from inspect import isawaitable
+from typing import Any, Generic, Self, TypeAlias
 
-from fibws.errors import AlreadyOffered, OperationRejected
+from fibws.errors import AlreadyOffered, CallRefused, InvalidMessage, OperationRejected
 from fibws.interfaces import Service
 from fibws.interfaces.message import Req, Res
-from fibws.node.part import Part
-from fibws.node.service import Handler, HeaderHandler, ServiceServer
-from fibws.node.session import Session
-from fibws.node.types import Types
+from fibws.node.checks import without_surrogates
+from fibws.node.session import OperationHandler, Session, Tasks, throw
+from fibws.node.types import ServiceType, Types
 from fibws.protocol.operations import (
     AdvertiseService,
     CallService,
+    Operation,
     Reply,
     ServiceResponse,
     UnadvertiseService,
-    encode,
 )
 
+MOST_CALLS = 100
+"""Calls of one service that are handled at once."""
+MOST_WAITING = 1000
+"""Calls of one service that wait for that; the hub lets one client have as many under way."""
 
-class Services(Part):
-    """The part of a session that answers calls."""
+Answer: TypeAlias = (
+    Res | Mapping[str, Any] | tuple[Any, ...] | list[Any] | bool | int | float | str | bytes
+)
+"""A response: whole, or its fields by name or in order, or the value of its only field."""
+
+Handler: TypeAlias = Callable[[Req], Answer[Res] | Awaitable[Answer[Res]]]
+"""A service's handler: a plain function or an async one, which is given the request."""
+
+HeaderHandler: TypeAlias = Callable[[Req, dict[str, str]], Answer[Res] | Awaitable[Answer[Res]]]
+"""A `Handler` that is also given the caller's header, whose ``callerid`` is the caller's node."""
+
+
+class ServiceServer(Generic[Req, Res]):
+    """Handles the calls of one service, each in a task of its own.
+
+    Leave it with `close`, or by ``async with``, to end the service before the node does.
+
+    Args:
+        session: the node's.
+        operation: the registration.
+        type_: the service's type.
+        handler: handles a call; it is given the header, too, if the operation asks for headers.
+        withdraw: takes the registration back.
+    """
+
+    def __init__(
+        self,
+        session: Session,
+        operation: AdvertiseService,
+        type_: ServiceType[Req, Res],
+        handler: Handler[Req, Res] | HeaderHandler[Req, Res],
+        withdraw: Callable[[ServiceServer[Any, Any]], None],
+    ) -> None:
+        self._session = session
+        self._operation = operation
+        self._type = type_
+        self._handler: Callable[..., Any] = handler
+        self._withdraw = withdraw
+        self._tasks = Tasks(session.tasks)
+        self._waiting: deque[CallService] = deque()
+        self._connection = object()
+        """Stands for the current connection, so that a call of a former one is not answered."""
+        self._ended = asyncio.Event()
+        self._fault: Exception | None = None
+
+    def __repr__(self) -> str:
+        return f"<ServiceServer {self.name} [{self.type}]>"
+
+    @property
+    def name(self) -> str:
+        """The service's global name."""
+        return self._operation.service
+
+    @property
+    def type(self) -> str:
+        """The service's type, such as ``std_srvs/Trigger``."""
+        return self._operation.type
+
+    @property
+    def operation(self) -> AdvertiseService:
+        """The registration."""
+        return self._operation
+
+    async def spin(self) -> None:
+        """Wait until the service or its node ends.
+
+        Raises:
+            OperationRejected: the hub refused the service.
+        """
+        await self._ended.wait()
+        if self._fault is not None:
+            throw(self._fault)
+
+    def close(self) -> None:
+        """End the service and cancel its pending calls. Does nothing when called again.
+
+        The hub fails these calls, even the one whose handler calls this.
+        """
+        if not self._ended.is_set():
+            self.end()
+            self._withdraw(self)
+
+    def take(self, call: CallService) -> None:
+        """Handle a call, now or when another one ends."""
+        if len(self._tasks) < MOST_CALLS:
+            self._start(call)
+        elif len(self._waiting) < MOST_WAITING:
+            self._waiting.append(call)
+        else:
+            calls = MOST_CALLS + MOST_WAITING
+            self._respond(call, f"service [{self.name}] is busy with {calls} calls", result=False)
+
+    def on_disconnect(self) -> None:
+        """Drop waiting calls and the responses of running ones: their callers have failed."""
+        self._connection = object()
+        self._waiting.clear()
+
+    def end(self, fault: Exception | None = None) -> None:
+        """End the service, because of ``fault`` unless that is None."""
+        self.on_disconnect()
+        self._fault = fault
+        self._ended.set()
+        self._tasks.cancel()
+
+    async def __aenter__(self) -> Self:
+        return self
+
+    async def __aexit__(self, *error: object) -> None:
+        self.close()
+        await self._tasks.finished()
+
+    def _start(self, call: CallService) -> None:
+        self._tasks.start(self._handle(call, self._connection), f"{self.name} handles {call.id}")
+
+    async def _handle(self, call: CallService, connection: object) -> None:
+        values: Any = "error processing request: it was cancelled"
+        result = False
+        try:
+            values, result = await self._outcome(call)
+            await self._session.outgoing.room()
+        except BrokenPipeError as fault:
+            # Nobody reads what the program prints any more (``| head``): its node's `spin` ends it.
+            self._session.end(fault)
+        finally:
+            # The caller waits for a response, unless the service or the connection has ended.
+            if connection is self._connection:
+                self._respond(call, values, result=result)
+            if self._waiting:
+                self._start(self._waiting.popleft())
+
+    async def _outcome(self, call: CallService) -> tuple[Any, bool]:
+        """Return the response's values and True, or an error's text (rospy's) and False."""
+        try:
+            request = self._type.read_request(call.args)
+        except InvalidMessage as error:
+            # The caller's mistake: the handler is not called.
+            self._session.log.error("Service %s got an invalid request: %s", self.name, error)
+            return f"error processing request: {error}", False
+        try:
+            header = (call.header or {},) if self._operation.headers else ()
+            answer = self._handler(request, *header)
+            if isawaitable(answer):
+                answer = await answer
+        except BrokenPipeError:
+            raise
+        except CallRefused as refusal:
+            return without_surrogates(str(refusal)), False
+        except Exception as error:
+            text = f"{type(error).__name__}: {error}"
+            self._session.log.error("Service %s failed: %s", self.name, text, exc_info=error)
+            text = str(error) or type(error).__name__
+            return without_surrogates(f"error processing request: {text}"), False
+        try:
+            return self._type.write_response(answer), True
+        except Exception as error:
+            self._session.log.error("Service %s failed: %s", self.name, error)
+            return without_surrogates(f"service cannot process request: {error}"), False
+
+    def _respond(self, call: CallService, values: Any, *, result: bool) -> None:
+        self._session.send(
+            ServiceResponse(id=call.id, service=call.service, values=values, result=result)
+        )
+
+
+class Services(OperationHandler):
+    """Handles the operations of the services that the node provides."""
 
     def __init__(self, session: Session, types: Types) -> None:
         self._session = session
         self._types = types
-        self._offered: dict[str, ServiceServer[Any, Any]] = {}
-        session.join(self)
+        self._servers: dict[str, ServiceServer[Any, Any]] = {}
+        session.add_handler(self)
 
     def serve(
         self,
@@ -39,64 +209,64 @@ class Services(Part):
         *,
         headers: bool = False,
     ) -> ServiceServer[Req, Res]:
-        """Offer a service by its global name; see `Node.service`."""
+        """Provide a service by its global name; see `Node.service`."""
         self._session.check()
         if not callable(handler):
-            raise TypeError(f"a service's handler is a function, not {handler!r}")
-        types = self._types.service(type_)
-        if name in self._offered:
+            raise TypeError(f"a service's handler must be a function, got {handler!r}")
+        service_type = self._types.service(type_)
+        if name in self._servers:
             raise AlreadyOffered(name)
         operation = AdvertiseService(
             id=self._session.id("advertise_service", name),
             service=name,
-            type=types.name,
-            definition=self._types.service_definition(types.name),
+            type=service_type.name,
+            definition=self._types.service_definition(service_type.name),
             headers=headers or None,
         )
-        server = ServiceServer(self._session, operation, types, handler, self._withdraw)
-        self._offered[name] = server
-        self._session.say(operation)
+        server = ServiceServer(self._session, operation, service_type, handler, self._withdraw)
+        self._servers[name] = server
+        self._session.send(operation)
         return server
 
-    def greeting(self) -> Iterator[bytes]:
-        """All that is offered."""
-        for server in self._offered.values():
-            yield encode(server.operation)
+    def registrations(self) -> Iterator[Operation]:
+        """Yield the registrations of all services."""
+        for server in self._servers.values():
+            yield server.operation
 
     def receive(self, reply: Reply) -> bool:
-        """Hand on a call; it may come late, for a service that was taken back."""
+        """Handle a call; it may come late, for a service that was withdrawn."""
         if not isinstance(reply, CallService):
             return False
-        if (server := self._offered.get(reply.service)) is not None:
+        if (server := self._servers.get(reply.service)) is not None:
             server.take(reply)
         else:
-            text = f"service [{reply.service}] is offered no more"
-            self._session.say(
+            text = f"service [{reply.service}] was withdrawn"
+            self._session.send(
                 ServiceResponse(id=reply.id, service=reply.service, values=text, result=False)
             )
         return True
 
-    def refuse(self, id_: str, fault: OperationRejected) -> bool:
-        """End a service that the hub will not have; its owner may not be waiting for that."""
-        for server in self._offered.values():
+    def refuse(self, id_: str, error: OperationRejected) -> bool:
+        """End a service that the hub refuses, and log it: its owner may not wait for its end."""
+        for server in self._servers.values():
             if server.operation.id == id_:
-                del self._offered[server.name]
-                self._session.log.error("The hub refused the service %s: %s", server.name, fault)
-                server.end(fault)
+                del self._servers[server.name]
+                self._session.log.error("The hub refused the service %s: %s", server.name, error)
+                server.end(error)
                 return True
         return False
 
-    def lose(self) -> None:
-        """Let all services know."""
-        for server in self._offered.values():
-            server.lose()
+    def on_disconnect(self) -> None:
+        """Drop all calls of the lost connection."""
+        for server in self._servers.values():
+            server.on_disconnect()
 
-    def end(self, fault: Exception | None) -> None:
-        """Let all services know."""
-        for server in self._offered.values():
-            server.end(fault)
-        self._offered.clear()
+    def end(self, error: Exception | None) -> None:
+        """End all services."""
+        for server in self._servers.values():
+            server.end(error)
+        self._servers.clear()
 
     def _withdraw(self, server: ServiceServer[Any, Any]) -> None:
-        del self._offered[server.name]
-        self._session.say(UnadvertiseService(id=server.operation.id, service=server.name))
+        del self._servers[server.name]
+        self._session.send(UnadvertiseService(id=server.operation.id, service=server.name))

@@ -1,18 +1,16 @@
-"""A node's side of the conversation with its hub: what it says, and to whom goes what it hears."""
+"""A node's exchange with its hub: operations and messages, and the handler of each."""
 
 from __future__ import annotations
 
 import asyncio
 import logging
 import time
-from collections.abc import Callable
-from typing import Any, assert_never
+from collections.abc import Callable, Coroutine, Iterable
+from typing import Any, NoReturn, TypeAlias, assert_never
 
 from fibws.errors import InvalidUtf8, NodeClosed, OperationError, OperationRejected
-from fibws.node.fault import throw
-from fibws.node.outbox import Outbox
-from fibws.node.part import Part
-from fibws.node.tasks import Tasks
+from fibws.node.outgoing_queue import OutgoingQueue, PublisherLane, Writer
+from fibws.protocol.decoding import decode_json, parse_reply
 from fibws.protocol.fragments import Reassembly
 from fibws.protocol.operations import (
     ActionFeedback,
@@ -28,136 +26,248 @@ from fibws.protocol.operations import (
     SendActionGoal,
     ServiceResponse,
     Status,
+    Subscribed,
     encode,
 )
-from fibws.protocol.parsing import parse_reply
-from fibws.protocol.text import objects
+from fibws.protocol.websocket import TEXT, Payload, client_frame
 
 MAX_SIZE = 64 << 20
-"""Bytes that a message may have: images and point clouds pass."""
+"""Most bytes of a message: images and point clouds pass."""
+UNKNOWN_PUBLISHER = "unknown_publisher"
+"""The code of a status about a message whose advertisement the hub has refused."""
 
+_OnMessage: TypeAlias = Callable[[str, Any, dict[str, str] | None], bool]
 _LEVELS = {"error": logging.ERROR, "warning": logging.WARNING, "info": logging.INFO}
 
 
+def throw(error: Exception) -> NoReturn:
+    """Raise an error that may be raised again, without the traceback of the last time."""
+    raise error.with_traceback(None)
+
+
+class Tasks:
+    """Tasks that run until they are done, or until their owner cancels them.
+
+    Args:
+        within: the tasks of the owner's owner, which cancels these, too.
+    """
+
+    def __init__(self, within: Tasks | None = None) -> None:
+        self._within = within
+        self._tasks: set[asyncio.Task[None]] = set()
+
+    def __len__(self) -> int:
+        return len(self._tasks)
+
+    def start(self, coroutine: Coroutine[Any, Any, None], name: str) -> asyncio.Task[None]:
+        """Start a task; the coroutine handles its own errors."""
+        task = asyncio.create_task(coroutine, name=name)
+        self._add(task)
+        return task
+
+    def cancel(self) -> None:
+        """Cancel all tasks except the current one, which ends by itself."""
+        for task in self._others():
+            task.cancel()
+
+    async def finished(self) -> None:
+        """Wait until no task is left except the current one."""
+        while others := self._others():
+            await asyncio.wait(others)
+
+    def _add(self, task: asyncio.Task[None]) -> None:
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+        if self._within is not None:
+            self._within._add(task)
+
+    def _others(self) -> set[asyncio.Task[None]]:
+        return self._tasks - {asyncio.current_task()} if self._tasks else set()
+
+
+class OperationHandler:
+    """Handles one kind of operations: those of topics, calls, services, or of one action.
+
+    `Session.add_handler` registers it. A handler overrides the methods that concern it.
+    """
+
+    def registrations(self) -> Iterable[Operation]:
+        """Return what to send first on a new connection: all that is registered."""
+        return ()
+
+    def retained(self) -> Iterable[tuple[bytes, PublisherLane]]:
+        """Return the frames to send after all registrations: latched messages."""
+        return ()
+
+    def receive(self, reply: Reply) -> bool:
+        """Handle an operation if it is for this handler; return whether it was."""
+        return False
+
+    def refuse(self, id_: str, error: OperationRejected) -> bool:
+        """Handle the hub's refusal of the operation ``id_``; return whether it was this one's."""
+        return False
+
+    def on_disconnect(self) -> None:
+        """Handle the loss of the connection, and with it of all pending responses."""
+
+    def end(self, error: Exception | None) -> None:
+        """Handle the node's end, caused by ``error`` unless that is None. Called once, and last."""
+
+
 class Session:
-    """What a node's parts have in common. It outlives the connection, and greets the next one."""
+    """The state that a node's handlers share. It outlives connections and registers with each."""
 
     def __init__(self, log: logging.Logger) -> None:
-        self.outbox = Outbox()
+        self.outgoing = OutgoingQueue()
         self.log = log
         self.tasks = Tasks()
-        """What the parts have under way; the node's end cancels it."""
-        self.crowded = False
-        """Whether a reader has no place for another message: it needs a turn before one comes."""
-        self._parts: dict[Part, None] = {}
-        self._hear: Callable[[str, Any, dict[str, str] | None], bool] = lambda *message: False
-        self._fragments = Reassembly(max_size=MAX_SIZE)
-        self._operations = 0
+        """The handlers' tasks; the node's end cancels them."""
+        self.serialized = False
+        """Whether messages go as bytes on the current connection (`fibws.v1`), not as JSON."""
+        self.over = False
+        """Whether the node has ended."""
         self.begun = False
         """Whether the node has been entered."""
-        self._over = False
+        self.receive_binary: Callable[[Payload], None] = lambda data: None
+        """Handles a binary frame of the hub: a message of a topic."""
+        self._receive_message: _OnMessage = lambda topic, message, header: False
+        self._handlers: dict[OperationHandler, None] = {}
+        self._end_turn: Callable[[], None] = _do_nothing
+        self._fragments = Reassembly(max_size=MAX_SIZE)
+        self._operations = 0
         self._waiters: set[asyncio.Future[None]] = set()
-        self._fault: Exception | None = None
+        self._error: Exception | None = None
 
-    # What its parts do
+    # Called by handlers
 
-    def join(self, part: Part) -> None:
-        """Let a part take part, from now on until it leaves or the node ends."""
+    def add_handler(self, handler: OperationHandler) -> None:
+        """Register a handler, until it is removed or the node ends."""
         self.check()
-        self._parts[part] = None
+        self._handlers[handler] = None
 
-    def leave(self, part: Part) -> None:
-        """Let it take part no more. Does nothing when called again."""
-        self._parts.pop(part, None)
+    def remove_handler(self, handler: OperationHandler) -> None:
+        """Remove a handler. Does nothing when called again."""
+        self._handlers.pop(handler, None)
 
-    def parts(self) -> list[Part]:
-        """Those that take part, of whom any may leave while they are told something."""
-        return list(self._parts)
+    def handlers(self) -> list[OperationHandler]:
+        """Return a copy of the list of handlers: a handler may be removed while it is called."""
+        return list(self._handlers)
 
-    def hand_messages_to(self, hear: Callable[[str, Any, dict[str, str] | None], bool]) -> None:
-        """Have messages heard by the part that listens to topics.
+    def set_message_handlers(
+        self,
+        on_json: _OnMessage,
+        on_binary: Callable[[Payload], None],
+    ) -> None:
+        """Set what receives the messages of topics.
 
         Args:
-            hear: is given the topic, the message, and its header if it has one; it tells whether
-                anybody listens.
+            on_json: takes the topic, the message, and its connection header if it has one; returns
+                whether the topic has a reader.
+            on_binary: takes a binary frame's payload (see `protocol.serialized`).
         """
-        self._hear = hear
+        self._receive_message = on_json
+        self.receive_binary = on_binary
 
     def id(self, verb: str, name: str) -> str:
-        """A new id for an operation."""
+        """Return a new id for an operation."""
         self._operations += 1
         return f"{verb}:{name}:{self._operations}"
 
-    def say(self, operation: Operation) -> None:
-        """Send an operation, if there is somebody to hear it: the next hub gets the greeting."""
-        if self.outbox.connected:
-            self.outbox.put(encode(operation))
+    def send(self, operation: Operation) -> None:
+        """Send an operation if there is a hub; registrations are sent again on reconnection."""
+        if self.outgoing.connected:
+            self.outgoing.put(text_frame(operation))
+
+    def give_readers_a_turn(self) -> None:
+        """Stop reading the socket until the tasks that are ready have run: a queue is full."""
+        self._end_turn()
 
     async def wait_for_hub(self) -> None:
-        """Wait until there is a hub, and room for what is to be said to it.
+        """Wait until there is a hub, and room for an operation.
 
         Raises:
-            NodeClosed, or what was the matter: the node has ended.
-            RuntimeError: nobody has entered the node yet, so that no hub will ever come.
+            NodeClosed: the node has ended; or the error that ended it.
+            RuntimeError: the node has not been entered, so that there will never be a hub.
         """
         self._check_begun()
         while True:
-            await self.outbox.wait_for_hub()
-            await self.outbox.room()
+            await self.outgoing.wait_for_hub()
+            await self.outgoing.room()
             self.check()
-            if self.outbox.connected:
+            if self.outgoing.connected:
                 return
 
-    # What happens to the node
+    # Called by the node and its connection
 
     def begin(self) -> None:
-        """The node has been entered: from now on it looks for a hub."""
+        """Note that the node has been entered: from now on it looks for a hub."""
         self.begun = True
 
-    def greeting(self) -> list[bytes]:
-        """What a new connection is told first, before the outbox's frames."""
-        return [text for part in self._parts for text in part.greeting()]
+    def connect(
+        self,
+        writer: Writer,
+        *,
+        serialized: bool,
+        end_turn: Callable[[], None] = lambda: None,
+        hold: bool = False,
+    ) -> None:
+        """Register everything with a hub.
 
-    def receive(self, text: bytes) -> None:
-        """Hand on what the hub sent."""
+        Args:
+            serialized: whether messages go as bytes, as on a connection of `fibws.v1`.
+            end_turn: stops reading until the loop's next turn.
+            hold: keep messages until `OutgoingQueue.release`; registrations are sent at once.
+        """
+        self.serialized = serialized
+        self._end_turn = end_turn
+        first: list[tuple[bytes, PublisherLane | None]] = [
+            (text_frame(operation), None)
+            for handler in self._handlers
+            for operation in handler.registrations()
+        ]
+        for handler in self._handlers:
+            first += handler.retained()
+        self.outgoing.connect(writer, first, hold=hold)
+
+    def receive_text(self, text: Payload) -> None:
+        """Handle a text frame of the hub: one or several operations."""
         try:
-            for fields in objects(text):
+            for fields in decode_json(bytes(text)):
                 if not self._deliver(fields):
-                    self._take(parse_reply(fields))
+                    self._dispatch(parse_reply(fields))
         except (OperationError, InvalidUtf8) as error:
-            self.log.warning("The hub sent what this node does not understand: %s", error)
+            self.log.warning("The hub sent an invalid operation: %s", error)
 
-    def lose(self) -> None:
-        """There is no hub any more."""
-        self.outbox.lose()
+    def on_disconnect(self) -> None:
+        """Handle the loss of the connection."""
+        self.outgoing.disconnect()
+        self._end_turn = _do_nothing
         self._fragments = Reassembly(max_size=MAX_SIZE)
-        for part in self.parts():
-            part.lose()
+        for handler in self.handlers():
+            handler.on_disconnect()
 
-    def end(self, fault: Exception | None = None) -> None:
-        """The node is over, because of ``fault`` if there is one; later calls change nothing."""
-        if self._over:
+    def end(self, error: Exception | None = None) -> None:
+        """End the node, because of ``error`` unless that is None; later calls do nothing."""
+        if self.over:
             return
-        self._fault = fault
-        self._over = True
+        self._error = error
+        self.over = True
         for waiter in self._waiters:
             _release(waiter)
-        for part in self.parts():
-            part.end(fault)
+        for handler in self.handlers():
+            handler.end(error)
         self.tasks.cancel()
-        self.outbox.close()
-
-    @property
-    def over(self) -> bool:
-        """Whether the node has ended."""
-        return self._over
+        self.outgoing.close()
 
     async def ended(self, within: float | None = None) -> bool:
-        """Wait for the node's end, for ``within`` seconds at most; tell whether it came.
+        """Wait for the node's end, or for ``within`` seconds; return whether it has ended.
 
-        It raises what was the matter if anything was, and RuntimeError if nobody has entered the
-        node yet. A timer does for the wait what a cancellation would do as well, but that goes
-        through the caller's frames, which debuggers then lose.
+        A timer ends the wait rather than a cancellation, which would go through the caller's
+        frames: debuggers lose them then.
+
+        Raises:
+            Exception: what ended the node, if it was an error.
+            RuntimeError: the node has not been entered.
         """
         if not self.over:
             self._check_begun()
@@ -171,25 +281,26 @@ class Session:
                 self._waiters.discard(waiter)
                 if timer is not None:
                     timer.cancel()
-        if self._fault is not None:
-            throw(self._fault)
+        if self._error is not None:
+            throw(self._error)
         return self.over
 
     def check(self) -> None:
-        """Raise if the node is over."""
-        if self._fault is not None:
-            throw(self._fault)
-        if self._over:
+        """Raise NodeClosed, or the error that ended the node, if it has ended."""
+        if self._error is not None:
+            throw(self._error)
+        if self.over:
             raise NodeClosed("the node has ended")
 
     def _check_begun(self) -> None:
-        if not self.begun and not self._over:
+        if not self.begun and not self.over:
             raise RuntimeError("enter the node first: async with node")
 
     def _deliver(self, fields: dict[str, Any]) -> bool:
-        """Give a message to those who listen; false if nobody does, or it is none as it should be.
+        """Deliver a message to its readers; return False if it has none, or is something else.
 
-        Nearly all that comes is one, and a model of it would cost more than all the rest.
+        On a connection without `fibws.v1` nearly every operation is a message, and building a
+        model of it would cost more than everything else.
         """
         if fields.get("op") != "publish":
             return False
@@ -198,12 +309,13 @@ class Session:
             isinstance(header, dict) and all(isinstance(each, str) for each in header.values())
         ):
             return False
-        return isinstance(topic, str) and self._hear(topic, fields.get("msg"), header)
+        return isinstance(topic, str) and self._receive_message(topic, fields.get("msg"), header)
 
-    def _take(self, reply: Reply) -> None:
+    def _dispatch(self, reply: Reply) -> None:
         match reply:
             case (
                 Publish()
+                | Subscribed()
                 | Peers()
                 | CallService()
                 | ServiceResponse()
@@ -213,25 +325,38 @@ class Session:
                 | ActionResult()
             ):
                 # It may come late, when nobody waits for it any more.
-                any(part.receive(reply) for part in self.parts())
+                any(handler.receive(reply) for handler in self.handlers())
             case Status():
-                self._told(reply)
+                self._on_status(reply)
             case Fragment():
                 text = self._fragments.add(reply, time.monotonic())
                 if text is not None:
-                    self.receive(text.encode())
+                    self.receive_text(text.encode())
             case Png():
-                raise OperationError("an image of an operation, which it never asks for")
+                raise OperationError("a PNG image, which this node never asks for")
             case _:
                 assert_never(reply)
 
-    def _told(self, status: Status) -> None:
-        """A refused registration is its owner's to hear of; anything else goes to the log."""
+    def _on_status(self, status: Status) -> None:
+        """Report a refused operation to its handler, and log everything else."""
         if status.level == "error" and status.id is not None:
-            fault = OperationRejected(status.msg)
-            if any(part.refuse(str(status.id), fault) for part in self.parts()):
+            error = OperationRejected(status.msg)
+            error.code = status.code or error.code
+            if any(handler.refuse(str(status.id), error) for handler in self.handlers()):
                 return
-        self.log.log(_LEVELS.get(status.level, logging.INFO), "The hub: %s", status.msg)
+        level = _LEVELS.get(status.level, logging.INFO)
+        if status.code == UNKNOWN_PUBLISHER and status.id is None:
+            level = logging.DEBUG  # The refusal of its advertisement was reported already.
+        self.log.log(level, "The hub: %s", status.msg)
+
+
+def text_frame(operation: Operation) -> bytes:
+    """Return an operation as a WebSocket frame with the zero key."""
+    return client_frame(TEXT, encode(operation))
+
+
+def _do_nothing() -> None:
+    """Stand for a callback while there is no connection."""
 
 
 def _release(waiter: asyncio.Future[None]) -> None:

@@ -6,48 +6,73 @@ import asyncio
 import logging
 from collections import deque
 from collections.abc import Callable
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, TypeAlias, TypeVar
 
-from fibws.errors import InvalidMessage
+from pydantic_core import from_json
+
+from fibws.errors import InvalidMessage, NodeClosed, OperationRejected, WaitTimeout
 from fibws.interfaces import Message
-from fibws.node.fault import throw
 from fibws.node.peers import Peers
+from fibws.node.session import throw
+from fibws.node.types import ANY_TYPE, MessageCodec
 from fibws.protocol.operations import Subscribe
+from fibws.protocol.serialized import ROS1
 
 M = TypeVar("M", bound=Message)
 
+MOST_HEADERS = 100
+"""Connection headers that a subscription keeps parsed."""
+
+
+Received: TypeAlias = tuple[Any, bytes | dict[str, str] | None]
+"""A message as it arrived: a memoryview of ROS 1's bytes, or JSON values; and its connection
+header, as JSON if it is bytes."""
+
 
 class Subscription(Generic[M]):
-    """A topic's messages as they come: ``async for message in subscription``.
+    """A topic's messages as they arrive: ``async for message in subscription``.
 
-    Whoever reads too slowly gets the newest ``queue_size`` messages; `dropped` counts the others.
-    Leave it with `close`, or by ``async with``, to stop listening before the node does.
-    JSON has no infinity: it arrives as NaN, as with rosbridge, unless headers are asked for.
+    A slow reader gets the newest ``queue_size`` messages; `dropped` counts the others. Messages are
+    decoded when they are read. Leave it with `close`, or by ``async with``, to stop listening
+    before the node does. From a rosbridge_suite server infinity arrives as NaN.
+
+    Args:
+        operation: the subscription, as for a server without `fibws.v1`.
+        codec: the codec of its messages.
+        queue_size: most messages that wait for the reader; None for no limit.
+        withdraw: takes the subscription back.
+        log: logs messages that do not fit the type.
+        refused: is called if the hub refuses the subscription.
     """
 
     def __init__(
         self,
         operation: Subscribe,
-        type_: str,
+        codec: MessageCodec[M],
         queue_size: int | None,
-        build: Callable[[Any], M],
-        leave: Callable[[Subscription[M]], None],
+        withdraw: Callable[[Subscription[Any]], None],
         log: logging.Logger,
+        refused: Callable[[OperationRejected], None] | None = None,
     ) -> None:
         self._operation = operation
-        self._type = type_
-        self._messages: deque[tuple[Any, dict[str, str] | None]] = deque(maxlen=queue_size)
-        self._build = build
-        self._leave = leave
+        self._codec = codec
+        self._queue_size = queue_size
+        self._messages: deque[Received] = deque(maxlen=queue_size)
+        self._deserialize = codec.deserialize
+        self._withdraw = withdraw
         self._log = log
+        self._refused = refused
+        self._type = codec.type
         self._news = asyncio.Event()
         self._ended = False
         self._fault: Exception | None = None
         self._dropped = 0
         self._header: dict[str, str] = {}
-        self._take: Callable[[M], object] | None = None
+        self._headers: dict[bytes, dict[str, str]] = {}
+        self._md5sum = codec.md5sum
+        self._take: Callable[[Received], object] | None = None
         self.peers = Peers()
-        """The nodes that publish the topic, if `Node.subscribe` was told to ask for them."""
+        """The nodes that publish the topic, if ``peers=True`` was given."""
 
     def __repr__(self) -> str:
         return f"<Subscription {self.topic} [{self.type}]>"
@@ -59,68 +84,70 @@ class Subscription(Generic[M]):
 
     @property
     def type(self) -> str:
-        """The type of its messages, such as ``std_msgs/Int32``."""
+        """The type of its messages, such as ``std_msgs/Int32``.
+
+        That of a subscription to messages of any type (rospy's AnyMsg) is ``*`` until the hub
+        reports it.
+        """
         return self._type
 
     @property
-    def operation(self) -> Subscribe:
-        """What asks the hub for the topic."""
-        return self._operation
+    def md5sum(self) -> str | None:
+        """The md5 of the type; None while that is unknown."""
+        return self._md5sum
 
     @property
     def dropped(self) -> int:
-        """How many messages made way for newer ones before they were read."""
+        """How many messages were dropped because newer ones arrived before they were read."""
         return self._dropped
 
     @property
     def connection_header(self) -> dict[str, str]:
-        """The header of the message that was read last, if `Node.subscribe` was told to ask.
+        """The connection header of the last message that was read, if ``headers=True`` was given.
 
-        ``callerid`` is the node that published it, and ``latching`` is ``"1"`` or ``"0"``; what
-        `Node.advertise` was given as headers is beside them. Empty if nobody asked for it, or
-        nobody knows: not every hub tells it.
+        ``callerid`` is the node that published it, and ``latching`` is ``"1"`` or ``"0"``; the
+        headers given to `Node.advertise` are beside them. Empty with a rosbridge_suite server.
         """
         return self._header
 
-    @property
-    def is_full(self) -> bool:
-        """Whether the next message makes the oldest one go that is not read yet."""
-        return len(self._messages) == self._messages.maxlen
-
     def hand_to(self, take: Callable[[M], object]) -> None:
-        """Give each message to a function, in the loop, rather than keep it for a reader.
+        """Call a function with each message, in the loop, instead of queueing it for a reader.
 
-        That is for programs with queues of their own; who reads then only hears of the end. The
-        function must not raise: it is called by what reads the socket.
+        This is for programs with queues of their own; ``async for`` then only waits for the end.
+        The function must not raise: it is called while the socket is read.
         """
+
+        def read_and_take(received: Received) -> None:
+            message = self._read(received)
+            if message is not None:
+                take(message)
+
+        self._take = read_and_take
+
+    def hand_undecoded_to(self, take: Callable[[Received], object]) -> None:
+        """Call a function with each message as it arrived, as `hand_to`, for `decode` to decode."""
         self._take = take
 
+    def decode(self, received: Received) -> M | None:
+        """Decode a message; return None, and log it, if the message does not fit its type.
+
+        It changes nothing, and may be called in any thread.
+        """
+        message = received[0]
+        try:
+            if type(message) is memoryview:
+                return self._deserialize(message)
+            return self._codec.read(message)
+        except InvalidMessage as error:
+            self._log.error("Dropped a message on %s: %s", self.topic, error)
+            return None
+
     def close(self) -> None:
-        """Stop listening; what was not read yet is gone. Does nothing when called again."""
+        """Stop listening and discard what was not read. Does nothing when called again."""
         if not self._ended:
             self._messages.clear()
             self.end()
-            self._leave(self)
-
-    def offer(self, message: Any, header: dict[str, str] | None = None) -> None:
-        """Take a message off the wire, with its header if it has one."""
-        if self._ended:  # Another one's function, which had the same message before, closed it.
-            return
-        if self._take is not None:
-            built = self._read(message, header)
-            if built is not None:
-                self._take(built)
-            return
-        self._dropped += self.is_full
-        self._messages.append((message, header))
-        self._news.set()
-
-    def end(self, fault: Exception | None = None) -> None:
-        """Nothing more will come, because of ``fault`` if there is one."""
-        self._ended = True
-        self._fault = fault
-        self._news.set()
-        self.peers.end()
+            self._withdraw(self)
 
     def __aiter__(self) -> Subscription[M]:
         return self
@@ -128,7 +155,7 @@ class Subscription(Generic[M]):
     async def __anext__(self) -> M:
         while True:
             while self._messages:
-                message = self._read(*self._messages.popleft())
+                message = self._read(self._messages.popleft())
                 if message is not None:
                     return message
             if self._fault is not None:
@@ -144,13 +171,98 @@ class Subscription(Generic[M]):
     async def __aexit__(self, *error: object) -> None:
         self.close()
 
-    def _read(self, values: Any, header: dict[str, str] | None) -> M | None:
-        """The message of these values; None if they do not fit its type, which is logged."""
-        try:
-            message = self._build(values)
-        except InvalidMessage as error:
-            self._log.error("Dropped a message on %s: %s", self.topic, error)
-            return None
-        # Another subscription of the node may have asked for it.
-        self._header = header or {} if self._operation.headers else {}
+    # Called by `Topics`
+
+    @property
+    def id(self) -> str:
+        """The id of the subscription."""
+        return str(self._operation.id)
+
+    def registration(self, *, serialized: bool) -> Subscribe:
+        """Return the operation that subscribes.
+
+        Args:
+            serialized: whether the connection is one of `fibws.v1`.
+        """
+        if not serialized:
+            return self._operation
+        return self._operation.model_copy(
+            update={
+                "compression": ROS1,
+                "definition": self._codec.definition,
+                "md5sum": self._codec.md5sum,
+            }
+        )
+
+    def found(self, type_: str, md5sum: str) -> None:
+        """Note the topic's type and its md5, as the hub reports them."""
+        if self._codec.type == ANY_TYPE:
+            self._type = type_
+            self._md5sum = md5sum
+
+    def offer(self, message: Any, header: bytes | dict[str, str] | None = None) -> bool:
+        """Queue a message; return whether the queue is full now.
+
+        Args:
+            message: a memoryview of ROS 1's bytes, or JSON values.
+            header: its connection header, as JSON if it is bytes.
+        """
+        if self._ended:  # A function that had the same message before may have closed it.
+            return False
+        if self._take is not None:
+            self._take((message, header))
+            return False
+        messages = self._messages
+        waiting = len(messages)
+        if not waiting:
+            self._news.set()
+        elif waiting == self._queue_size:
+            self._dropped += 1
+            waiting -= 1
+        messages.append((message, header))
+        return waiting + 1 == self._queue_size
+
+    def refuse(self, fault: OperationRejected) -> None:
+        """Handle the hub's refusal of the subscription."""
+        self.end(fault)
+        if self._refused is not None:
+            self._refused(fault)
+
+    def end(self, fault: Exception | None = None) -> None:
+        """End the iteration once all messages are read, by raising ``fault`` unless it is None."""
+        self._ended = True
+        self._fault = fault
+        self._news.set()
+        self.peers.end()
+
+    def _read(self, received: Received) -> M | None:
+        """Decode a message, as `decode`, and note its connection header."""
+        message = self.decode(received)
+        if message is not None and self._operation.headers:
+            # Without: another subscription of the node may have asked for headers.
+            header = received[1]
+            self._header = self._parse(header) if isinstance(header, bytes) else header or {}
         return message
+
+    def _parse(self, header: bytes) -> dict[str, str]:
+        """Return a connection header that came as JSON."""
+        known = self._headers.get(header)
+        if known is None:
+            if len(self._headers) == MOST_HEADERS:
+                self._headers.clear()
+            known = self._headers[header] = from_json(header) if header else {}
+        return known
+
+
+async def next_message(subscription: Subscription[M], within: float | None) -> M:
+    """Wait for the next message of a subscription and close it; see `Node.wait_for_message`."""
+    topic = subscription.topic
+    async with subscription:
+        try:
+            async with asyncio.timeout(within):
+                async for message in subscription:
+                    return message
+        except TimeoutError:
+            text = f"timeout exceeded while waiting for message on topic {topic}"
+            raise WaitTimeout(text) from None
+    raise NodeClosed(f"the node ended while waiting for message on topic {topic}")

@@ -2,111 +2,129 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Callable, Iterator
-from typing import Any
+from collections.abc import Callable, Iterator, Mapping
+from itertools import count
+from typing import Any, TypeVar
 
-from fibws.errors import NodeClosed, NodeError, OperationRejected
-from fibws.node.advertisement import Advertisement
-from fibws.node.fault import throw
-from fibws.node.part import Part
-from fibws.node.session import Session
+from fibws.errors import NodeError, OperationError, OperationRejected
+from fibws.interfaces import Message
+from fibws.node.outgoing_queue import PublisherLane
+from fibws.node.publisher import Publisher
+from fibws.node.session import OperationHandler, Session
 from fibws.node.subscription import Subscription
+from fibws.node.types import ANY_TYPE, MessageCodec
 from fibws.protocol.operations import (
     Advertise,
+    Operation,
     Peers,
     Publish,
     Reply,
+    Subscribe,
+    Subscribed,
     Unadvertise,
     Unsubscribe,
-    encode,
 )
+from fibws.protocol.serialized import read_delivery
+from fibws.protocol.websocket import Payload
+
+M = TypeVar("M", bound=Message)
+
+UNBOUNDED_QUEUE = 10_000
+"""The queue_length that a subscription without a limit asks the hub for: a second of the fastest
+topics. The hub limits the bytes anyway (--max-queued-bytes)."""
 
 
-class Topics(Part):
-    """The part of a session that publishes and listens."""
+class Topics(OperationHandler):
+    """Handles the operations and the messages of topics."""
 
     def __init__(self, session: Session) -> None:
         self._session = session
-        self._advertisements: dict[str, Advertisement] = {}
+        self._publishers: dict[str, Publisher[Any, ...]] = {}
         self._subscriptions: dict[str, Subscription[Any]] = {}
-        self._listeners: defaultdict[str, list[Subscription[Any]]] = defaultdict(list)
-        session.join(self)
-        session.hand_messages_to(self._hear)
+        """By the ids of their operations, both."""
+        self._readers: dict[str, list[Subscription[Any]]] = {}
+        """Subscriptions by topic."""
+        self._topics: dict[int, str] = {}
+        """The topics' numbers on the current connection, if that is one of `fibws.v1`."""
+        self._numbers = count(1)
+        session.add_handler(self)
+        session.set_message_handlers(self._on_json, self._on_binary)
 
-    # What the node does
+    # Called by the node
 
     def advertise(
-        self, operation: Advertise, refused: Callable[[NodeError], None] | None = None
-    ) -> Advertisement:
-        """Register a publisher; ``refused`` is told if the hub will not have it."""
-        self._session.check()
-        advertisement = Advertisement(operation, refused)
-        self._advertisements[str(operation.id)] = advertisement
-        self._session.say(operation)
-        return advertisement
+        self,
+        topic: str,
+        codec: MessageCodec[M],
+        *,
+        queue_size: int,
+        latch: bool = False,
+        headers: Mapping[str, str] | None = None,
+        peers: bool = False,
+        refused: Callable[[NodeError], None] | None = None,
+    ) -> Publisher[M, ...]:
+        """Register a publisher; see `Node.advertise`.
 
-    @property
-    def has_room(self) -> bool:
-        """Whether there is room for another message."""
-        return self._session.outbox.has_room
-
-    @property
-    def is_idle(self) -> bool:
-        """Whether nothing waits to be sent."""
-        return not self._session.outbox
-
-    async def room(self) -> None:
-        """Wait until there is room for another message."""
-        await self._session.outbox.room()
-
-    def publish(self, advertisement: Advertisement, text: bytes, *, to_all: bool = True) -> None:
-        """Send a message, already encoded, as `put` does, or raise why nobody would hear it."""
-        self._session.check()
-        if advertisement.fault is not None:
-            throw(advertisement.fault)
-        if advertisement.closed:
-            raise NodeClosed(f"publish on {advertisement.operation.topic}: it was closed")
-        self.put(advertisement, text, to_all=to_all)
-
-    def put(self, advertisement: Advertisement, text: bytes, *, to_all: bool = True) -> None:
-        """Send a message, already encoded, whatever has become of the advertisement and the node.
-
-        Who can wait has waited for `room`; else the newest of the publisher's queue are kept.
+        Args:
+            topic: the topic's global name.
+            codec: the codec of its messages.
+            refused: is called if the hub refuses the topic.
         """
-        if advertisement.operation.latch and to_all:
-            advertisement.latched = text
-        self._session.outbox.put(text, advertisement)
-
-    def introduce(self, advertisement: Advertisement, headers: dict[str, str]) -> None:
-        """Have the hub say these headers from now on, beside each message of the topic."""
-        before = advertisement.operation
-        if headers == (before.headers or {}):
-            return
-        advertisement.operation = before.model_copy(update={"headers": headers})
-        if not advertisement.closed:
-            self._session.say(advertisement.operation)
-
-    def unadvertise(self, advertisement: Advertisement) -> None:
-        """Take a publisher back."""
-        advertisement.closed = True
-        advertisement.peers.end()
-        operation = advertisement.operation
-        if self._advertisements.pop(str(operation.id), None) is not None:
-            self._session.say(Unadvertise(id=operation.id, topic=operation.topic))
-
-    def subscribe(self, subscription: Subscription[Any]) -> None:
-        """Register a subscription."""
         self._session.check()
-        self._subscriptions[str(subscription.operation.id)] = subscription
-        self._listeners[subscription.topic].append(subscription)
-        self._session.say(subscription.operation)
+        operation = Advertise(
+            id=self._session.id("advertise", topic),
+            topic=topic,
+            type=codec.type,
+            latch=latch,
+            queue_size=queue_size,
+            definition=codec.definition,
+            headers=dict(headers) if headers else None,
+            peers=peers or None,
+        )
+        publisher: Publisher[M, ...] = Publisher(
+            self._session, operation, next(self._numbers), codec, self._unadvertise, refused
+        )
+        self._publishers[publisher.id] = publisher
+        self._session.send(publisher.registration())
+        return publisher
 
-    def unsubscribe(self, subscription: Subscription[Any]) -> None:
-        """Take a subscription back."""
-        operation = subscription.operation
-        if self._forget(str(operation.id)) is not None:
-            self._session.say(Unsubscribe(id=operation.id, topic=operation.topic))
+    def subscribe(
+        self,
+        topic: str,
+        codec: MessageCodec[M],
+        *,
+        queue_size: int | None,
+        headers: bool = False,
+        peers: bool = False,
+        take: Callable[[M], object] | None = None,
+        refused: Callable[[OperationRejected], None] | None = None,
+    ) -> Subscription[M]:
+        """Register a subscription; see `Node.subscribe`.
+
+        Args:
+            topic: the topic's global name.
+            codec: the codec of its messages.
+            take: is called with each message instead of queueing it; see `Subscription.hand_to`.
+            refused: is called if the hub refuses the subscription.
+        """
+        self._session.check()
+        operation = Subscribe(
+            id=self._session.id("subscribe", topic),
+            topic=topic,
+            type=codec.type if codec.type != ANY_TYPE else None,
+            queue_length=queue_size or UNBOUNDED_QUEUE,
+            headers=headers or None,
+            peers=peers or None,
+        )
+        subscription = Subscription(
+            operation, codec, queue_size, self._unsubscribe, self._session.log, refused
+        )
+        if take is not None:
+            subscription.hand_to(take)
+        self._subscriptions[subscription.id] = subscription
+        self._readers[topic] = [*self._readers.get(topic, ()), subscription]
+        self._session.send(subscription.registration(serialized=self._session.serialized))
+        return subscription
 
     @property
     def over(self) -> bool:
@@ -114,84 +132,108 @@ class Topics(Part):
         return self._session.over
 
     def names(self) -> list[str]:
-        """The topics that the node publishes or subscribes to."""
-        published = {each.operation.topic for each in self._advertisements.values()}
-        return sorted(published | self._listeners.keys())
+        """Return the topics that the node publishes or subscribes to."""
+        published = {publisher.topic for publisher in self._publishers.values()}
+        return sorted(published | self._readers.keys())
 
-    # What happens to the node
+    # Called by the session
 
-    def greeting(self) -> Iterator[bytes]:
-        """All registrations, then what is latched, unless it waits to be sent anyway."""
-        for advertisement in self._advertisements.values():
-            yield encode(advertisement.operation)
+    def registrations(self) -> Iterator[Operation]:
+        """Yield all advertisements and subscriptions."""
+        for publisher in self._publishers.values():
+            yield publisher.registration()
         for subscription in self._subscriptions.values():
-            yield encode(subscription.operation)
-        for advertisement in self._advertisements.values():
-            latched = advertisement.latched
-            if latched is not None and not self._session.outbox.waits(latched, advertisement):
-                yield latched
+            yield subscription.registration(serialized=self._session.serialized)
+
+    def retained(self) -> Iterator[tuple[bytes, PublisherLane]]:
+        """Yield the latched messages, except those that wait to be sent anyway."""
+        waiting: set[int] | None = None
+        for publisher in self._publishers.values():
+            latched = publisher.latched
+            if latched is not None:
+                waiting = self._session.outgoing.waiting() if waiting is None else waiting
+                if id(latched) not in waiting:
+                    yield latched, publisher.lane
 
     def receive(self, reply: Reply) -> bool:
-        """Hand on a message, or a word of peers; it may come late, for what is not any more."""
+        """Handle an operation; it may come late, when its topic has no reader any more."""
         match reply:
             case Publish():
-                self._hear(reply.topic, reply.msg, reply.header)
+                self._on_json(reply.topic, reply.msg, reply.header)
+            case Subscribed():
+                subscription = self._subscriptions.get(str(reply.id))
+                if subscription is not None:
+                    subscription.found(reply.type, reply.md5sum)
+                    self._topics[reply.topic_id] = subscription.topic
             case Peers():
                 id_ = str(reply.id)
-                owner: Advertisement | Subscription[Any] | None
-                owner = self._advertisements.get(id_) or self._subscriptions.get(id_)
+                owner = self._publishers.get(id_) or self._subscriptions.get(id_)
                 if owner is not None:
-                    owner.peers.take(reply.nodes)
+                    owner.peers.update(reply.nodes)
             case _:
                 return False
         return True
 
-    def _hear(self, topic: str, message: Any, header: dict[str, str] | None) -> bool:
-        """Give a message to those who listen; tell whether anybody does."""
-        subscriptions = self._listeners.get(topic, ())
-        for subscription in subscriptions:
-            subscription.offer(message, header)
-            if subscription.is_full:
-                self._session.crowded = True
-        return bool(subscriptions)
-
-    def refuse(self, id_: str, fault: OperationRejected) -> bool:
-        """End a publisher or a subscription that the hub will not have."""
-        if (advertisement := self._advertisements.pop(id_, None)) is not None:
-            advertisement.fault = fault
-            advertisement.closed = True
-            advertisement.peers.end()
-            if advertisement.refused is not None:
-                advertisement.refused(fault)
+    def refuse(self, id_: str, error: OperationRejected) -> bool:
+        """End a publisher or a subscription that the hub refuses."""
+        if (publisher := self._publishers.pop(id_, None)) is not None:
+            publisher.refuse(error)
             return True
         if (subscription := self._forget(id_)) is not None:
-            subscription.end(fault)
+            subscription.refuse(error)
             return True
         return False
 
-    def lose(self) -> None:
-        """The hub is gone, and with it what it knew of peers."""
-        for advertisement in self._advertisements.values():
-            advertisement.peers.lose()
+    def on_disconnect(self) -> None:
+        """Forget what the lost hub reported: the topics' numbers, and peers."""
+        self._topics.clear()
+        for publisher in self._publishers.values():
+            publisher.peers.on_disconnect()
         for subscription in self._subscriptions.values():
-            subscription.peers.lose()
+            subscription.peers.on_disconnect()
 
-    def end(self, fault: Exception | None) -> None:
-        """Let all readers know."""
-        for advertisement in self._advertisements.values():
-            advertisement.peers.end()
+    def end(self, error: Exception | None) -> None:
+        """End all iterations."""
+        for publisher in self._publishers.values():
+            publisher.peers.end()
         for subscription in self._subscriptions.values():
-            subscription.end(fault)
+            subscription.end(error)
+
+    def _on_binary(self, data: Payload) -> None:
+        """Queue a serialized message for its readers."""
+        try:
+            number, _, header, message = read_delivery(data)
+        except OperationError as error:
+            self._session.log.warning("The hub sent an %s", error)
+            return
+        for subscription in self._readers.get(self._topics.get(number, ""), ()):
+            if subscription.offer(message, header):
+                self._session.give_readers_a_turn()
+
+    def _on_json(self, topic: str, message: Any, header: dict[str, str] | None) -> bool:
+        """Queue a message for its readers; return whether there are any."""
+        readers = self._readers.get(topic, ())
+        for subscription in readers:
+            if subscription.offer(message, header):
+                self._session.give_readers_a_turn()
+        return bool(readers)
+
+    def _unadvertise(self, publisher: Publisher[Any, ...]) -> None:
+        if self._publishers.pop(publisher.id, None) is not None:
+            self._session.send(Unadvertise(id=publisher.id, topic=publisher.topic))
+
+    def _unsubscribe(self, subscription: Subscription[Any]) -> None:
+        if self._forget(subscription.id) is not None:
+            self._session.send(Unsubscribe(id=subscription.id, topic=subscription.topic))
 
     def _forget(self, id_: str) -> Subscription[Any] | None:
         subscription = self._subscriptions.pop(id_, None)
         if subscription is not None:
-            # A new list: one of them may close itself, or another, while it is given a message.
-            others = [
-                each for each in self._listeners[subscription.topic] if each is not subscription
-            ]
+            # A new list: a subscription may be closed while the old one is iterated over.
+            topic = subscription.topic
+            others = [each for each in self._readers[topic] if each is not subscription]
             if others:
-                self._listeners[subscription.topic] = others
+                self._readers[topic] = others
             else:
-                del self._listeners[subscription.topic]
+                del self._readers[topic]
         return subscription

@@ -1,92 +1,335 @@
-"""The types that a node speaks: their classes, and what it must tell the hub about them."""
+"""The types that a node uses: their classes, and how messages become bytes and JSON, and back."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, cast
+from collections.abc import Callable, Mapping
+from functools import cached_property
+from typing import Any, Generic, cast
 
 from typing_extensions import TypeVar
 
 from fibws.action import action_class
-from fibws.interfaces import Action, Message, Service, Validators
+from fibws.errors import InterfaceError, InvalidMessage
+from fibws.interfaces import Action, Duration, Interfaces, Message, Service, Time, Validators
 from fibws.interfaces.message import F, G, R, Req, Res
+from fibws.interfaces.serialization import ClassCodec, Serializers, class_codec
 from fibws.msg import default_interfaces, message_class
-from fibws.node.service_type import ServiceType
-from fibws.node.wire import Wire
 from fibws.srv import service_class
 
 M = TypeVar("M", bound=Message, default=Any)
+N = TypeVar("N", bound=Message)
+
+ANY_TYPE = "*"
+"""The type of rospy's AnyMsg, whose messages are not decoded."""
+
+
+class MessageCodec(Generic[N]):
+    """Converts the messages of one class to ROS 1's bytes and to JSON values, and back.
+
+    Args:
+        message_class: the class.
+        validate: checks a message's JSON values and fills in defaults, or raises `InvalidMessage`.
+        md5sum: the md5 of the type; None if the type is `ANY_TYPE`, or has no name of its own.
+        definition: the type's text for hubs that may lack it; None for standard types.
+    """
+
+    def __init__(
+        self,
+        message_class: type[N],
+        validate: Callable[[Any], dict[str, Any]],
+        *,
+        md5sum: str | None = None,
+        definition: str | None = None,
+    ) -> None:
+        self.message_class = message_class
+        self.md5sum = md5sum
+        self.definition = definition
+        self._validate = validate
+
+    @property
+    def type(self) -> str:
+        """The type's name, such as ``std_msgs/Int32``."""
+        return self.message_class._type
+
+    @cached_property
+    def serialize(self) -> Callable[[Any], bytes]:
+        """Returns a message's bytes.
+
+        It raises InvalidMessage if a field does not fit the type, and TypeError if it is given
+        anything but a message of the class.
+        """
+        return self._bytes.serialize
+
+    @cached_property
+    def serialize_after(self) -> Callable[[Callable[[int], bytes], Any], bytes]:
+        """Returns a message's bytes behind a head; see `ClassCodec.serialize_after`."""
+        return self._bytes.serialize_after
+
+    @cached_property
+    def deserialize(self) -> Callable[[bytes | bytearray | memoryview], N]:
+        """Returns the message that some bytes are; it raises InvalidMessage if they are invalid."""
+        return self._bytes.deserialize
+
+    @cached_property
+    def _bytes(self) -> ClassCodec[N]:
+        return class_codec(self.message_class)
+
+    def write(self, given: object) -> dict[str, Any]:
+        """Return a message as JSON values.
+
+        Args:
+            given: a message of the class, or a mapping of its fields; those left out have defaults.
+
+        Raises:
+            InvalidMessage: a field does not fit the type.
+            TypeError: it is neither.
+        """
+        if not isinstance(given, self.message_class) and not isinstance(given, Mapping):
+            found = given._type if isinstance(given, Message) else type(given).__name__
+            raise TypeError(f"expected [{self.type}] but got [{found}]")
+        return self._validate(_plain(given))
+
+    def read(self, values: Any) -> N:
+        """Return the message that JSON values are.
+
+        Raises:
+            InvalidMessage: they do not fit the type.
+        """
+        return self.message_class.from_dict(self._validate(values))
+
+
+class SerializedCodec(MessageCodec[Any]):
+    """Passes on serialized messages of one type, which this node need not know, as ``bytes``.
+
+    Args:
+        type_: the type's name.
+        interfaces: where the type is looked up for a server without `fibws.v1`.
+        md5sum: the md5 of the type, if it is known.
+        definition: the type's text, for hubs that may lack it.
+    """
+
+    def __init__(
+        self, type_: str, interfaces: Interfaces, *, md5sum: str | None, definition: str | None
+    ) -> None:
+        self.message_class: type[Any] = bytes
+        self.md5sum = md5sum
+        self.definition = definition
+        self._type = type_
+        self._interfaces = interfaces
+
+    @property
+    def type(self) -> str:
+        """The type's name."""
+        return self._type
+
+    @cached_property
+    def serialize_after(self) -> Callable[[Callable[[int], bytes], bytes], bytes]:
+        """Returns the bytes behind a head."""
+        return lambda head, data: head(len(data)) + data
+
+    @cached_property
+    def deserialize(self) -> Callable[[bytes | bytearray | memoryview], Any]:
+        """Returns the bytes."""
+        return bytes
+
+    def write(self, given: object) -> dict[str, Any]:
+        """Return a message as JSON values.
+
+        Raises:
+            InvalidMessage: its bytes are invalid, or its type is unknown here.
+        """
+        assert isinstance(given, bytes)
+        try:
+            return Serializers(self._interfaces).of(self._type).deserialize(given, "replace")
+        except InterfaceError as error:
+            raise InvalidMessage(f"cannot be sent as JSON: {error}") from None
+
+
+class ServiceType(Generic[Req, Res]):
+    """One service type: how its requests and responses become JSON values, and back.
+
+    Args:
+        name: its name, ``package/Type``.
+        request: the codec of its requests.
+        response: the codec of its responses.
+    """
+
+    def __init__(self, name: str, request: MessageCodec[Req], response: MessageCodec[Res]) -> None:
+        self.name = name
+        self._request = request
+        self._response = response
+
+    def write_request(self, given: Req | Mapping[str, Any] | None) -> dict[str, Any]:
+        """Return a caller's request as JSON values; fields that are not given have defaults.
+
+        Raises:
+            InvalidMessage: a field does not fit the type.
+            TypeError: it is not a request of this type.
+        """
+        return self._request.write({} if given is None else given)
+
+    def read_request(self, args: Any) -> Req:
+        """Return the request that JSON values are, or raise `InvalidMessage`."""
+        return self._request.read({} if args is None else args)
+
+    def write_response(self, given: object) -> dict[str, Any]:
+        """Return what a handler returned as JSON values.
+
+        As in rospy it may be a response, a dict of its fields, a tuple or list of them in order, or
+        the only field's value.
+
+        Raises:
+            InvalidMessage: it is none of these; the texts are rospy's (rospy.service).
+        """
+        if given is None:
+            raise InvalidMessage("service handler returned None")
+        if not isinstance(given, Mapping | Message):
+            fields = given if isinstance(given, (tuple, list)) else (given,)
+            try:
+                given = self._response.message_class(*fields)
+            except TypeError as error:
+                raise InvalidMessage(f"handler returned wrong number of values: {error}") from None
+        try:
+            return self._response.write(given)
+        except (InvalidMessage, TypeError) as error:
+            raise InvalidMessage(f"handler returned invalid value: {error}") from None
+
+    def read_response(self, values: Any) -> Res:
+        """Return the response that JSON values are, or raise `InvalidMessage`."""
+        return self._response.read(values)
+
+
+class ActionType(Generic[G, R, F]):
+    """One action type: the codecs of its goals, results and feedback.
+
+    Raises:
+        InterfaceError: the type is unknown.
+    """
+
+    def __init__(self, types: Types, action: type[Action[G, R, F]]) -> None:
+        self.name = action._type
+        self.definition = types.action_definition(action._type)
+        """The type's text for hubs that may lack it; None for standard types."""
+        self.goal = types.codec(action.Goal)
+        self.result = types.codec(action.Result)
+        self.feedback = types.codec(action.Feedback)
 
 
 class Types:
-    """One node's types.
+    """The types of one node.
 
     Args:
-        now: gives the nanoseconds since 1970.
+        now: returns the time in nanoseconds since 1970.
     """
 
     def __init__(self, now: Callable[[], int]) -> None:
-        self._interfaces = default_interfaces()
+        self._interfaces: Interfaces = default_interfaces()
         self._validators = Validators(self._interfaces, now)
         self._services: dict[type[Service[Any, Any]], ServiceType[Any, Any]] = {}
 
     def message_class(self, type_: Callable[..., M] | str) -> type[M]:
-        """The class itself, or that of the type of this name.
+        """Return the class itself, or that of the type of this name.
 
         Raises:
-            InterfaceError: there is no such type.
+            InterfaceError: the type is unknown.
         """
         if isinstance(type_, str):
             return cast(type[M], message_class(self._interfaces.message(type_).type))
         found = cast(type[M], type_)
-        self._interfaces.message(found._type)
+        if found._type != ANY_TYPE:
+            self._interfaces.message(found._type)
         return found
 
     def validate(self, type_: str) -> Callable[[Any], dict[str, Any]]:
-        """What checks a message of the type and fills its fields."""
+        """Return what checks JSON values of a message type and fills in defaults."""
         return self._validators.of(type_).validate
 
-    def wire(self, message_class: type[M]) -> Wire[M]:
-        """The way of a class's messages to the wire and back."""
-        return Wire(message_class, self.validate(message_class._type))
+    def codec(self, message_class: type[N]) -> MessageCodec[N]:
+        """Return the codec of a message class.
+
+        Raises:
+            InterfaceError: the type is unknown.
+        """
+        name = message_class._type
+        if name == ANY_TYPE:
+            return MessageCodec(message_class, _refuse_json)
+        return MessageCodec(
+            message_class,
+            self.validate(name),
+            md5sum=self._interfaces.md5(name),
+            definition=self.definition(name),
+        )
+
+    def serialized(self, type_: str, md5sum: str | None, definition: str | None) -> SerializedCodec:
+        """Return the codec of messages that are serialized already; see `SerializedCodec`.
+
+        The definition of a standard type is left out: every hub has it.
+        """
+        try:
+            if self.definition(type_) is None and md5sum in (None, self._interfaces.md5(type_)):
+                definition = None
+        except InterfaceError:
+            pass
+        return SerializedCodec(type_, self._interfaces, md5sum=md5sum, definition=definition)
 
     def definition(self, type_: str) -> str | None:
-        """The text that explains the type to a hub that may not have it: none for standard ones."""
+        """Return the type's text for hubs that may lack it; None for standard types."""
         if self._interfaces.is_users(self._interfaces.message(type_).package):
             return self._interfaces.full_text(type_)
         return None
 
     def service_class(self, type_: type[Service[Req, Res]] | str) -> type[Service[Any, Any]]:
-        """The class itself, or that of the service type of this name; as `message_class`."""
+        """Return the class itself, or that of the service type of this name."""
         return service_class(type_) if isinstance(type_, str) else type_
 
     def service(self, type_: type[Service[Req, Res]]) -> ServiceType[Req, Res]:
-        """The messages of a service type, on their way to the wire and back.
+        """Return how messages of a service type become JSON values.
 
         Raises:
-            InterfaceError: there is no such type.
+            InterfaceError: the type is unknown.
         """
         if type_ not in self._services:
             definition = self._interfaces.service(type_._type)
             request = self._validators.of_definition(definition.request).validate
             response = self._validators.of_definition(definition.response).validate
             self._services[type_] = ServiceType(
-                definition.type, Wire(type_.Request, request), Wire(type_.Response, response)
+                definition.type,
+                MessageCodec(type_.Request, request),
+                MessageCodec(type_.Response, response),
             )
         return self._services[type_]
 
     def service_definition(self, type_: str) -> str | None:
-        """As `definition`, for a service type."""
+        """Return a service type's text, as `definition` does."""
         if self._interfaces.is_users(self._interfaces.service(type_).package):
             return self._interfaces.service_text(type_)
         return None
 
     def action_class(self, type_: type[Action[G, R, F]] | str) -> type[Action[Any, Any, Any]]:
-        """The class itself, or that of the action type of this name; as `message_class`."""
+        """Return the class itself, or that of the action type of this name."""
         return action_class(type_) if isinstance(type_, str) else type_
 
     def action_definition(self, type_: str) -> str | None:
-        """As `definition`, for an action type."""
+        """Return an action type's text, as `definition` does."""
         if self._interfaces.is_users(self._interfaces.action(type_).package):
             return self._interfaces.action_text(type_)
         return None
+
+
+def _refuse_json(values: Any) -> dict[str, Any]:
+    raise InvalidMessage("a message of any type cannot come as JSON; it needs a hub of fibws.v1")
+
+
+def _plain(value: object) -> Any:
+    """Return a message, or fields that may hold messages, as JSON values."""
+    match value:
+        case Message():
+            return value.to_dict()
+        case Time() | Duration():
+            return {"secs": value.secs, "nsecs": value.nsecs}
+        case Mapping():
+            return {name: _plain(field) for name, field in value.items()}
+        case list() | tuple():
+            return [_plain(element) for element in value]
+        case _:
+            return value

@@ -142,7 +142,7 @@ class Republisher:
             self._node.log.warning("Goal %s makes no sense: %s", goal.id, error)
             return goal.aborted(text=str(error))
         if len(self._goals) == MAX_GOALS:
-            self._goals.pop(0).want_no_more()
+            self._goals.pop(0).request_cancel()
         self._goals.append(goal)
         try:
             await self._give_feedback(goal, feedback, selection, 1 / rate, audience)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import logging
+import ssl
 import time
 from collections.abc import AsyncIterator, Callable
 from http import HTTPStatus
@@ -14,9 +15,15 @@ import pytest
 import uvloop
 from websockets.asyncio.server import Server, ServerConnection, serve
 from websockets.http11 import Request, Response
+from websockets.typing import Subprotocol
 
+from fibws.interfaces.serialization import Serializers
+from fibws.msg import default_interfaces
+from fibws.node.outgoing_queue import LIMIT, PublisherLane
 from fibws.node.session import Session
 from fibws.node.types import Types
+from fibws.protocol.serialized import ROS1, SUBPROTOCOL, deliver_head, read_publish
+from fibws.protocol.websocket import TEXT, client_frame, client_payload
 
 
 def pytest_asyncio_loop_factories() -> dict[str, Callable[[], asyncio.AbstractEventLoop]]:
@@ -30,21 +37,57 @@ def _is_about_the_log(operation: dict[str, Any]) -> bool:
 
 
 class Peer:
-    """The hub's end of one connection."""
+    """The hub's end of one connection, of `fibws.v1` if the node may have it.
+
+    Serialized messages come as ``publish`` operations, as they do from nodes without `fibws.v1`.
+    """
 
     def __init__(self, websocket: ServerConnection) -> None:
         self.websocket = websocket
+        self.serialized = websocket.subprotocol == SUBPROTOCOL
+        self._publishers: dict[int, tuple[str, str]] = {}
+        self._subscriptions: dict[str, tuple[int, str]] = {}
+        self._serializers = Serializers(default_interfaces())
 
     @property
     def path(self) -> str:
         assert self.websocket.request is not None
         return self.websocket.request.path
 
+    async def receive(self) -> dict[str, Any]:
+        """The next operation."""
+        data = await self.websocket.recv()
+        if isinstance(data, bytes):
+            number, node, message = read_publish(data)
+            topic, type_ = self._publishers[number]
+            values = self._serializers.of(type_).deserialize(message)
+            return {"op": "publish", "topic": topic, "msg": values} | ({"to": node} if node else {})
+        operation: dict[str, Any] = json.loads(data)
+        if operation["op"] == "advertise" and self.serialized:
+            assert len(operation.pop("md5sum")) == 32
+            number = operation.pop("publisher")
+            self._publishers[number] = (operation["topic"], operation["type"])
+        if operation["op"] == "subscribe" and self.serialized:
+            assert operation.pop("compression") == ROS1
+            md5sum = operation.pop("md5sum", "")
+            topic, type_ = operation["topic"], operation["type"]
+            number = self._subscriptions.setdefault(topic, (len(self._subscriptions), type_))[0]
+            await self.says(
+                "subscribed",
+                id=operation["id"],
+                topic=topic,
+                topic_id=number,
+                type=type_,
+                md5sum=md5sum,
+            )
+            operation["compression"] = "none"
+        return operation
+
     async def hears(self, op: str) -> dict[str, Any]:
-        """The next operation, which is this one; what has to do with its log is passed over."""
+        """The next operation, which is this one; those of the node's log are skipped."""
         async with asyncio.timeout(60):
             while True:
-                operation: dict[str, Any] = json.loads(await self.websocket.recv())
+                operation = await self.receive()
                 if not _is_about_the_log(operation):
                     assert operation["op"] == op, operation
                     return operation
@@ -53,19 +96,36 @@ class Peer:
         """The next line of the node's log."""
         async with asyncio.timeout(60):
             while True:
-                operation = json.loads(await self.websocket.recv())
+                operation = await self.receive()
                 if operation["op"] == "publish" and operation["topic"] == "/rosout":
                     message: dict[str, Any] = operation["msg"]
                     return message
 
     async def says(self, op: str, **fields: Any) -> None:
-        await self.websocket.send(json.dumps({"op": op, **fields}))
+        await self.websocket.send(self.encoded(op, **fields))
+
+    def encoded(self, op: str, **fields: Any) -> str | bytes:
+        """An operation as it is sent to the node."""
+        known = self._subscriptions.get(fields.get("topic", ""))
+        if not self.serialized or op != "publish" or known is None:
+            return json.dumps({"op": op, **fields})
+        number, type_ = known
+        header = json.dumps(fields["header"]).encode() if "header" in fields else b""
+        message = self._serializers.of(type_).serialize(fields["msg"])
+        return deliver_head(number, 0, header) + message
 
 
 class ScriptedHub:
-    """Listens on a port of its own, which it keeps when it is started again."""
+    """Listens on a port of its own, which it keeps when it is started again.
 
-    def __init__(self) -> None:
+    Args:
+        serialized: whether it speaks `fibws.v1`.
+        tls: its certificate, if it speaks wss://.
+    """
+
+    def __init__(self, *, serialized: bool, tls: ssl.SSLContext | None = None) -> None:
+        self.serialized = serialized
+        self.tls = tls
         self.port = 0
         self.refusal: tuple[HTTPStatus, str] | None = None
         self.attempts = 0
@@ -75,11 +135,18 @@ class ScriptedHub:
 
     @property
     def url(self) -> str:
-        return f"ws://127.0.0.1:{self.port}"
+        return f"{'wss' if self.tls else 'ws'}://127.0.0.1:{self.port}"
 
     async def start(self) -> None:
         self._server = await serve(
-            self._serve, "127.0.0.1", self.port, process_request=self._request, compression=None
+            self._serve,
+            "127.0.0.1",
+            self.port,
+            process_request=self._request,
+            compression=None,
+            max_size=None,
+            ssl=self.tls,
+            subprotocols=[Subprotocol(SUBPROTOCOL)] if self.serialized else None,
         )
         self.port = self._server.sockets[0].getsockname()[1]
 
@@ -132,20 +199,65 @@ class Lines(logging.Handler):
             return await self._lines.get()
 
 
-@pytest.fixture
-async def hub() -> AsyncIterator[ScriptedHub]:
-    hub = ScriptedHub()
+@pytest.fixture(params=["fibws.v1", "rosbridge"])
+async def hub(request: pytest.FixtureRequest) -> AsyncIterator[ScriptedHub]:
+    hub = ScriptedHub(serialized=request.param == SUBPROTOCOL)
     await hub.start()
     yield hub
     await hub.stop()
 
 
+class Frames:
+    """Takes the frames of a session, as a connection to a rosbridge_suite server does."""
+
+    is_behind = False
+
+    def __init__(self) -> None:
+        self.operations: asyncio.Queue[dict[str, Any]] = asyncio.Queue()
+
+    def write(self, frame: bytes, lane: PublisherLane | None) -> None:
+        operation = json.loads(client_payload(frame) if lane is None else lane.to_json(frame))
+        if operation["op"] != "filler":
+            self.operations.put_nowait(operation)
+
+    def write_joined(self, frames: list[tuple[bytes, PublisherLane | None]]) -> None:
+        for frame, lane in frames:
+            self.write(frame, lane)
+
+
+class FakeSession(Session):
+    """A session whose hub is there, and has no socket."""
+
+    def __init__(self) -> None:
+        super().__init__(logging.Logger("test"))
+        self.frames = Frames()
+        self.begin()
+
+    def reconnect(self) -> None:
+        self.connect(self.frames, serialized=False)
+
+    def reopen(self) -> None:
+        """Connect to a hub again, and skip the registrations."""
+        self.connect(self.frames, serialized=False, hold=True)
+        while not self.frames.operations.empty():
+            self.frames.operations.get_nowait()
+        self.outgoing.release()
+
+    def fill(self) -> None:
+        """Have so much wait for the socket that publishers wait, too."""
+        self.outgoing.pause()
+        filler = {"op": "filler", "text": "x" * LIMIT}
+        self.outgoing.put(client_frame(TEXT, json.dumps(filler).encode()))
+
+    def drain(self) -> None:
+        """Let the socket take all that waits."""
+        self.outgoing.resume()
+
+
 @pytest.fixture
-def session() -> Session:
-    """A node's session with a hub that is there, and that has no socket."""
-    session = Session(logging.Logger("test"))
-    session.begin()
-    session.outbox.open()
+async def session() -> FakeSession:
+    session = FakeSession()
+    session.reconnect()
     return session
 
 
@@ -159,24 +271,28 @@ def types() -> Types:
     return Types(time.time_ns)
 
 
-def said(session: Session) -> list[dict[str, Any]]:
-    """The operations that wait to be sent."""
-    return [json.loads(session.outbox.pop()) for _ in range(len(session.outbox))]
+def said(session: FakeSession) -> list[dict[str, Any]]:
+    """The operations that were sent since the last call."""
+    session.outgoing.release()
+    session.outgoing.resume()
+    operations = session.frames.operations
+    return [operations.get_nowait() for _ in range(operations.qsize())]
 
 
-def greeted(session: Session) -> list[dict[str, Any]]:
-    """What the next connection would be told first."""
-    return [json.loads(text) for text in session.greeting()]
-
-
-async def says(session: Session) -> dict[str, Any]:
+async def says(session: FakeSession) -> dict[str, Any]:
     """The next operation to be sent, once there is one."""
     async with asyncio.timeout(60):
-        await session.outbox.arrival()
-    operation: dict[str, Any] = json.loads(session.outbox.pop())
-    return operation
+        return await session.frames.operations.get()
 
 
 def hears(session: Session, op: str, **fields: Any) -> None:
     """Let the session receive an operation."""
-    session.receive(json.dumps({"op": op, **fields}).encode())
+    session.receive_text(json.dumps({"op": op, **fields}).encode())
+
+
+def reconnected(session: FakeSession) -> list[dict[str, Any]]:
+    """What is sent first on a new connection."""
+    said(session)
+    session.on_disconnect()
+    session.reconnect()
+    return said(session)

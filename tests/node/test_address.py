@@ -20,12 +20,14 @@ from fibws.node.address import hub_url, node_url
         ("127.0.0.1:9090/path", "ws://127.0.0.1:9090/path"),
     ],
 )
-def test_an_address_may_leave_out_what_is_clear(address: str, url: str) -> None:
+def test_scheme_and_port_have_defaults(address: str, url: str) -> None:
     assert hub_url(address) == url
 
 
 @pytest.mark.parametrize("address", [None, ""])
-def test_where_it_is_need_not_be_said(address: str | None, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_environment_gives_the_default_address(
+    address: str | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setenv("FIBWS_HUB", "robot")
     assert hub_url(address) == "ws://robot:9090"
     monkeypatch.setenv("FIBWS_HUB", "")
@@ -38,11 +40,11 @@ def test_where_it_is_need_not_be_said(address: str | None, monkeypatch: pytest.M
     ("address", "fault"),
     [
         ("http://robot:9090", "not http://"),
-        ("9090", "a number alone names no host"),
-        ("ws://", "no host"),
-        (" ", "no host"),
-        ("ws://:9090", "no host"),
-        ("my robot:9090", "no host"),
+        ("9090", "the host is missing"),
+        ("ws://", "the host is missing"),
+        (" ", "the host is missing"),
+        ("ws://:9090", "the host is missing"),
+        ("my robot:9090", "the host is missing"),
         ("ws://robot:ninety", "Port could not be cast"),
         ("ws://robot:70000", "Port out of range"),
         ("ws://robot:0", "port is 0"),
@@ -50,17 +52,17 @@ def test_where_it_is_need_not_be_said(address: str | None, monkeypatch: pytest.M
         ("ws://robot/#there", "# part"),
     ],
 )
-def test_what_is_no_address_is_explained(address: str, fault: str) -> None:
+def test_invalid_address_is_explained(address: str, fault: str) -> None:
     with pytest.raises(ValueError, match="is not the address of a hub") as caught:
         hub_url(address)
     assert fault in str(caught.value)
     assert "Write ws://host:port" in str(caught.value)
 
 
-def test_the_node_says_its_name_in_the_query() -> None:
+def test_node_name_is_in_the_query() -> None:
     assert node_url("ws://robot:9090", "/talker_7") == "ws://robot:9090/?node=/talker_7"
 
 
-def test_the_query_that_was_there_stays_but_for_another_node() -> None:
+def test_other_keys_of_the_query_are_kept() -> None:
     url = node_url("wss://robot/bridge?token=a%20b&node=/old&flag=", "/talker")
     assert url == "wss://robot/bridge?token=a%20b&flag=&node=/talker"

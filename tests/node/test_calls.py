@@ -17,16 +17,15 @@ from fibws.errors import (
     UnknownService,
 )
 from fibws.node.calls import MOST_CALLS, Calls
-from fibws.node.session import Session
 from fibws.node.types import Types
 from fibws.srv.rospy_tutorials import AddTwoInts, AddTwoIntsResponse, BadTwoInts
 from fibws.srv.std_srvs import Trigger
 
-from .conftest import Lines, hears, said, says
+from .conftest import FakeSession, Lines, hears, said, says
 
 
 @pytest.fixture
-def calls(session: Session, types: Types) -> Calls:
+def calls(session: FakeSession, types: Types) -> Calls:
     return Calls(session, types)
 
 
@@ -35,7 +34,9 @@ def add(calls: Calls, a: int, b: int, within: float | None = None) -> asyncio.Ta
     return asyncio.create_task(call)
 
 
-def responds(session: Session, call: dict[str, Any], values: Any, result: bool = True) -> None:
+def responds(
+    session: FakeSession, call: dict[str, Any], values: Any, result: bool = True, **more: Any
+) -> None:
     hears(
         session,
         "service_response",
@@ -43,10 +44,13 @@ def responds(session: Session, call: dict[str, Any], values: Any, result: bool =
         service=call["service"],
         values=values,
         result=result,
+        **more,
     )
 
 
-async def test_a_call_goes_out_and_its_answer_comes_back(session: Session, calls: Calls) -> None:
+async def test_a_call_goes_out_and_its_answer_comes_back(
+    session: FakeSession, calls: Calls
+) -> None:
     answer = add(calls, 1, 2)
     call = await says(session)
     assert (call["op"], call["service"], call["args"]) == ("call_service", "/add", {"a": 1, "b": 2})
@@ -58,7 +62,7 @@ async def test_a_call_goes_out_and_its_answer_comes_back(session: Session, calls
 
 @pytest.mark.parametrize("request_", [None, {}, Trigger.Request()])
 async def test_fields_that_are_not_given_have_their_defaults(
-    session: Session, calls: Calls, request_: Any
+    session: FakeSession, calls: Calls, request_: Any
 ) -> None:
     answer = asyncio.create_task(calls.call("/go", Trigger, request_))
     call = await says(session)
@@ -67,7 +71,7 @@ async def test_fields_that_are_not_given_have_their_defaults(
     assert await answer == Trigger.Response(success=True, message="")
 
 
-async def test_a_bad_request_raises_and_is_not_sent(session: Session, calls: Calls) -> None:
+async def test_a_bad_request_raises_and_is_not_sent(session: FakeSession, calls: Calls) -> None:
     with pytest.raises(InvalidMessage, match="field a"):
         await calls.call("/add", AddTwoInts, {"a": "1"})
     with pytest.raises(TypeError, match="rospy_tutorials/BadTwoIntsRequest"):
@@ -75,7 +79,7 @@ async def test_a_bad_request_raises_and_is_not_sent(session: Session, calls: Cal
     assert said(session) == []
 
 
-async def test_answers_find_their_callers(session: Session, calls: Calls) -> None:
+async def test_answers_find_their_callers(session: FakeSession, calls: Calls) -> None:
     answers = [add(calls, number, 0) for number in range(3)]
     for call in reversed([await says(session) for _ in range(3)]):
         responds(session, call, {"sum": call["args"]["a"]})
@@ -86,7 +90,7 @@ async def test_answers_find_their_callers(session: Session, calls: Calls) -> Non
     ("values", "text"), [("boom", "boom"), (None, "null"), ({"sum": 1}, '{"sum":1}')]
 )
 async def test_a_failure_raises_its_own_text(
-    session: Session, calls: Calls, values: Any, text: str
+    session: FakeSession, calls: Calls, values: Any, text: str
 ) -> None:
     answer = add(calls, 1, 2)
     responds(session, await says(session), values, result=False)
@@ -97,26 +101,30 @@ async def test_a_failure_raises_its_own_text(
 
 
 @pytest.mark.parametrize(
-    ("text", "kind"),
+    ("code", "kind"),
     [
-        ("Service /add does not exist", UnknownService),
-        ("Service /add did not answer within 0.5 s", ServiceTimeout),
-        ("Service /address does not exist", ServiceError),
+        ("unknown_service", UnknownService),
+        ("timeout", ServiceTimeout),
+        ("server_lost", ServiceError),
+        ("new_in_a_later_hub", ServiceError),
+        (None, ServiceError),
     ],
 )
-async def test_it_says_whose_fault_a_failure_is(
-    session: Session, calls: Calls, text: str, kind: type[ServiceError]
+async def test_error_is_recognised_by_its_code(
+    session: FakeSession, calls: Calls, code: str | None, kind: type[ServiceError]
 ) -> None:
+    text = "Service /add does not exist"
     answer = add(calls, 1, 2)
-    responds(session, await says(session), text, result=False)
+    responds(session, await says(session), text, result=False, code=code)
     with pytest.raises(ServiceError) as caught:
         await answer
     assert type(caught.value) is kind
+    assert caught.value.code == (code or "error")
     assert str(caught.value).endswith(text)
 
 
 async def test_more_calls_than_the_hub_allows_wait_for_their_turn(
-    session: Session, calls: Calls
+    session: FakeSession, calls: Calls
 ) -> None:
     answers = [add(calls, number, 0) for number in range(MOST_CALLS + 2)]
     sent = [await says(session) for _ in range(MOST_CALLS)]
@@ -132,11 +140,11 @@ async def test_more_calls_than_the_hub_allows_wait_for_their_turn(
 
 
 async def test_who_waits_for_a_turn_hears_of_the_time_and_of_the_end(
-    session: Session, calls: Calls
+    session: FakeSession, calls: Calls
 ) -> None:
     answers = [add(calls, number, 0) for number in range(MOST_CALLS)]
     await says(session)
-    with pytest.raises(ServiceTimeout, match="/add: no answer within"):
+    with pytest.raises(ServiceTimeout, match="/add: no response within"):
         await add(calls, 1, 2, within=0.01)
     last = add(calls, 1, 2)
     await asyncio.sleep(0)
@@ -148,7 +156,7 @@ async def test_who_waits_for_a_turn_hears_of_the_time_and_of_the_end(
 
 @pytest.mark.parametrize("values", [None, {"sum": "3"}, {"total": 3}, "3"])
 async def test_an_answer_that_does_not_fit_is_a_failure(
-    session: Session, calls: Calls, values: Any
+    session: FakeSession, calls: Calls, values: Any
 ) -> None:
     answer = add(calls, 1, 2)
     responds(session, await says(session), values)
@@ -156,7 +164,7 @@ async def test_an_answer_that_does_not_fit_is_a_failure(
         await answer
 
 
-async def test_a_refused_call_is_a_failure(session: Session, calls: Calls) -> None:
+async def test_a_refused_call_is_a_failure(session: FakeSession, calls: Calls) -> None:
     answer = add(calls, 1, 2)
     call = await says(session)
     hears(session, "status", level="error", id=call["id"], msg="call_service: no")
@@ -165,12 +173,12 @@ async def test_a_refused_call_is_a_failure(session: Session, calls: Calls) -> No
 
 
 async def test_who_waits_too_long_waits_no_more(
-    session: Session, calls: Calls, lines: Lines
+    session: FakeSession, calls: Calls, lines: Lines
 ) -> None:
     answer = add(calls, 1, 2, within=0.05)
     call = await says(session)
     assert 0 < call["timeout"] <= 0.05 + 1e-9  # uvloop rounds its clock.
-    with pytest.raises(ServiceTimeout, match=r"^/add: no answer within 0.05 s$"):
+    with pytest.raises(ServiceTimeout, match=r"^/add: no response within 0.05 s$"):
         await answer
     assert issubclass(ServiceTimeout, TimeoutError)
     responds(session, call, {"sum": 3})
@@ -178,52 +186,54 @@ async def test_who_waits_too_long_waits_no_more(
     assert len(calls) == 0
 
 
-async def test_without_a_hub_a_call_waits_for_one(session: Session, calls: Calls) -> None:
-    session.lose()
+async def test_without_a_hub_a_call_waits_for_one(session: FakeSession, calls: Calls) -> None:
+    session.on_disconnect()
     answer = add(calls, 1, 2)
     await asyncio.sleep(0)
-    session.lose()
-    session.outbox.open()
+    session.on_disconnect()
+    session.reopen()
     call = await says(session)
     responds(session, call, {"sum": 3})
     assert (await answer).sum == 3
 
 
-async def test_without_a_hub_the_time_passes_as_well(session: Session, calls: Calls) -> None:
-    session.lose()
-    with pytest.raises(ServiceTimeout, match="no hub to ask within"):
+async def test_without_a_hub_the_time_passes_as_well(session: FakeSession, calls: Calls) -> None:
+    session.on_disconnect()
+    with pytest.raises(ServiceTimeout, match="no hub within"):
         await add(calls, 1, 2, within=0.01)
 
 
-async def test_a_full_connection_makes_callers_wait(session: Session, calls: Calls) -> None:
-    session.outbox.put(bytes(2 << 20))
+async def test_a_full_connection_makes_callers_wait(session: FakeSession, calls: Calls) -> None:
+    session.fill()
     answer = add(calls, 1, 2)
     await asyncio.sleep(0)
-    assert len(session.outbox) == 1
-    session.outbox.pop()
+    assert len(session.outgoing) == 1
+    session.drain()
     responds(session, await says(session), {"sum": 3})
     await answer
 
 
 async def test_who_waits_for_room_waits_for_the_next_hub_if_this_one_is_lost(
-    session: Session, calls: Calls
+    session: FakeSession, calls: Calls
 ) -> None:
-    session.outbox.put(bytes(2 << 20))
+    session.fill()
     answer = add(calls, 1, 2)
     await asyncio.sleep(0)
-    session.lose()
+    session.on_disconnect()
     for _ in range(3):
         await asyncio.sleep(0)
     assert said(session) == []
-    session.outbox.open()
+    session.reopen()
     responds(session, await says(session), {"sum": 3})
     await answer
 
 
-async def test_a_lost_connection_fails_its_calls_at_once(session: Session, calls: Calls) -> None:
+async def test_a_lost_connection_fails_its_calls_at_once(
+    session: FakeSession, calls: Calls
+) -> None:
     answer = add(calls, 1, 2)
     await says(session)
-    session.lose()
+    session.on_disconnect()
     with pytest.raises(ServiceLost, match="the connection to the hub was lost"):
         await answer
 
@@ -232,20 +242,22 @@ async def test_a_lost_connection_fails_its_calls_at_once(session: Session, calls
     ("fault", "raised"), [(None, NodeClosed), (NodeReplaced("by another"), NodeReplaced)]
 )
 async def test_the_nodes_end_fails_all_calls(
-    session: Session, calls: Calls, fault: Exception | None, raised: type[Exception]
+    session: FakeSession, calls: Calls, fault: Exception | None, raised: type[Exception]
 ) -> None:
     sent = add(calls, 1, 2)
     await says(session)
     session.end(fault)
-    session.lose()
+    session.on_disconnect()
     with pytest.raises(raised):
         await sent
     with pytest.raises(raised):
         await add(calls, 1, 2)
 
 
-async def test_the_nodes_end_fails_those_who_wait_for_a_hub(session: Session, calls: Calls) -> None:
-    session.lose()
+async def test_the_nodes_end_fails_those_who_wait_for_a_hub(
+    session: FakeSession, calls: Calls
+) -> None:
+    session.on_disconnect()
     answer = add(calls, 1, 2)
     await asyncio.sleep(0)
     session.end()
@@ -254,11 +266,11 @@ async def test_the_nodes_end_fails_those_who_wait_for_a_hub(session: Session, ca
 
 
 async def test_who_is_cancelled_leaves_nothing_behind(
-    session: Session, calls: Calls, lines: Lines
+    session: FakeSession, calls: Calls, lines: Lines
 ) -> None:
     answer = add(calls, 1, 2)
     call = await says(session)
-    session.lose()  # Both at once: it is the cancellation that counts.
+    session.on_disconnect()  # Both at once: it is the cancellation that counts.
     answer.cancel()
     with pytest.raises(asyncio.CancelledError):
         await answer
@@ -267,7 +279,9 @@ async def test_who_is_cancelled_leaves_nothing_behind(
     assert lines.seen() == []
 
 
-async def test_a_call_says_what_the_caller_says_of_itself(session: Session, calls: Calls) -> None:
+async def test_a_call_says_what_the_caller_says_of_itself(
+    session: FakeSession, calls: Calls
+) -> None:
     for headers, said_ in (({"user": "ann"}, {"user": "ann"}), ({}, None), (None, None)):
         answer = asyncio.create_task(calls.call("/go", Trigger, headers=headers))
         call = await says(session)
@@ -276,7 +290,9 @@ async def test_a_call_says_what_the_caller_says_of_itself(session: Session, call
         await answer
 
 
-async def test_headers_that_cannot_be_are_refused_at_once(session: Session, calls: Calls) -> None:
-    with pytest.raises(ValueError, match="headers are an object of strings"):
+async def test_headers_that_cannot_be_are_refused_at_once(
+    session: FakeSession, calls: Calls
+) -> None:
+    with pytest.raises(ValueError, match="headers must be an object of strings"):
         await calls.call("/go", Trigger, headers={"a=b": "c"})
     assert said(session) == []

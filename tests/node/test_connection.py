@@ -5,21 +5,25 @@ from __future__ import annotations
 import asyncio
 import json
 import re
+import shutil
 import socket
+import ssl
+import subprocess
 from collections import Counter
 from collections.abc import AsyncIterator
 from http import HTTPStatus
 from itertools import islice
+from pathlib import Path
 
 import pytest
 from websockets.exceptions import InvalidMessage
-from websockets.frames import Frame, Opcode
+from websockets.utils import accept_key
 
 import fibws
 from fibws.msg.std_msgs import Int32, String
 from fibws.node import connection
 from fibws.node.connection import _delays, _reason
-from fibws.protocol.closing import KILLED, REPLACED, Closing
+from fibws.protocol.websocket import BINARY, KILLED, REPLACED, TEXT, CloseReason, server_frame
 from fibws.srv.rospy_tutorials import AddTwoInts
 
 from .conftest import Lines, Peer, ScriptedHub
@@ -138,7 +142,7 @@ async def test_a_lost_hub_is_told_again_what_the_node_is_and_what_waits(hub: Scr
         assert numbers.dropped == 1
         await hub.start()
         peer = await hub.peer()
-        again = [json.loads(await peer.websocket.recv()) for _ in range(13)]
+        again = [await peer.receive() for _ in range(13)]
         assert [(each["op"], each.get("topic") or each["service"]) for each in again] == [
             ("advertise_service", "/talker/get_loggers"),
             ("advertise_service", "/talker/set_logger_level"),
@@ -191,7 +195,7 @@ async def test_what_was_kept_waits_for_the_listeners_but_not_for_the_nodes_end(
         await peer.hears("advertise")
         with pytest.raises(TimeoutError):
             async with asyncio.timeout(0.1):
-                await peer.websocket.recv()
+                await peer.receive()
     assert await published(peer) == [99]
 
 
@@ -365,12 +369,12 @@ async def test_a_log_that_nobody_reads_is_noticed_when_the_hub_is_found(
 
 async def sends_a_burst(peer: Peer) -> None:
     """The hub sends the numbers from 0 to 999 in one go."""
-    burst = "".join(
-        json.dumps({"op": "publish", "topic": "/numbers", "msg": {"data": number}}) + "\n"
-        for number in range(1000)
-    ).splitlines()
-    frames = [Frame(Opcode.TEXT, text.encode()).serialize(mask=False) for text in burst]
     await peer.hears("subscribe")
+    burst = [peer.encoded("publish", topic="/numbers", msg={"data": n}) for n in range(1000)]
+    frames = [
+        server_frame(BINARY, data) if isinstance(data, bytes) else server_frame(TEXT, data.encode())
+        for data in burst
+    ]
     peer.websocket.transport.write(b"".join(frames))
 
 
@@ -403,7 +407,7 @@ async def test_a_prompt_reader_gets_all_of_a_burst(hub: ScriptedHub) -> None:
     ("closing", "fault"), [(REPLACED, fibws.NodeReplaced), (KILLED, fibws.NodeKilled)]
 )
 async def test_what_a_node_waits_for_ends_with_the_reason_for_which_it_ends(
-    hub: ScriptedHub, closing: Closing, fault: type[fibws.NodeError]
+    hub: ScriptedHub, closing: CloseReason, fault: type[fibws.NodeError]
 ) -> None:
     async with fibws.Node("asker", hub=hub.url) as node:
         peer = await hub.peer()
@@ -414,3 +418,118 @@ async def test_what_a_node_waits_for_ends_with_the_reason_for_which_it_ends(
             await answer
         with pytest.raises(fault, match="/asker"):
             await node.spin()
+
+
+@pytest.mark.parametrize("size", [10, 70_000, 5_000_000])
+async def test_large_messages_arrive_whole_both_ways(hub: ScriptedHub, size: int) -> None:
+    async with fibws.Node("node", hub=hub.url) as node:
+        peer = await hub.peer()
+        out = await node.advertise("out", String)
+        back = node.subscribe("back", String)
+        numbers = node.subscribe("numbers", Int32)
+        for op in ("advertise", "subscribe", "subscribe"):
+            await peer.hears(op)
+        text = ("0123456789" * (size // 10 + 1))[:size]
+        await out.publish(text)
+        received = await peer.hears("publish")
+        await peer.says("publish", topic="/back", msg=received["msg"])
+        await peer.says("publish", topic="/numbers", msg={"data": 1})
+        assert (await anext(back)).data == text
+        assert (await anext(numbers)).data == 1
+
+
+async def test_fragmented_messages_arrive_whole(hub: ScriptedHub) -> None:
+    async with fibws.Node("node", hub=hub.url) as node:
+        peer = await hub.peer()
+        numbers = node.subscribe("numbers", Int32)
+        await peer.hears("subscribe")
+        data = peer.encoded("publish", topic="/numbers", msg={"data": 1})
+        await peer.websocket.send([data[:5], data[5:10], data[10:]])
+        await (await peer.websocket.ping())
+        await peer.says("publish", topic="/numbers", msg={"data": 2})
+        assert [(await anext(numbers)).data for _ in range(2)] == [1, 2]
+
+
+async def test_pings_are_answered_within_a_flood(hub: ScriptedHub) -> None:
+    async with fibws.Node("node", hub=hub.url) as node, asyncio.timeout(60):
+        peer = await hub.peer()
+        numbers = node.subscribe("numbers", Int32, queue_size=1)
+        await sends_a_burst(peer)
+        await (await peer.websocket.ping())
+        await peer.says("publish", topic="/numbers", msg={"data": -1})
+        while (await anext(numbers)).data != -1:
+            pass
+
+
+async def test_frames_behind_the_handshake_are_read() -> None:
+    """A hub may send at once: the first frame then comes with the handshake's response."""
+    status = json.dumps({"op": "status", "level": "warning", "msg": "hello"}).encode()
+
+    async def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        head = await reader.readuntil(b"\r\n\r\n")
+        (key,) = re.findall(rb"Sec-WebSocket-Key: (\S+)", head)
+        response = (
+            "HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+            f"Sec-WebSocket-Accept: {accept_key(key.decode())}\r\n\r\n"
+        )
+        data = response.encode() + server_frame(TEXT, status)
+        writer.write(data[:20])
+        await writer.drain()
+        writer.write(data[20:])
+        await reader.read()
+        writer.close()
+
+    async with await asyncio.start_server(serve, "127.0.0.1", 0) as server:
+        node = fibws.Node("node", hub=f"127.0.0.1:{server.sockets[0].getsockname()[1]}")
+        lines = Lines(node.log)
+        async with node:
+            assert await lines.next() == "The hub: hello"
+
+
+@pytest.fixture
+def tls(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> ssl.SSLContext:
+    certificate, key = str(tmp_path / "certificate.pem"), str(tmp_path / "key.pem")
+    make = ("openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-subj", "/CN=hub")
+    where = ("-addext", "subjectAltName=IP:127.0.0.1", "-keyout", key, "-out", certificate)
+    subprocess.run((*make, *where), check=True, capture_output=True)
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    context.load_cert_chain(certificate, key)
+    monkeypatch.setenv("SSL_CERT_FILE", certificate)
+    return context
+
+
+@pytest.fixture
+async def tls_hub(tls: ssl.SSLContext) -> AsyncIterator[ScriptedHub]:
+    hub = ScriptedHub(serialized=True, tls=tls)
+    await hub.start()
+    yield hub
+    await hub.stop()
+
+
+@pytest.mark.skipif(not shutil.which("openssl"), reason="openssl makes the certificate")
+async def test_messages_go_over_tls(tls_hub: ScriptedHub) -> None:
+    async with fibws.Node("node", hub=tls_hub.url) as node:
+        peer = await tls_hub.peer()
+        numbers = await node.advertise("numbers", Int32)
+        back = node.subscribe("back", String)
+        await peer.hears("advertise")
+        await peer.hears("subscribe")
+        for number in [*range(300), 99]:
+            await numbers.publish(number)
+        for number in [*range(300), 99]:
+            assert (await peer.hears("publish"))["msg"]["data"] == number
+        for size in (3, 500_000):
+            await peer.says("publish", topic="/back", msg={"data": "x" * size})
+            assert len((await anext(back)).data) == size
+        # What a slow hub does not read waits, and arrives.
+        texts = await node.advertise("texts", String)
+        await peer.hears("advertise")
+        publishing = asyncio.create_task(_publish(texts, 100))
+        for _ in range(100):
+            assert (await peer.hears("publish"))["msg"]["data"] == LONG
+        await publishing
+
+
+async def _publish(texts: fibws.Publisher[String], count: int) -> None:
+    for _ in range(count):
+        await texts.publish(LONG)

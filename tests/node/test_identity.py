@@ -9,7 +9,7 @@ import pytest
 
 from fibws.errors import InvalidName
 from fibws.names import Remapping, parse_remappings
-from fibws.node.identity import Identity
+from fibws.node.node import Identity
 
 
 @pytest.fixture(autouse=True)

@@ -6,23 +6,22 @@ import logging
 
 import pytest
 
-from fibws.node.loggers import Loggers
+from fibws.node.log import Loggers
 from fibws.node.services import Services
-from fibws.node.session import Session
 from fibws.node.types import Types
 from fibws.protocol.levels import LEVELS
 
-from .conftest import hears, said, says
+from .conftest import FakeSession, hears, said, says
 
 
 @pytest.fixture
-def log(session: Session, types: Types) -> logging.Logger:
+def log(session: FakeSession, types: Types) -> logging.Logger:
     log = logging.Logger("/talker", logging.INFO)
     Loggers(log, Services(session, types), lambda name: f"/talker/{name[1:]}")
     return log
 
 
-async def level(session: Session) -> str:
+async def level(session: FakeSession) -> str:
     hears(session, "call_service", id="get", service="/talker/get_loggers", args={})
     answer = await says(session)
     (logger,) = answer["values"]["loggers"]
@@ -31,13 +30,13 @@ async def level(session: Session) -> str:
     return found
 
 
-async def change(session: Session, logger: str, level: str) -> object:
+async def change(session: FakeSession, logger: str, level: str) -> object:
     args = {"logger": logger, "level": level}
     hears(session, "call_service", id="set", service="/talker/set_logger_level", args=args)
     return (await says(session))["values"]
 
 
-async def test_both_services_are_offered(session: Session, log: logging.Logger) -> None:
+async def test_both_services_are_offered(session: FakeSession, log: logging.Logger) -> None:
     services = [(each["service"], each["type"]) for each in said(session)]
     assert services == [
         ("/talker/get_loggers", "roscpp/GetLoggers"),
@@ -48,7 +47,7 @@ async def test_both_services_are_offered(session: Session, log: logging.Logger) 
 @pytest.mark.parametrize(("name", "number"), [(each.name, each.python) for each in LEVELS])
 @pytest.mark.parametrize("logger", ["rosout", "/talker"])
 async def test_the_level_can_be_changed(
-    session: Session, log: logging.Logger, logger: str, name: str, number: int
+    session: FakeSession, log: logging.Logger, logger: str, name: str, number: int
 ) -> None:
     said(session)
     assert await level(session) == "info"
@@ -58,7 +57,7 @@ async def test_the_level_can_be_changed(
 
 
 async def test_a_level_in_between_is_told_by_the_first_that_is_logged(
-    session: Session, log: logging.Logger
+    session: FakeSession, log: logging.Logger
 ) -> None:
     said(session)
     log.setLevel(logging.INFO + 5)
@@ -66,7 +65,7 @@ async def test_a_level_in_between_is_told_by_the_first_that_is_logged(
 
 
 async def test_loggers_of_the_programs_below_it_are_told_and_changed_alone(
-    session: Session, types: Types
+    session: FakeSession, types: Types
 ) -> None:
     log = logging.getLogger("listed")
     log.setLevel(logging.INFO)
@@ -82,12 +81,12 @@ async def test_loggers_of_the_programs_below_it_are_told_and_changed_alone(
     assert await change(session, "rosout.robot.arm", "debug") == {}
     assert (arm.level, log.level) == (logging.DEBUG, logging.INFO)
     assert await change(session, "rosout.robot", "debug") == (
-        "there is no logger 'rosout.robot' here but 'rosout', 'rosout.robot.arm'"
+        "unknown logger 'rosout.robot'; known: 'rosout', 'rosout.robot.arm'"
     )
 
 
 async def test_all_loggers_of_the_program_are_below_its_root(
-    session: Session, types: Types
+    session: FakeSession, types: Types
 ) -> None:
     deep = logging.getLogger("library.deep")
     Loggers(logging.getLogger(), Services(session, types), lambda name: f"/talker/{name[1:]}")
@@ -104,19 +103,19 @@ async def test_all_loggers_of_the_program_are_below_its_root(
 @pytest.mark.parametrize(
     ("logger", "name", "text"),
     [
-        ("ros", "info", "there is no logger 'ros' here but 'rosout'"),
-        ("rosout", "loud", "'loud' is no level: say one of debug, info, warn, error, fatal"),
+        ("ros", "info", "unknown logger 'ros'; known: 'rosout'"),
+        ("rosout", "loud", "unknown level 'loud'; expected one of debug, info, warn, error, fatal"),
     ],
 )
 async def test_what_is_not_there_is_refused(
-    session: Session, log: logging.Logger, logger: str, name: str, text: str
+    session: FakeSession, log: logging.Logger, logger: str, name: str, text: str
 ) -> None:
     said(session)
     assert await change(session, logger, name) == text
     assert log.level == logging.INFO
 
 
-async def test_a_logger_without_a_level_has_its_parents(session: Session, types: Types) -> None:
+async def test_a_logger_without_a_level_has_its_parents(session: FakeSession, types: Types) -> None:
     log = logging.Logger("mine")
     log.parent = logging.Logger("root", logging.ERROR)
     Loggers(log, Services(session, types), lambda name: f"/talker/{name[1:]}")

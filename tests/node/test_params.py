@@ -83,7 +83,7 @@ async def test_only_a_name_can_be_searched_for(node: fibws.Node, name: str) -> N
 
 
 async def test_none_is_no_value(node: fibws.Node) -> None:
-    with pytest.raises(ValueError, match="parameter gain: None is no value"):
+    with pytest.raises(ValueError, match="parameter gain: None is not a value"):
         await node.params.set("gain", None)
 
 

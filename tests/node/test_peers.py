@@ -32,7 +32,7 @@ async def test_there_are_none_before_the_first_word() -> None:
 async def test_what_is_known_comes_first_even_if_that_is_nobody() -> None:
     for known in ([], ["/a", "/b"]):
         peers = Peers()
-        peers.take(known)
+        peers.update(known)
         assert peers.names == known
         assert await anext(peers.changes()) == known
     assert repr(peers) == "<Peers /a, /b>"
@@ -42,20 +42,20 @@ async def test_each_change_comes_however_slow_the_reader() -> None:
     peers = Peers()
     changes = peers.changes()
     steps = [["/a"], [], ["/a"], ["/a", "/b"]]
-    peers.take(steps[0])
+    peers.update(steps[0])
     first = await anext(changes)
     for names in steps[1:]:
-        peers.take(names)
+        peers.update(names)
     assert [first, *[await anext(changes) for _ in steps[1:]]] == steps
 
 
 async def test_of_very_many_changes_the_newest_come() -> None:
     peers = Peers()
     changes = peers.changes()
-    peers.take([])
+    peers.update([])
     assert await anext(changes) == []
     for number in range(MOST_CHANGES + 5):
-        peers.take([str(number)])
+        peers.update([str(number)])
     assert await anext(changes) == ["5"]
 
 
@@ -63,7 +63,7 @@ async def test_the_same_word_again_is_no_change() -> None:
     peers = Peers()
     reader = await reading(peers)
     for _ in range(2):
-        peers.take(["/a"])
+        peers.update(["/a"])
     peers.end()
     assert await reader == [["/a"]]
 
@@ -72,7 +72,7 @@ async def test_all_readers_hear_all() -> None:
     peers = Peers()
     readers = [await reading(peers) for _ in range(2)]
     for names in (["/a"], ["/b"]):
-        peers.take(names)
+        peers.update(names)
         await asyncio.sleep(0)
     peers.end()
     assert [await reader for reader in readers] == 2 * [[["/a"], ["/b"]]]
@@ -80,7 +80,7 @@ async def test_all_readers_hear_all() -> None:
 
 async def test_what_a_reader_is_given_is_its_own() -> None:
     peers = Peers()
-    peers.take(["/a"])
+    peers.update(["/a"])
     (await anext(peers.changes())).clear()
     peers.names.clear()
     assert peers.names == ["/a"]
@@ -89,19 +89,19 @@ async def test_what_a_reader_is_given_is_its_own() -> None:
 async def test_without_a_hub_there_are_none_until_it_is_back() -> None:
     peers = Peers()
     reader = await reading(peers)
-    peers.lose()
-    peers.take(["/a"])
-    peers.lose()
+    peers.on_disconnect()
+    peers.update(["/a"])
+    peers.on_disconnect()
     assert peers.names == []
-    peers.lose()
-    peers.take(["/a"])
+    peers.on_disconnect()
+    peers.update(["/a"])
     peers.end()
     assert await reader == [["/a"], [], ["/a"]]
 
 
 async def test_what_has_ended_has_no_peers_and_no_changes() -> None:
     peers = Peers()
-    peers.take(["/a"])
+    peers.update(["/a"])
     peers.end()
     assert peers.names == []
     assert await rest(peers) == []
@@ -112,12 +112,12 @@ async def test_a_reader_who_stops_waiting_misses_nothing() -> None:
     reader = await reading(peers)
     reader.cancel()
     await asyncio.wait({reader})
-    peers.take(["/a"])
+    peers.update(["/a"])
     assert await anext(peers.changes()) == ["/a"]
 
 
 def test_it_knows_whether_the_hub_has_told() -> None:
     peers = Peers()
     assert not peers.told
-    peers.take([])
+    peers.update([])
     assert peers.told

@@ -3,210 +3,259 @@
 from __future__ import annotations
 
 import asyncio
-import json
-import logging
-import time
 from typing import Any
 
 import pytest
 
-from fibws.errors import InvalidMessage, NodeClosed
-from fibws.interfaces import Message
+from fibws.errors import InvalidMessage, NodeClosed, OperationRejected
 from fibws.msg.geometry_msgs import Point, Vector3
-from fibws.node.outbox import LIMIT
 from fibws.node.publisher import Publisher
-from fibws.node.session import Session
 from fibws.node.topics import Topics
 from fibws.node.types import Types
-from fibws.node.wire import Wire
 from fibws.protocol.operations import Advertise
+from fibws.protocol.serialized import read_publish
+from fibws.protocol.websocket import client_payload
+
+from .conftest import FakeSession, Lines, hears, reconnected, said
 
 
 @pytest.fixture
-def session() -> Session:
-    return Session(logging.Logger("test"))
+def topics(session: FakeSession) -> Topics:
+    return Topics(session)
+
+
+def advertise(topics: Topics, types: Types, **options: Any) -> Publisher[Point]:
+    return topics.advertise("/points", types.codec(Point), **{"queue_size": 2, **options})
 
 
 @pytest.fixture
-def points(session: Session) -> Publisher[Point]:
-    operation = Advertise(id=1, topic="/points", type=Point._type, queue_size=2)
-    wire = Types(time.time_ns).wire(Point)
-    topics = Topics(session)
-    return Publisher(topics, topics.advertise(operation), wire)
+def points(session: FakeSession, topics: Topics, types: Types) -> Publisher[Point]:
+    points = advertise(topics, types)
+    said(session)
+    return points
 
 
-def published(session: Session) -> list[dict[str, Any]]:
-    return [json.loads(session.outbox.pop())["msg"] for _ in range(len(session.outbox))]
+def published(session: FakeSession) -> list[list[float]]:
+    return [list(each["msg"].values()) for each in said(session)]
 
 
-async def test_a_message_is_given_whole_or_by_its_fields(
-    session: Session, points: Publisher[Point]
+async def test_message_is_given_whole_or_by_its_fields(
+    session: FakeSession, points: Publisher[Point]
 ) -> None:
     await points.publish(Point(1, 2, 3))
     await points.publish(1, 2, 3)
-    assert published(session) == 2 * [{"x": 1.0, "y": 2.0, "z": 3.0}]
     await points.publish(z=3)
     await points.publish()
-    assert published(session) == [{"x": 0.0, "y": 0.0, "z": 3.0}, {"x": 0.0, "y": 0.0, "z": 0.0}]
+    assert published(session) == [[1, 2, 3], [1, 2, 3], [0, 0, 3], [0, 0, 0]]
 
 
-async def test_it_may_introduce_itself_anew(session: Session, points: Publisher[Point]) -> None:
-    session.outbox.open()
+def test_frame_has_the_publishers_number_and_the_serialized_message(
+    topics: Topics, types: Types
+) -> None:
+    first, second = advertise(topics, types), advertise(topics, types)
+    codec = types.codec(Point)
+    numbers = set()
+    for publisher in (first, second):
+        frame = publisher.encode(1, 2, 3)
+        assert frame[2:6] == bytes(4), "the masking key"
+        number, node, message = read_publish(client_payload(frame))
+        assert (node, bytes(message)) == (None, codec.serialize(Point(1, 2, 3)))
+        numbers.add(number)
+    assert len(numbers) == 2
+
+
+async def test_advertisement_has_number_and_md5_only_with_a_hub_of_fibws(
+    session: FakeSession, points: Publisher[Point]
+) -> None:
+    plain = points.registration()
+    assert (plain.publisher, plain.md5sum) == (None, None)
+    session.serialized = True
+    ours = points.registration()
+    number = read_publish(client_payload(points.encode())).publisher
+    assert (ours.publisher, ours.md5sum) == (number, "4a842b65f413084dc2b10fb484ea7f17")
+    assert ours.id == plain.id
+
+
+async def test_headers_can_be_changed(session: FakeSession, points: Publisher[Point]) -> None:
     points.introduce({})
-    assert not session.outbox
+    assert said(session) == []
     points.introduce({"user": "ann"})
-    advertised = json.loads(session.outbox.pop())
-    assert (advertised["op"], advertised["id"]) == ("advertise", 1)
-    assert advertised["headers"] == {"user": "ann"}
-    session.lose()
-    assert [json.loads(text)["headers"] for text in session.greeting()] == [{"user": "ann"}]
-    with pytest.raises(ValueError, match="headers are an object of strings"):
+    (advertised,) = said(session)
+    assert (advertised["op"], advertised["headers"]) == ("advertise", {"user": "ann"})
+    assert advertised["id"] == points.id
+    assert [each.get("headers") for each in reconnected(session)] == [{"user": "ann"}]
+    with pytest.raises(ValueError, match="headers must be an object of strings"):
         points.introduce({"": "nobody"})
-    session.outbox.open()
     points.close()
     points.introduce({"user": "bob"})
-    assert json.loads(session.outbox.pop())["op"] == "unadvertise"
-    assert not session.outbox
+    assert [each["op"] for each in said(session)] == ["unadvertise"]
 
 
-async def test_it_may_be_left_before_its_node(session: Session, points: Publisher[Point]) -> None:
+async def test_publisher_can_be_closed_before_its_node(
+    session: FakeSession, points: Publisher[Point]
+) -> None:
     assert repr(points) == "<Publisher /points [geometry_msgs/Point]>"
     async with points:
         await points.publish()
-    with pytest.raises(NodeClosed):
+    with pytest.raises(NodeClosed, match="the publisher of /points was closed"):
         await points.publish()
-    assert len(published(session)) == 1
+    points.send_while_open(points.encode())
+    points.close()
+    assert [each["op"] for each in said(session)] == ["publish", "unadvertise"]
+
+
+async def test_refused_publisher_raises(session: FakeSession, points: Publisher[Point]) -> None:
+    hears(session, "status", level="error", id=points.id, msg="no", code="not_allowed")
+    for _ in range(2):
+        with pytest.raises(OperationRejected, match="no") as refusal:
+            points.send(points.encode())
+        assert refusal.value.code == "not_allowed"
+    assert points.fault is refusal.value
+    assert reconnected(session) == []
+
+
+async def test_while_the_node_ends_a_frame_can_still_be_sent(
+    session: FakeSession, points: Publisher[Point]
+) -> None:
+    session.end()
+    with pytest.raises(NodeClosed, match="the node has ended"):
+        points.send(points.encode())
+    points.send_while_open(points.encode(1))
+    assert published(session) == [[1, 0, 0]]
 
 
 @pytest.mark.parametrize(
     ("fields", "named"), [((1,), {"y": 2}), ((1, 2, 3, 4), {}), ((), {"w": 1}), ((Vector3(),), {})]
 )
-async def test_what_is_no_such_message_raises(
+async def test_other_arguments_raise(
     points: Publisher[Point], fields: tuple[Any, ...], named: dict[str, Any]
 ) -> None:
     with pytest.raises(TypeError):
         await points.publish(*fields, **named)
+    with pytest.raises(TypeError):
+        points.encode_to("/listener", *fields, **named)
 
 
-async def test_what_does_not_fit_raises_and_is_not_sent(
-    session: Session, points: Publisher[Point]
+def test_message_of_another_class_raises(points: Publisher[Point]) -> None:
+    with pytest.raises(TypeError, match=r"expected \[geometry_msgs/Point\] but got"):
+        points.encode(Vector3())
+
+
+async def test_invalid_message_raises_and_is_not_sent(
+    session: FakeSession, points: Publisher[Point]
 ) -> None:
-    with pytest.raises(InvalidMessage, match="field y"):
+    with pytest.raises(InvalidMessage, match="y"):
         await points.publish(1, "2", 3)
     assert published(session) == []
 
 
-async def test_without_a_hub_the_newest_are_kept(
-    session: Session, points: Publisher[Point]
+async def test_newest_messages_are_kept_without_a_hub(
+    session: FakeSession, points: Publisher[Point]
 ) -> None:
-    for number in range(5):
+    session.on_disconnect()
+    for number in range(3):
         await points.publish(number)
+    for number in range(3, 5):
+        points.send(points.encode(number))
     assert points.dropped == 3
-    assert [each["x"] for each in published(session)] == [3.0, 4.0]
+    session.reopen()
+    assert published(session) == [[3, 0, 0], [4, 0, 0]]
 
 
-# The three steps of publish
-
-
-async def test_what_is_encoded_in_another_thread_is_sent_as_it_is(
-    session: Session, points: Publisher[Point]
+async def test_message_can_be_encoded_in_another_thread(
+    session: FakeSession, points: Publisher[Point]
 ) -> None:
-    texts = await asyncio.to_thread(
+    frames = await asyncio.to_thread(
         lambda: [points.encode(Point(1, 2, 3)), points.encode(1), points.encode(z=3)]
     )
     assert published(session) == []
-    session.outbox.open()
-    for text in texts:
+    for frame in frames:
         await points.room()
-        points.send(text)
-    assert [list(each.values()) for each in published(session)] == [
-        [1.0, 2.0, 3.0],
-        [1.0, 0.0, 0.0],
-        [0.0, 0.0, 3.0],
-    ]
+        points.send(frame)
+    assert published(session) == [[1, 2, 3], [1, 0, 0], [0, 0, 3]]
 
 
-def test_what_does_not_fit_is_not_encoded(points: Publisher[Point]) -> None:
-    with pytest.raises(InvalidMessage, match="field y"):
-        points.encode(1, "2", 3)
-    with pytest.raises(TypeError, match=r"expected \[geometry_msgs/Point\]"):
-        points.encode(Vector3())
-    with pytest.raises(TypeError, match="arguments or keywords, but not both"):
-        points.encode_to("/listener", 1, y=2)
-
-
-def test_what_is_sent_without_a_hub_is_kept_as_far_as_there_is_room(
-    session: Session, points: Publisher[Point]
-) -> None:
-    for number in range(5):
-        points.send(points.encode(number))
-    assert points.dropped == 3
-    assert [each["x"] for each in published(session)] == [3.0, 4.0]
-
-
-def test_what_is_closed_sends_nothing(session: Session, points: Publisher[Point]) -> None:
-    text = points.encode()
-    points.close()
-    with pytest.raises(NodeClosed, match="publish on /points: it was closed"):
-        points.send(text)
-    assert published(session) == []
-
-
-async def test_room_is_waited_for(session: Session, points: Publisher[Point]) -> None:
-    session.outbox.open()
-    session.outbox.put(bytes(LIMIT))
-    waiting = asyncio.create_task(points.room())
+async def test_publisher_waits_for_room(session: FakeSession, points: Publisher[Point]) -> None:
+    assert (points.has_room, points.is_idle) == (True, True)
+    session.fill()
+    assert (points.has_room, points.is_idle) == (False, False)
+    waiting = asyncio.create_task(points.publish(1))
     await asyncio.sleep(0)
-    assert not waiting.done()
-    session.outbox.pop()
+    assert published(session) == []
+    session.fill()
+    session.drain()
     await waiting
+    assert published(session) == [[1, 0, 0]]
 
 
-# To one peer
+async def test_message_for_one_subscriber_names_it(
+    session: FakeSession, points: Publisher[Point]
+) -> None:
+    points.send(points.encode_to("/listener", Point(1, 2, 3)))
+    points.send(points.encode_to("/grün", z=3))
+    points.send(points.encode())
+    assert [each.get("to") for each in said(session)] == ["/listener", "/grün", None]
 
 
-class Fields(Message):
-    """A message whose fields have the names that a method's own arguments might have."""
-
-    _type = "geometry_msgs/Point"
-
-    def __init__(self, **fields: Any) -> None:
-        self.fields = fields
-
-    def to_dict(self) -> dict[str, Any]:
-        return self.fields
-
-
-def test_a_message_may_be_for_one_peer(session: Session, points: Publisher[Point]) -> None:
-    for text in (points.encode_to("/listener", Point(1, 2, 3)), points.encode_to("/x", z=3)):
-        points.send(text)
-    first, second = (json.loads(session.outbox.pop()) for _ in range(2))
-    assert first == {
-        "op": "publish",
-        "topic": "/points",
-        "msg": {"x": 1.0, "y": 2.0, "z": 3.0},
-        "to": "/listener",
-    }
-    assert (second["to"], second["msg"]["z"]) == ("/x", 3.0)
-    assert "to" not in json.loads(points.encode())
-
-
-def test_a_field_may_have_any_name(session: Session) -> None:
-    topics = Topics(session)
-    advertisement = topics.advertise(Advertise(id=1, topic="/odd", type="odd_msgs/Odd"))
-    odd = Publisher(topics, advertisement, Wire(Fields, lambda given: dict(given)))
-    fields = {"node": 1, "to": 2, "self": 3, "message": 4, "fields": 5}
-    del fields["self"]  # which Python keeps for itself
-    for text in (odd.encode(**fields), odd.encode_to("/listener", **fields)):
-        assert json.loads(text)["msg"] == fields
-
-
-def test_what_is_for_one_peer_is_not_kept_for_the_next_hub(session: Session) -> None:
-    operation = Advertise(id=1, topic="/points", type=Point._type, latch=True)
-    topics = Topics(session)
-    points = Publisher(topics, topics.advertise(operation), Types(time.time_ns).wire(Point))
+async def test_message_for_one_subscriber_is_not_latched(
+    session: FakeSession, topics: Topics, types: Types
+) -> None:
+    points = advertise(topics, types, latch=True)
     points.send(points.encode(1))
     points.send(points.encode_to("/listener", 2))
-    published(session)
-    latched = [json.loads(text) for text in session.greeting()][-1]
-    assert latched["msg"]["x"] == 1.0
+    assert [each["msg"]["x"] for each in reconnected(session)[1:]] == [1]
+
+
+async def test_message_that_is_serialized_already_is_sent_as_it_is(
+    session: FakeSession, points: Publisher[Point], types: Types
+) -> None:
+    message = types.codec(Point).serialize(Point(1, 2, 3))
+    points.send(points.encode_serialized(message))
+    points.send(points.encode_serialized(message, "/listener"))
+    assert published(session) == 2 * [[1, 2, 3]]
+
+
+@pytest.mark.parametrize("type_", ["geometry_msgs/Point", "unknown_msgs/Type"])
+async def test_serialized_messages_are_published_as_bytes(
+    topics: Topics, types: Types, lines: Lines, type_: str
+) -> None:
+    codec = types.serialized(type_, "1" * 32, "float64 x")
+    publisher = topics.advertise("/points", codec, queue_size=2)
+    operation = publisher.registration()
+    assert (operation.type, operation.definition) == (type_, "float64 x")
+    data = types.codec(Point).serialize(Point(1, 2, 3))
+    frame = publisher.encode(data)
+    assert frame == publisher.encode_serialized(data)
+    assert bytes(read_publish(client_payload(frame)).message) == data
+    as_json = publisher.lane.to_json(frame)
+    if type_ == "geometry_msgs/Point":
+        assert as_json.endswith(b'"msg":{"x":1.0,"y":2.0,"z":3.0}}')
+    else:
+        assert not as_json
+        (line,) = lines.seen()
+        assert line.startswith("Dropped a message for /points: cannot be sent as JSON: ")
+
+
+def test_definition_of_serialized_standard_types_is_not_sent(types: Types) -> None:
+    for md5sum in (None, types.codec(Point).md5sum):
+        assert types.serialized("geometry_msgs/Point", md5sum, "float64 x").definition is None
+
+
+async def test_invalid_bytes_are_not_sent_to_a_server_without_fibws_v1(
+    points: Publisher[Point], lines: Lines
+) -> None:
+    assert points.lane.to_json(points.encode_serialized(b"short")) == b""
+    (line,) = lines.seen()
+    assert line.startswith("Dropped a message for /points: ")
+
+
+async def test_infinity_is_exact_and_nan_is_null_in_json(
+    session: FakeSession, points: Publisher[Point]
+) -> None:
+    points.send(points.encode(float("inf"), float("nan"), 1))
+    assert published(session) == [[float("inf"), None, 1]]
+
+
+def test_definition_of_standard_types_is_not_sent(points: Publisher[Point]) -> None:
+    assert isinstance(points.registration(), Advertise)
+    assert points.registration().definition is None

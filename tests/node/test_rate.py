@@ -1,4 +1,4 @@
-"""A loop's rhythm."""
+"""Rates of loops."""
 
 import asyncio
 import logging
@@ -11,7 +11,7 @@ from fibws.node.rate import Rate, Schedule
 from fibws.node.session import Session
 
 
-def test_the_first_tick_is_due_at_once() -> None:
+def test_first_tick_is_due_at_once() -> None:
     assert Schedule(10).delay(1000) == 0
 
 
@@ -22,7 +22,7 @@ def test_work_between_ticks_does_not_make_them_drift() -> None:
     assert schedule.delay(0.17) == pytest.approx(0.03)
 
 
-def test_a_late_tick_is_at_once_and_the_next_ones_catch_up() -> None:
+def test_late_tick_is_due_at_once_and_the_next_ones_catch_up() -> None:
     schedule = Schedule(10)
     schedule.delay(0)
     assert schedule.delay(0.25) == 0
@@ -30,7 +30,7 @@ def test_a_late_tick_is_at_once_and_the_next_ones_catch_up() -> None:
     assert schedule.delay(0.25) == pytest.approx(0.05)
 
 
-def test_who_is_more_than_two_periods_late_does_not_catch_up() -> None:
+def test_ticks_are_skipped_when_more_than_two_periods_late() -> None:
     schedule = Schedule(10)
     schedule.delay(0)
     assert schedule.delay(0.5) == 0
@@ -38,12 +38,12 @@ def test_who_is_more_than_two_periods_late_does_not_catch_up() -> None:
 
 
 @pytest.mark.parametrize("hz", [0, -1, math.inf, math.nan])
-def test_a_rate_is_above_nothing(hz: float) -> None:
+def test_rate_must_be_above_0(hz: float) -> None:
     with pytest.raises(ValueError, match="above 0"):
         Schedule(hz)
 
 
-async def test_it_ticks_until_the_node_ends() -> None:
+async def test_rate_ticks_until_the_node_ends() -> None:
     session = Session(logging.Logger("test"))
     session.begin()
     ticks = 0
@@ -54,7 +54,7 @@ async def test_it_ticks_until_the_node_ends() -> None:
     assert ticks == 3
 
 
-async def test_a_wait_ends_with_the_node() -> None:
+async def test_end_of_the_node_ends_a_pending_tick() -> None:
     session = Session(logging.Logger("test"))
     session.begin()
     rate = Rate(0.01, session.ended)
@@ -65,7 +65,7 @@ async def test_a_wait_ends_with_the_node() -> None:
     assert await waiting == "the end"
 
 
-async def test_a_loop_that_is_always_late_gives_way_to_others() -> None:
+async def test_late_loop_lets_other_tasks_run() -> None:
     session = Session(logging.Logger("test"))
     session.begin()
 
@@ -78,7 +78,7 @@ async def test_a_loop_that_is_always_late_gives_way_to_others() -> None:
     await task
 
 
-async def test_the_nodes_fault_is_raised() -> None:
+async def test_error_of_the_node_is_raised() -> None:
     session = Session(logging.Logger("test"))
     session.end(fibws.NodeReplaced("by another"))
     with pytest.raises(fibws.NodeReplaced, match="by another"):

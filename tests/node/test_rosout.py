@@ -14,9 +14,10 @@ import pytest
 import fibws
 from fibws.msg.rosgraph_msgs import Log
 from fibws.msg.std_msgs import Int32
-from fibws.node.rosout import Rosout
+from fibws.node.log import Rosout
 from fibws.node.session import Session
 from fibws.node.topics import Topics
+from fibws.node.types import Types
 
 from .conftest import ScriptedHub
 
@@ -58,36 +59,37 @@ async def test_the_topics_are_looked_up_by_the_loop_that_changes_them(hub: Scrip
 
 def test_other_threads_may_log_even_when_the_loop_is_gone() -> None:
     session = Session(logging.Logger("test"))
-    rosout = Rosout("/talker", Topics(session))
+    rosout = Rosout("/talker", Topics(session), Types(time.time_ns).codec(Log))
     rosout.loop = asyncio.new_event_loop()
     rosout.loop.close()
     rosout.handle(logging.LogRecord("test", logging.INFO, "file", 1, "text", (), None))
-    assert len(session.outbox) == 0
+    assert len(session.outgoing) == 0
 
 
 def test_without_a_hub_the_newest_lines_are_kept() -> None:
     session = Session(logging.Logger("test"))
-    rosout = Rosout("/talker", Topics(session))
+    rosout = Rosout("/talker", Topics(session), Types(time.time_ns).codec(Log))
     for _ in range(1000):
         rosout.handle(logging.LogRecord("test", logging.INFO, "file", 1, "text", (), None))
-    assert len(session.outbox) == 100
+    assert len(session.outgoing) == 100
 
 
 def test_half_a_character_is_sent_as_a_question_mark() -> None:
     session = Session(logging.Logger("test"))
-    rosout = Rosout("/talker", Topics(session))
+    rosout = Rosout("/talker", Topics(session), Types(time.time_ns).codec(Log))
     rosout.handle(logging.LogRecord("test", logging.INFO, "\udcff.py", 1, "\ud83d", (), None))
-    text = session.outbox.pop()
-    assert b'"msg":"?"' in text
-    assert b'"file":"?.py"' in text
+    ((frame, lane),) = session.outgoing._queue
+    assert lane is not None
+    message = json.loads(lane.to_json(frame))["msg"]
+    assert (message["msg"], message["file"]) == ("?", "?.py")
 
 
 def test_a_wrong_log_line_does_not_stop_the_program(capsys: pytest.CaptureFixture[str]) -> None:
     session = Session(logging.Logger("test"))
-    rosout = Rosout("/talker", Topics(session))
+    rosout = Rosout("/talker", Topics(session), Types(time.time_ns).codec(Log))
     rosout.handle(logging.LogRecord("test", logging.INFO, "file", 1, "%d", ("thirteen",), None))
     assert "%d format" in capsys.readouterr().err
-    assert len(session.outbox) == 0
+    assert len(session.outgoing) == 0
 
 
 async def test_a_hub_that_refuses_the_log_is_not_sent_it(hub: ScriptedHub) -> None:
@@ -171,8 +173,8 @@ async def test_a_node_may_keep_its_log_to_itself(
         await node.advertise("numbers", Int32)
         topics: list[str | None] = []
         while topics[-1:] != ["/numbers"]:
-            topics.append(json.loads(await peer.websocket.recv()).get("topic"))
+            topics.append((await peer.receive()).get("topic"))
     assert "/rosout" not in topics
     assert "only here" in capsys.readouterr().out
-    with pytest.raises(RuntimeError, match="a node is entered once"):
+    with pytest.raises(RuntimeError, match="a node can be entered only once"):
         await node.__aenter__()

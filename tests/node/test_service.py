@@ -10,19 +10,17 @@ from typing import Any
 
 import pytest
 
-from fibws.node.service import MOST_CALLS, MOST_WAITING, ServiceServer
-from fibws.node.services import Services
-from fibws.node.session import Session
+from fibws.node.services import MOST_CALLS, MOST_WAITING, Services, ServiceServer
 from fibws.node.types import Types
 from fibws.srv.rospy_tutorials import AddTwoInts, AddTwoIntsRequest, AddTwoIntsResponse
 
-from .conftest import Lines, hears, said, says
+from .conftest import FakeSession, Lines, hears, said, says
 
 Serve = Callable[[Any], ServiceServer[Any, Any]]
 
 
 @pytest.fixture
-def serve(session: Session, types: Types) -> Serve:
+def serve(session: FakeSession, types: Types) -> Serve:
     """Serves ``/add``."""
     services = Services(session, types)
 
@@ -34,7 +32,7 @@ def serve(session: Session, types: Types) -> Serve:
     return serve
 
 
-def asks(session: Session, a: int = 1, b: int = 2, id_: str = "call") -> None:
+def asks(session: FakeSession, a: int = 1, b: int = 2, id_: str = "call") -> None:
     hears(session, "call_service", id=id_, service="/add", args={"a": a, "b": b})
 
 
@@ -55,7 +53,7 @@ class Gate:
         finally:
             self.left.append(request.a)
 
-    async def settled(self, session: Session) -> None:
+    async def settled(self, session: FakeSession) -> None:
         """Wait until all that began has ended."""
         async with asyncio.timeout(60):
             await session.tasks.finished()
@@ -76,7 +74,7 @@ def future(request: AddTwoIntsRequest) -> Awaitable[AddTwoIntsResponse]:
 
 @pytest.mark.parametrize("handler", [plain, coroutine, future, lambda request: (3,)])
 async def test_a_handler_is_a_function_of_the_request(
-    session: Session, serve: Serve, handler: Any
+    session: FakeSession, serve: Serve, handler: Any
 ) -> None:
     serve(handler)
     asks(session)
@@ -98,7 +96,7 @@ async def test_a_handler_is_a_function_of_the_request(
     ],
 )
 async def test_what_a_handler_raises_is_its_callers_to_know_and_the_service_lives_on(
-    session: Session, serve: Serve, lines: Lines, fault: Exception, text: str, line: str
+    session: FakeSession, serve: Serve, lines: Lines, fault: Exception, text: str, line: str
 ) -> None:
     def fail(request: AddTwoIntsRequest) -> None:
         raise fault
@@ -113,7 +111,7 @@ async def test_what_a_handler_raises_is_its_callers_to_know_and_the_service_live
 
 
 async def test_an_answer_that_is_none_is_a_failure(
-    session: Session, serve: Serve, lines: Lines
+    session: FakeSession, serve: Serve, lines: Lines
 ) -> None:
     serve(lambda request: None)
     asks(session)
@@ -122,7 +120,9 @@ async def test_an_answer_that_is_none_is_a_failure(
     assert lines.seen() == ["Service /add failed: service handler returned None"]
 
 
-async def test_an_answer_that_contains_itself_is_a_failure(session: Session, serve: Serve) -> None:
+async def test_an_answer_that_contains_itself_is_a_failure(
+    session: FakeSession, serve: Serve
+) -> None:
     endless: list[Any] = []
     endless.append(endless)
     serve(lambda request: {"sum": endless})
@@ -130,7 +130,7 @@ async def test_an_answer_that_contains_itself_is_a_failure(session: Session, ser
     assert (await says(session))["result"] is False
 
 
-async def test_a_request_that_does_not_fit_is_a_failure(session: Session, serve: Serve) -> None:
+async def test_a_request_that_does_not_fit_is_a_failure(session: FakeSession, serve: Serve) -> None:
     serve(plain)
     hears(session, "call_service", id="call", service="/add", args={"c": 1})
     answer = await says(session)
@@ -138,7 +138,7 @@ async def test_a_request_that_does_not_fit_is_a_failure(session: Session, serve:
     assert "does not have a field c" in answer["values"]
 
 
-async def test_calls_are_answered_beside_each_other(session: Session, serve: Serve) -> None:
+async def test_calls_are_answered_beside_each_other(session: FakeSession, serve: Serve) -> None:
     gate = Gate()
     serve(gate)
     asks(session, 1, id_="slow")
@@ -148,7 +148,7 @@ async def test_calls_are_answered_beside_each_other(session: Session, serve: Ser
     assert (await says(session))["id"] == "slow"
 
 
-async def test_they_are_bounded_in_number(session: Session, serve: Serve) -> None:
+async def test_they_are_bounded_in_number(session: FakeSession, serve: Serve) -> None:
     gate = Gate()
     serve(gate)
     most = MOST_CALLS + MOST_WAITING
@@ -168,20 +168,20 @@ async def test_they_are_bounded_in_number(session: Session, serve: Serve) -> Non
     assert (await says(session))["result"] is True
 
 
-async def test_nobody_waits_for_calls_of_a_lost_hub(session: Session, serve: Serve) -> None:
+async def test_nobody_waits_for_calls_of_a_lost_hub(session: FakeSession, serve: Serve) -> None:
     gate = Gate()
     serve(gate)
     for _ in range(MOST_CALLS + 1):
         asks(session, 1)
     await asyncio.sleep(0)
-    session.lose()
+    session.on_disconnect()
     gate.open.set()
     await gate.settled(session)
     assert len(gate.entered) == MOST_CALLS
 
 
 async def test_the_log_explains_what_a_handler_raises_and_not_what_its_callers_do(
-    session: Session, serve: Serve
+    session: FakeSession, serve: Serve
 ) -> None:
     def divide(request: AddTwoIntsRequest) -> int:
         return request.a // request.b
@@ -196,7 +196,7 @@ async def test_the_log_explains_what_a_handler_raises_and_not_what_its_callers_d
     failed, *traceback, asked = log.getvalue().splitlines()
     assert failed.startswith("Service /add failed: ZeroDivisionError: ")
     assert any(line.endswith("in divide") for line in traceback)
-    assert asked.startswith("Service /add was asked wrongly: ")
+    assert asked.startswith("Service /add got an invalid request: ")
 
 
 async def raise_now(request: AddTwoIntsRequest) -> None:
@@ -209,7 +209,7 @@ async def fail_and_be_logged(request: AddTwoIntsRequest) -> None:
 
 @pytest.mark.parametrize("handler", [raise_now, fail_and_be_logged])
 async def test_a_program_whose_output_nobody_reads_ends(
-    session: Session, serve: Serve, handler: Any
+    session: FakeSession, serve: Serve, handler: Any
 ) -> None:
     class Unread(logging.Handler):
         def emit(self, record: logging.LogRecord) -> None:
@@ -227,18 +227,18 @@ async def test_a_program_whose_output_nobody_reads_ends(
     assert said(session) == []
 
 
-async def test_answers_wait_for_room(session: Session, serve: Serve) -> None:
+async def test_answers_wait_for_room(session: FakeSession, serve: Serve) -> None:
     serve(plain)
-    session.outbox.put(bytes(2 << 20))
+    session.fill()
     asks(session)
     await asyncio.sleep(0)
-    assert len(session.outbox) == 1
-    session.outbox.pop()
+    assert len(session.outgoing) == 1
+    session.drain()
     assert (await says(session))["id"] == "call"
 
 
 async def test_a_closed_service_gives_up_what_it_has_not_answered(
-    session: Session, serve: Serve
+    session: FakeSession, serve: Serve
 ) -> None:
     gate = Gate()
     async with serve(gate) as server:
@@ -250,7 +250,7 @@ async def test_a_closed_service_gives_up_what_it_has_not_answered(
     await server.spin()
 
 
-async def test_a_handler_may_close_its_service(session: Session, serve: Serve) -> None:
+async def test_a_handler_may_close_its_service(session: FakeSession, serve: Serve) -> None:
     left = asyncio.Event()
 
     async def once(request: AddTwoIntsRequest) -> int:
@@ -266,7 +266,7 @@ async def test_a_handler_may_close_its_service(session: Session, serve: Serve) -
         await server.spin()
 
 
-async def test_a_service_ends_with_its_node(session: Session, serve: Serve) -> None:
+async def test_a_service_ends_with_its_node(session: FakeSession, serve: Serve) -> None:
     gate = Gate()
     server = serve(gate)
     asks(session, 1)
@@ -279,14 +279,14 @@ async def test_a_service_ends_with_its_node(session: Session, serve: Serve) -> N
 
 
 async def test_the_next_hub_is_not_given_answers_to_the_lost_ones_calls(
-    session: Session, serve: Serve
+    session: FakeSession, serve: Serve
 ) -> None:
     gate = Gate()
     serve(gate)
     asks(session, 1)
     await asyncio.sleep(0)
-    session.lose()
-    session.outbox.open()
+    session.on_disconnect()
+    session.reopen()
     gate.open.set()
     await gate.settled(session)
     assert gate.left == [1]
@@ -294,7 +294,7 @@ async def test_the_next_hub_is_not_given_answers_to_the_lost_ones_calls(
 
 
 async def test_a_handler_that_is_cancelled_answers_all_the_same(
-    session: Session, serve: Serve
+    session: FakeSession, serve: Serve
 ) -> None:
     async def give_up(request: AddTwoIntsRequest) -> int:
         raise asyncio.CancelledError

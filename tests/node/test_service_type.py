@@ -25,7 +25,7 @@ def test_it_knows_its_name(types: Types) -> None:
 
 @pytest.mark.parametrize("given", [{"a": 1}, AddTwoInts.Request(1), AddTwoInts.Request(a=1)])
 def test_a_request_is_a_message_or_its_fields(types: Types, given: Any) -> None:
-    assert types.service(AddTwoInts).ask(given) == {"a": 1, "b": 0}
+    assert types.service(AddTwoInts).write_request(given) == {"a": 1, "b": 0}
 
 
 @pytest.mark.parametrize(
@@ -35,39 +35,42 @@ def test_a_request_is_a_message_or_its_fields(types: Types, given: Any) -> None:
 def test_a_request_of_another_kind_is_refused(types: Types, given: Any, name: str) -> None:
     fault = rf"expected \[rospy_tutorials/AddTwoIntsRequest\] but got \[{name}\]"
     with pytest.raises(TypeError, match=fault):
-        types.service(AddTwoInts).ask(given)
+        types.service(AddTwoInts).write_request(given)
 
 
 def test_a_request_off_the_wire_is_checked(types: Types) -> None:
     service = types.service(AddTwoInts)
-    assert service.asked({"a": 1}) == AddTwoInts.Request(1, 0)
-    assert service.asked(None) == AddTwoInts.Request()
+    assert service.read_request({"a": 1}) == AddTwoInts.Request(1, 0)
+    assert service.read_request(None) == AddTwoInts.Request()
     with pytest.raises(InvalidMessage, match="field c"):
-        service.asked({"c": 1})
+        service.read_request({"c": 1})
 
 
 @pytest.mark.parametrize("given", [AddTwoInts.Response(3), {"sum": 3}, (3,), [3], 3])
 def test_an_answer_has_the_forms_that_rospy_takes(types: Types, given: Any) -> None:
-    assert types.service(AddTwoInts).answer(given) == {"sum": 3}
+    assert types.service(AddTwoInts).write_response(given) == {"sum": 3}
 
 
 @pytest.mark.parametrize("given", [(True, "done"), {"success": True, "message": "done"}])
 def test_an_answers_fields_come_in_order_or_by_name(types: Types, given: Any) -> None:
-    assert types.service(Trigger).answer(given) == {"success": True, "message": "done"}
+    assert types.service(Trigger).write_response(given) == {"success": True, "message": "done"}
 
 
 @pytest.mark.parametrize("given", [{}, (), Empty.Response()])
 def test_an_answer_may_be_empty(types: Types, given: Any) -> None:
-    assert types.service(Empty).answer(given) == {}
+    assert types.service(Empty).write_response(given) == {}
 
 
 def test_fields_may_hold_messages_and_times(types: Types) -> None:
     nested = {"id": "x", "status": [{"name": "motor", "values": (KeyValue("volts", "12"),)}]}
-    values = types.service(SelfTest).answer(nested)
+    values = types.service(SelfTest).write_response(nested)
     assert values["status"][0]["values"] == [{"key": "volts", "value": "12"}]
     for time in (Time(5, 6), {"time": Time(5, 6)}):
-        assert types.service(GetTime).answer(time) == {"time": {"secs": 5, "nsecs": 6}}
-    assert types.service(GetMap).answer({"map": {"data": [1, -1]}})["map"]["data"] == [1, -1]
+        assert types.service(GetTime).write_response(time) == {"time": {"secs": 5, "nsecs": 6}}
+    assert types.service(GetMap).write_response({"map": {"data": [1, -1]}})["map"]["data"] == [
+        1,
+        -1,
+    ]
 
 
 @pytest.mark.parametrize(
@@ -84,11 +87,11 @@ def test_an_answer_of_another_kind_is_refused_in_rospys_words(
     types: Types, given: Any, text: str
 ) -> None:
     with pytest.raises(InvalidMessage, match=text):
-        types.service(AddTwoInts).answer(given)
+        types.service(AddTwoInts).write_response(given)
 
 
 def test_an_answer_off_the_wire_is_checked(types: Types) -> None:
     service = types.service(AddTwoInts)
-    assert service.answered({"sum": 3}) == AddTwoInts.Response(3)
+    assert service.read_response({"sum": 3}) == AddTwoInts.Response(3)
     with pytest.raises(InvalidMessage):
-        service.answered("3")
+        service.read_response("3")

@@ -8,15 +8,14 @@ import pytest
 
 from fibws.errors import AlreadyOffered, NodeClosed, OperationRejected
 from fibws.node.services import Services
-from fibws.node.session import Session
 from fibws.node.types import Types
 from fibws.srv.std_srvs import Trigger, TriggerRequest
 
-from .conftest import Lines, greeted, hears, said, says
+from .conftest import FakeSession, Lines, hears, reconnected, said, says
 
 
 @pytest.fixture
-def services(session: Session, types: Types) -> Services:
+def services(session: FakeSession, types: Types) -> Services:
     return Services(session, types)
 
 
@@ -28,7 +27,7 @@ def names(operations: list[dict[str, Any]]) -> list[tuple[str, str]]:
     return [(each["op"], each["service"]) for each in operations]
 
 
-async def test_they_are_said_as_they_come_and_go(session: Session, services: Services) -> None:
+async def test_they_are_said_as_they_come_and_go(session: FakeSession, services: Services) -> None:
     server = services.serve("/go", Trigger, done)
     assert (server.name, server.type) == ("/go", "std_srvs/Trigger")
     assert repr(server) == "<ServiceServer /go [std_srvs/Trigger]>"
@@ -46,16 +45,18 @@ async def test_they_are_said_as_they_come_and_go(session: Session, services: Ser
 
 
 async def test_a_new_connection_is_told_of_those_that_are_left(
-    session: Session, services: Services
+    session: FakeSession, services: Services
 ) -> None:
-    session.lose()
+    session.on_disconnect()
     services.serve("/stay", Trigger, done)
     services.serve("/go", Trigger, done).close()
     assert said(session) == []
-    assert names(greeted(session)) == [("advertise_service", "/stay")]
+    assert names(reconnected(session)) == [("advertise_service", "/stay")]
 
 
-async def test_a_node_offers_a_service_once_at_a_time(session: Session, services: Services) -> None:
+async def test_a_node_offers_a_service_once_at_a_time(
+    session: FakeSession, services: Services
+) -> None:
     server = services.serve("/go", Trigger, done)
     with pytest.raises(AlreadyOffered, match="/go: this node offers it already"):
         services.serve("/go", Trigger, done)
@@ -64,11 +65,11 @@ async def test_a_node_offers_a_service_once_at_a_time(session: Session, services
 
 
 async def test_a_handler_is_a_function(services: Services) -> None:
-    with pytest.raises(TypeError, match="a service's handler is a function, not None"):
+    with pytest.raises(TypeError, match="a service's handler must be a function, got None"):
         services.serve("/go", Trigger, None)  # type: ignore[arg-type]
 
 
-async def test_calls_reach_their_services(session: Session, services: Services) -> None:
+async def test_calls_reach_their_services(session: FakeSession, services: Services) -> None:
     services.serve("/yes", Trigger, done)
     services.serve("/no", Trigger, lambda request: (False, "not done"))
     said(session)
@@ -82,7 +83,7 @@ async def test_calls_reach_their_services(session: Session, services: Services) 
 
 
 async def test_a_call_that_comes_too_late_is_answered_all_the_same(
-    session: Session, services: Services
+    session: FakeSession, services: Services
 ) -> None:
     services.serve("/go", Trigger, done).close()
     said(session)
@@ -92,14 +93,14 @@ async def test_a_call_that_comes_too_late_is_answered_all_the_same(
             "op": "service_response",
             "id": "late",
             "service": "/go",
-            "values": "service [/go] is offered no more",
+            "values": "service [/go] was withdrawn",
             "result": False,
         }
     ]
 
 
 async def test_a_refusal_reaches_its_owner_and_the_log(
-    session: Session, services: Services, lines: Lines
+    session: FakeSession, services: Services, lines: Lines
 ) -> None:
     refused = services.serve("/go", Trigger, done)
     other = services.serve("/stay", Trigger, done)
@@ -110,10 +111,10 @@ async def test_a_refusal_reaches_its_owner_and_the_log(
     said(session)
     refused.close()
     assert said(session) == []
-    assert greeted(session)[0]["id"] == other.operation.id
+    assert reconnected(session)[0]["id"] == other.operation.id
 
 
-async def test_after_the_nodes_end_there_are_none(session: Session, services: Services) -> None:
+async def test_after_the_nodes_end_there_are_none(session: FakeSession, services: Services) -> None:
     server = services.serve("/go", Trigger, done)
     session.end()
     await server.spin()
@@ -122,7 +123,7 @@ async def test_after_the_nodes_end_there_are_none(session: Session, services: Se
 
 
 async def test_a_handler_may_be_given_the_callers_header(
-    session: Session, services: Services
+    session: FakeSession, services: Services
 ) -> None:
     headers = []
 

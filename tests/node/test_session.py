@@ -1,31 +1,32 @@
-"""A node's side of the conversation: text in, text out, no socket and no loop."""
+"""What a node exchanges with its hub, and which handler gets what: without a socket."""
 
 from __future__ import annotations
 
+import asyncio
 import logging
+import traceback
 from collections.abc import Iterator
 from typing import Any
 
 import pytest
 
 from fibws.errors import NodeClosed, NodeReplaced, OperationRejected
-from fibws.node.part import Part
-from fibws.node.session import Session
-from fibws.protocol.operations import Publish, Reply, Unsubscribe
+from fibws.node.session import OperationHandler, Session, Tasks, throw
+from fibws.protocol.operations import Operation, Publish, Reply, Unsubscribe
 
-from .conftest import Lines, hears, said
+from .conftest import FakeSession, Lines, hears, reconnected, said
 
 
-class Ear(Part):
-    """A part that hears one topic, and notes what happens to it."""
+class Recorder(OperationHandler):
+    """A handler of one topic, which notes what happens to it."""
 
-    def __init__(self, session: Session, topic: str) -> None:
+    def __init__(self, session: FakeSession, topic: str) -> None:
         self.topic = topic
         self.notes: list[Any] = []
-        session.join(self)
+        session.add_handler(self)
 
-    def greeting(self) -> Iterator[bytes]:
-        yield self.topic.encode()
+    def registrations(self) -> Iterator[Operation]:
+        yield Unsubscribe(topic=self.topic)
 
     def receive(self, reply: Reply) -> bool:
         if not isinstance(reply, Publish) or reply.topic != self.topic:
@@ -38,7 +39,7 @@ class Ear(Part):
             self.notes.append(str(fault))
         return id_ == self.topic
 
-    def lose(self) -> None:
+    def on_disconnect(self) -> None:
         self.notes.append("lost")
 
     def end(self, fault: Exception | None) -> None:
@@ -46,48 +47,54 @@ class Ear(Part):
 
 
 @pytest.fixture
-def ears(session: Session) -> tuple[Ear, Ear]:
-    return Ear(session, "/a"), Ear(session, "/b")
+def recorders(session: FakeSession) -> tuple[Recorder, Recorder]:
+    return Recorder(session, "/a"), Recorder(session, "/b")
 
 
-def test_ids_differ(session: Session) -> None:
+async def test_ids_are_unique(session: FakeSession) -> None:
     assert session.id("advertise", "/a") != session.id("advertise", "/a")
 
 
-def test_only_a_hub_that_is_there_is_told(session: Session) -> None:
+async def test_operations_are_sent_only_while_there_is_a_hub(session: FakeSession) -> None:
     operation = Unsubscribe(topic="/a")
-    session.say(operation)
+    session.send(operation)
     assert said(session) == [{"op": "unsubscribe", "topic": "/a"}]
-    session.lose()
-    session.say(operation)
+    session.on_disconnect()
+    session.send(operation)
     assert said(session) == []
 
 
-def test_a_greeting_is_what_all_parts_have_to_say(session: Session, ears: tuple[Ear, Ear]) -> None:
-    assert session.greeting() == [b"/a", b"/b"]
+async def test_all_registrations_are_sent_on_a_new_connection(
+    session: FakeSession, recorders: tuple[Recorder, Recorder]
+) -> None:
+    assert [each["topic"] for each in reconnected(session)] == ["/a", "/b"]
 
 
-def test_each_part_gets_what_is_its_own(
-    session: Session, ears: tuple[Ear, Ear], lines: Lines
+async def test_each_handler_gets_its_own_operations(
+    session: FakeSession, recorders: tuple[Recorder, Recorder], lines: Lines
 ) -> None:
     hears(session, "publish", topic="/a", msg=1)
     hears(session, "publish", topic="/b", msg=2)
-    assert [ear.notes for ear in ears] == [[1], [2]]
+    assert [each.notes for each in recorders] == [[1], [2]]
     assert lines.seen() == []
 
 
-def test_a_frame_may_hold_several_operations(session: Session, ears: tuple[Ear, Ear]) -> None:
-    session.receive(b'{"op":"publish","topic":"/a","msg":1} {"op":"publish","topic":"/a","msg":2}')
-    assert ears[0].notes == [1, 2]
-
-
-def test_what_comes_too_late_is_no_mystery(
-    session: Session, ears: tuple[Ear, Ear], lines: Lines
+async def test_frame_may_hold_several_operations(
+    session: FakeSession, recorders: tuple[Recorder, Recorder]
 ) -> None:
-    session.leave(ears[0])
+    session.receive_text(
+        b'{"op":"publish","topic":"/a","msg":1} {"op":"publish","topic":"/a","msg":2}'
+    )
+    assert recorders[0].notes == [1, 2]
+
+
+async def test_late_operations_are_ignored(
+    session: FakeSession, recorders: tuple[Recorder, Recorder], lines: Lines
+) -> None:
+    session.remove_handler(recorders[0])
     hears(session, "publish", topic="/a", msg=1)
     hears(session, "action_feedback", action="/gone", id="7")
-    assert [ear.notes for ear in ears] == [[], []]
+    assert [each.notes for each in recorders] == [[], []]
     assert lines.seen() == []
 
 
@@ -96,82 +103,84 @@ def test_what_comes_too_late_is_no_mystery(
     [
         (b"[]", "Expected a JSON object"),
         (b'{"op":"fly"}', "Unknown operation: fly"),
-        (b'{"op":"png","data":""}', "an image of an operation"),
+        (b'{"op":"png","data":""}', "a PNG image"),
         (b"\xff", "utf-8"),
     ],
 )
-def test_what_is_not_understood_goes_to_the_log(
-    session: Session, lines: Lines, text: bytes, reason: str
+async def test_invalid_operations_are_logged(
+    session: FakeSession, lines: Lines, text: bytes, reason: str
 ) -> None:
-    session.receive(text)
+    session.receive_text(text)
     (line,) = lines.seen()
-    assert line.startswith("The hub sent what this node does not understand: ")
+    assert line.startswith("The hub sent an invalid operation: ")
     assert reason in line
 
 
-def test_fragments_are_put_together(session: Session, ears: tuple[Ear, Ear]) -> None:
+async def test_fragments_are_reassembled(
+    session: FakeSession, recorders: tuple[Recorder, Recorder]
+) -> None:
     text = '{"op":"publish","topic":"/a","msg":"grüße"}'
     for number, data in enumerate((text[:20], text[20:])):
-        assert ears[0].notes == []
+        assert recorders[0].notes == []
         hears(session, "fragment", id="f", data=data, num=number, total=2)
-    assert ears[0].notes == ["grüße"]
+    assert recorders[0].notes == ["grüße"]
 
 
-def test_half_a_message_is_of_no_use_to_the_next_connection(
-    session: Session, ears: tuple[Ear, Ear], lines: Lines
+async def test_fragments_of_a_lost_connection_are_forgotten(
+    session: FakeSession, recorders: tuple[Recorder, Recorder], lines: Lines
 ) -> None:
     text = '{"op":"publish","topic":"/a","msg":1}'
     hears(session, "fragment", id="f", data=text[:20], num=0, total=2)
-    session.lose()
+    session.on_disconnect()
     hears(session, "fragment", id="f", data=text[20:], num=1, total=2)
-    assert ears[0].notes == ["lost"]
+    assert recorders[0].notes == ["lost"]
 
 
-def test_a_refusal_reaches_whom_it_concerns(
-    session: Session, ears: tuple[Ear, Ear], lines: Lines
+async def test_refusal_reaches_its_handler(
+    session: FakeSession, recorders: tuple[Recorder, Recorder], lines: Lines
 ) -> None:
     hears(session, "status", level="error", id="/b", msg="no")
-    assert [ear.notes for ear in ears] == [[], ["no"]]
+    assert [each.notes for each in recorders] == [[], ["no"]]
     hears(session, "status", level="warning", id="/b", msg="hm")
     hears(session, "status", level="error", id="/c", msg="what")
     hears(session, "status", level="error", msg="how")
-    assert [ear.notes for ear in ears] == [[], ["no"]]
+    assert [each.notes for each in recorders] == [[], ["no"]]
     assert lines.seen() == ["The hub: hm", "The hub: what", "The hub: how"]
 
 
-def test_all_parts_hear_of_a_loss_and_of_the_first_end(
-    session: Session, ears: tuple[Ear, Ear]
+async def test_all_handlers_are_told_of_a_disconnection_and_of_the_first_end(
+    session: FakeSession, recorders: tuple[Recorder, Recorder]
 ) -> None:
     fault = NodeReplaced("by another")
-    session.lose()
+    session.on_disconnect()
     session.end(fault)
     session.end()
-    assert [ear.notes for ear in ears] == 2 * [["lost", fault]]
+    assert [each.notes for each in recorders] == 2 * [["lost", fault]]
     assert session.over
     with pytest.raises(NodeReplaced):
         session.check()
 
 
 @pytest.mark.parametrize("event", ["message", "refusal", "loss", "end"])
-def test_a_part_may_leave_whenever_it_hears_something(session: Session, event: str) -> None:
-    class Leaver(Ear):
-        """A part that leaves as soon as anything happens."""
+async def test_handler_may_be_removed_while_it_is_called(session: FakeSession, event: str) -> None:
+    class Leaver(Recorder):
+        """A handler that is removed as soon as anything happens."""
 
         def receive(self, reply: Reply) -> bool:
-            session.leave(self)
+            session.remove_handler(self)
             return super().receive(reply)
 
         def refuse(self, id_: str, fault: OperationRejected) -> bool:
-            session.leave(self)
+            session.remove_handler(self)
             return super().refuse(id_, fault)
 
-        def lose(self) -> None:
-            session.leave(self)
-            super().lose()
+        def on_disconnect(self) -> None:
+            session.remove_handler(self)
+            super().on_disconnect()
 
         def end(self, fault: Exception | None) -> None:
-            session.leave(self)
-            session.leave(self)
+            session.remove_handler(self)
+            session.remove_handler(self)
             super().end(fault)
 
     leavers = [Leaver(session, f"/{number}") for number in range(3)]
@@ -181,20 +190,20 @@ def test_a_part_may_leave_whenever_it_hears_something(session: Session, event: s
         case "refusal":
             hears(session, "status", level="error", id="/2", msg="no")
         case "loss":
-            session.lose()
+            session.on_disconnect()
         case "end":
             session.end()
-    assert session.parts() == []
+    assert session.handlers() == []
     assert len(leavers[2].notes) == 1
 
 
-def test_nobody_joins_once_the_node_has_ended(session: Session) -> None:
+async def test_no_handler_is_added_after_the_end(session: FakeSession) -> None:
     session.end()
     with pytest.raises(NodeClosed):
-        Ear(session, "/a")
+        Recorder(session, "/a")
 
 
-async def test_a_node_that_was_not_entered_says_so_to_who_waits() -> None:
+async def test_waiting_raises_before_the_node_is_entered() -> None:
     session = Session(logging.Logger("test"))
     for wait in (session.wait_for_hub, session.ended):
         with pytest.raises(RuntimeError, match="enter the node first: async with node"):
@@ -205,15 +214,15 @@ async def test_a_node_that_was_not_entered_says_so_to_who_waits() -> None:
         await session.wait_for_hub()
 
 
-def test_the_end_may_be_nobodys_fault(session: Session) -> None:
+async def test_node_may_end_without_an_error(session: FakeSession) -> None:
     session.check()
     session.end()
     with pytest.raises(NodeClosed, match="the node has ended"):
         session.check()
 
 
-def test_a_message_goes_straight_to_who_hears_messages(
-    session: Session, ears: tuple[Ear, Ear], lines: Lines
+async def test_messages_go_to_the_message_handler_first(
+    session: FakeSession, recorders: tuple[Recorder, Recorder], lines: Lines
 ) -> None:
     heard: list[tuple[str, Any, dict[str, str] | None]] = []
 
@@ -221,17 +230,110 @@ def test_a_message_goes_straight_to_who_hears_messages(
         heard.append((topic, message, header))
         return topic == "/c"
 
-    session.hand_messages_to(hear)
-    session.receive(b'{"op":"publish","topic":"/c","msg":1,"header":{"callerid":"/talker"}}')
-    session.receive(b'{"op":"publish","topic":"/a","msg":2}')
+    session.set_message_handlers(hear, session.receive_binary)
+    session.receive_text(b'{"op":"publish","topic":"/c","msg":1,"header":{"callerid":"/talker"}}')
+    session.receive_text(b'{"op":"publish","topic":"/a","msg":2}')
     assert heard == [("/c", 1, {"callerid": "/talker"}), ("/a", 2, None)]
-    assert ears[0].notes == [2], "nobody else wanted it"
+    assert recorders[0].notes == [2], "nobody else wanted it"
     for wrong in (
         b'"topic":5',
         b'"topic":"/a","header":{"callerid":5}',
         b'"topic":"/a","header":5',
     ):
-        session.receive(b'{"op":"publish","msg":3,%b}' % wrong)
+        session.receive_text(b'{"op":"publish","msg":3,%b}' % wrong)
     assert len(heard) == 2
-    assert ears[0].notes == [2, 3, 3], "they come without their headers"
+    assert recorders[0].notes == [2, 3, 3], "they come without their headers"
     assert len(lines.seen()) == 1
+
+
+async def test_status_about_an_unknown_publisher_is_a_detail(
+    session: FakeSession, lines: Lines
+) -> None:
+    session.log.setLevel(logging.INFO)
+    hears(session, "status", level="error", msg="no publisher 7", code="unknown_publisher")
+    assert lines.seen() == []
+    hears(session, "status", level="error", msg="no publisher 7")
+    assert lines.seen() == ["The hub: no publisher 7"]
+
+
+async def forever() -> None:
+    await asyncio.Event().wait()
+
+
+async def test_tasks_are_forgotten_once_they_are_done() -> None:
+    tasks = Tasks()
+    done = asyncio.Event()
+
+    async def wait() -> None:
+        await done.wait()
+
+    task = tasks.start(wait(), "waiting")
+    assert (task.get_name(), len(tasks)) == ("waiting", 1)
+    done.set()
+    await tasks.finished()
+    assert task.done()
+    assert len(tasks) == 0
+
+
+async def test_tasks_can_be_cancelled_owner_by_owner() -> None:
+    tasks = Tasks()
+    part, other = Tasks(tasks), Tasks(tasks)
+    first, second = part.start(forever(), "first"), other.start(forever(), "second")
+    assert len(tasks) == 2
+    part.cancel()
+    await part.finished()
+    assert (first.cancelled(), second.done(), len(tasks)) == (True, False, 1)
+    tasks.cancel()
+    await tasks.finished()
+    assert second.cancelled()
+
+
+async def test_task_that_cancels_all_does_not_wait_for_itself() -> None:
+    tasks = Tasks()
+
+    async def end() -> None:
+        tasks.cancel()
+        await tasks.finished()
+
+    other = tasks.start(forever(), "other")
+    last = tasks.start(end(), "last")
+    async with asyncio.timeout(60):
+        await asyncio.wait({last})
+    assert other.cancelled()
+    assert not last.cancelled()
+
+
+def test_cancelling_no_tasks_does_nothing() -> None:
+    Tasks().cancel()
+
+
+async def test_finished_waits_for_slow_tasks() -> None:
+    tasks = Tasks()
+    asked, may = asyncio.Event(), asyncio.Event()
+
+    async def slow() -> None:
+        try:
+            await forever()
+        finally:
+            asked.set()
+            await may.wait()
+
+    task = tasks.start(slow(), "slow")
+    await asyncio.sleep(0)
+    tasks.cancel()
+    ending = asyncio.create_task(tasks.finished())
+    await asked.wait()
+    assert not ending.done()
+    may.set()
+    await ending
+    assert task.done()
+
+
+def test_traceback_does_not_grow() -> None:
+    fault = NodeClosed("the node has ended")
+    lengths = set()
+    for _ in range(3):
+        with pytest.raises(NodeClosed):
+            throw(fault)
+        lengths.add(len(traceback.extract_tb(fault.__traceback__)))
+    assert len(lengths) == 1

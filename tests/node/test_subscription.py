@@ -8,100 +8,118 @@ from typing import Any
 
 import pytest
 
-from fibws.errors import InvalidMessage, NodeReplaced
-from fibws.node.subscription import Subscription
+from fibws.errors import NodeReplaced
+from fibws.msg.std_msgs import Int32
+from fibws.node.subscription import Received, Subscription
+from fibws.node.types import Types
 from fibws.protocol.operations import Subscribe
+
+from .conftest import Lines
 
 
 def subscription(
     queue_size: int | None = 10, *, headers: bool | None = None, **changes: Any
-) -> Subscription[Any]:
+) -> Subscription[Int32]:
     arguments = {
-        "build": lambda msg: msg,
-        "leave": lambda subscription: None,
+        "codec": Types(lambda: 0).codec(Int32),
+        "withdraw": lambda subscription: None,
         "log": logging.Logger("test"),
     }
     operation = Subscribe(topic="/t", type="std_msgs/Int32", headers=headers)
-    return Subscription(operation, "std_msgs/Int32", queue_size, **{**arguments, **changes})
+    return Subscription(operation, queue_size=queue_size, **{**arguments, **changes})
 
 
-async def rest(numbers: Subscription[Any]) -> list[Any]:
-    return [number async for number in numbers]
+def message(number: int, *, serialized: bool = True) -> Any:
+    """What `Subscription.offer` takes: serialized, or JSON values."""
+    return memoryview(number.to_bytes(4, "little")) if serialized else {"data": number}
 
 
-def test_it_shows_what_it_listens_to() -> None:
+async def rest(numbers: Subscription[Int32]) -> list[int]:
+    return [number.data async for number in numbers]
+
+
+def test_repr() -> None:
     assert repr(subscription()) == "<Subscription /t [std_msgs/Int32]>"
 
 
-async def test_messages_are_read_in_order_and_then_the_end() -> None:
+@pytest.mark.parametrize("serialized", [True, False])
+async def test_messages_are_read_in_order_and_then_the_end(serialized: bool) -> None:
     numbers = subscription()
     for number in range(3):
-        numbers.offer(number)
+        numbers.offer(message(number, serialized=serialized))
     numbers.end()
     assert await rest(numbers) == [0, 1, 2]
 
 
-async def test_the_oldest_make_way_and_are_counted() -> None:
+async def test_oldest_messages_are_dropped_and_counted() -> None:
     numbers = subscription(queue_size=2)
     for number in range(5):
-        numbers.offer(number)
+        numbers.offer(message(number))
     numbers.end()
     assert numbers.dropped == 3
     assert await rest(numbers) == [3, 4]
 
 
-async def test_a_reader_waits_for_what_comes() -> None:
+async def test_dropped_messages_are_not_decoded() -> None:
+    numbers = subscription(queue_size=1)
+    for _ in range(3):
+        numbers.offer(memoryview(b"invalid"))
+    numbers.offer(message(5))
+    assert (await anext(numbers)).data == 5
+
+
+async def test_reader_waits_for_a_message() -> None:
     numbers = subscription()
     reading = asyncio.create_task(anext(numbers))
     await asyncio.sleep(0)
-    numbers.offer(1)
-    assert await reading == 1
+    numbers.offer(message(1))
+    assert await reading == Int32(1)
 
 
-async def test_two_readers_share_the_messages_and_both_hear_of_the_end() -> None:
+async def test_two_readers_share_the_messages_and_both_end() -> None:
     numbers = subscription()
     readers = [asyncio.create_task(rest(numbers)) for _ in range(2)]
     await asyncio.sleep(0)
-    numbers.offer(1)
-    numbers.offer(2)
+    numbers.offer(message(1))
+    numbers.offer(message(2))
     await asyncio.sleep(0)
     numbers.end()
     first, second = await asyncio.gather(*readers)
     assert sorted(first + second) == [1, 2]
 
 
-async def test_closing_forgets_what_was_not_read_and_is_told_once() -> None:
-    left: list[object] = []
-    numbers = subscription(leave=left.append)
-    numbers.offer(1)
+async def test_closing_discards_messages_and_withdraws_once() -> None:
+    withdrawn: list[object] = []
+    numbers = subscription(withdraw=withdrawn.append)
+    numbers.offer(message(1))
     numbers.close()
     numbers.close()
-    assert left == [numbers]
+    assert withdrawn == [numbers]
     assert await rest(numbers) == []
 
 
-async def test_a_reader_who_stops_waiting_misses_nothing() -> None:
+async def test_reader_that_timed_out_misses_nothing() -> None:
     numbers = subscription()
     with pytest.raises(TimeoutError):
         async with asyncio.timeout(0):
             await anext(numbers)
-    numbers.offer(1)
-    assert await anext(numbers) == 1
+    numbers.offer(message(1))
+    assert await anext(numbers) == Int32(1)
 
 
-async def test_what_cannot_be_read_is_passed_over() -> None:
-    def build(msg: object) -> object:
-        if msg == "bad":
-            raise InvalidMessage("bad")
-        return msg
+@pytest.mark.parametrize("invalid", [memoryview(b"abc"), {"data": "text"}, None])
+async def test_invalid_message_is_logged_and_skipped(invalid: Any) -> None:
+    log = logging.Logger("test")
+    lines = Lines(log)
+    numbers = subscription(log=log)
+    numbers.offer(invalid)
+    numbers.offer(message(1))
+    assert await anext(numbers) == Int32(1)
+    (line,) = lines.seen()
+    assert line.startswith("Dropped a message on /t: ")
 
-    numbers = subscription(build=build)
-    numbers.offer("bad")
-    numbers.offer("good")
-    assert await anext(numbers) == "good"
 
-
-async def test_a_fault_is_raised_each_time() -> None:
+async def test_fault_is_raised_each_time() -> None:
     numbers = subscription()
     numbers.end(NodeReplaced("by another"))
     for _ in range(2):
@@ -109,61 +127,87 @@ async def test_a_fault_is_raised_each_time() -> None:
             await anext(numbers)
 
 
-async def test_without_a_queue_size_nothing_makes_way() -> None:
+async def test_nothing_is_dropped_without_a_queue_size() -> None:
     numbers = subscription(queue_size=None)
     for number in range(20_000):
-        numbers.offer(number)
+        assert not numbers.offer(message(number))
     numbers.end()
     assert len(await rest(numbers)) == 20_000
     assert numbers.dropped == 0
 
 
-async def test_the_header_is_that_of_the_message_that_was_read() -> None:
+async def test_header_is_that_of_the_last_message_read() -> None:
     numbers = subscription(headers=True)
     assert numbers.connection_header == {}
-    numbers.offer(1, {"callerid": "/a"})
-    numbers.offer(2, {"callerid": "/b"})
-    numbers.offer(3)
-    for header in ({"callerid": "/a"}, {"callerid": "/b"}, {}):
+    numbers.offer(message(1), b'{"callerid":"/a"}')
+    numbers.offer(message(2), b'{"callerid":"/b"}')
+    numbers.offer(message(3), b'{"callerid":"/a"}')
+    numbers.offer(message(4), {"callerid": "/c"})
+    numbers.offer(message(5))
+    numbers.offer(message(6), b"")
+    for name in ("/a", "/b", "/a", "/c"):
         await anext(numbers)
-        assert numbers.connection_header == header
+        assert numbers.connection_header == {"callerid": name}
+    for _ in range(2):
+        await anext(numbers)
+        assert numbers.connection_header == {}
 
 
-async def test_who_did_not_ask_has_no_header() -> None:
+async def test_headers_of_many_publishers_do_not_pile_up() -> None:
+    numbers = subscription(headers=True)
+    for number in range(1000):
+        numbers.offer(message(number), b'{"callerid":"/%d"}' % number)
+        await anext(numbers)
+        assert numbers.connection_header == {"callerid": f"/{number}"}
+    assert len(numbers._headers) <= 100
+
+
+async def test_no_header_unless_it_was_asked_for() -> None:
     numbers = subscription()
-    numbers.offer(1, {"callerid": "/a"})
+    numbers.offer(message(1), b'{"callerid":"/a"}')
     await anext(numbers)
     assert numbers.connection_header == {}
 
 
-async def test_messages_may_be_handed_to_a_function_as_they_come() -> None:
+async def test_messages_can_be_handed_to_a_function() -> None:
     taken: list[object] = []
+    numbers = subscription(headers=True)
 
-    def build(msg: object) -> object:
-        if msg == "bad":
-            raise InvalidMessage("bad")
-        return msg
-
-    numbers = subscription(build=build, headers=True)
-
-    def take(message: object) -> None:
-        taken.append((message, numbers.connection_header))
+    def take(number: Int32) -> None:
+        taken.append((number.data, numbers.connection_header))
 
     numbers.hand_to(take)
     for number in range(20):
-        numbers.offer(number, {"callerid": str(number)})
-    numbers.offer("bad")
+        assert not numbers.offer(message(number), {"callerid": str(number)})
+    numbers.offer(memoryview(b"abc"))
     assert taken == [(number, {"callerid": str(number)}) for number in range(20)]
     assert numbers.dropped == 0
     numbers.end()
     assert await rest(numbers) == []
+    numbers.offer(message(1))
+    assert len(taken) == 20
 
 
-def test_it_is_full_when_the_next_message_drops_one() -> None:
-    numbers, all_ = subscription(queue_size=2), subscription(queue_size=None)
-    seen = []
-    for number in range(3):
-        for each in (numbers, all_):
-            each.offer(number)
-        seen.append((numbers.is_full, numbers.dropped, all_.is_full))
-    assert seen == [(False, 0, False), (True, 0, False), (True, 1, False)]
+async def test_messages_can_be_decoded_later() -> None:
+    numbers = subscription()
+    taken: list[Received] = []
+    numbers.hand_undecoded_to(taken.append)
+    numbers.offer(message(5), b"{}")
+    numbers.offer(message(6, serialized=False), None)
+    numbers.offer(memoryview(b"abc"), None)
+    assert [numbers.decode(each) for each in taken] == [Int32(5), Int32(6), None]
+    assert [header for _, header in taken] == [b"{}", None, None]
+
+
+def test_offer_reports_a_full_queue() -> None:
+    numbers, single = subscription(queue_size=2), subscription(queue_size=1)
+    assert [numbers.offer(message(number)) for number in range(4)] == [False, True, True, True]
+    assert [single.offer(message(number)) for number in range(2)] == [True, True]
+    assert (numbers.dropped, single.dropped) == (2, 1)
+
+
+def test_operation_asks_for_serialized_messages_where_it_can() -> None:
+    numbers = subscription()
+    plain, ours = (numbers.registration(serialized=serialized) for serialized in (False, True))
+    assert (plain.compression, plain.md5sum) == ("none", None)
+    assert (ours.compression, ours.md5sum) == ("ros1", "da5909fbe378aeaf85e547e830cc1bb7")

@@ -1,58 +1,76 @@
-"""A node's publishers and subscriptions, as its hub hears of them: no socket and no loop."""
+"""A node's publishers and subscriptions, as its hub knows them: without a socket."""
 
 from __future__ import annotations
 
-import json
-import logging
 from typing import Any
 
 import pytest
 
 from fibws.errors import NodeClosed, NodeError, OperationRejected
-from fibws.node.advertisement import Advertisement
-from fibws.node.outbox import LIMIT
-from fibws.node.session import Session
+from fibws.msg.std_msgs import Int32
+from fibws.node.publisher import Publisher
 from fibws.node.subscription import Subscription
 from fibws.node.topics import Topics
-from fibws.protocol.operations import Advertise, Subscribe
+from fibws.node.types import Types
+from fibws.protocol.serialized import deliver_head
 
-from .conftest import greeted, hears, said
-
-INT32 = "std_msgs/Int32"
+from .conftest import FakeSession, Lines, hears, reconnected, said
 
 
 @pytest.fixture
-def topics(session: Session) -> Topics:
+def topics(session: FakeSession) -> Topics:
     return Topics(session)
 
 
-def advertise(
-    topics: Topics, topic: str, *, latch: bool = False, peers: bool | None = None
-) -> Advertisement:
-    operation = Advertise(
-        id=f"advertise:{topic}", topic=topic, type=INT32, latch=latch, peers=peers
-    )
-    return topics.advertise(operation)
+def advertise(topics: Topics, topic: str, **options: Any) -> Publisher[Int32]:
+    codec = Types(lambda: 0).codec(Int32)
+    return topics.advertise(topic, codec, **{"queue_size": 10, **options})
 
 
-def subscribe(topics: Topics, topic: str, id_: str | None = None) -> Subscription[Any]:
-    operation = Subscribe(id=id_ or f"subscribe:{topic}", topic=topic, type=INT32)
-    subscription: Subscription[Any] = Subscription(
-        operation, INT32, 10, lambda msg: msg, topics.unsubscribe, logging.Logger("test")
-    )
-    topics.subscribe(subscription)
-    return subscription
+def subscribe(topics: Topics, topic: str, **options: Any) -> Subscription[Int32]:
+    codec = Types(lambda: 0).codec(Int32)
+    return topics.subscribe(topic, codec, **{"queue_size": 10, **options})
 
 
 def names(operations: list[dict[str, Any]]) -> list[tuple[str, str]]:
     return [(each["op"], each["topic"]) for each in operations]
 
 
-def test_registrations_are_said_as_they_come_and_go(session: Session, topics: Topics) -> None:
-    advertisement = advertise(topics, "/a")
+async def read(subscription: Subscription[Int32]) -> list[int]:
+    return [message.data async for message in subscription]
+
+
+def delivers(
+    session: FakeSession, subscription: Subscription[Int32], number: int, header: bytes = b""
+) -> None:
+    """Let the session receive a serialized message."""
+    if session.serialized:
+        head = deliver_head(7, 0, header)
+        session.receive_binary(head + number.to_bytes(4, "little"))
+    else:
+        hears(session, "publish", topic=subscription.topic, msg={"data": number})
+
+
+def subscribed(session: FakeSession, subscription: Subscription[Int32], topic_id: int = 7) -> None:
+    """Let the session be one of `fibws.v1`, and hear a topic's number."""
+    session.serialized = True
+    hears(
+        session,
+        "subscribed",
+        id=subscription.id,
+        topic=subscription.topic,
+        topic_id=topic_id,
+        type="std_msgs/Int32",
+        md5sum="da5909fbe378aeaf85e547e830cc1bb7",
+    )
+
+
+async def test_registrations_are_sent_and_taken_back(session: FakeSession, topics: Topics) -> None:
+    publisher = advertise(topics, "/a")
     subscription = subscribe(topics, "/s")
-    topics.unadvertise(advertisement)
-    subscription.close()
+    for _ in range(2):
+        publisher.close()
+        subscription.close()
     assert names(said(session)) == [
         ("advertise", "/a"),
         ("subscribe", "/s"),
@@ -62,203 +80,227 @@ def test_registrations_are_said_as_they_come_and_go(session: Session, topics: To
     assert topics.names() == []
 
 
-def test_registrations_that_are_taken_back_twice_are_said_once(
-    session: Session, topics: Topics
+async def test_registrations_made_without_a_hub_are_sent_to_the_next(
+    session: FakeSession, topics: Topics
 ) -> None:
-    advertisement = advertise(topics, "/a")
-    subscription = subscribe(topics, "/s")
-    said(session)
-    for _ in range(2):
-        topics.unadvertise(advertisement)
-        topics.unsubscribe(subscription)
-    assert names(said(session)) == [("unadvertise", "/a"), ("unsubscribe", "/s")]
-
-
-def test_without_a_hub_they_wait_for_the_greeting(session: Session, topics: Topics) -> None:
-    session.lose()
+    session.on_disconnect()
     advertise(topics, "/a")
     subscribe(topics, "/s")
-    gone = advertise(topics, "/gone")
-    topics.unadvertise(gone)
+    advertise(topics, "/gone").close()
     assert names(said(session)) == []
-    assert names(greeted(session)) == [("advertise", "/a"), ("subscribe", "/s")]
+    session.reconnect()
+    assert names(said(session)) == [("advertise", "/a"), ("subscribe", "/s")]
 
 
-def test_a_greeting_ends_in_what_is_latched_unless_newer_messages_wait(
-    session: Session, topics: Topics
+async def test_latched_messages_follow_registrations_unless_newer_ones_wait(
+    session: FakeSession, topics: Topics
 ) -> None:
     sent = advertise(topics, "/sent", latch=True)
     waiting = advertise(topics, "/waiting", latch=True)
     unlatched = advertise(topics, "/unlatched")
     advertise(topics, "/silent", latch=True)
     for each in (sent, waiting, unlatched):
-        topic = each.operation.topic
-        topics.publish(each, json.dumps({"op": "publish", "topic": topic}).encode())
+        each.send(each.encode(1))
     said(session)
-    session.lose()
-    topics.publish(waiting, b'{"op":"publish","topic":"/waiting"}')
-    assert names(greeted(session))[4:] == [("publish", "/sent")]
+    session.on_disconnect()
+    waiting.send(waiting.encode(2))
+    session.connect(session.frames, serialized=False, hold=True)
+    operations = session.frames.operations
+    first = [operations.get_nowait() for _ in range(operations.qsize())]
+    assert names(first)[4:] == [("publish", "/sent")]
+    assert [(each["topic"], each["msg"]) for each in said(session)] == [("/waiting", {"data": 2})]
 
 
-def test_a_greeting_has_what_is_latched_though_a_message_for_one_node_waits(
-    session: Session, topics: Topics
+async def test_latched_message_is_sent_again_though_one_for_another_node_waits(
+    session: FakeSession, topics: Topics
 ) -> None:
-    latching = advertise(topics, "/a", latch=True)
-    topics.publish(latching, b'{"op":"publish","topic":"/a","msg":1}')
+    publisher = advertise(topics, "/a", latch=True)
+    publisher.send(publisher.encode(1))
     said(session)
-    session.lose()
-    topics.publish(latching, b'{"op":"publish","topic":"/a","to":"/b","msg":2}', to_all=False)
-    assert [each["msg"] for each in greeted(session)[1:]] == [1]
-    assert [each["msg"] for each in said(session)] == [2]
+    session.on_disconnect()
+    publisher.send(publisher.encode_to("/b", 2))
+    session.reconnect()
+    assert [each.get("to") for each in said(session)[1:]] == [None, "/b"]
 
 
-async def test_messages_reach_their_listeners_alone(session: Session, topics: Topics) -> None:
-    subscription, other = subscribe(topics, "/s"), subscribe(topics, "/o")
-    session.receive(b'{"op":"publish","topic":"/s","msg":1}')
-    session.receive(b'{"op":"publish","topic":"/late","msg":2}')
+@pytest.mark.parametrize("serialized", [True, False])
+async def test_messages_reach_the_readers_of_their_topic(
+    session: FakeSession, topics: Topics, lines: Lines, serialized: bool
+) -> None:
+    first, second, other = (subscribe(topics, topic) for topic in ("/s", "/s", "/o"))
+    if serialized:
+        subscribed(session, first)
+        subscribed(session, second)
+        subscribed(session, other, 8)
+        session.receive_binary(deliver_head(9, 0) + bytes(4))
+    delivers(session, first, 1)
+    hears(session, "publish", topic="/late", msg=2)
     session.end()
-    assert [message async for message in subscription] == [1]
-    assert [message async for message in other] == []
+    assert [await read(each) for each in (first, second, other)] == [[1], [1], []]
+    assert lines.seen() == []
 
 
-def test_who_closes_while_it_is_given_a_message_keeps_it_from_nobody(
-    session: Session, topics: Topics
+async def test_header_comes_with_its_message(session: FakeSession, topics: Topics) -> None:
+    subscription = subscribe(topics, "/s", headers=True)
+    hears(session, "publish", topic="/s", msg={"data": 1}, header={"callerid": "/a"})
+    hears(session, "publish", topic="/s", msg={"data": 2}, header="none")
+    subscribed(session, subscription)
+    delivers(session, subscription, 3, b'{"callerid":"/b"}')
+    headers = []
+    for _ in range(3):
+        await anext(subscription)
+        headers.append(subscription.connection_header)
+    assert headers == [{"callerid": "/a"}, {}, {"callerid": "/b"}]
+
+
+async def test_numbers_of_topics_are_forgotten_with_the_hub(
+    session: FakeSession, topics: Topics
 ) -> None:
-    first, second, third = (subscribe(topics, "/s", id_) for id_ in ("1", "2", "3"))
-    heard: list[tuple[str, object]] = []
+    subscription = subscribe(topics, "/s")
+    subscribed(session, subscription)
+    session.on_disconnect()
+    delivers(session, subscription, 1)
+    session.end()
+    assert await read(subscription) == []
 
-    def take(message: object) -> None:
-        heard.append(("first", message))
+
+@pytest.mark.parametrize("frame", [b"", b"\x01\x00", b"\x09" + bytes(20)])
+async def test_invalid_frame_is_logged(
+    session: FakeSession, topics: Topics, lines: Lines, frame: bytes
+) -> None:
+    session.receive_binary(frame)
+    (line,) = lines.seen()
+    assert line.startswith("The hub sent an invalid binary frame: ")
+
+
+async def test_subscription_may_be_closed_while_a_message_is_delivered(
+    session: FakeSession, topics: Topics
+) -> None:
+    received: list[tuple[str, int]] = []
+
+    def take(message: Int32) -> None:
+        received.append(("first", message.data))
         first.close()
         third.close()
 
-    first.hand_to(take)
-    second.hand_to(lambda message: heard.append(("second", message)))
-    third.hand_to(lambda message: heard.append(("third", message)))
+    first = subscribe(topics, "/s", take=take)
+    second = subscribe(topics, "/s", take=lambda message: received.append(("second", message.data)))
+    third = subscribe(topics, "/s", take=lambda message: received.append(("third", message.data)))
     for number in (1, 2):
-        hears(session, "publish", topic="/s", msg=number)
-    assert heard == [("first", 1), ("second", 1), ("second", 2)]
+        hears(session, "publish", topic="/s", msg={"data": number})
+    assert received == [("first", 1), ("second", 1), ("second", 2)]
     second.close()
     assert topics.names() == []
 
 
-async def test_what_is_no_message_is_for_others(session: Session, topics: Topics) -> None:
-    subscription = subscribe(topics, "/s")
-    hears(session, "service_response", service="/s", id="subscribe:/s", values={}, result=True)
-    session.end()
-    assert [message async for message in subscription] == []
-
-
-def test_a_refusal_reaches_its_publisher_alone(session: Session, topics: Topics) -> None:
-    refused, other = advertise(topics, "/a"), advertise(topics, "/b")
-    hears(session, "status", level="error", id="advertise:/a", msg="no")
+async def test_refusal_ends_its_publisher_alone(session: FakeSession, topics: Topics) -> None:
+    refusals: list[NodeError] = []
+    refused = advertise(topics, "/a", refused=refusals.append)
+    other = advertise(topics, "/b", refused=refusals.append)
+    hears(session, "status", level="error", id=refused.id, msg="no")
     with pytest.raises(OperationRejected, match="no"):
-        topics.publish(refused, b"{}")
-    topics.publish(other, b"{}")
+        refused.send(refused.encode())
+    other.send(other.encode())
     assert topics.names() == ["/b"]
+    assert refusals == [refused.fault]
 
 
-def test_the_names_are_those_of_now(session: Session, topics: Topics) -> None:
-    refused = advertise(topics, "/b")
-    closed = advertise(topics, "/c")
-    heard = subscribe(topics, "/a")
-    assert topics.names() == topics.names() == ["/a", "/b", "/c"]
-    hears(session, "status", level="error", id=refused.operation.id, msg="no")
-    assert topics.names() == ["/a", "/c"]
-    topics.unadvertise(closed)
-    assert topics.names() == ["/a"]
-    heard.close()
-    assert topics.names() == []
-    advertise(topics, "/d")
-    assert topics.names() == ["/d"]
-
-
-def test_whoever_asks_is_told_of_a_refusal(session: Session, topics: Topics) -> None:
-    told: list[NodeError] = []
-    operation = Advertise(id="mine", topic="/a", type="std_msgs/Int32", queue_size=1)
-    topics.advertise(operation, told.append)
-    hears(session, "status", level="error", id="mine", msg="no")
-    assert [str(fault) for fault in told] == ["no"]
-
-
-async def test_a_refusal_reaches_its_reader_alone(session: Session, topics: Topics) -> None:
-    refused, other = subscribe(topics, "/a"), subscribe(topics, "/b")
-    hears(session, "status", level="error", id="subscribe:/a", msg="no")
-    session.receive(b'{"op":"publish","topic":"/b","msg":1}')
+async def test_refusal_ends_its_subscription_alone(session: FakeSession, topics: Topics) -> None:
+    refusals: list[OperationRejected] = []
+    refused = subscribe(topics, "/a", refused=refusals.append)
+    other = subscribe(topics, "/b")
+    hears(session, "status", level="error", id=refused.id, msg="no")
+    hears(session, "publish", topic="/b", msg={"data": 1})
     with pytest.raises(OperationRejected, match="no"):
         await anext(refused)
-    assert await anext(other) == 1
+    assert await anext(other) == Int32(1)
+    assert len(refusals) == 1
 
 
-def test_a_warning_about_a_registration_does_not_end_it(session: Session, topics: Topics) -> None:
-    advertisement = advertise(topics, "/a")
-    hears(session, "status", level="warning", id="advertise:/a", msg="hm")
-    topics.publish(advertisement, b"{}")
+async def test_warning_about_a_registration_does_not_end_it(
+    session: FakeSession, topics: Topics
+) -> None:
+    publisher = advertise(topics, "/a")
+    hears(session, "status", level="warning", id=publisher.id, msg="hm")
+    publisher.send(publisher.encode())
 
 
-def test_what_is_closed_or_over_cannot_publish(session: Session, topics: Topics) -> None:
-    closed, open_ = advertise(topics, "/closed"), advertise(topics, "/open")
-    topics.unadvertise(closed)
-    with pytest.raises(NodeClosed, match="/closed"):
-        topics.publish(closed, b"{}")
+async def test_names_are_those_of_all_registrations(session: FakeSession, topics: Topics) -> None:
+    refused = advertise(topics, "/b")
+    closed = advertise(topics, "/c")
+    subscription = subscribe(topics, "/a")
+    assert topics.names() == ["/a", "/b", "/c"]
+    hears(session, "status", level="error", id=refused.id, msg="no")
+    closed.close()
+    assert topics.names() == ["/a"]
+    subscription.close()
+    assert topics.names() == []
+
+
+async def test_nothing_is_registered_after_the_end(session: FakeSession, topics: Topics) -> None:
     session.end()
     assert topics.over
-    with pytest.raises(NodeClosed, match="the node has ended"):
-        topics.publish(open_, b"{}")
+    for register in (advertise, subscribe):
+        with pytest.raises(NodeClosed, match="the node has ended"):
+            register(topics, "/a")
 
 
-def test_peers_are_told_to_who_asked_by_the_id(session: Session, topics: Topics) -> None:
+async def test_peers_are_reported_by_the_registrations_id(
+    session: FakeSession, topics: Topics
+) -> None:
     first, second = advertise(topics, "/a", peers=True), advertise(topics, "/b", peers=True)
-    subscription = subscribe(topics, "/a")
-    hears(session, "peers", id="advertise:/a", topic="/a", nodes=["/listener"])
-    hears(session, "peers", id="subscribe:/a", topic="/a", nodes=["/talker"])
-    hears(session, "peers", id="of none", topic="/a", nodes=["/nobody"])
+    subscription = subscribe(topics, "/a", peers=True)
+    hears(session, "peers", id=first.id, topic="/a", nodes=["/listener"])
+    hears(session, "peers", id=subscription.id, topic="/a", nodes=["/talker"])
+    hears(session, "peers", id="unknown", topic="/a", nodes=["/nobody"])
     assert [each.peers.names for each in (first, second)] == [["/listener"], []]
     assert subscription.peers.names == ["/talker"]
 
 
-@pytest.mark.parametrize("end", ["lose", "close", "refuse", "end"])
-def test_peers_go_with_the_hub_or_with_who_asked(
-    session: Session, topics: Topics, end: str
-) -> None:
-    advertisement, subscription = advertise(topics, "/a", peers=True), subscribe(topics, "/a")
-    for id_ in ("advertise:/a", "subscribe:/a"):
+@pytest.mark.parametrize("end", ["disconnect", "close", "refuse", "end"])
+async def test_peers_are_forgotten(session: FakeSession, topics: Topics, end: str) -> None:
+    publisher, subscription = advertise(topics, "/a", peers=True), subscribe(topics, "/a")
+    for id_ in (publisher.id, subscription.id):
         hears(session, "peers", id=id_, topic="/a", nodes=["/b"])
     match end:
-        case "lose":
-            session.lose()
+        case "disconnect":
+            session.on_disconnect()
         case "close":
-            topics.unadvertise(advertisement)
+            publisher.close()
             subscription.close()
         case "refuse":
-            for id_ in ("advertise:/a", "subscribe:/a"):
+            for id_ in (publisher.id, subscription.id):
                 hears(session, "status", level="error", id=id_, msg="no")
         case "end":
             session.end()
-    assert advertisement.peers.names == subscription.peers.names == []
+    assert publisher.peers.names == subscription.peers.names == []
 
 
-def test_a_header_goes_to_the_listeners_with_its_message(session: Session, topics: Topics) -> None:
-    subscription = subscribe(topics, "/a")
-    hears(session, "publish", topic="/a", msg={"data": 1}, header={"callerid": "/b"})
-    hears(session, "publish", topic="/a", msg={"data": 2}, header="none")
-    assert list(subscription._messages) == [({"data": 1}, {"callerid": "/b"}), ({"data": 2}, None)]
-
-
-def test_the_session_hears_when_a_reader_has_no_place_left(
-    session: Session, topics: Topics
+async def test_readers_get_a_turn_when_a_queue_is_full(
+    session: FakeSession, topics: Topics
 ) -> None:
-    subscribe(topics, "/a")
-    for number in range(10):
-        assert not session.crowded
-        hears(session, "publish", topic="/a", msg=number)
-    assert session.crowded
+    turns: list[int] = []
+    session.connect(session.frames, serialized=False, end_turn=lambda: turns.append(len(sent)))
+    subscription = subscribe(topics, "/a", queue_size=3)
+    sent: list[int] = []
+    for number in range(3):
+        sent.append(number)
+        delivers(session, subscription, number)
+    assert turns == [3]
+    subscribed(session, subscription)
+    sent.append(3)
+    delivers(session, subscription, 3)
+    assert turns == [3, 4]
 
 
-def test_there_is_room_until_the_outbox_is_full(session: Session, topics: Topics) -> None:
-    seen = [topics.has_room]
-    session.outbox.put(bytes(LIMIT))
-    seen.append(topics.has_room)
-    session.lose()
-    seen.append(topics.has_room)
-    assert seen == [True, False, True]
+async def test_queue_size_is_sent_to_the_hub(session: FakeSession, topics: Topics) -> None:
+    subscribe(topics, "/a", queue_size=3)
+    subscribe(topics, "/b", queue_size=None)
+    assert [each["queue_length"] for each in said(session)] == [3, 10_000]
+
+
+async def test_reconnection_repeats_registrations_with_their_ids(
+    session: FakeSession, topics: Topics
+) -> None:
+    ids = [advertise(topics, "/a").id, subscribe(topics, "/s").id]
+    assert [each["id"] for each in reconnected(session)] == ids

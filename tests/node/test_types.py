@@ -58,7 +58,7 @@ def test_what_is_no_type_is_refused() -> None:
 
 
 def test_a_message_off_the_wire_is_checked_before_it_is_read() -> None:
-    read = types().wire(Int32).read
+    read = types().codec(Int32).read
     assert read({"data": 5}) == Int32(5)
     assert read({}) == Int32(0)
     with pytest.raises(fibws.InvalidMessage):

@@ -145,5 +145,5 @@ async def test_no_time_at_all_is_refused(hub: ScriptedHub, seconds: float) -> No
             node.wait_for_message("numbers", Int32, timeout=seconds),
             node.call("add", "std_srvs/Trigger", timeout=seconds),
         ):
-            with pytest.raises(ValueError, match="a timeout is a number of seconds above 0"):
+            with pytest.raises(ValueError, match="timeout must be a finite number"):
                 await waiting

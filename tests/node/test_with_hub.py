@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import math
 from collections.abc import AsyncIterator
 from pathlib import Path
 
 import pytest
 from conftest import StartHub
+from rospy.msg import AnyMsg
 
 import fibws
 from fibws.hub import Hub, Settings
@@ -448,3 +450,66 @@ async def test_a_queue_without_bounds_loses_nothing(real_hub: Hub) -> None:
             while got[-1:] != [last]:
                 got.append((await anext(heard)).data)
         assert got == list(range(count))
+
+
+# Serialized messages
+
+
+async def test_messages_of_any_type_are_not_decoded(real_hub: Hub) -> None:
+    url = real_hub.url
+    async with fibws.Node("talker", hub=url) as talker, fibws.Node("ear", hub=url) as ear:
+        early = ear.subscribe("numbers", AnyMsg, headers=True)
+        assert early.type == "*"
+        numbers = await talker.advertise("numbers", Int32, latch=True)
+        await numbers.publish(7)
+        assert (await anext(early))._buff == b"\x07\x00\x00\x00"
+        assert early.connection_header == {"callerid": "/talker", "latching": "1"}
+        late = ear.subscribe("numbers", AnyMsg)
+        assert (await anext(late))._buff == b"\x07\x00\x00\x00"
+        assert early.type == late.type == "std_msgs/Int32"
+
+
+async def test_infinity_and_nan_arrive_as_they_are(real_hub: Hub) -> None:
+    async with fibws.Node("node", hub=real_hub.url) as node:
+        floats = await node.advertise("floats", Float64, latch=True)
+        heard = node.subscribe("floats", Float64)
+        for value in (math.inf, -math.inf, math.nan):
+            await floats.publish(value)
+        received = [(await anext(heard)).data for _ in range(3)]
+        assert received[:2] == [math.inf, -math.inf]
+        assert math.isnan(received[2])
+
+
+async def test_serialized_message_is_forwarded(real_hub: Hub) -> None:
+    async with fibws.Node("node", hub=real_hub.url) as node:
+        numbers = await node.advertise("numbers", Int32, latch=True)
+        heard = node.subscribe("numbers", Int32)
+        numbers.send(numbers.encode_serialized(b"\x07\x00\x00\x00"))
+        assert (await anext(heard)).data == 7
+
+
+async def test_subscriber_may_be_the_first_with_a_type_of_its_own(
+    real_hub: Hub, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "vineyard" / "msg").mkdir(parents=True)
+    (tmp_path / "vineyard" / "msg" / "Tree.msg").write_text("uint8 apples\n")
+    monkeypatch.setenv("FIBWS_INTERFACES", str(tmp_path))
+    async with fibws.Node("node", hub=real_hub.url) as node:
+        heard = node.subscribe("trees", "vineyard/Tree")
+        await node.graph.topics()
+        trees = await node.advertise("trees", "vineyard/Tree", latch=True)
+        await trees.publish(apples=5)
+        assert (await anext(heard)).apples == 5
+
+
+async def test_type_with_another_md5_is_refused(real_hub: Hub) -> None:
+    async with fibws.Node("node", hub=real_hub.url) as node:
+        heard = node.subscribe("numbers", Int32)
+        codec = node._types.codec(Int32)
+        codec.md5sum = "0" * 32
+        refused = node._topics.subscribe("/numbers", codec, queue_size=1)
+        with pytest.raises(fibws.OperationRejected, match="md5"):
+            await anext(refused)
+        numbers = await node.advertise("numbers", Int32, latch=True)
+        await numbers.publish(1)
+        assert (await anext(heard)).data == 1

@@ -1,8 +1,11 @@
-"""Actions: goals that take their time, tell how far they have come, and can be canceled.
+"""Actions: goals that take time, give feedback, and can be canceled.
 
-    ActionServer ── ServerGoal ── Record                ActionClient ── ClientGoal
-      over topics or over operations                      over topics or over operations
-                    └───────────────── Actions, a part of the session ─┘
+    Actions ─┬─ ActionServer ── ServerGoal ── Record
+             └─ ActionClient ── ClientGoal
 
-A server decides what becomes of a goal; its subclasses only tell the graph, each in its own way.
+Both have a subclass for goals over topics (`topics`) and one for goals over operations
+(`operations`). The base classes (`server`, `client`) decide what happens to a goal; the subclasses
+only translate it from and to messages or operations. `status` has the states of goals.
+
+This package imports none of its modules: programs that need only `status` load fast.
 """

@@ -1,46 +1,152 @@
-"""The asking end of an action."""
+"""Action clients: sending goals and following them to their results."""
 
 from __future__ import annotations
 
 import asyncio
 from abc import abstractmethod
-from collections.abc import Mapping
+from collections import deque
+from collections.abc import AsyncIterator, Callable, Mapping
 from typing import Any, Generic, Self
 
 from fibws.errors import ActionError, NodeClosed, NodeError, WaitTimeout
 from fibws.interfaces.message import F, G, R
-from fibws.node.actions.action_type import ActionType
-from fibws.node.actions.actions import Actions
-from fibws.node.actions.client_goal import ClientGoal
 from fibws.node.actions.status import GoalStatus
-from fibws.node.fault import throw
-from fibws.node.limits import check_queue_size, check_timeout
-from fibws.node.part import Part
+from fibws.node.checks import check_queue_size, check_timeout
+from fibws.node.session import OperationHandler, Session, throw
+from fibws.node.types import ActionType
 
 HUB_LOST = "the connection to the hub was lost"
 
 
-class ActionClient(Part, Generic[G, R, F]):
-    """Sends goals to the server of one action.
-
-    Leave it with `close`, or by ``async with``, to hear no more before the node ends.
+class ClientGoal(Generic[R, F]):
+    """A goal that was sent: its status, its feedback and its result.
 
     Args:
-        actions: the node's.
+        id_: its id.
+        queue_size: how much feedback is kept for a slow reader; then the oldest is dropped.
+        cancel: asks the server to cancel the goal of an id.
+    """
+
+    def __init__(self, id_: str, queue_size: int, cancel: Callable[[str], None]) -> None:
+        self._id = id_
+        self._cancel = cancel
+        self._status = GoalStatus.PENDING
+        self._feedback: deque[F] = deque(maxlen=queue_size)
+        self._dropped = 0
+        self._changed = asyncio.Event()
+        self._ended = asyncio.Event()
+        self._result: R | None = None
+        self._error: Exception | None = None
+
+    def __repr__(self) -> str:
+        return f"<ClientGoal {self.id} {self.status.name}>"
+
+    @property
+    def id(self) -> str:
+        """Its id."""
+        return self._id
+
+    @property
+    def status(self) -> GoalStatus:
+        """Its latest known status. Over operations, servers report little but the last one."""
+        return self._status
+
+    @property
+    def dropped(self) -> int:
+        """How much feedback was dropped because it was not read in time."""
+        return self._dropped
+
+    async def feedback(self) -> AsyncIterator[F]:
+        """Yield the feedback until the goal ends: ``async for ... in goal.feedback()``.
+
+        It stops whether the goal succeeds or fails; `result` then returns or raises at once.
+        """
+        while True:
+            while self._feedback:
+                yield self._feedback.popleft()
+            if self._ended.is_set():
+                return
+            self._changed.clear()
+            await self._changed.wait()
+
+    async def result(self, *, timeout: float | None = None) -> R:
+        """Wait until the goal ends, and return its result.
+
+        Args:
+            timeout: most seconds to wait. The goal is not canceled by a timeout, nor by the
+                cancellation of this call: use `cancel`.
+
+        Raises:
+            ActionError: the goal did not succeed.
+            WaitTimeout: the goal did not end in time (a TimeoutError, too).
+            NodeClosed: the client or the node was closed; or the error that ended it.
+        """
+        check_timeout(timeout)
+        try:
+            async with asyncio.timeout(timeout):
+                await self._ended.wait()
+        except TimeoutError:
+            text = f"timeout exceeded while waiting for the result of goal {self.id}"
+            raise WaitTimeout(text) from None
+        if self._error is not None:
+            throw(self._error)
+        assert self._result is not None
+        return self._result
+
+    async def cancel(self) -> None:
+        """Ask the server to cancel the goal; `result` waits until it has. Ended goals ignore it."""
+        if not self._ended.is_set():
+            self._cancel(self.id)
+
+    # Called by the client
+
+    def update(self, status: GoalStatus) -> None:
+        """Set the status that the server reported."""
+        self._status = status
+
+    def offer(self, feedback: F) -> None:
+        """Queue feedback for the reader."""
+        self._dropped += len(self._feedback) == self._feedback.maxlen
+        self._feedback.append(feedback)
+        self._changed.set()
+
+    def succeed(self, result: R) -> None:
+        """End the goal with its result."""
+        self._result = result
+        self._end(GoalStatus.SUCCEEDED)
+
+    def fail(self, status: GoalStatus, error: Exception) -> None:
+        """End the goal with an error, which `result` raises."""
+        self._error = error
+        self._end(status)
+
+    def _end(self, status: GoalStatus) -> None:
+        self._status = status
+        self._ended.set()
+        self._changed.set()
+
+
+class ActionClient(OperationHandler, Generic[G, R, F]):
+    """Sends goals to the server of one action.
+
+    To stop before the node ends, call `close` or use ``async with``.
+
+    Args:
+        session: the node's session.
         name: the action's global name.
         type_: the action's type.
     """
 
-    def __init__(self, actions: Actions, name: str, type_: ActionType[G, R, F]) -> None:
-        self._actions = actions
-        self._session = actions.session
+    def __init__(self, session: Session, name: str, type_: ActionType[G, R, F]) -> None:
+        self._session = session
         self._name = name
         self._type = type_
         self._goals: dict[str, ClientGoal[R, F]] = {}
+        """The goals that have not ended, by their ids."""
         self._waits: set[asyncio.Timeout] = set()
-        """Those who wait for a server, until the end of this client."""
-        self._fault: Exception | None = None
-        self._session.join(self)
+        """The timeouts of pending calls of `wait_for_server`; `_stop` lets them expire."""
+        self._error: Exception | None = None
+        self._session.add_handler(self)
 
     def __repr__(self) -> str:
         return f"<ActionClient {self.name} [{self.type}]>"
@@ -60,18 +166,18 @@ class ActionClient(Part, Generic[G, R, F]):
     ) -> ClientGoal[R, F]:
         """Send a goal; waits until there is a hub.
 
-        Without a server, of which `wait_for_server` tells, the goal fails: over operations at once,
-        over topics when nothing was heard for 5 s.
+        Without a server (see `wait_for_server`) the goal fails: over operations at once, over
+        topics after 5 s without a message about it.
 
         Args:
-            goal: what is wanted: a message, or a dict of its fields.
-            queue_size: how much feedback waits for a slow reader; then the newest stays.
+            goal: the goal, as a message or a dict of its fields.
+            queue_size: how much feedback is kept for a slow reader; then the oldest is dropped.
 
         Raises:
             InvalidMessage: a field does not fit the type.
-            TypeError: it is no goal of this action.
+            TypeError: it is not a goal of this action.
             ValueError: ``queue_size`` is less than 1.
-            OperationRejected: the hub did not let this client have the action's topics.
+            OperationRejected: the hub refused one of the action's topics to this client.
             NodeClosed: the client or its node was closed.
         """
         check_queue_size(queue_size)
@@ -79,19 +185,19 @@ class ActionClient(Part, Generic[G, R, F]):
         await self._session.wait_for_hub()
         self._check()
         id_ = self._new_id()
-        sent = self._goals[id_] = ClientGoal[R, F](id_, queue_size, self._tell_cancel)
-        self._tell_goal(id_, values)
+        sent = self._goals[id_] = ClientGoal[R, F](id_, queue_size, self._send_cancel)
+        self._send_goal(id_, values)
         return sent
 
     async def wait_for_server(self, *, timeout: float | None = None) -> None:
-        """Wait until the action has a server, on a hub that may not be there yet either.
+        """Wait until the action has a server, and for the hub before that.
 
         Args:
-            timeout: the most seconds to wait; None for ever.
+            timeout: most seconds to wait; None waits without a limit.
 
         Raises:
-            WaitTimeout: there was none in time.
-            OperationRejected: the hub did not let this client have the action's topics.
+            WaitTimeout: there was no server in time.
+            OperationRejected: the hub refused one of the action's topics to this client.
             NodeClosed: the client or its node was closed.
         """
         check_timeout(timeout)
@@ -101,7 +207,7 @@ class ActionClient(Part, Generic[G, R, F]):
         try:
             async with wait:
                 await self._session.wait_for_hub()
-                await self._served()
+                await self._server_available()
         except TimeoutError:
             self._check()
             text = f"timeout exceeded while waiting for action server {self.name}"
@@ -110,8 +216,8 @@ class ActionClient(Part, Generic[G, R, F]):
             self._waits.discard(wait)
 
     def close(self) -> None:
-        """Hear no more of any goal, which go on. Does nothing when called again."""
-        if self._fault is None:
+        """Stop following all goals; they are not canceled. Does nothing when called again."""
+        if self._error is None:
             self._close(NodeClosed(f"the client of {self.name} was closed"))
 
     async def __aenter__(self) -> Self:
@@ -120,43 +226,23 @@ class ActionClient(Part, Generic[G, R, F]):
     async def __aexit__(self, *error: object) -> None:
         self.close()
 
-    def lose(self) -> None:
-        """Nobody can tell what becomes of the goals that the lost hub knew of."""
+    # Called by the session
+
+    def on_disconnect(self) -> None:
+        """Fail all goals: their results went to the lost connection."""
         for goal in list(self._goals.values()):
             self._fail(goal, GoalStatus.LOST, HUB_LOST)
 
-    def end(self, fault: Exception | None) -> None:
-        """The node is over."""
-        self._stop(fault or NodeClosed("the node has ended"))
+    def end(self, error: Exception | None) -> None:
+        """Stop, as the node has ended."""
+        self._stop(error or NodeClosed("the node has ended"))
 
-    def _check(self) -> None:
-        if self._fault is not None:
-            throw(self._fault)
+    # Used by subclasses
 
-    def _refuse(self, fault: NodeError) -> None:
-        """The hub does not let this client have what it needs."""
-        if self._fault is None:
-            self._close(fault)
-
-    def _close(self, fault: Exception) -> None:
-        self._stop(fault)
-        self._session.leave(self)
-        self._unadvertise()
-
-    def _stop(self, fault: Exception) -> None:
-        self._fault = fault
-        for wait in self._waits:
-            if not wait.expired():
-                wait.reschedule(0)  # Which ends it at once.
-        for goal in list(self._goals.values()):
-            self._forget(goal)
-            goal.fail(GoalStatus.LOST, fault)
-
-    @abstractmethod
-    async def _served(self) -> None:
-        """Wait until the action has a server."""
-
-    # What is heard of goals
+    def _refuse(self, error: NodeError) -> None:
+        """Close the client because the hub refused a topic."""
+        if self._error is None:
+            self._close(error)
 
     def _succeed(self, goal: ClientGoal[R, F], result: R) -> None:
         self._forget(goal)
@@ -169,23 +255,45 @@ class ActionClient(Part, Generic[G, R, F]):
         goal.fail(status, ActionError(self.name, status, text, result))
 
     def _forget(self, goal: ClientGoal[R, F]) -> None:
-        """A goal has ended."""
+        """Remove a goal that ends; every goal that ends is passed to this once."""
         del self._goals[goal.id]
 
-    # What the graph is told
+    # Implemented by subclasses
+
+    @abstractmethod
+    async def _server_available(self) -> None:
+        """Wait until the action has a server."""
 
     @abstractmethod
     def _new_id(self) -> str:
-        """What a new goal is called."""
+        """Return an id for a new goal."""
 
     @abstractmethod
-    def _tell_goal(self, id_: str, goal: dict[str, Any]) -> None:
-        """A goal is wanted."""
+    def _send_goal(self, id_: str, goal: dict[str, Any]) -> None:
+        """Send a goal to the server."""
 
     @abstractmethod
-    def _tell_cancel(self, id_: str) -> None:
-        """A goal is wanted no more."""
+    def _send_cancel(self, id_: str) -> None:
+        """Ask the server to cancel a goal."""
 
     @abstractmethod
     def _unadvertise(self) -> None:
-        """Take the registrations back."""
+        """Take all registrations back."""
+
+    def _check(self) -> None:
+        if self._error is not None:
+            throw(self._error)
+
+    def _close(self, error: Exception) -> None:
+        self._stop(error)
+        self._session.remove_handler(self)
+        self._unadvertise()
+
+    def _stop(self, error: Exception) -> None:
+        self._error = error
+        for wait in self._waits:
+            if not wait.expired():
+                wait.reschedule(0)  # A time in the past: it expires at once.
+        for goal in list(self._goals.values()):
+            self._forget(goal)
+            goal.fail(GoalStatus.LOST, error)

@@ -1,59 +1,168 @@
-"""The serving end of an action."""
+"""Action servers: executing the goals of an action."""
 
 from __future__ import annotations
 
 import asyncio
 from abc import abstractmethod
 from collections.abc import Awaitable, Callable, Mapping
+from contextlib import suppress
 from inspect import isawaitable
 from typing import Any, Generic, Self, TypeAlias
 
 from fibws.errors import AlreadyOffered, NodeError
 from fibws.interfaces.message import F, G, R
-from fibws.node.actions.action_type import ActionType
-from fibws.node.actions.actions import Actions
-from fibws.node.actions.record import Record
-from fibws.node.actions.server_goal import ServerGoal
-from fibws.node.actions.status import Transition
-from fibws.node.fault import throw
-from fibws.node.part import Part
-from fibws.node.tasks import Tasks
-from fibws.node.text import sendable
-
-Outcome: TypeAlias = R | Mapping[str, Any]
-"""A result: whole, or its fields by name."""
-
-Execute: TypeAlias = Callable[[ServerGoal[G, R, F]], Outcome[R] | Awaitable[Outcome[R]]]
-"""Pursues a goal, and returns the result: a plain function or an async one."""
+from fibws.node.actions.status import GoalStatus, Record, Transition
+from fibws.node.checks import check_timeout, without_surrogates
+from fibws.node.session import OperationHandler, Session, Tasks, throw
+from fibws.node.types import ActionType
 
 MOST_GOALS = 1000
-"""How many goals are pursued at once."""
+"""Goals of one server that are executed at once."""
 
 SUPERSEDED = "This goal was canceled because another goal was received by the simple action server"
 ENDED = "the action server has ended"
 
 
-class ActionServer(Part, Generic[G, R, F]):
-    """Pursues the goals of one action, each in a task of its own.
+class ServerGoal(Generic[G, R, F]):
+    """A goal to execute, which a server passes to its function.
 
-    Leave it with `close`, or by ``async with``, to end it before the node does. Goals that are
-    still pursued are then aborted, and their tasks canceled. When the hub is lost, goals that came
-    over topics go on, as in ROS; those that came over operations are wanted no more, since nobody
-    can hear of them again.
+    The function returns the goal's result. The goal has then succeeded, unless the function called
+    `canceled` or `aborted`.
 
     Args:
-        actions: the node's.
-        name: the action's global name.
-        type_: the action's type.
-        execute: what pursues a goal. An exception in it aborts the goal, with its text; but a
-            BrokenPipeError, of a program whose reader has left, ends the node.
-        concurrent: whether goals are pursued side by side. If not, it is as with actionlib's
-            SimpleActionServer: a new goal has the one before it canceled, and begins thereafter.
+        record: the goal's public state.
+        request: the goal's message.
+        result: the class of its result.
+        publish: sends feedback of the goal.
     """
 
     def __init__(
         self,
-        actions: Actions,
+        record: Record,
+        request: G,
+        result: type[R],
+        publish: Callable[[ServerGoal[G, R, F], F | Mapping[str, Any]], Awaitable[None]],
+    ) -> None:
+        self.record = record
+        """Its public state."""
+        self._request = request
+        self._result = result
+        self._publish = publish
+        self._cancel = asyncio.Event()
+        self._ending = (Transition.SUCCEED, "")
+
+    def __repr__(self) -> str:
+        return f"<ServerGoal {self.id} {self.status.name}>"
+
+    @property
+    def id(self) -> str:
+        """Its id."""
+        return self.record.id
+
+    @property
+    def request(self) -> G:
+        """The message that the client sent."""
+        return self._request
+
+    @property
+    def status(self) -> GoalStatus:
+        """Its status, as the client sees it."""
+        return self.record.status
+
+    @property
+    def cancel_requested(self) -> bool:
+        """Whether it should stop: the client canceled it, left, or sent another goal."""
+        return self._cancel.is_set()
+
+    async def cancellation(self, *, timeout: float | None = None) -> bool:
+        """Wait for a request to cancel, at most ``timeout`` seconds; return whether there is one.
+
+        A function calls this instead of sleeping.
+        """
+        check_timeout(timeout)
+        with suppress(TimeoutError):
+            async with asyncio.timeout(timeout):
+                await self._cancel.wait()
+        return self.cancel_requested
+
+    async def publish_feedback(self, feedback: F | Mapping[str, Any]) -> None:
+        """Send feedback to the client; waits while the connection is slow.
+
+        Args:
+            feedback: a message, or a dict of its fields.
+
+        Raises:
+            InvalidMessage: a field does not fit the type.
+            TypeError: it is not feedback of this action.
+            RuntimeError: the goal has ended.
+        """
+        await self._publish(self, feedback)
+
+    def canceled(self, result: R | None = None, text: str = "") -> R:
+        """Have the goal end as canceled: ``return goal.canceled(partial_result)``.
+
+        Args:
+            result: the result so far; an empty result if left out.
+            text: the reason. Operations carry only one of both: the text if there is one.
+        """
+        return self._end(Transition.CANCEL, result, text)
+
+    def aborted(self, result: R | None = None, text: str = "") -> R:
+        """Have the goal end as aborted: ``return goal.aborted(text="the door is shut")``.
+
+        Args:
+            result: the result so far; an empty result if left out.
+            text: the reason. Operations carry only one of both: the text if there is one.
+        """
+        return self._end(Transition.ABORT, result, text)
+
+    # Called by the server
+
+    def request_cancel(self) -> None:
+        """Ask the function to stop."""
+        self._cancel.set()
+
+    @property
+    def ending(self) -> tuple[Transition, str]:
+        """How the goal ends once the function returns, and the reason."""
+        return self._ending
+
+    def _end(self, transition: Transition, result: R | None, text: str) -> R:
+        self._ending = (transition, text)
+        return self._result() if result is None else result
+
+
+Outcome: TypeAlias = R | Mapping[str, Any]
+"""A result: a message, or a dict of its fields."""
+
+Execute: TypeAlias = Callable[[ServerGoal[G, R, F]], Outcome[R] | Awaitable[Outcome[R]]]
+"""Executes a goal and returns its result: a plain function or an async one."""
+
+
+class ActionServer(OperationHandler, Generic[G, R, F]):
+    """Executes the goals of one action, each in a task of its own.
+
+    To stop before the node ends, call `close` or use ``async with``: goals that are being executed
+    are aborted, and their tasks canceled. When the hub is lost, goals over topics continue, as in
+    ROS; goals over operations are asked to stop, because nobody can receive their results.
+
+    Args:
+        session: the node's session.
+        name: the action's global name.
+        type_: the action's type.
+        execute: executes a goal. If it raises an exception the goal is aborted, with the
+            exception's text; BrokenPipeError, however, ends the node: stdout has no reader.
+        concurrent: whether goals are executed at the same time. If not, a new goal cancels the
+            current one and begins when that has ended, as with actionlib's SimpleActionServer.
+
+    Raises:
+        TypeError: ``execute`` is not callable.
+        AlreadyOffered: the node has such a server of the action already.
+    """
+
+    def __init__(
+        self,
+        session: Session,
         name: str,
         type_: ActionType[G, R, F],
         execute: Execute[G, R, F],
@@ -61,24 +170,25 @@ class ActionServer(Part, Generic[G, R, F]):
         concurrent: bool,
     ) -> None:
         if not callable(execute):
-            raise TypeError(f"{name}: what pursues goals is a function, not {execute!r}")
-        for other in actions.session.parts():
+            raise TypeError(f"{name}: execute must be callable, got {execute!r}")
+        for other in session.handlers():
             if type(other) is type(self) and other.name == name:
                 raise AlreadyOffered(name)
-        self._actions = actions
-        self._session = actions.session
+        self._session = session
         self._name = name
         self._type = type_
         self._execute = execute
         self._concurrent = concurrent
         self._goals: dict[str, ServerGoal[G, R, F]] = {}
-        """Those whose end somebody waits for."""
-        self._tasks = Tasks(actions.session.tasks)
+        """The goals whose result has not been sent, by their ids."""
+        self._tasks = Tasks(session.tasks)
         self._current: ServerGoal[G, R, F] | None = None
+        """The goal that began last, until it ends."""
         self._next: ServerGoal[G, R, F] | None = None
+        """The goal that begins when the current one has ended."""
         self._ended = asyncio.Event()
-        self._fault: Exception | None = None
-        self._session.join(self)
+        self._error: Exception | None = None
+        self._session.add_handler(self)
 
     def __repr__(self) -> str:
         return f"<ActionServer {self.name} [{self.type}]>"
@@ -94,17 +204,17 @@ class ActionServer(Part, Generic[G, R, F]):
         return self._type.name
 
     async def spin(self) -> None:
-        """Wait until the server or its node ends; raise the reason if something was the matter.
+        """Wait until the server or its node ends; raise the error that ended it, if any.
 
         Raises:
-            OperationRejected: the hub refused the server, so that nobody can send it goals.
+            OperationRejected: the hub refused the server, so that it gets no goals.
         """
         await self._ended.wait()
-        if self._fault is not None:
-            throw(self._fault)
+        if self._error is not None:
+            throw(self._error)
 
     def close(self) -> None:
-        """Pursue no more goals. Does nothing when called again."""
+        """End the server and all its goals. Does nothing when called again."""
         if not self._ended.is_set():
             self._close(None)
 
@@ -115,9 +225,11 @@ class ActionServer(Part, Generic[G, R, F]):
         self.close()
         await self._tasks.finished()
 
-    def end(self, fault: Exception | None) -> None:
-        """No goal will come any more, because of ``fault`` if there is one."""
-        self._fault = fault
+    # Called by the session
+
+    def end(self, error: Exception | None) -> None:
+        """End all goals: abort those that have begun, reject the one that has not."""
+        self._error = error
         self._ended.set()
         for goal in list(self._goals.values()):
             self._finish(
@@ -126,21 +238,22 @@ class ActionServer(Part, Generic[G, R, F]):
         self._next = None
         self._tasks.cancel()
 
-    # What comes from the graph
+    # Used by subclasses
 
     def _receive(self, record: Record, request: G) -> None:
-        """Begin with a goal, or have it wait, or refuse it."""
-        goal = ServerGoal(record, request, self._type.result.message_class, self._feedback)
+        """Start a new goal, or let it wait for the current one, or reject it."""
+        goal = ServerGoal(record, request, self._type.result.message_class, self._publish_feedback)
         self._goals[record.id] = goal
         if len(self._tasks) >= MOST_GOALS:
-            self._finish(goal, Transition.REJECT, text=f"{MOST_GOALS} goals are pursued already")
+            text = f"too many goals at once (limit {MOST_GOALS})"
+            self._finish(goal, Transition.REJECT, text=text)
         elif self._concurrent or self._current is None:
             self._start(goal)
         else:
-            self._line_up(goal, self._current)
+            self._start_after(self._current, goal)
 
     def _cancel(self, id_: str) -> None:
-        """A goal is wanted no more, if it still is pursued."""
+        """Cancel a goal, unless it has ended."""
         goal = self._goals.get(id_)
         if goal is None:
             return
@@ -149,33 +262,61 @@ class ActionServer(Part, Generic[G, R, F]):
             self._finish(goal, Transition.CANCEL)
         else:
             if goal.record.go(Transition.CANCEL_REQUEST):
-                self._tell_status()
-            goal.want_no_more()
+                self._send_status()
+            goal.request_cancel()
 
-    # What becomes of goals
+    def _refuse(self, error: NodeError) -> None:
+        """Close the server because the hub refused it; log that, in case nobody calls `spin`."""
+        if not self._ended.is_set():
+            self._session.log.error("The hub refused the action server %s: %s", self.name, error)
+            self._close(error)
 
-    def _line_up(self, goal: ServerGoal[G, R, F], current: ServerGoal[G, R, F]) -> None:
-        """Have a goal begin after the current one, which has to end: only the latest one counts."""
-        latest = self._next or current
-        if goal.record.stamp < latest.record.stamp:
+    # Implemented by subclasses
+
+    @abstractmethod
+    def _send_status(self) -> None:
+        """Send the status of all goals, because that of one has changed."""
+
+    @abstractmethod
+    def _send_feedback(self, record: Record, feedback: dict[str, Any]) -> None:
+        """Send feedback of a goal."""
+
+    @abstractmethod
+    def _send_result(self, record: Record, result: dict[str, Any] | None) -> None:
+        """Send the result of a goal that has ended; None if it has no result."""
+
+    @abstractmethod
+    def _unadvertise(self) -> None:
+        """Take all registrations back."""
+
+    # Executing goals
+
+    def _start_after(self, current: ServerGoal[G, R, F], goal: ServerGoal[G, R, F]) -> None:
+        """Let a goal begin when the current one, which is canceled, has ended.
+
+        Only the newest goal waits; older ones are canceled.
+        """
+        newest = self._next or current
+        if goal.record.stamp < newest.record.stamp:
             self._finish(goal, Transition.CANCEL, text=SUPERSEDED)
             return
         if self._next is not None:
             self._finish(self._next, Transition.CANCEL, text=SUPERSEDED)
         self._next = goal
-        current.want_no_more()
+        current.request_cancel()
 
     def _start(self, goal: ServerGoal[G, R, F]) -> None:
         self._current = goal
         goal.record.go(Transition.ACCEPT)
-        self._tell_status()
-        self._tasks.start(self._pursue(goal), f"goal {goal.id} of {self.name}")
+        self._send_status()
+        self._tasks.start(self._run(goal), f"goal {goal.id} of {self.name}")
 
-    async def _pursue(self, goal: ServerGoal[G, R, F]) -> None:
+    async def _run(self, goal: ServerGoal[G, R, F]) -> None:
+        """Execute a goal, send its result, and start the goal that waits for its end."""
         try:
             transition, values, text = await self._outcome(goal)
         except BrokenPipeError as error:
-            # Nobody reads what the program prints, as behind `| head`: that ends it everywhere.
+            # Stdout has no reader, as behind `| head`: that ends a program everywhere.
             self._session.end(error)
             return
         self._finish(goal, transition, values, text)
@@ -188,7 +329,7 @@ class ActionServer(Part, Generic[G, R, F]):
     async def _outcome(
         self, goal: ServerGoal[G, R, F]
     ) -> tuple[Transition, dict[str, Any] | None, str]:
-        """How a goal ends, its result if it has one, and why."""
+        """Call the function; return how the goal ends, its result if it has one, and the reason."""
         try:
             result = self._execute(goal)
             if isawaitable(result):
@@ -196,17 +337,17 @@ class ActionServer(Part, Generic[G, R, F]):
         except BrokenPipeError:
             raise
         except Exception as error:
-            text = sendable(str(error) or type(error).__name__)
+            text = without_surrogates(str(error) or type(error).__name__)
             self._log_abort(goal, text, error)
             return Transition.ABORT, None, text
         except asyncio.CancelledError:
-            # Of a task that the function waited for; or of this one, whose goal has ended then.
+            # Of a task that the function awaited; or of this task, whose goal has ended by then.
             return Transition.ABORT, None, "it was interrupted"
         transition, text = goal.ending
         try:
-            return transition, self._type.result.write(result), sendable(text)
+            return transition, self._type.result.write(result), without_surrogates(text)
         except Exception as error:
-            text = sendable(str(error))
+            text = without_surrogates(str(error))
             self._log_abort(goal, text)
             return Transition.ABORT, None, text
 
@@ -224,45 +365,23 @@ class ActionServer(Part, Generic[G, R, F]):
         values: dict[str, Any] | None = None,
         text: str = "",
     ) -> None:
-        """End a goal, once."""
+        """End a goal and send its result, unless that was done before."""
         if self._goals.get(goal.id) is goal:
             del self._goals[goal.id]
             goal.record.go(transition, text)
-            self._tell_result(goal.record, values)
+            self._send_result(goal.record, values)
 
-    async def _feedback(self, goal: ServerGoal[G, R, F], feedback: F | Mapping[str, Any]) -> None:
+    async def _publish_feedback(
+        self, goal: ServerGoal[G, R, F], feedback: F | Mapping[str, Any]
+    ) -> None:
         values = self._type.feedback.write(feedback)
         if goal.status.is_final:
             raise RuntimeError(f"goal {goal.id} of {self.name} has ended")
-        await self._session.outbox.room()
+        await self._session.outgoing.room()
         if self._goals.get(goal.id) is goal:
-            self._tell_feedback(goal.record, values)
+            self._send_feedback(goal.record, values)
 
-    def _refuse(self, fault: NodeError) -> None:
-        """The hub does not have this server; its owner may not be waiting for that."""
-        if not self._ended.is_set():
-            self._session.log.error("The hub refused the action server %s: %s", self.name, fault)
-            self._close(fault)
-
-    def _close(self, fault: Exception | None) -> None:
-        self.end(fault)
-        self._session.leave(self)
+    def _close(self, error: Exception | None) -> None:
+        self.end(error)
+        self._session.remove_handler(self)
         self._unadvertise()
-
-    # How the graph hears of it
-
-    @abstractmethod
-    def _tell_status(self) -> None:
-        """A goal's status has changed."""
-
-    @abstractmethod
-    def _tell_feedback(self, record: Record, feedback: dict[str, Any]) -> None:
-        """A goal has come as far as ``feedback`` says."""
-
-    @abstractmethod
-    def _tell_result(self, record: Record, result: dict[str, Any] | None) -> None:
-        """A goal has ended; without a result if something went wrong."""
-
-    @abstractmethod
-    def _unadvertise(self) -> None:
-        """Take the registrations back."""

@@ -1,39 +1,52 @@
-"""What becomes of a goal: actionlib's states, and which may follow which.
+"""The states of a goal, and the goals that a server keeps, by actionlib's rules.
 
-Source: http://wiki.ros.org/actionlib/DetailedDescription, the server's state machine.
+Sources: http://wiki.ros.org/actionlib/DetailedDescription (the server's state machine) and
+actionlib's action_server.py.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from enum import Enum, IntEnum, auto
+
+KEPT = 5.0
+"""Seconds that an ended goal stays in the status list (actionlib's status_list_timeout)."""
+
+KEPT_COUNT = 100
+"""Most ended goals in the status list. Ids that were canceled before their goal came count, too."""
+
+OUTDATED = (
+    "This goal handle was canceled by the action server because its timestamp is before the "
+    "timestamp of the last cancel request"
+)
 
 
 class GoalStatus(IntEnum):
     """The state of a goal, with the numbers of actionlib_msgs/GoalStatus.
 
-    ROS 2 has fewer (action_msgs/GoalStatus), each of which is called here by an actionlib name.
+    ROS 2 has fewer states (action_msgs/GoalStatus); each has the name of one of actionlib here.
     """
 
     PENDING = 0
-    """The server has yet to begin it; ROS 2: ACCEPTED."""
+    """The server has not begun yet; ROS 2: ACCEPTED."""
     ACTIVE = 1
-    """The server pursues it; ROS 2: EXECUTING."""
+    """The server executes the goal; ROS 2: EXECUTING."""
     PREEMPTED = 2
-    """It was canceled after it had begun; ROS 2: CANCELED."""
+    """Canceled after it had begun; ROS 2: CANCELED."""
     SUCCEEDED = 3
-    """It was reached; so in ROS 2."""
+    """The goal was reached; ROS 2: SUCCEEDED."""
     ABORTED = 4
-    """The server gave it up; so in ROS 2."""
+    """The server gave up; ROS 2: ABORTED."""
     REJECTED = 5
-    """The server would not have it."""
+    """The server refused the goal."""
     PREEMPTING = 6
-    """It is to be canceled and has begun; ROS 2: CANCELING."""
+    """Being canceled after it has begun; ROS 2: CANCELING."""
     RECALLING = 7
-    """It is to be canceled and has not begun."""
+    """Being canceled before it has begun."""
     RECALLED = 8
-    """It was canceled before it began."""
+    """Canceled before it had begun."""
     LOST = 9
-    """Nothing is heard of it any more, which its client concludes; ROS 2: UNKNOWN."""
+    """The client gave up waiting for the server, or lost the hub; ROS 2: UNKNOWN."""
 
     def __str__(self) -> str:
         return self.name
@@ -45,12 +58,12 @@ class GoalStatus(IntEnum):
 
     @property
     def ros2(self) -> int:
-        """The number that ROS 2 has for it."""
-        return _ROS2[self]
+        """The number of the corresponding status of ROS 2."""
+        return _TO_ROS2[self]
 
 
 class Transition(Enum):
-    """What can happen to a goal."""
+    """An event that changes a goal's status."""
 
     ACCEPT = auto()
     REJECT = auto()
@@ -71,7 +84,7 @@ _FINAL = frozenset(
     }
 )
 
-_FOLLOWING = {
+_TRANSITIONS = {
     Transition.ACCEPT: {
         GoalStatus.PENDING: GoalStatus.ACTIVE,
         GoalStatus.RECALLING: GoalStatus.PREEMPTING,
@@ -100,7 +113,7 @@ _FOLLOWING = {
     },
 }
 
-_ROS2 = {
+_TO_ROS2 = {
     GoalStatus.PENDING: 1,
     GoalStatus.ACTIVE: 2,
     GoalStatus.PREEMPTED: 5,
@@ -113,7 +126,7 @@ _ROS2 = {
     GoalStatus.LOST: 0,
 }
 
-_OF_ROS2 = (
+_FROM_ROS2 = (
     GoalStatus.LOST,
     GoalStatus.PENDING,
     GoalStatus.ACTIVE,
@@ -124,11 +137,99 @@ _OF_ROS2 = (
 )
 
 
-def following(status: GoalStatus, transition: Transition) -> GoalStatus | None:
-    """The status after ``transition``; None if that changes nothing or cannot happen any more."""
-    return _FOLLOWING[transition].get(status)
+def next_status(status: GoalStatus, transition: Transition) -> GoalStatus | None:
+    """Return the status after a transition; None if the transition is not allowed."""
+    return _TRANSITIONS[transition].get(status)
 
 
-def of_ros2(number: int) -> GoalStatus:
-    """The status that ROS 2 gives the number, from 0 to 6."""
-    return _OF_ROS2[number]
+def status_from_ros2(number: int) -> GoalStatus:
+    """Return the status that corresponds to a number of ROS 2, which is from 0 to 6."""
+    return _FROM_ROS2[number]
+
+
+@dataclass(slots=True, eq=False)
+class Record:
+    """A goal's public state on its server; ``stamp`` is in nanoseconds since 1970."""
+
+    id: str
+    stamp: int = 0
+    status: GoalStatus = GoalStatus.PENDING
+    text: str = ""
+
+    def go(self, transition: Transition, text: str = "") -> bool:
+        """Apply a transition and set the text; return False, without changes, if not allowed."""
+        status = next_status(self.status, transition)
+        if status is None:
+            return False
+        self.status, self.text = status, text
+        return True
+
+
+class Records:
+    """The goals of one server: which ones its status list has, and which ones a cancel concerns.
+
+    ``now`` is in seconds of any monotonic clock.
+
+    Args:
+        kept: the seconds that an ended goal stays in the status list.
+    """
+
+    def __init__(self, kept: float = KEPT) -> None:
+        self.kept = kept
+        self._records: dict[str, Record] = {}
+        self._ended: dict[str, float] = {}
+        """When each ended goal ended, by its id."""
+        self._last_cancel = 0
+
+    def listed(self, now: float) -> list[Record]:
+        """Return the goals of the status list; forget those that ended too long ago."""
+        while self._ended and next(iter(self._ended.values())) + self.kept < now:
+            self._forget_oldest()
+        return list(self._records.values())
+
+    def add(self, id_: str, stamp: int, now: float) -> Record | None:
+        """Return the record of a goal that has come, or None if it is a duplicate.
+
+        The record is RECALLED already if the goal was canceled before it came.
+        """
+        record = self._records.get(id_)
+        if record is None:
+            record = self._records[id_] = Record(id_, stamp)
+            if stamp > self._last_cancel:
+                return record
+            record.go(Transition.CANCEL, OUTDATED)
+        elif record.status is GoalStatus.RECALLING:
+            record.go(Transition.CANCEL)
+        else:
+            return None
+        self.ended(record, now)
+        return record
+
+    def cancel(self, id_: str, stamp: int, now: float) -> list[Record]:
+        """Return the goals that a cancel message concerns.
+
+        These are the goal ``id_``, and all goals up to ``stamp`` unless that is 0; without either,
+        all goals. If the goal ``id_`` has not come yet, it is canceled when it comes.
+        """
+        everything = not id_ and not stamp
+        concerned = [
+            record
+            for record in self._records.values()
+            if everything or record.id == id_ or 0 < record.stamp <= stamp
+        ]
+        if id_ and id_ not in self._records:
+            record = self._records[id_] = Record(id_, status=GoalStatus.RECALLING)
+            self.ended(record, now)
+        self._last_cancel = max(self._last_cancel, stamp)
+        return concerned
+
+    def ended(self, record: Record, now: float) -> None:
+        """Note that a goal has ended, so that it leaves the status list later."""
+        self._ended.pop(record.id, None)
+        self._ended[record.id] = now
+        if len(self._ended) > KEPT_COUNT:
+            self._forget_oldest()
+
+    def _forget_oldest(self) -> None:
+        id_ = next(iter(self._ended))
+        del self._ended[id_], self._records[id_]

@@ -1,12 +1,42 @@
-"""What a node's actions have in common."""
+"""Creating action servers and clients."""
 
 from __future__ import annotations
 
-from fibws.node.actions.actions import Actions
+from typing import Any
+
+import pytest
+
+from fibws.action.actionlib_tutorials import Fibonacci
+from fibws.node.actions.actions import Actions, Over
+from fibws.node.actions.operations import OperationActionClient, OperationActionServer
+from fibws.node.actions.topics import TopicActionClient, TopicActionServer
+
+from ..conftest import FakeSession, said
 
 
-def test_goals_have_names_of_their_own_whatever_the_time(actions: Actions) -> None:
-    assert [actions.goal_id() for _ in range(2)] == [
-        "/node-1-1700000000.500",
-        "/node-2-1700000000.500",
-    ]
+def execute(goal: Any) -> Any:
+    raise AssertionError(goal)
+
+
+@pytest.mark.parametrize(
+    ("over", "server", "client"),
+    [
+        ("topics", TopicActionServer, TopicActionClient),
+        ("operations", OperationActionServer, OperationActionClient),
+    ],
+)
+async def test_over_selects_the_kind_of_server_and_client(
+    actions: Actions, over: Over, server: type, client: type
+) -> None:
+    assert type(actions.serve("/fibonacci", Fibonacci, execute, over=over)) is server
+    assert type(actions.client("/fibonacci", Fibonacci, over=over)) is client
+
+
+async def test_invalid_over_is_refused(actions: Actions, session: FakeSession) -> None:
+    smoke: Any = "smoke"
+    text = 'over must be "topics" or "operations", got \'smoke\''
+    with pytest.raises(ValueError, match=text):
+        actions.serve("/fibonacci", Fibonacci, execute, over=smoke)
+    with pytest.raises(ValueError, match=text):
+        actions.client("/fibonacci", Fibonacci, over=smoke)
+    assert said(session) == []

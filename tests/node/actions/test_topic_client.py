@@ -1,4 +1,4 @@
-"""A client over topics: what it makes of which message."""
+"""Action clients over topics."""
 
 from __future__ import annotations
 
@@ -8,25 +8,22 @@ from typing import Any
 
 import pytest
 
+from fibws.action.actionlib_tutorials import Fibonacci
 from fibws.errors import ActionError, NodeClosed, OperationRejected, WaitTimeout
 from fibws.msg.actionlib_tutorials import FibonacciFeedback, FibonacciGoal, FibonacciResult
-from fibws.node.actions import topic_client
+from fibws.node.actions import topics
 from fibws.node.actions.actions import Actions
+from fibws.node.actions.client import ActionClient
 from fibws.node.actions.status import GoalStatus
-from fibws.node.actions.topic_client import TopicActionClient
-from fibws.node.session import Session
 
-from ..conftest import greeted, hears, said
-from .conftest import FibonacciType
+from ..conftest import FakeSession, hears, reconnected, said
 
-FibonacciClient = TopicActionClient[FibonacciGoal, FibonacciResult, FibonacciFeedback]
+FibonacciClient = ActionClient[FibonacciGoal, FibonacciResult, FibonacciFeedback]
 
 
 @pytest.fixture
-async def client(
-    session: Session, actions: Actions, fibonacci: FibonacciType
-) -> AsyncIterator[FibonacciClient]:
-    async with TopicActionClient(actions, "/fibonacci", fibonacci) as client:
+async def client(actions: Actions) -> AsyncIterator[FibonacciClient]:
+    async with actions.client("/fibonacci", Fibonacci, over="topics") as client:
         yield client
 
 
@@ -34,18 +31,18 @@ def status(id_: str, number: int, text: str = "") -> dict[str, Any]:
     return {"goal_id": {"id": id_}, "status": number, "text": text}
 
 
-def tell_status(session: Session, *statuses: dict[str, Any]) -> None:
+def receive_status(session: FakeSession, *statuses: dict[str, Any]) -> None:
     msg = {"status_list": statuses}
     hears(session, "publish", topic="/fibonacci/status", msg=msg)
 
 
-def tell(session: Session, kind: str, of: dict[str, Any], **content: Any) -> None:
+def receive(session: FakeSession, kind: str, of: dict[str, Any], **content: Any) -> None:
     hears(session, "publish", topic=f"/fibonacci/{kind}", msg={"status": of, **content})
 
 
 @pytest.mark.usefixtures("client")
-async def test_it_registers_its_topics(session: Session) -> None:
-    assert [(each["op"], each["topic"]) for each in greeted(session)] == [
+async def test_client_registers_its_topics(session: FakeSession) -> None:
+    assert [(each["op"], each["topic"]) for each in reconnected(session)] == [
         ("advertise", "/fibonacci/goal"),
         ("advertise", "/fibonacci/cancel"),
         ("subscribe", "/fibonacci/status"),
@@ -54,9 +51,7 @@ async def test_it_registers_its_topics(session: Session) -> None:
     ]
 
 
-async def test_a_goal_and_its_cancel_are_actionlibs(
-    session: Session, client: FibonacciClient
-) -> None:
+async def test_goal_and_cancel_are_published(session: FakeSession, client: FibonacciClient) -> None:
     said(session)
     goal = await client.send(FibonacciGoal(5))
     await goal.cancel()
@@ -69,63 +64,65 @@ async def test_a_goal_and_its_cancel_are_actionlibs(
     assert cancel["msg"] == {"id": goal.id, "stamp": {"secs": 0, "nsecs": 0}}
 
 
-async def test_a_goal_is_followed_to_its_result(session: Session, client: FibonacciClient) -> None:
+async def test_status_feedback_and_result_are_received(
+    session: FakeSession, client: FibonacciClient
+) -> None:
     goal = await client.send(FibonacciGoal(5))
     seen = [goal.status]
-    tell_status(session, status("other", 4), status(goal.id, 1))
+    receive_status(session, status("other", 4), status(goal.id, 1))
     seen.append(goal.status)
-    tell(session, "feedback", status(goal.id, 6), feedback={"sequence": [0]})
+    receive(session, "feedback", status(goal.id, 6), feedback={"sequence": [0]})
     seen.append(goal.status)
     assert seen == [GoalStatus.PENDING, GoalStatus.ACTIVE, GoalStatus.PREEMPTING]
-    tell(session, "result", status(goal.id, 3), result={"sequence": [0, 1]})
+    receive(session, "result", status(goal.id, 3), result={"sequence": [0, 1]})
     assert [feedback.sequence async for feedback in goal.feedback()] == [[0]]
     assert await goal.result() == FibonacciResult([0, 1])
 
 
-async def test_two_clients_of_one_action_hear_of_their_own_goals_alone(
-    session: Session, actions: Actions, fibonacci: FibonacciType, client: FibonacciClient
+async def test_two_clients_of_an_action_receive_only_their_own_results(
+    session: FakeSession, actions: Actions, client: FibonacciClient
 ) -> None:
-    async with TopicActionClient(actions, "/fibonacci", fibonacci) as other:
+    async with actions.client("/fibonacci", Fibonacci, over="topics") as other:
         goals = [await each.send(FibonacciGoal(5)) for each in (client, other)]
         for number, goal in enumerate(goals):
-            tell(session, "result", status(goal.id, 3), result={"sequence": [number]})
+            receive(session, "result", status(goal.id, 3), result={"sequence": [number]})
         results = [(await goal.result(timeout=60)).sequence for goal in goals]
     assert results == [[0], [1]]
 
 
 @pytest.mark.parametrize("number", [2, 4, 5, 8])
-async def test_a_goal_that_did_not_succeed_says_why(
-    session: Session, client: FibonacciClient, number: int
+async def test_failed_goal_raises_with_status_text_and_result(
+    session: FakeSession, client: FibonacciClient, number: int
 ) -> None:
     goal = await client.send(FibonacciGoal(5))
-    tell(session, "result", status(goal.id, number, "because"), result={"sequence": [0]})
+    receive(session, "result", status(goal.id, number, "because"), result={"sequence": [0]})
     with pytest.raises(ActionError, match="because") as error:
         await goal.result()
     assert error.value.status is goal.status is GoalStatus(number)
     assert error.value.result == FibonacciResult([0])
 
 
-async def test_what_is_said_of_others_goals_is_passed_over(
-    session: Session, client: FibonacciClient
+async def test_messages_about_other_goals_are_ignored(
+    session: FakeSession, client: FibonacciClient
 ) -> None:
     goal = await client.send(FibonacciGoal(5))
-    tell(session, "feedback", status("other", 1), feedback={"sequence": [7]})
-    tell(session, "result", status("other", 3), result={})
-    tell(session, "feedback", status(goal.id, 77), feedback={"sequence": [8]})
+    receive(session, "feedback", status("other", 1), feedback={"sequence": [7]})
+    receive(session, "result", status("other", 3), result={})
+    receive(session, "feedback", status(goal.id, 77), feedback={"sequence": [8]})
     assert goal.status is GoalStatus.PENDING
-    tell(session, "result", status(goal.id, 3), result={})
-    tell(session, "result", status(goal.id, 4), result={})
+    receive(session, "result", status(goal.id, 3), result={})
+    receive(session, "result", status(goal.id, 4), result={})
     assert [feedback.sequence async for feedback in goal.feedback()] == [[8]]
     assert await goal.result() == FibonacciResult()
 
 
-# When nothing is heard
+# Lost goals
 
 
 class Timer:
-    def __init__(self, due: float, look: Callable[[str], None], id_: str) -> None:
+    def __init__(self, due: float, check: Callable[[str], None], id_: str) -> None:
         self.due = due
-        self.look = look
+        self.check = check
         self.id = id_
         self.canceled = False
 
@@ -134,7 +131,7 @@ class Timer:
 
 
 class Clock:
-    """The client's clock, which the test sets."""
+    """A clock that the test advances."""
 
     def __init__(self) -> None:
         self.time = 100.0
@@ -143,129 +140,129 @@ class Clock:
     def now(self) -> float:
         return self.time
 
-    def later(self, seconds: float, look: Callable[[str], None], id_: str) -> Timer:
-        timer = Timer(self.time + seconds, look, id_)
+    def later(self, seconds: float, check: Callable[[str], None], id_: str) -> Timer:
+        timer = Timer(self.time + seconds, check, id_)
         self.timers.append(timer)
         return timer
 
-    def waiting(self) -> list[Timer]:
+    def pending(self) -> list[Timer]:
         return [timer for timer in self.timers if not timer.canceled]
 
-    def go_on(self, seconds: float) -> None:
-        """Let this time pass."""
+    def advance(self, seconds: float) -> None:
+        """Let seconds pass, and call the timers that are due."""
         end = self.time + seconds
-        while due := [timer for timer in self.waiting() if timer.due <= end]:
+        while due := [timer for timer in self.pending() if timer.due <= end]:
             timer = min(due, key=lambda timer: timer.due)
             self.time = timer.due
             timer.canceled = True
-            timer.look(timer.id)
+            timer.check(timer.id)
         self.time = end
 
 
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
     clock = Clock()
-    monkeypatch.setattr(topic_client, "_now", clock.now)
-    monkeypatch.setattr(topic_client, "_later", clock.later)
+    monkeypatch.setattr(topics, "_now", clock.now)
+    monkeypatch.setattr(topics, "_later", clock.later)
     return clock
 
 
-async def test_without_a_server_a_goal_is_lost(client: FibonacciClient, clock: Clock) -> None:
+async def test_goal_without_a_server_is_lost(client: FibonacciClient, clock: Clock) -> None:
     goal = await client.send(FibonacciGoal(5))
-    clock.go_on(4.9)
+    clock.advance(4.9)
     assert goal.status is GoalStatus.PENDING
-    clock.go_on(0.2)
+    clock.advance(0.2)
     with pytest.raises(ActionError, match="LOST: nothing was heard of it for 5 s"):
         await goal.result()
 
 
-async def test_a_goal_that_its_server_forgets_is_lost(
-    session: Session, client: FibonacciClient, clock: Clock
+async def test_goal_that_disappears_from_the_status_is_lost(
+    session: FakeSession, client: FibonacciClient, clock: Clock
 ) -> None:
     forgotten, waiting = [await client.send(FibonacciGoal(5)) for _ in range(2)]
-    tell_status(session, status(forgotten.id, 1))
+    receive_status(session, status(forgotten.id, 1))
     for _ in range(30):
-        clock.go_on(0.2)
-        tell_status(session)
-    # The other one may be in the queue of a server that lists only what it has begun, as roslib's.
+        clock.advance(0.2)
+        receive_status(session)
+    # The other one may wait in a server that lists only goals that have begun, as that of roslib.
     assert [goal.status.name for goal in (forgotten, waiting)] == ["LOST", "PENDING"]
-    clock.go_on(5.1)
+    clock.advance(5.1)
     assert waiting.status is GoalStatus.LOST
 
 
-async def test_a_goal_that_is_heard_of_is_not_lost(
-    session: Session, client: FibonacciClient, clock: Clock
+async def test_feedback_keeps_its_goal_from_being_lost(
+    session: FakeSession, client: FibonacciClient, clock: Clock
 ) -> None:
-    heard, silent = [await client.send(FibonacciGoal(5)) for _ in range(2)]
+    active, silent = [await client.send(FibonacciGoal(5)) for _ in range(2)]
     for _ in range(3):
-        clock.go_on(4)
-        tell(session, "feedback", status(heard.id, 1), feedback={})
-    assert [goal.status.name for goal in (heard, silent)] == ["ACTIVE", "LOST"]
+        clock.advance(4)
+        receive(session, "feedback", status(active.id, 1), feedback={})
+    assert [goal.status.name for goal in (active, silent)] == ["ACTIVE", "LOST"]
 
 
-async def test_nobody_looks_after_a_goal_that_has_ended(
-    session: Session, client: FibonacciClient, clock: Clock
+async def test_ended_goal_has_no_timer(
+    session: FakeSession, client: FibonacciClient, clock: Clock
 ) -> None:
     goal = await client.send(FibonacciGoal(5))
-    assert [timer.id for timer in clock.waiting()] == [goal.id]
-    tell(session, "result", status(goal.id, 3), result={})
-    assert clock.waiting() == []
+    assert [timer.id for timer in clock.pending()] == [goal.id]
+    receive(session, "result", status(goal.id, 3), result={})
+    assert clock.pending() == []
 
 
-async def test_time_passes_by_the_loops_clock(
+async def test_goal_is_lost_by_the_clock_of_the_loop(
     client: FibonacciClient, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(topic_client, "LOST_AFTER", 0.01)
+    monkeypatch.setattr(topics, "LOST_AFTER", 0.01)
     goal = await client.send(FibonacciGoal(5))
     with pytest.raises(ActionError, match="LOST"):
         await goal.result(timeout=60)
 
 
-# The server
+# Waiting for a server
 
 
-async def test_a_server_is_there_once_it_has_told_its_status(
-    session: Session, client: FibonacciClient
+async def test_server_is_available_once_it_has_published_its_status(
+    session: FakeSession, client: FibonacciClient
 ) -> None:
     waiting = asyncio.create_task(client.wait_for_server())
     await asyncio.sleep(0)
     assert not waiting.done()
-    tell_status(session)
+    receive_status(session)
     async with asyncio.timeout(60):
         await waiting
         await client.wait_for_server(timeout=1)
 
 
-async def test_a_server_that_is_not_there_is_waited_for_so_long(client: FibonacciClient) -> None:
+async def test_wait_for_server_times_out(client: FibonacciClient) -> None:
     with pytest.raises(WaitTimeout, match="while waiting for action server /fibonacci"):
         await client.wait_for_server(timeout=0.001)
-    with pytest.raises(ValueError, match="a timeout is a number of seconds above 0"):
+    with pytest.raises(ValueError, match="timeout must be a finite number of seconds above 0"):
         await client.wait_for_server(timeout=0)
 
 
-async def test_a_server_of_a_lost_hub_is_there_no_more(
-    session: Session, client: FibonacciClient
+async def test_server_is_unavailable_after_disconnect(
+    session: FakeSession, client: FibonacciClient
 ) -> None:
-    tell_status(session)
+    receive_status(session)
     await client.wait_for_server()
-    session.lose()
+    session.on_disconnect()
     with pytest.raises(WaitTimeout):
         await client.wait_for_server(timeout=0.001)
 
 
-async def test_a_server_that_falls_silent_is_there_no_more(
-    session: Session, client: FibonacciClient, clock: Clock
+async def test_silent_server_is_unavailable(
+    session: FakeSession, client: FibonacciClient, clock: Clock
 ) -> None:
-    tell_status(session)
-    clock.go_on(4.9)
+    receive_status(session)
+    clock.advance(4.9)
     await client.wait_for_server(timeout=1)
-    clock.go_on(0.2)
+    clock.advance(0.2)
     with pytest.raises(WaitTimeout):
         await client.wait_for_server(timeout=0.001)
 
 
-async def test_who_waits_for_a_server_hears_of_the_end(
-    session: Session, client: FibonacciClient
+async def test_close_ends_pending_wait_for_server(
+    session: FakeSession, client: FibonacciClient
 ) -> None:
     waiting = asyncio.create_task(client.wait_for_server())
     await asyncio.sleep(0)
@@ -276,8 +273,8 @@ async def test_who_waits_for_a_server_hears_of_the_end(
 
 
 @pytest.mark.parametrize("topic", ["status", "feedback", "result", "goal", "cancel"])
-async def test_a_topic_that_the_hub_refuses_ends_it(
-    session: Session, client: FibonacciClient, topic: str
+async def test_refused_topic_ends_the_client(
+    session: FakeSession, client: FibonacciClient, topic: str
 ) -> None:
     (id_,) = [each["id"] for each in said(session) if each["topic"] == f"/fibonacci/{topic}"]
     goal = await client.send(FibonacciGoal(5))
@@ -285,13 +282,13 @@ async def test_a_topic_that_the_hub_refuses_ends_it(
     await asyncio.sleep(0)
     hears(session, "status", level="error", id=id_, msg="no")
     async with asyncio.timeout(60):
-        for told in (waiting, goal.result(), client.send(FibonacciGoal(5))):
+        for call in (waiting, goal.result(), client.send(FibonacciGoal(5))):
             with pytest.raises(OperationRejected, match="no"):
-                await told
+                await call
 
 
-async def test_what_is_refused_twice_has_ended_once(
-    session: Session, client: FibonacciClient
+async def test_first_refusal_is_the_one_that_is_raised(
+    session: FakeSession, client: FibonacciClient
 ) -> None:
     for each in said(session):
         hears(session, "status", level="error", id=each["id"], msg=each["topic"])

@@ -1,4 +1,4 @@
-"""A server over topics: what it says to which message."""
+"""Action servers over topics."""
 
 from __future__ import annotations
 
@@ -7,18 +7,17 @@ from typing import Any
 
 import pytest
 
+from fibws.action.actionlib_tutorials import Fibonacci
 from fibws.errors import OperationRejected
 from fibws.msg.actionlib_tutorials import FibonacciFeedback, FibonacciGoal, FibonacciResult
-from fibws.node.actions import topic_server
+from fibws.node.actions import topics
 from fibws.node.actions.actions import Actions
-from fibws.node.actions.server_goal import ServerGoal
-from fibws.node.actions.topic_server import TopicActionServer
-from fibws.node.session import Session
+from fibws.node.actions.server import ActionServer, ServerGoal
 
-from ..conftest import greeted, hears, said, says
-from .conftest import NOW, FibonacciType
+from ..conftest import FakeSession, hears, reconnected, said, says
+from .conftest import NOW
 
-FibonacciServer = TopicActionServer[FibonacciGoal, FibonacciResult, FibonacciFeedback]
+FibonacciServer = ActionServer[FibonacciGoal, FibonacciResult, FibonacciFeedback]
 
 STAMP = {"secs": NOW // 1_000_000_000, "nsecs": NOW % 1_000_000_000}
 
@@ -26,7 +25,7 @@ STAMP = {"secs": NOW // 1_000_000_000, "nsecs": NOW % 1_000_000_000}
 async def execute(
     goal: ServerGoal[FibonacciGoal, FibonacciResult, FibonacciFeedback],
 ) -> FibonacciResult:
-    """Succeeds at once, but for negative orders: those wait to be canceled."""
+    """Succeeds at once, except for negative orders: those wait for a cancel."""
     await goal.publish_feedback(FibonacciFeedback([0]))
     if goal.request.order < 0:
         await goal.cancellation()
@@ -35,24 +34,22 @@ async def execute(
 
 
 @pytest.fixture
-async def server(
-    session: Session, actions: Actions, fibonacci: FibonacciType, monkeypatch: pytest.MonkeyPatch
-) -> FibonacciServer:
-    monkeypatch.setattr(topic_server, "STATUS_PERIOD", 0.02)
-    return TopicActionServer(actions, "/fibonacci", fibonacci, execute, concurrent=True)
+async def server(actions: Actions, monkeypatch: pytest.MonkeyPatch) -> FibonacciServer:
+    monkeypatch.setattr(topics, "STATUS_PERIOD", 0.02)
+    return actions.serve("/fibonacci", Fibonacci, execute, over="topics", concurrent=True)
 
 
-def goal(session: Session, id_: str = "a", order: int = 5, **stamp: int) -> None:
+def receive_goal(session: FakeSession, id_: str = "a", order: int = 5, **stamp: int) -> None:
     msg = {"goal_id": {"id": id_, "stamp": stamp}, "goal": {"order": order}}
     hears(session, "publish", topic="/fibonacci/goal", msg=msg)
 
 
-def cancel(session: Session, **goal_id: Any) -> None:
+def receive_cancel(session: FakeSession, **goal_id: Any) -> None:
     hears(session, "publish", topic="/fibonacci/cancel", msg=goal_id)
 
 
-async def published(session: Session, kind: str) -> dict[str, Any]:
-    """The next message on one of the topics."""
+async def published(session: FakeSession, kind: str) -> dict[str, Any]:
+    """The next message that is published on one of the topics."""
     while True:
         operation = await says(session)
         if operation["op"] == "publish" and operation["topic"] == f"/fibonacci/{kind}":
@@ -60,8 +57,8 @@ async def published(session: Session, kind: str) -> dict[str, Any]:
             return message
 
 
-async def status_of(session: Session, status: int) -> list[dict[str, Any]]:
-    """The first status in which a goal has this number."""
+async def status_of(session: FakeSession, status: int) -> list[dict[str, Any]]:
+    """The next published status list in which a goal has this status."""
     while True:
         listed: list[dict[str, Any]] = (await published(session, "status"))["status_list"]
         if any(each["status"] == status for each in listed):
@@ -69,8 +66,8 @@ async def status_of(session: Session, status: int) -> list[dict[str, Any]]:
 
 
 @pytest.mark.usefixtures("server")
-async def test_it_registers_its_topics_and_tells_its_status_at_once(session: Session) -> None:
-    registered = [(each["op"], each["topic"]) for each in greeted(session) if "id" in each]
+async def test_server_registers_its_topics_and_publishes_its_status(session: FakeSession) -> None:
+    registered = [(each["op"], each["topic"]) for each in reconnected(session) if "id" in each]
     assert registered == [
         ("advertise", "/fibonacci/status"),
         ("advertise", "/fibonacci/result"),
@@ -82,8 +79,10 @@ async def test_it_registers_its_topics_and_tells_its_status_at_once(session: Ses
 
 
 @pytest.mark.usefixtures("server")
-async def test_a_goal_has_feedback_and_a_result_and_is_listed_thereafter(session: Session) -> None:
-    goal(session, secs=7, nsecs=8)
+async def test_goal_has_feedback_and_a_result_and_stays_in_the_status(
+    session: FakeSession,
+) -> None:
+    receive_goal(session, secs=7, nsecs=8)
     goal_id = {"id": "a", "stamp": {"secs": 7, "nsecs": 8}}
     feedback = await published(session, "feedback")
     assert feedback["status"] == {"goal_id": goal_id, "status": 1, "text": ""}
@@ -95,15 +94,15 @@ async def test_a_goal_has_feedback_and_a_result_and_is_listed_thereafter(session
 
 
 @pytest.mark.usefixtures("server")
-async def test_it_tells_its_status_again_and_again(session: Session) -> None:
+async def test_status_is_published_periodically(session: FakeSession) -> None:
     for _ in range(3):
         await published(session, "status")
 
 
 @pytest.mark.usefixtures("server")
-async def test_what_a_goals_id_leaves_out_is_made_up(session: Session) -> None:
-    goal(session, id_="")
-    goal(session, id_="")
+async def test_goal_without_id_and_stamp_gets_them(session: FakeSession) -> None:
+    receive_goal(session, id_="")
+    receive_goal(session, id_="")
     ids = [(await published(session, "result"))["status"]["goal_id"] for _ in range(2)]
     assert ids == [
         {"id": "/node-1-1700000000.500", "stamp": STAMP},
@@ -112,10 +111,10 @@ async def test_what_a_goals_id_leaves_out_is_made_up(session: Session) -> None:
 
 
 @pytest.mark.usefixtures("server")
-async def test_a_goal_that_comes_twice_counts_once(session: Session) -> None:
-    goal(session)
-    goal(session)
-    goal(session, id_="b")
+async def test_duplicate_goal_is_ignored(session: FakeSession) -> None:
+    receive_goal(session)
+    receive_goal(session)
+    receive_goal(session, id_="b")
     ids = [(await published(session, "result"))["status"]["goal_id"]["id"] for _ in range(2)]
     assert ids == ["a", "b"]
 
@@ -125,39 +124,39 @@ async def test_a_goal_that_comes_twice_counts_once(session: Session) -> None:
     "goal_id",
     [{"id": "a"}, {}, {"stamp": {"secs": 7, "nsecs": 0}}, {"id": "b", "stamp": {"secs": 8}}],
 )
-async def test_a_cancel_by_name_or_time_or_of_all_reaches_the_goal(
-    session: Session, goal_id: dict[str, Any]
+async def test_goal_is_canceled_by_id_by_time_or_with_all_others(
+    session: FakeSession, goal_id: dict[str, Any]
 ) -> None:
-    goal(session, order=-1, secs=7)
+    receive_goal(session, order=-1, secs=7)
     await published(session, "feedback")
-    cancel(session, **goal_id)
+    receive_cancel(session, **goal_id)
     result = await published(session, "result")
     assert (result["status"]["status"], result["status"]["text"]) == (2, "as you wish")
     assert result["result"] == {"sequence": []}
 
 
 @pytest.mark.usefixtures("server")
-async def test_a_cancel_that_means_other_goals_does_not_reach_it(session: Session) -> None:
-    goal(session, order=-1, secs=7)
+async def test_cancel_of_other_goals_is_ignored(session: FakeSession) -> None:
+    receive_goal(session, order=-1, secs=7)
     await published(session, "feedback")
-    cancel(session, id="b")
-    cancel(session, stamp={"secs": 6, "nsecs": 999_999_999})
+    receive_cancel(session, id="b")
+    receive_cancel(session, stamp={"secs": 6, "nsecs": 999_999_999})
     listed = await status_of(session, 7)
     assert [(each["goal_id"]["id"], each["status"]) for each in listed] == [("a", 1), ("b", 7)]
 
 
 @pytest.mark.usefixtures("server")
-async def test_a_goal_that_was_canceled_before_it_came_is_recalled(session: Session) -> None:
-    cancel(session, id="a")
-    goal(session)
+async def test_goal_canceled_before_its_arrival_is_recalled(session: FakeSession) -> None:
+    receive_cancel(session, id="a")
+    receive_goal(session)
     result = await published(session, "result")
     assert (result["status"]["status"], result["result"]) == (8, {"sequence": []})
 
 
-async def test_when_it_is_closed_goals_are_aborted_and_topics_left(
-    session: Session, server: FibonacciServer
+async def test_close_aborts_goals_and_unregisters_topics(
+    session: FakeSession, server: FibonacciServer
 ) -> None:
-    goal(session, order=-1)
+    receive_goal(session, order=-1)
     await published(session, "feedback")
     server.close()
     result = await published(session, "result")
@@ -165,14 +164,14 @@ async def test_when_it_is_closed_goals_are_aborted_and_topics_left(
         4,
         "the action server has ended",
     )
-    left = sorted(each["op"] for each in said(session))
-    assert left == ["unadvertise"] * 3 + ["unsubscribe"] * 2
+    operations = sorted(each["op"] for each in said(session))
+    assert operations == ["unadvertise"] * 3 + ["unsubscribe"] * 2
     await session.tasks.finished()
 
 
 @pytest.mark.usefixtures("server")
-async def test_at_the_nodes_end_goals_have_their_result_yet(session: Session) -> None:
-    goal(session, order=-1)
+async def test_end_of_the_node_sends_results_of_goals(session: FakeSession) -> None:
+    receive_goal(session, order=-1)
     await published(session, "feedback")
     session.end()
     assert (await published(session, "result"))["status"]["status"] == 4
@@ -180,26 +179,29 @@ async def test_at_the_nodes_end_goals_have_their_result_yet(session: Session) ->
 
 
 @pytest.mark.usefixtures("server")
-async def test_without_a_hub_goals_go_on_and_status_is_saved(session: Session) -> None:
-    goal(session, order=-1)
+async def test_goals_continue_without_a_hub_but_no_status_is_queued(session: FakeSession) -> None:
+    receive_goal(session, order=-1)
     await published(session, "feedback")
-    session.lose()
+    session.on_disconnect()
     said(session)
-    cancel(session, id="a")
+    receive_cancel(session, id="a")
+    for _ in range(10):  # Let the tasks of the goal and of the status run.
+        await asyncio.sleep(0)
+    assert session.outgoing.unsent() == {"/fibonacci/result": 1}
+    session.reopen()
     await published(session, "result")
-    await asyncio.sleep(0)
-    assert said(session) == []
-    session.outbox.open()
     assert [each["status"] for each in await status_of(session, 2)] == [2]
 
 
 @pytest.mark.parametrize("topic", ["/fibonacci/goal", "/fibonacci/status", "/fibonacci/result"])
-async def test_a_topic_that_the_hub_refuses_ends_it(
-    session: Session, server: FibonacciServer, topic: str
+async def test_refused_topic_ends_the_server(
+    session: FakeSession, server: FibonacciServer, topic: str
 ) -> None:
-    (id_,) = [each["id"] for each in greeted(session) if "id" in each and each["topic"] == topic]
+    (id_,) = [
+        each["id"] for each in reconnected(session) if "id" in each and each["topic"] == topic
+    ]
     hears(session, "status", level="error", id=id_, msg="no")
-    goal(session)
+    receive_goal(session)
     async with asyncio.timeout(60):
         with pytest.raises(OperationRejected, match="no"):
             await server.spin()

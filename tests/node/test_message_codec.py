@@ -22,27 +22,27 @@ from fibws.node.types import Types
     ],
 )
 def test_a_message_may_be_given_by_its_fields_and_they_too(types: Types, given: Any) -> None:
-    wire = types.wire(PointStamped)
-    written = wire.write(given)
+    codec = types.codec(PointStamped)
+    written = codec.write(given)
     assert written == {
         "header": {"seq": 0, "stamp": {"secs": 1, "nsecs": 2}, "frame_id": ""},
         "point": {"x": 1.0, "y": 2.0, "z": 3.0},
     }
-    assert wire.read(written) == PointStamped(Header(stamp=Time(1, 2)), Point(1, 2, 3))
+    assert codec.read(written) == PointStamped(Header(stamp=Time(1, 2)), Point(1, 2, 3))
 
 
 @pytest.mark.parametrize(("given", "name"), [(Vector3(), "geometry_msgs/Vector3"), (5, "int")])
 def test_anything_else_is_no_message(types: Types, given: object, name: str) -> None:
     with pytest.raises(TypeError, match=rf"expected \[geometry_msgs/Point\] but got \[{name}\]"):
-        types.wire(Point).write(given)
+        types.codec(Point).write(given)
 
 
 def test_what_does_not_fit_is_refused_both_ways(types: Types) -> None:
-    wire = types.wire(Point)
+    codec = types.codec(Point)
     with pytest.raises(InvalidMessage, match="field x"):
-        wire.write({"x": "1"})
+        codec.write({"x": "1"})
     with pytest.raises(InvalidMessage, match="field x"):
-        wire.read({"x": "1"})
+        codec.read({"x": "1"})
 
 
 class Handmade(Message):
@@ -78,20 +78,20 @@ def test_a_class_may_be_made_by_hand(types: Types, class_: type[Handmade], given
     assert types.message_class(class_) is class_
     if isinstance(given, Message) and not isinstance(given, class_):
         with pytest.raises(TypeError, match=r"expected \[geometry_msgs/Point32\]"):
-            types.wire(class_).write(given)
+            types.codec(class_).write(given)
         return
-    written = types.wire(class_).write(given)
+    written = types.codec(class_).write(given)
     assert written == {"x": 1.0, "y": 2.0, "z": 0.0}
-    read = types.wire(class_).read(written)
+    read = types.codec(class_).read(written)
     assert type(read) is class_
     assert read == Handmade(1, 2)
 
 
 def test_what_does_not_fit_in_a_class_made_by_hand_is_refused(types: Types) -> None:
     with pytest.raises(InvalidMessage, match="field y"):
-        types.wire(Handmade).write(Handmade(1, "2"))  # type: ignore[arg-type]
+        types.codec(Handmade).write(Handmade(1, "2"))  # type: ignore[arg-type]
 
 
 def test_messages_made_by_hand_may_be_in_others(types: Types) -> None:
-    written = types.wire(Polygon).write({"points": [Handmade(1, 2), {"z": 3}]})
+    written = types.codec(Polygon).write({"points": [Handmade(1, 2), {"z": 3}]})
     assert written == {"points": [{"x": 1.0, "y": 2.0, "z": 0.0}, {"x": 0.0, "y": 0.0, "z": 3.0}]}

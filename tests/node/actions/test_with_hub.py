@@ -1,4 +1,4 @@
-"""Servers and clients at a real hub, over topics and over operations."""
+"""Action servers and clients on a real hub, over topics and over operations."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ from fibws.action.actionlib_tutorials import Fibonacci
 from fibws.hub import Hub, Settings
 from fibws.msg.actionlib_tutorials import FibonacciFeedback, FibonacciGoal, FibonacciResult
 from fibws.msg.std_msgs import String
-from fibws.node.actions.over import Over
+from fibws.node.actions.actions import Over
 
 FibonacciServerGoal = fibws.ServerGoal[FibonacciGoal, FibonacciResult, FibonacciFeedback]
 FibonacciClientGoal = fibws.ClientGoal[FibonacciResult, FibonacciFeedback]
 
-WAYS: list[Over] = ["topics", "operations"]
+OVER: list[Over] = ["topics", "operations"]
 
-both_ways = pytest.mark.parametrize("over", WAYS)
+both_kinds = pytest.mark.parametrize("over", OVER)
 
 
 @pytest.fixture
 async def real_hub() -> AsyncIterator[Hub]:
-    """A hub whose nodes must leave no tasks of goals behind."""
+    """A hub; nodes must leave no tasks of actions behind."""
     async with Hub(Settings(port=0, close_timeout=0.1)) as hub:
         yield hub
     names = {task.get_name() for task in asyncio.all_tasks()}
@@ -47,7 +47,7 @@ async def client(real_hub: Hub) -> AsyncIterator[fibws.Node]:
 
 
 async def count(goal: FibonacciServerGoal) -> FibonacciResult:
-    """Counts to the order; negative orders wait to be canceled; 13 brings bad luck."""
+    """Count to the order; wait for a cancel if it is negative; raise an exception if it is 13."""
     order = goal.request.order
     if order == 13:
         raise RuntimeError("bad luck")
@@ -69,53 +69,53 @@ async def ready(
     return client
 
 
-async def fault_of(goal: FibonacciClientGoal) -> fibws.ActionError:
+async def error_of(goal: FibonacciClientGoal) -> fibws.ActionError:
     with pytest.raises(fibws.ActionError) as error:
         await goal.result(timeout=60)
     return error.value
 
 
-@both_ways
-async def test_a_goal_succeeds(server: fibws.Node, client: fibws.Node, over: Over) -> None:
+@both_kinds
+async def test_goal_succeeds(server: fibws.Node, client: fibws.Node, over: Over) -> None:
     await server.action_server("fibonacci", Fibonacci, count, over=over)
     fibonacci = await ready(client, over)
     goal = await fibonacci.send(Fibonacci.Goal(order=3))
-    heard = []
+    received = []
     async for feedback in goal.feedback():
         assert_type(feedback, FibonacciFeedback)
-        heard.append(feedback.sequence)
-    assert heard == [[0], [0, 1], [0, 1, 2]]
+        received.append(feedback.sequence)
+    assert received == [[0], [0, 1], [0, 1, 2]]
     result = await goal.result()
     assert_type(result, FibonacciResult)
     assert result.sequence == [0, 1, 2]
     assert goal.status is fibws.GoalStatus.SUCCEEDED
 
 
-@both_ways
-async def test_a_goal_is_canceled(server: fibws.Node, client: fibws.Node, over: Over) -> None:
+@both_kinds
+async def test_goal_is_canceled(server: fibws.Node, client: fibws.Node, over: Over) -> None:
     await server.action_server("fibonacci", Fibonacci, count, over=over)
     fibonacci = await ready(client, over)
     goal = await fibonacci.send(Fibonacci.Goal(-2))
     await anext(goal.feedback())
     await goal.cancel()
-    fault = await fault_of(goal)
-    assert fault.status is goal.status is fibws.GoalStatus.PREEMPTED
-    assert fault.result == FibonacciResult([0, 1])
+    error = await error_of(goal)
+    assert error.status is goal.status is fibws.GoalStatus.PREEMPTED
+    assert error.result == FibonacciResult([0, 1])
 
 
-@both_ways
-async def test_an_error_aborts_its_goal_and_nothing_else(
+@both_kinds
+async def test_exception_aborts_only_its_goal(
     server: fibws.Node, client: fibws.Node, over: Over
 ) -> None:
     await server.action_server("fibonacci", Fibonacci, count, over=over)
     fibonacci = await ready(client, over)
-    fault = await fault_of(await fibonacci.send(Fibonacci.Goal(13)))
-    assert (fault.status, fault.text) == (fibws.GoalStatus.ABORTED, "bad luck")
+    error = await error_of(await fibonacci.send(Fibonacci.Goal(13)))
+    assert (error.status, error.text) == (fibws.GoalStatus.ABORTED, "bad luck")
     goal = await fibonacci.send(Fibonacci.Goal(1))
     assert (await goal.result(timeout=60)).sequence == [0]
 
 
-async def test_unless_told_otherwise_goals_over_topics_preempt_each_other(
+async def test_goals_over_topics_preempt_each_other_by_default(
     server: fibws.Node, client: fibws.Node
 ) -> None:
     await server.action_server("fibonacci", Fibonacci, count)
@@ -123,11 +123,11 @@ async def test_unless_told_otherwise_goals_over_topics_preempt_each_other(
     first = await fibonacci.send(Fibonacci.Goal(-1))
     await anext(first.feedback())
     second = await fibonacci.send(Fibonacci.Goal(2))
-    assert (await fault_of(first)).status is fibws.GoalStatus.PREEMPTED
+    assert (await error_of(first)).status is fibws.GoalStatus.PREEMPTED
     assert (await second.result(timeout=60)).sequence == [0, 1]
 
 
-async def test_unless_told_otherwise_goals_over_operations_do_not(
+async def test_goals_over_operations_are_concurrent_by_default(
     server: fibws.Node, client: fibws.Node
 ) -> None:
     await server.action_server("fibonacci", Fibonacci, count, over="operations")
@@ -138,8 +138,8 @@ async def test_unless_told_otherwise_goals_over_operations_do_not(
     assert first.status is fibws.GoalStatus.ACTIVE
 
 
-@both_ways
-async def test_many_goals_are_pursued_side_by_side(
+@both_kinds
+async def test_many_goals_are_executed_at_the_same_time(
     server: fibws.Node, client: fibws.Node, over: Over
 ) -> None:
     await server.action_server("fibonacci", Fibonacci, count, over=over, concurrent=True)
@@ -149,11 +149,11 @@ async def test_many_goals_are_pursued_side_by_side(
         await anext(goal.feedback())
         await goal.cancel()
     for number, goal in enumerate(goals):
-        assert len((await fault_of(goal)).result.sequence) == number + 1
+        assert len((await error_of(goal)).result.sequence) == number + 1
 
 
-@both_ways
-async def test_a_type_may_be_named_and_a_goal_a_dict(
+@both_kinds
+async def test_type_may_be_a_name_and_goal_a_dict(
     server: fibws.Node, client: fibws.Node, over: Over
 ) -> None:
     async def execute(goal: fibws.ServerGoal[Any, Any, Any]) -> Any:
@@ -166,7 +166,7 @@ async def test_a_type_may_be_named_and_a_goal_a_dict(
     assert (await goal.result(timeout=60)).sequence == [8]
 
 
-@both_ways
+@both_kinds
 async def test_names_are_resolved_and_remapped(real_hub: Hub, over: Over) -> None:
     remapping = fibws.parse_remappings(["fibonacci:=/robot/numbers"])
     async with (
@@ -179,8 +179,8 @@ async def test_names_are_resolved_and_remapped(real_hub: Hub, over: Over) -> Non
         assert (await goal.result(timeout=60)).sequence == [0]
 
 
-@both_ways
-async def test_the_users_own_action_reaches_a_hub_that_does_not_know_it(
+@both_kinds
+async def test_hub_learns_the_users_own_action_type(
     real_hub: Hub, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, over: Over
 ) -> None:
     package = tmp_path / f"herd_{over}"
@@ -207,29 +207,29 @@ async def test_the_users_own_action_reaches_a_hub_that_does_not_know_it(
         goal = await client.send({"sheep": [{"name": "Dolly"}, {"name": "Molly"}]})
         names = [feedback.counted.name async for feedback in goal.feedback()]
         assert names == ["Dolly", "Molly"]
-        assert (await fault_of(goal)).result.count == 2
+        assert (await error_of(goal)).result.count == 2
 
 
-# Who leaves
+# Leaving
 
 
-@both_ways
-async def test_when_the_server_ends_its_goals_are_aborted(
+@both_kinds
+async def test_end_of_the_server_aborts_its_goals(
     server: fibws.Node, client: fibws.Node, over: Over
 ) -> None:
     async with await server.action_server("fibonacci", Fibonacci, count, over=over):
         fibonacci = await ready(client, over)
         goal = await fibonacci.send(Fibonacci.Goal(-1))
         await anext(goal.feedback())
-    fault = await fault_of(goal)
-    assert (fault.status, fault.text) == (
+    error = await error_of(goal)
+    assert (error.status, error.text) == (
         fibws.GoalStatus.ABORTED,
         "the action server has ended",
     )
 
 
-@both_ways
-async def test_when_the_servers_node_ends_its_goals_are_aborted(
+@both_kinds
+async def test_end_of_the_servers_node_aborts_its_goals(
     real_hub: Hub, client: fibws.Node, over: Over
 ) -> None:
     async with fibws.Node("server", hub=real_hub.url) as server:
@@ -237,10 +237,10 @@ async def test_when_the_servers_node_ends_its_goals_are_aborted(
         fibonacci = await ready(client, over)
         goal = await fibonacci.send(Fibonacci.Goal(-1))
         await anext(goal.feedback())
-    assert (await fault_of(goal)).text == "the action server has ended"
+    assert (await error_of(goal)).text == "the action server has ended"
 
 
-async def test_when_a_client_leaves_its_goals_over_operations_are_wanted_no_more(
+async def test_goals_over_operations_are_canceled_when_the_client_leaves(
     real_hub: Hub, server: fibws.Node
 ) -> None:
     ended = asyncio.Event()
@@ -259,8 +259,8 @@ async def test_when_a_client_leaves_its_goals_over_operations_are_wanted_no_more
         await ended.wait()
 
 
-@both_ways
-async def test_when_the_hub_is_lost_so_is_the_goal_and_the_next_hub_has_all_again(
+@both_kinds
+async def test_disconnect_loses_goals_and_reconnection_restores_the_action(
     real_hub: Hub, over: Over
 ) -> None:
     old = await Hub(Settings(port=0, close_timeout=0.1)).__aenter__()
@@ -274,8 +274,8 @@ async def test_when_the_hub_is_lost_so_is_the_goal_and_the_next_hub_has_all_agai
         await anext(goal.feedback())
         port = int(old.url.rpartition(":")[2])
         await old.__aexit__(None, None, None)
-        # Over operations the hub may have seen the server go before it let the client go.
-        assert (await fault_of(goal)).text in (
+        # Over operations the hub may have disconnected the server before the client.
+        assert (await error_of(goal)).text in (
             "the connection to the hub was lost",
             "Action /fibonacci is unavailable: /server has left",
         )
@@ -285,25 +285,25 @@ async def test_when_the_hub_is_lost_so_is_the_goal_and_the_next_hub_has_all_agai
             assert (await again.result(timeout=60)).sequence == [0, 1]
 
 
-@both_ways
-async def test_a_client_that_nobody_serves(client: fibws.Node, over: Over) -> None:
+@both_kinds
+async def test_client_without_a_server(client: fibws.Node, over: Over) -> None:
     fibonacci = client.action_client("fibonacci", Fibonacci, over=over)
     with pytest.raises(fibws.WaitTimeout, match="while waiting for action server /fibonacci"):
         await fibonacci.wait_for_server(timeout=0.1)
     if over == "operations":
-        fault = await fault_of(await fibonacci.send(Fibonacci.Goal(1)))
-        assert fault.text == "Action /fibonacci does not exist"
+        error = await error_of(await fibonacci.send(Fibonacci.Goal(1)))
+        assert error.text == "Action /fibonacci does not exist"
 
 
-# What is refused
+# Refusals
 
 
-async def test_over_topics_of_other_types_there_is_no_action(
+async def test_server_over_topics_of_other_types_is_refused(
     server: fibws.Node, client: fibws.Node
 ) -> None:
     for topic in ("feedback", "cancel"):
         await (await client.advertise(f"{topic}_taken/{topic}", String)).publish("mine")
-        # The hub knows of the other type once it has heard what came after it.
+        # The hub has handled the other type once it has answered a later call.
         client.subscribe(f"{topic}_taken/{topic}", String)
         await client.graph.topics()
         refused = await server.action_server(f"{topic}_taken", Fibonacci, count)
@@ -316,7 +316,7 @@ async def test_over_topics_of_other_types_there_is_no_action(
             await asyncio.wait_for(refused.spin(), 10)
 
 
-async def test_over_operations_a_type_that_is_not_the_servers(
+async def test_goal_of_another_type_than_the_servers_is_refused(
     server: fibws.Node, client: fibws.Node
 ) -> None:
     await server.action_server("fibonacci", Fibonacci, count, over="operations")
@@ -327,14 +327,6 @@ async def test_over_operations_a_type_that_is_not_the_servers(
         await goal.result(timeout=60)
 
 
-async def test_there_is_no_third_way(server: fibws.Node) -> None:
-    nowhere: Any = "smoke"
-    with pytest.raises(ValueError, match='over "topics" or over "operations", not over \'smoke\''):
-        await server.action_server("fibonacci", Fibonacci, count, over=nowhere)
-    with pytest.raises(ValueError, match="not over 'smoke'"):
-        server.action_client("fibonacci", Fibonacci, over=nowhere)
-
-
-async def test_an_action_that_nobody_defined(server: fibws.Node) -> None:
+async def test_unknown_action_type_has_a_suggestion(server: fibws.Node) -> None:
     with pytest.raises(fibws.InterfaceError, match="did you mean actionlib_tutorials/Fibonacci"):
         server.action_client("fibonacci", "actionlib_tutorials/Fibonaci")

@@ -1,0 +1,209 @@
+"""Actions over rosbridge's operations, which it has for ROS 2.
+
+The hub routes goals to the server, and feedback and results back to the goal's client.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, Iterator
+from typing import Any
+
+from fibws.errors import InvalidMessage, OperationRejected
+from fibws.interfaces.message import F, G, R
+from fibws.node.actions.client import ActionClient, ClientGoal
+from fibws.node.actions.server import ActionServer, Execute
+from fibws.node.actions.status import GoalStatus, Record, status_from_ros2
+from fibws.node.session import Session
+from fibws.node.types import ActionType
+from fibws.protocol.decoding import quoted
+from fibws.protocol.operations import (
+    ActionFeedback,
+    ActionResult,
+    AdvertiseAction,
+    CancelActionGoal,
+    Operation,
+    Reply,
+    SendActionGoal,
+    UnadvertiseAction,
+)
+
+
+class OperationActionServer(ActionServer[G, R, F]):
+    """Executes the goals that the hub passes on."""
+
+    def __init__(
+        self,
+        session: Session,
+        name: str,
+        type_: ActionType[G, R, F],
+        execute: Execute[G, R, F],
+        *,
+        concurrent: bool,
+    ) -> None:
+        super().__init__(session, name, type_, execute, concurrent=concurrent)
+        self._operation = AdvertiseAction(
+            id=session.id("advertise_action", name),
+            action=name,
+            type=type_.name,
+            definition=type_.definition,
+        )
+        session.send(self._operation)
+
+    # Called by the session
+
+    def registrations(self) -> Iterator[Operation]:
+        """Yield the advertisement."""
+        yield self._operation
+
+    def receive(self, reply: Reply) -> bool:
+        """Handle a goal, or a request to cancel one."""
+        match reply:
+            case SendActionGoal(action=self.name):
+                self._on_goal(str(reply.id), reply.args)
+                return True
+            case CancelActionGoal(action=self.name):
+                self._cancel(str(reply.id))
+                return True
+        return False
+
+    def refuse(self, id_: str, error: OperationRejected) -> bool:
+        """Close the server if the hub refuses its advertisement."""
+        if id_ != self._operation.id:
+            return False
+        self._refuse(error)
+        return True
+
+    def on_disconnect(self) -> None:
+        """Ask all goals to stop, and drop their results: the hub has failed them already."""
+        goals = list(self._goals.values())
+        self._goals.clear()
+        self._next = None
+        for goal in goals:
+            goal.request_cancel()
+
+    def _on_goal(self, id_: str, args: Any) -> None:
+        try:
+            request = self._type.goal.read(args)
+        except InvalidMessage as error:
+            self._send_failure(id_, str(error))
+        else:
+            self._receive(Record(id_), request)
+
+    # Called by the base class
+
+    def _send_status(self) -> None:
+        """Do nothing: no operation carries a status."""
+
+    def _send_feedback(self, record: Record, feedback: dict[str, Any]) -> None:
+        self._session.send(ActionFeedback(id=record.id, action=self.name, values=feedback))
+
+    def _send_result(self, record: Record, result: dict[str, Any] | None) -> None:
+        if result is None or (record.text and record.status is not GoalStatus.SUCCEEDED):
+            self._send_failure(record.id, record.text or "the goal was canceled", record.status)
+            return
+        self._session.send(
+            ActionResult(
+                id=record.id,
+                action=self.name,
+                values=result,
+                status=record.status.ros2,
+                result=True,
+            )
+        )
+
+    def _send_failure(self, id_: str, text: str, status: GoalStatus = GoalStatus.ABORTED) -> None:
+        self._session.send(
+            ActionResult(id=id_, action=self.name, values=text, status=status.ros2, result=False)
+        )
+
+    def _unadvertise(self) -> None:
+        self._session.send(UnadvertiseAction(id=self._operation.id, action=self.name))
+
+
+class OperationActionClient(ActionClient[G, R, F]):
+    """Sends goals that the hub passes on to the server.
+
+    Args:
+        wait_for_service: waits for the service of a global name, at most so many seconds.
+    """
+
+    def __init__(
+        self,
+        session: Session,
+        name: str,
+        type_: ActionType[G, R, F],
+        wait_for_service: Callable[[str, float | None], Awaitable[None]],
+    ) -> None:
+        super().__init__(session, name, type_)
+        self._wait_for_service = wait_for_service
+
+    # Called by the session
+
+    def receive(self, reply: Reply) -> bool:
+        """Handle feedback or the result of a goal, unless the goal has ended."""
+        if not isinstance(reply, ActionFeedback | ActionResult):
+            return False
+        goal = self._goals.get(str(reply.id))
+        if goal is None:
+            return False
+        if isinstance(reply, ActionFeedback):
+            self._on_feedback(goal, reply.values)
+        else:
+            self._on_result(goal, reply)
+        return True
+
+    def refuse(self, id_: str, error: OperationRejected) -> bool:
+        """Fail a goal that the hub refuses."""
+        goal = self._goals.get(id_)
+        if goal is None:
+            return False
+        self._fail(goal, GoalStatus.REJECTED, str(error))
+        return True
+
+    def _on_feedback(self, goal: ClientGoal[R, F], values: Any) -> None:
+        try:
+            feedback = self._type.feedback.read(values)
+        except InvalidMessage as error:
+            self._session.log.error("Dropped feedback of %s: %s", self.name, error)
+            return
+        if goal.status is GoalStatus.PENDING:
+            goal.update(GoalStatus.ACTIVE)
+        goal.offer(feedback)
+
+    def _on_result(self, goal: ClientGoal[R, F], reply: ActionResult) -> None:
+        status = status_from_ros2(reply.status)
+        if not reply.result:
+            text = reply.values if isinstance(reply.values, str) else quoted(reply.values)
+            self._fail(goal, status, text)
+            return
+        try:
+            result = self._type.result.read(reply.values)
+        except InvalidMessage as error:
+            self._fail(goal, status, f"invalid result: {error}")
+            return
+        if status is GoalStatus.SUCCEEDED:
+            self._succeed(goal, result)
+        else:
+            self._fail(goal, status, "", result)
+
+    # Called by the base class
+
+    async def _server_available(self) -> None:
+        # This service exists exactly as long as the action does, in ROS 2 as well.
+        await self._wait_for_service(f"{self.name}/_action/cancel_goal", None)
+
+    def _new_id(self) -> str:
+        return self._session.id("send_action_goal", self.name)
+
+    def _send_goal(self, id_: str, goal: dict[str, Any]) -> None:
+        self._session.send(
+            SendActionGoal(
+                id=id_, action=self.name, action_type=self.type, args=goal, feedback=True
+            )
+        )
+
+    def _send_cancel(self, id_: str) -> None:
+        self._session.send(CancelActionGoal(id=id_, action=self.name))
+
+    def _unadvertise(self) -> None:
+        """Do nothing: a client has no registrations."""
