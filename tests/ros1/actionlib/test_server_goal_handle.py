@@ -16,7 +16,7 @@ from actionlib_tutorials.msg import (
     FibonacciResult,
 )
 
-from fibws.node.actions.record import Record
+from fibws.node.actions.status import Record
 
 
 class Told:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 
 import pytest
+import rospy
 from genpy.message import get_message_class
 from rospy import core
 from rospy.publication import Publication
@@ -161,7 +162,7 @@ async def test_a_later_publisher_may_latch_and_bring_headers() -> None:
         assert await program.ends() == []
 
 
-async def test_whatever_was_heard_is_passed_on_unopened() -> None:
+async def test_any_msg_is_relayed_as_it_is() -> None:
     async with world() as it, fibws.Node("node", hub=it.hub.url) as node:
         relay = await it.start("""
             import rospy
@@ -183,7 +184,7 @@ async def test_whatever_was_heard_is_passed_on_unopened() -> None:
                 print(fault)
             rospy.spin()
         """)
-        assert (await relay.says()).startswith("the type of what is published on /anything is not")
+        assert (await relay.says()).startswith("unknown type of the messages for /anything")
         chatter = await node.advertise("chatter", "std_msgs/String", latch=True, peers=True)
         typed = node.subscribe("typed", "std_msgs/String")
         await chatter.publish("hi")
@@ -193,6 +194,63 @@ async def test_whatever_was_heard_is_passed_on_unopened() -> None:
         assert await node.graph.topic_type("anything") == "std_msgs/String"
         relay.interrupt()
         assert await relay.ends() == []
+
+
+async def test_any_msg_of_an_unknown_type_is_relayed() -> None:
+    definition = "Inner inner\n" + "=" * 80 + "\nMSG: made_up/Inner\nint32 number\n"
+    async with world() as it, fibws.Node("node", hub=it.hub.url) as node:
+        relay = await it.start("""
+            import rospy
+
+            rospy.init_node("relay")
+            anything = rospy.Publisher("anything", rospy.AnyMsg, latch=True, queue_size=10)
+
+            def relay(message):
+                header = message._connection_header
+                print(header["type"], header["md5sum"], repr(header["message_definition"]))
+                anything.publish(message)
+
+            rospy.Subscriber("chatter", rospy.AnyMsg, relay)
+            rospy.spin()
+        """)
+        chatter = await node.advertise_serialized(
+            "chatter", "made_up/Outer", definition=definition, latch=True
+        )
+        await chatter.publish(b"\5\0\0\0")
+        type_, md5sum, text = (await relay.says()).split(maxsplit=2)
+        assert type_ == "made_up/Outer"
+        assert len(md5sum) == 32
+        assert "int32 number" in text
+        async with asyncio.timeout(60):
+            async with node.subscribe("anything", rospy.AnyMsg) as anything:
+                assert (await anext(anything))._buff == b"\5\0\0\0"
+                assert (anything.type, anything.md5sum) == (type_, md5sum)
+        relay.interrupt()
+        assert await relay.ends() == []
+
+
+async def test_any_msg_without_a_header_has_the_type_of_the_topic() -> None:
+    async with world() as it, fibws.Node("node", hub=it.hub.url) as node:
+        chatter = node.subscribe("chatter", "std_msgs/String")
+        program = await it.start("""
+            import rospy
+
+            rospy.init_node("talker")
+            publisher = rospy.Publisher("chatter", rospy.AnyMsg, latch=True, queue_size=10)
+            try:
+                publisher.publish(rospy.AnyMsg())
+            except rospy.ROSException as fault:
+                print(fault)
+            message = rospy.AnyMsg()
+            message._buff = b"\\2\\0\\0\\0hi"
+            publisher.publish(message)
+            rospy.spin()
+        """)
+        assert await program.says() == "AnyMsg is not initialized"
+        async with asyncio.timeout(60):
+            assert (await anext(chatter)).data == "hi"
+        program.interrupt()
+        assert await program.ends() == []
 
 
 async def test_what_is_latched_stays_when_another_publisher_comes() -> None:

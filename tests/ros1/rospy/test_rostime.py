@@ -127,7 +127,7 @@ def test_time_that_goes_back_ends_a_sleep() -> None:
     rostime.set_rostime(genpy.Time(100))
     sleeper = Sleeper()
     sleeper.start()
-    while not core.bell._sleepers:
+    while not core.wakeup._sleepers:
         pass
     rostime.set_rostime(genpy.Time(40))
     sleeper.join(60)

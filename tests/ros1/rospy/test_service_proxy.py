@@ -221,7 +221,7 @@ def test_a_failure_at_the_end_of_the_node_is_an_interruption(
         raise failure
 
     slow = ServiceProxy("slow", import_module("std_srvs.srv").Empty)
-    monkeypatch.setattr(slow, "_ask", fail)
+    monkeypatch.setattr(slow, "_call", fail)
     with pytest.raises(ServiceException):
         slow()
     monkeypatch.setattr(core, "is_shutdown", lambda: True)

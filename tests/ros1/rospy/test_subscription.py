@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import threading
+from io import BytesIO
+from typing import Any
 
 import pytest
 from rospy import subscription
@@ -10,10 +12,11 @@ from rospy.subscription import Subscription
 from std_msgs.msg import String
 
 import fibws
+from fibws.node.subscription import Received
 from ros1.rospy.programs import world
 
 
-async def test_a_message_knows_its_connection() -> None:
+async def test_messages_have_connection_headers() -> None:
     async with world() as it, fibws.Node("talker", hub=it.hub.url) as node:
         chatter = await node.advertise(
             "chatter", "std_msgs/String", latch=True, headers={"cookies": "oreo"}
@@ -38,7 +41,7 @@ async def test_a_message_knows_its_connection() -> None:
         ]
 
 
-async def test_a_slow_callback_gets_the_newest_messages() -> None:
+async def test_slow_callback_gets_the_newest_messages() -> None:
     async with world() as it, fibws.Node("talker", hub=it.hub.url) as node:
         chatter = await node.advertise("chatter", "std_msgs/Int32", queue_size=1000, peers=True)
         after = await node.advertise("after", "std_msgs/Int32", peers=True)
@@ -71,7 +74,7 @@ async def test_a_slow_callback_gets_the_newest_messages() -> None:
         assert await program.ends() == []
 
 
-async def test_a_fault_of_a_callback_is_logged_and_the_next_message_comes() -> None:
+async def test_error_of_a_callback_is_logged_and_the_next_message_is_passed() -> None:
     async with world() as it, fibws.Node("talker", hub=it.hub.url) as node:
         chatter = await node.advertise("chatter", "std_msgs/Int32", peers=True)
         program = await it.start("""
@@ -98,7 +101,7 @@ async def test_a_fault_of_a_callback_is_logged_and_the_next_message_comes() -> N
         assert text.rstrip().endswith("ValueError: nothing")
 
 
-async def test_what_the_hub_refuses_is_logged() -> None:
+async def test_refusal_of_the_hub_is_logged() -> None:
     async with world() as it, fibws.Node("node", hub=it.hub.url) as node:
         await (await node.advertise("chatter", "std_msgs/Int32")).publish(5)
         program = await it.start("""
@@ -120,7 +123,7 @@ async def test_what_the_hub_refuses_is_logged() -> None:
         assert await program.ends() == []
 
 
-def test_one_may_take_back_only_what_one_has_added() -> None:
+def test_only_added_callbacks_can_be_removed() -> None:
     topic = Subscription("/chatter", String)
     topic.add_callback(print, 1)
     topic.add_callback(print, 1)
@@ -131,7 +134,7 @@ def test_one_may_take_back_only_what_one_has_added() -> None:
 
 
 @pytest.mark.parametrize("moment", ["before", "while", "after"])
-def test_what_is_latched_is_told_once_whenever_one_comes(moment: str) -> None:
+def test_new_callback_gets_a_latched_message_once(moment: str) -> None:
     topic = Subscription("/chatter", String)
     message = String("kept")
     message._connection_header = {"latching": "1", "callerid": "/talker"}
@@ -147,15 +150,15 @@ def test_what_is_latched_is_told_once_whenever_one_comes(moment: str) -> None:
     topic.add_callback(first, None)
     if moment == "before":
         topic.add_callback(second, None)
-    topic._handle(message)
+    topic._call_back(message)
     if moment == "after":
         topic.add_callback(second, None)
     assert heard == ["kept"]
 
 
-def test_what_waits_for_its_callbacks_is_not_told_before_them() -> None:
+def test_new_callback_is_not_passed_queued_messages_early() -> None:
     topic = Subscription("/chatter", String)
-    topic._source = _Latched()  # type: ignore[assignment]
+    topic._source = Source()  # type: ignore[assignment]
     heard: list[str] = []
     begun, told, over = threading.Event(), threading.Event(), threading.Event()
 
@@ -168,35 +171,75 @@ def test_what_waits_for_its_callbacks_is_not_told_before_them() -> None:
             over.set()
 
     topic.add_callback(slow, None)
-    topic._take(String("first"))
+    topic._take(received("first"))
     assert begun.wait(60)
-    topic._take(String("second"))
+    topic._take(received("second"))
     topic.add_callback(lambda message: heard.append(message.data), None)
     assert heard == ["first"]
     topic.add_callback(last, None)
     told.set()
     assert over.wait(60)
     assert heard == ["first", "second"]
-    topic._inbox.close()
+    topic._queue.close()
 
 
-class _Latched:
-    """Where latched messages come from."""
+async def test_dropped_messages_are_not_decoded() -> None:
+    topic = Subscription("/chatter", String)
+    topic.set_queue_size(1)
+    source = Source()
+    topic._source = source  # type: ignore[assignment]
+    begun, go_on, over = threading.Event(), threading.Event(), threading.Event()
+
+    def slow(message: String) -> None:
+        begun.set()
+        go_on.wait(60)
+        if message.data == "last":
+            over.set()
+
+    topic.add_callback(slow, None)
+    topic._take(received("first"))
+    assert begun.wait(60)
+    topic._take(received("dropped"))
+    topic._take(received("last"))
+    go_on.set()
+    assert over.wait(60)
+    assert source.decoded == ["first", "last"]
+    topic._queue.close()
+
+
+class Source:
+    """A subscription of the node to a topic whose messages are latched."""
+
+    type = "std_msgs/String"
 
     def __init__(self) -> None:
-        self.connection_header = {"latching": "1", "callerid": "/talker"}
+        self.decoded: list[str] = []
+
+    def decode(self, received: Received) -> Any:
+        message = String().deserialize(bytes(received[0]))
+        self.decoded.append(message.data)
+        return message
 
 
-def test_minus_one_is_for_no_bound() -> None:
+def received(text: str) -> Received:
+    """Return a message as it arrives."""
+    buffer = BytesIO()
+    String(text).serialize(buffer)
+    return memoryview(buffer.getvalue()), b'{"latching":"1","callerid":"/talker"}'
+
+
+def test_queue_size_of_minus_one_is_no_limit() -> None:
     topic = Subscription("/chatter", String)
     topic.set_queue_size(5)
     topic.set_queue_size(-1)
     assert topic._queue_size is None
 
 
-def test_where_nobody_bounds_the_queue_memory_does(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_queue_without_a_size_is_limited_by_memory(monkeypatch: pytest.MonkeyPatch) -> None:
     topic = Subscription("/chatter", String)
-    assert topic._bound(String("x" * (1 << 20))) == subscription.MOST, "there is room for a few"
+    large = "x" * (1 << 20)
+    assert topic._limit(received(large)) == subscription.MOST, "there is room for a few"
     monkeypatch.setattr(subscription, "FEW", 0)
-    assert 60 < topic._bound(String("x" * (1 << 20))) <= 64
-    assert topic._bound(String("x")) == subscription.MOST
+    assert 60 < topic._limit(received(large)) <= 64
+    assert 60 < topic._limit(({"data": large}, None)) <= 64, "JSON"
+    assert topic._limit(received("x")) == subscription.MOST

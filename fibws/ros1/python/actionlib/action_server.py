@@ -13,7 +13,7 @@ from actionlib_msgs.msg import GoalID, GoalStatusArray
 from actionlib.action_spec import read_spec
 from actionlib.goal_id_generator import GoalIDGenerator
 from actionlib.server_goal_handle import ServerGoalHandle, goal_id, goal_status
-from fibws.node.actions.record import KEPT, Record, Records
+from fibws.node.actions.status import KEPT, Record, Records
 
 QUEUE_SIZE = 50
 """How many messages of a topic wait for a slow client, unless a parameter says otherwise."""

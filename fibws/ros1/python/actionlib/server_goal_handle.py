@@ -11,7 +11,7 @@ from fibws.node.actions.status import Transition
 
 if TYPE_CHECKING:
     from actionlib.action_server import ActionServer
-    from fibws.node.actions.record import Record
+    from fibws.node.actions.status import Record
 
 _STEPS = {
     Transition.ACCEPT: ("Accepting goal", "an active", "pending or recalling"),

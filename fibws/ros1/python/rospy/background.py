@@ -1,7 +1,7 @@
 """The process's one node, on an event loop in a thread of its own.
 
-rospy's functions wait in whichever thread calls them; the node library waits in an event loop. This
-is where the two meet. Nothing of either is loaded before a node is started.
+rospy's functions block the thread that calls them; the node library waits in an event loop. Nothing
+of asyncio or of the node library is imported before a node is started.
 """
 
 from __future__ import annotations
@@ -10,9 +10,9 @@ import threading
 from collections.abc import Callable, Coroutine
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from rospy.answer import Answer
 from rospy.exceptions import ROSException, ROSInterruptException
-from rospy.gate import Gate
+from rospy.loop_lock import LoopLock
+from rospy.response import Response
 
 if TYPE_CHECKING:
     import asyncio
@@ -35,8 +35,8 @@ class Background:
         self._thread: threading.Thread | None = None
         self._stop: asyncio.Event | None = None
         self._stopped = False
-        self.gate = Gate()
-        """By which another thread may act in the loop's place."""
+        self.loop_lock = LoopLock()
+        """Lets other threads act for the loop while it sleeps."""
 
     @property
     def running(self) -> bool:
@@ -45,7 +45,7 @@ class Background:
 
     @property
     def node(self) -> fibws.Node:
-        """The node; what it is asked must be asked in its loop, unless it says otherwise.
+        """The node; call its methods in its loop, unless they may be called in any thread.
 
         Raises:
             ROSException: it has not been started.
@@ -63,13 +63,13 @@ class Background:
 
         Args:
             make_node: is called in the loop's thread.
-            ended: is told, in a thread of its own, what has ended the node, if it was not `stop`.
+            ended: is called, in a thread of its own, with the error that ended the node.
 
         Raises:
             ROSInterruptException: it was stopped meanwhile.
-            Exception: what makes the node raises, and what it raises when it is entered.
+            Exception: `make_node` failed, or entering the node did.
         """
-        ready: Answer[None] = Answer()
+        ready: Response[None] = Response()
         self._thread = threading.Thread(
             target=self._run, args=(make_node, ended, ready), name="rospy", daemon=True
         )
@@ -86,14 +86,14 @@ class Background:
             ROSInterruptException: the node has ended.
             TimeoutError: it took too long.
         """
-        answer: Answer[T] = Answer()
-        if not self.soon(answer.pursue, coroutine):
+        response: Response[T] = Response()
+        if not self.soon(response.execute, coroutine):
             coroutine.close()
             raise ROSInterruptException("rospy shutdown")
         try:
-            return answer.result(self._alive, timeout)
+            return response.result(self._alive, timeout)
         except TimeoutError:
-            self.soon(answer.cancel)
+            self.soon(response.cancel)
             raise
         finally:
             if not self._alive():
@@ -126,7 +126,7 @@ class Background:
         return True
 
     def stop(self, timeout: float = 5.0) -> None:
-        """End the node, which sends what still waits; called again, it only waits for that.
+        """End the node, which sends queued messages; called again, only wait for its end.
 
         Args:
             timeout: the most seconds to wait for its end; with 0 it ends by itself.
@@ -138,7 +138,7 @@ class Background:
             self._await_end(timeout)
 
     def give_way(self) -> None:
-        """Wait a moment if the node has not ended yet, so that its thread gets on with its end."""
+        """Wait a moment if the node has not ended yet, so that its thread can run."""
         self._await_end(MOMENT)
 
     def _await_end(self, timeout: float) -> None:
@@ -153,10 +153,10 @@ class Background:
         self,
         make_node: Callable[[], fibws.Node],
         ended: Callable[[Exception], None],
-        ready: Answer[None],
+        ready: Response[None],
     ) -> None:
         # Not asyncio.run(), which starts a thread at its end: at the interpreter's that fails.
-        loop = self.gate.new_loop()
+        loop = self.loop_lock.new_loop()
         try:
             loop.run_until_complete(self._live(make_node, ended, ready))
         except BaseException as error:
@@ -166,13 +166,13 @@ class Background:
         finally:
             loop.run_until_complete(_cancel_all())
             loop.close()
-            self.gate.close()
+            self.loop_lock.close()
 
     async def _live(
         self,
         make_node: Callable[[], fibws.Node],
         ended: Callable[[Exception], None],
-        ready: Answer[None],
+        ready: Response[None],
     ) -> None:
         import asyncio
 
@@ -204,7 +204,7 @@ class Background:
 
 
 async def _cancel_all() -> None:
-    """Cancel what else the loop does, and see it end."""
+    """Cancel all other tasks, and wait for their end."""
     import asyncio
 
     others = asyncio.all_tasks() - {asyncio.current_task()}

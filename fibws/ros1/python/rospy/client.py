@@ -11,6 +11,7 @@ import warnings
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
+import genpy
 from rosgraph.names import PRIV_NAME, REMAP, is_legal_base_name, is_legal_remap, ns_join
 from roslib import is_interactive
 
@@ -155,9 +156,7 @@ def init_node(
         logdebug("setting param %s to %s", key, value)
         set_param(PRIV_NAME + key, value)
     if not disable_rostime:
-        from rospy import simtime
-
-        simtime.begin()
+        _use_simulated_time()
     rostime.set_rostime_initialized(True)
     core.started()
     logdebug("init_node, name[%s], pid[%s]", full_name, os.getpid())
@@ -259,6 +258,19 @@ def _start(node: Callable[[], fibws.Node]) -> None:
         raise _InitInterrupted("init_node interrupted before it could complete") from None
     except NodeError as error:
         raise ROSInitException(str(error)) from None
+
+
+def _use_simulated_time() -> None:
+    """Follow the topic /clock if the parameter /use_sim_time says so; the time is 0 at first."""
+    if get_param("/use_sim_time", False):
+        rostime.set_rostime(genpy.Time())
+        core.background.begin(_follow_clock(core.background.node))
+
+
+async def _follow_clock(node: fibws.Node) -> None:
+    clock: fibws.Subscription[Any] = node.subscribe("/clock", "rosgraph_msgs/Clock", queue_size=1)
+    async for message in clock:
+        rostime.set_rostime(genpy.Time(message.clock.secs, message.clock.nsecs))
 
 
 def _ended(fault: Exception) -> None:

@@ -1,4 +1,4 @@
-"""The state of the process's node: whether it is initialised, and how it comes to its end."""
+"""The state of the process's node: initialisation and shutdown."""
 
 from __future__ import annotations
 
@@ -6,40 +6,41 @@ import atexit
 import signal
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Coroutine
 from functools import partial
 from importlib import import_module
 from types import FrameType
 from typing import TYPE_CHECKING, Any
 
 from rospy.background import Background
-from rospy.bell import Bell
 from rospy.exceptions import ROSInterruptException
 from rospy.names import get_caller_id
+from rospy.wakeup import Wakeup
 
 __all__ = [
     "add_client_shutdown_hook",
     "add_preshutdown_hook",
     "add_shutdown_hook",
     "background",
-    "bell",
     "get_caller_id",
     "get_node_uri",
     "is_initialized",
     "is_shutdown",
     "is_shutdown_requested",
     "on_start",
+    "register",
     "register_signals",
     "signal_shutdown",
     "started",
     "wait_for_shutdown",
+    "wakeup",
 ]
 
 background = Background()
 """The node, on its loop."""
 
-bell = Bell()
-"""Rings when the node ends, and when simulated time has changed."""
+wakeup = Wakeup()
+"""Wakes threads when the node ends, and when simulated time has changed."""
 
 _lock = threading.RLock()
 _initialized = False
@@ -75,18 +76,18 @@ def get_node_uri() -> str | None:
 
 
 def wait_for_shutdown(timeout: float | None = None) -> bool:
-    """Wait until the node has ended; tell whether it has.
+    """Wait until the node has ended; return whether it has.
 
     Args:
         timeout: the most seconds to wait.
     """
-    return bell.wait(is_shutdown, timeout)
+    return wakeup.wait(is_shutdown, timeout)
 
 
 def on_start(function: Callable[[], object]) -> None:
-    """Have a function called when the node runs: at once if it does, else by `init_node`.
+    """Call a function when the node runs: at once if it does, else in `init_node`.
 
-    Those that wait for `init_node` are called in its thread, in the order in which they came here.
+    Functions that wait for `init_node` are called in its thread, in the order of registration.
     """
     with _lock:
         if not background.running:
@@ -96,7 +97,7 @@ def on_start(function: Callable[[], object]) -> None:
 
 
 def started() -> None:
-    """Call what waits for the node to run, since it does."""
+    """Call the functions of `on_start`: the node runs."""
     global _initialized
     _initialized = True
     while True:
@@ -107,38 +108,56 @@ def started() -> None:
         function()
 
 
+def register(kind: str, name: str, registering: Coroutine[Any, Any, None]) -> None:
+    """Register a topic or a service with the hub; as in ROS, an illegal name is only logged.
+
+    Args:
+        kind: ``publication``, ``subscription`` or ``service``.
+        name: its global name.
+        registering: registers it, in the node's loop.
+    """
+    from fibws.errors import InvalidName
+
+    try:
+        background.call(registering)
+    except InvalidName as error:
+        from rospy import logfatal
+
+        logfatal(f"unable to register {kind} [{name}] with master: {error}")
+
+
 def add_client_shutdown_hook(hook: Callable[[], object]) -> None:
-    """Have a function called when the node is about to end, while it can still publish.
+    """Call a function when the node is about to end, while it can still publish.
 
     Raises:
-        TypeError: it is none.
+        TypeError: it is not callable.
     """
     if not _keep(hook, _client_hooks):
         hook()
 
 
 def add_preshutdown_hook(hook: Callable[[str], object]) -> None:
-    """Have a function called with the reason of the node's end, after those of the client.
+    """Call a function with the reason of the node's end, after those of the client.
 
     Raises:
-        TypeError: it is none.
+        TypeError: it is not callable.
     """
     if not _keep(hook, _early_hooks):
         hook("already shutdown")
 
 
 def add_shutdown_hook(hook: Callable[[str], object]) -> None:
-    """Have a function called with the reason of the node's end, when `is_shutdown` says so.
+    """Call a function with the reason of the node's end, once `is_shutdown` is true.
 
     Raises:
-        TypeError: it is none.
+        TypeError: it is not callable.
     """
     if not _keep(hook, _late_hooks):
         hook("already shutdown")
 
 
 def _keep(hook: Callable[..., object], hooks: list[Callable[..., object]]) -> bool:
-    """Keep a hook for later; false if it is too late for that."""
+    """Keep a hook for later; return False if the node has ended."""
     if not callable(hook):
         raise TypeError(
             f"shutdown hook [{hook}] must be a function or callable object: {type(hook)}"
@@ -159,7 +178,7 @@ def signal_shutdown(reason: str) -> None:
 
 
 def _begin_end(reason: str) -> bool:
-    """Do all but wait for the node's end; false if somebody else does."""
+    """Do everything except wait for the node's end; return False if it was begun before."""
     global _shutting_down, _shutdown
     with _lock:
         if _shutting_down:
@@ -168,14 +187,14 @@ def _begin_end(reason: str) -> bool:
     _call_all(_client_hooks)
     _call_all(_early_hooks, reason)
     _shutdown = True
-    bell.ring()
+    wakeup.wake_all()
     _call_all(_late_hooks, reason)
     background.stop(timeout=0)
     return True
 
 
 def _call_all(hooks: list[Callable[..., object]], *arguments: str) -> None:
-    """Call each hook once, also one that comes meanwhile."""
+    """Call each hook once, including hooks that are added meanwhile."""
     while hooks:
         hook = hooks.pop(0)
         try:
@@ -187,10 +206,9 @@ def _call_all(hooks: list[Callable[..., object]], *arguments: str) -> None:
 
 
 def register_signals() -> None:
-    """Have Ctrl-C and SIGTERM end the node; to be called in the main thread.
+    """End the node on Ctrl-C and SIGTERM; call this in the main thread.
 
-    What a thread raises then because it was woken up is not shown, and the exit code is 0: the
-    program's end is no fault.
+    A `ROSInterruptException` after that is not printed, and the exit code is 0.
 
     Raises:
         ValueError: this is another thread.
@@ -198,18 +216,18 @@ def register_signals() -> None:
     for number in (signal.SIGINT, signal.SIGTERM):
         earlier = signal.signal(number, _on_signal)
         _earlier_handlers[number] = signal.SIG_DFL if earlier is None else earlier
-    background.gate.admits_main = True
+    background.loop_lock.allows_main_thread = True
     _hush()
 
 
 def _on_signal(number: int, frame: FrameType | None) -> None:
-    """End the node, as what runs in the main thread just now will notice.
+    """End the node; the main thread notices it through `is_shutdown`, or an exception.
 
-    The node's end is not waited for here: the main thread may hold what the node still needs.
+    This does not wait for the node's end: the main thread may hold a lock that the node needs.
     """
-    if background.gate.after_leaving(partial(_on_signal, number, frame)):
+    if background.loop_lock.defer(partial(_on_signal, number, frame)):
         return
-    background.gate.admits_main = False
+    background.loop_lock.allows_main_thread = False
     earlier = _earlier_handlers.get(number)
     for each, handler in _earlier_handlers.items():
         signal.signal(each, handler)  # Who asks twice is in a hurry.

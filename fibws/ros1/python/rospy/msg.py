@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, BinaryIO, ClassVar, Self, TypeVar
 
 from genpy.message import Message
@@ -65,6 +66,10 @@ class _RawCodec(ClassCodec[A]):
         if message._buff is None:
             raise ROSException("AnyMsg is not initialized")
         return message._buff
+
+    def serialize_after(self, head: Callable[[int], bytes], message: A) -> bytes:
+        data = self.serialize(message)
+        return head(len(data)) + data
 
     def deserialize(self, data: Buffer) -> A:
         return self.message_class().deserialize(bytes(data))

@@ -6,15 +6,14 @@ import threading
 from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 from rospy import core
+from rospy.callback_queue import CallbackQueue, call
 from rospy.exceptions import ROSException, ROSInterruptException, ROSSerializationException
-from rospy.foreign import count_nodes
-from rospy.handover import Handover
-from rospy.inbox import Inbox, call
 from rospy.names import ANYTYPE
-from rospy.registration import register
+from rospy.outgoing_queue import OutgoingQueue
+from rospy.shared import ask, count_peers
 
 if TYPE_CHECKING:
     import asyncio
@@ -24,11 +23,11 @@ if TYPE_CHECKING:
     import fibws
 
 INFINITE = 10_000
-"""Messages that a queue without a bound, or no queue, keeps while there is no hub."""
+"""Messages to keep while there is no hub, for a publisher whose queue has no limit, or none."""
 
 
 class Listener(Protocol):
-    """What is told of subscribers: a `rospy.SubscribeListener`."""
+    """A `rospy.SubscribeListener`."""
 
     def peer_subscribe(
         self,
@@ -40,89 +39,121 @@ class Listener(Protocol):
     def peer_unsubscribe(self, topic_name: str, num_peers: int) -> None: ...
 
 
+class RawType(NamedTuple):
+    """The type of messages that are published as bytes (`AnyMsg`)."""
+
+    name: str
+    md5sum: str | None = None
+    definition: str | None = None
+
+
 class Publication:
     """One topic's registration with the hub, from the node's start on or later.
 
     Args:
         resolved_name: the topic's global name.
-        data_class: the class of its messages.
+        data_class: the class of its messages; that of `AnyMsg` is registered with the type of the
+            first message.
     """
 
     def __init__(self, resolved_name: str, data_class: type[Message]) -> None:
         self.resolved_name = resolved_name
         self.data_class = data_class
-        self._class = _class(data_class._type)
-        """What is sent: the class as the definition has it; None as long as that is not known."""
+        self._type: type[Message] | RawType | None = _plain_class(data_class._type)
+        """What the hub is told: the class as the definition has it, or the type of bytes."""
         self.latch = False
         self.headers: dict[str, str] = {}
         self.queue_size: int | None = None
         self.listeners: list[Listener] = []
         self._lock = threading.RLock()
         self._publisher: fibws.Publisher[Any, ...] | None = None
-        self._handover: Handover | None = None
+        self._outgoing: OutgoingQueue | None = None
         self._latches = False
-        """Whether the publisher that is registered latches."""
+        """Whether the registered publisher latches."""
         self._watching: asyncio.Task[None] | None = None
         self._peers: list[str] = []
-        self._events: Inbox[Callable[[], None]] = Inbox(resolved_name, lambda event: event())
+        self._events: CallbackQueue[Callable[[], None]] = CallbackQueue(
+            resolved_name, lambda event: event()
+        )
         self._closed = False
         self._counts = False
         self._seq = 0
 
     def register(self) -> None:
-        """Tell the hub of the topic, or that its latch or its headers are others now."""
+        """Register the topic with the hub, or change its latch or its headers."""
         if core.is_initialized() and not self._closed:
-            register("publication", self.resolved_name, self._register())
+            core.register("publication", self.resolved_name, self._register())
 
     def close(self) -> None:
-        """Publish no more, once what was published has been sent."""
+        """Stop publishing once all published messages have been sent."""
         self._closed = True
         self._events.close()
         with suppress(ROSInterruptException):
-            core.background.begin(self._leave())
+            core.background.begin(self._unregister())
 
     def get_num_connections(self) -> int:
-        """How many nodes subscribe."""
+        """Return how many nodes subscribe."""
         if self._publisher is None:
             return 0
-        peers = self._publisher.peers
-        if peers.told:
-            return len(peers.names)
-        return count_nodes(core.background.node.graph.subscribers(self.resolved_name))
+        question = core.background.node.graph.subscribers(self.resolved_name)
+        return count_peers(self._publisher.peers, question)
 
     def publish(self, message: Message, peer: str | None = None) -> None:
         """Publish a message, in any thread but the loop's.
 
-        As in ROS nobody looks at what is wrong with it as long as nobody subscribes.
+        As in ROS, invalid messages raise no error while the topic has no subscribers.
 
         Args:
-            message: one of the topic's class, or of `AnyMsg`.
-            peer: the only node that is to hear it, if not all are.
+            message: one of the topic's class, or of `AnyMsg`, whose bytes are sent as they are.
+            peer: the only node that is to receive it; None for all.
 
         Raises:
             ROSSerializationException: a field does not fit the type.
-            ROSException: the topic was closed.
+            ROSException: the topic was closed, or the type of an `AnyMsg` is unknown.
         """
         if core.is_shutdown():
-            core.background.give_way()  # Loops that do not look would take all the node's time.
+            core.background.give_way()  # A loop without a check would take all the CPU time.
             return
         if self._closed:
             raise ROSException("publish() to a closed topic")
-        with self._lock:  # The sequence numbers go out in order.
+        with self._lock:  # Messages are sent in the order of their sequence numbers.
             try:
                 if message._type == ANYTYPE:
-                    message = self._open(message)
-                else:
-                    self._number(message)
-                if self._publisher is None or self._handover is None:
+                    self._publish_bytes(message, peer)
                     return
-                self._handover.put(_encode(self._publisher, message, peer))
+                self._number(message)
+                if self._publisher is not None and self._outgoing is not None:
+                    self._outgoing.put(_encode(self._publisher, message, peer))
             except ROSSerializationException:
                 if self.get_num_connections():
                     raise
 
+    def _publish_bytes(self, message: Message, peer: str | None) -> None:
+        """Publish an `AnyMsg`."""
+        if self._type is None:
+            self._type = self._find_type(message)
+            self.register()
+        if message._buff is None:
+            raise ROSException("AnyMsg is not initialized")
+        if self._publisher is not None and self._outgoing is not None:
+            self._outgoing.put(self._publisher.encode_serialized(message._buff, peer))
+
+    def _find_type(self, message: Message) -> RawType:
+        """Return the type of an `AnyMsg`: that of its header, or else the topic's."""
+        header = getattr(message, "_connection_header", None) or {}
+        type_ = header.get("type", ANYTYPE)
+        if type_ != ANYTYPE:
+            return RawType(type_, header.get("md5sum"), header.get("message_definition"))
+        type_ = ask(core.background.node.graph.topic_type(self.resolved_name), "")
+        if not type_:
+            raise ROSException(
+                f"unknown type of the messages for {self.resolved_name}: "
+                "a received AnyMsg has it in its _connection_header"
+            )
+        return RawType(type_)
+
     def _number(self, message: Message) -> None:
-        """Number a message that has a header as rospy does, from the first one that is heard on."""
+        """Set the sequence number of a message's header, from the first subscriber on, as rospy."""
         if not self._counts:
             self._counts = self.latch or bool(self._peers)
             if not self._counts:
@@ -134,44 +165,24 @@ class Publication:
             if header.frame_id is None:
                 header.frame_id = "0"
 
-    def _open(self, message: Message) -> Message:
-        """The message whose bytes an `AnyMsg` holds."""
-        from genpy import DeserializationError
-
-        if self._class is None:
-            header = getattr(message, "_connection_header", None) or {}
-            self._class = _class(header.get("type"))
-            if self._class is None:
-                raise ROSException(
-                    f"the type of what is published on {self.resolved_name} is not known: "
-                    "an AnyMsg that was received has it in its _connection_header"
-                )
-            self.register()
-        if message._buff is None:
-            raise ROSException("AnyMsg is not initialized")
-        try:
-            return self._class().deserialize(message._buff)
-        except DeserializationError as error:
-            raise ROSSerializationException(str(error)) from None
-
     async def _register(self) -> None:
-        if self._class is None:
+        if self._type is None:
             return
         headers = {name: str(value) for name, value in self.headers.items()}
         lossless = self.queue_size is None
         if self._publisher is None or self.latch != self._latches:
             # Up to the end this waits for nothing, so that no message is sent in between.
-            self._publisher = await self._advertise(self._class, headers)
-            if self._handover is None:
-                self._handover = Handover(self._publisher, lossless=lossless)
+            self._publisher = await self._advertise(self._type, headers)
+            if self._outgoing is None:
+                self._outgoing = OutgoingQueue(self._publisher, lossless=lossless)
         else:
-            # Another publisher would not have what this one has latched.
+            # A new publisher would not have the latched message.
             self._publisher.introduce(headers)
-        if self._handover is not None:
-            self._handover.use(self._publisher, lossless=lossless)
+        if self._outgoing is not None:
+            self._outgoing.use(self._publisher, lossless=lossless)
 
     async def _advertise(
-        self, message_class: type[Message], headers: dict[str, str]
+        self, type_: type[Message] | RawType, headers: dict[str, str]
     ) -> fibws.Publisher[Any, ...]:
         """Register a publisher, the first one or one that latches."""
         import asyncio
@@ -182,51 +193,68 @@ class Publication:
         if self._watching is not None:
             self._watching.cancel()
         self._latches = self.latch
-        publisher = await core.background.node.advertise(
-            self.resolved_name,
-            message_class,
-            queue_size=self.queue_size if self.queue_size and self.queue_size > 0 else INFINITE,
-            latch=self.latch,
-            headers=headers or None,
-            peers=True,
-        )
+        options: dict[str, Any] = {
+            "queue_size": self.queue_size if self.queue_size and self.queue_size > 0 else INFINITE,
+            "latch": self.latch,
+            "headers": headers or None,
+            "peers": True,
+        }
+        node = core.background.node
+        publisher: fibws.Publisher[Any, ...]
+        if isinstance(type_, RawType):
+            publisher = await node.advertise_serialized(
+                self.resolved_name,
+                type_.name,
+                md5sum=type_.md5sum,
+                definition=type_.definition,
+                **options,
+            )
+        else:
+            publisher = await node.advertise(self.resolved_name, type_, **options)
         self._watching = asyncio.create_task(self._watch(publisher), name=f"watch {publisher}")
         return publisher
 
-    async def _leave(self) -> None:
-        if self._publisher is not None and self._handover is not None:
-            await self._handover.finish()
+    async def _unregister(self) -> None:
+        if self._publisher is not None and self._outgoing is not None:
+            await self._outgoing.flush()
             self._publisher.close()
 
     async def _watch(self, publisher: fibws.Publisher[Any, ...]) -> None:
-        """Tell the listeners who comes and goes, and the log if the hub will not have the topic."""
+        """Report subscribers that come and leave to the listeners; log a refusal of the hub."""
         async for names in publisher.peers.changes():
             before, self._peers = self._peers, names
             for name in before:
                 if name not in names:
-                    self._events.put(partial(self._tell, None, len(names)))
+                    self._events.put(partial(self._report, None, len(names)))
             for name in names:
                 if name not in before:
-                    self._events.put(partial(self._tell, name, len(names)))
+                    self._events.put(partial(self._report, name, len(names)))
         if publisher.fault is not None:
             from rospy import logerr
 
-            self._handover = None
+            self._outgoing = None
             logerr(f"unable to publish on {self.resolved_name}: {publisher.fault}")
 
-    def _tell(self, came: str | None, count: int) -> None:
+    def _report(self, new: str | None, count: int) -> None:
+        """Call the listeners.
+
+        Args:
+            new: the new subscriber; None if one has left.
+            count: how many subscribers there are.
+        """
         for listener in list(self.listeners):
-            if came is None:
+            if new is None:
                 call(listener.peer_unsubscribe, self.resolved_name, count)
             else:
-                to_one = partial(self.publish, peer=came)
+                to_one = partial(self.publish, peer=new)
                 call(listener.peer_subscribe, self.resolved_name, self.publish, to_one)
 
 
-def _class(type_: str | None) -> type[Message] | None:
+def _plain_class(type_: str) -> type[Message] | None:
+    """Return the class of a type without numpy's arrays; None for `AnyMsg`."""
     from genpy.message import get_message_class
 
-    return get_message_class(type_) if type_ and type_ != ANYTYPE else None
+    return get_message_class(type_) if type_ != ANYTYPE else None
 
 
 def _encode(publisher: fibws.Publisher[Any, ...], message: Message, peer: str | None) -> bytes:

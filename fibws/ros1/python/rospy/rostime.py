@@ -80,7 +80,7 @@ def switch_to_wallclock() -> None:
     """Have no simulated time any more."""
     global _simulated
     _simulated = None
-    core.bell.ring()
+    core.wakeup.wake_all()
 
 
 def set_rostime(time: genpy.Time) -> None:
@@ -93,7 +93,7 @@ def set_rostime(time: genpy.Time) -> None:
     if not isinstance(time, genpy.Time):
         raise ValueError(f"must be Time instance: {type(time)}")
     _simulated = Time(time.secs, time.nsecs)
-    core.bell.ring()
+    core.wakeup.wake_all()
 
 
 @overload
@@ -135,10 +135,10 @@ def sleep(duration: genpy.Duration | float) -> None:
     if not isinstance(duration, genpy.Duration):
         duration = genpy.Duration.from_sec(duration)
     # Before the first word from the clock it is no time at all.
-    core.bell.wait(lambda: core.is_shutdown() or not get_rostime().is_zero())
+    core.wakeup.wait(lambda: core.is_shutdown() or not get_rostime().is_zero())
     began = get_rostime()
     end = began + duration
-    core.bell.wait(lambda: core.is_shutdown() or not began <= get_rostime() < end)
+    core.wakeup.wait(lambda: core.is_shutdown() or not began <= get_rostime() < end)
     if core.is_shutdown():
         raise ROSInterruptException("ROS shutdown request")
     if get_rostime() < began:

@@ -1,4 +1,4 @@
-"""Answering the calls of a service."""
+"""Services that the process provides."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 from rospy import core, names
 from rospy.impl.tcpros_base import DEFAULT_BUFF_SIZE
-from rospy.registration import register
 
 if TYPE_CHECKING:
     import asyncio
@@ -19,16 +18,16 @@ if TYPE_CHECKING:
 
     import fibws
 
-_offered: dict[str, Service] = {}
+_provided: dict[str, Service] = {}
 _lock = threading.RLock()
 
 
 class ServiceException(Exception):
-    """A service was called in vain, or cannot be offered."""
+    """A service call failed, or a service cannot be provided."""
 
 
 class ServiceEnd:
-    """What both ends of a service know of it."""
+    """The base of `Service` and `ServiceProxy`: a service's name and classes."""
 
     def __init__(self, name: str, service_class: Any) -> None:
         self.resolved_name = names.resolve_name(name)
@@ -38,20 +37,20 @@ class ServiceEnd:
 
 
 class Service(ServiceEnd):
-    """Answers the calls of a service, each in a thread of its own.
+    """Provides a service; handles each call in a thread of its own.
 
     Args:
         name: its name.
         service_class: its class.
-        handler: is given the request, and returns the response: whole, or its fields as a dict, a
+        handler: takes the request and returns the response: whole, or its fields as a dict, a
             tuple or a list, or the value of its only field.
         buff_size: has no effect.
-        error_handler: is told what the handler has raised: the exception, its class, and the
-            traceback. The log is, if it is left out.
+        error_handler: is called with what the handler raised: the exception, its class, the
+            exception again, and the traceback; by default this is logged.
 
     Raises:
-        ValueError: the name is none.
-        ServiceException: this node offers a service of the name already.
+        ValueError: the name is invalid.
+        ServiceException: this node provides a service of the name already.
     """
 
     def __init__(
@@ -72,47 +71,47 @@ class Service(ServiceEnd):
         self.done = False
         self._server: fibws.ServiceServer[Any, Any] | None = None
         with _lock:
-            if self.resolved_name in _offered:
+            if self.resolved_name in _provided:
                 raise ServiceException(f"service [{self.resolved_name}] already registered")
-            _offered[self.resolved_name] = self
+            _provided[self.resolved_name] = self
         core.on_start(self._register)
 
     def shutdown(self, reason: str = "") -> None:
-        """Answer no more calls; what is being answered still is.
+        """Stop providing the service; calls that are being handled are finished.
 
         Args:
             reason: has no effect.
         """
         with _lock:
-            if _offered.get(self.resolved_name) is self:
-                del _offered[self.resolved_name]
+            if _provided.get(self.resolved_name) is self:
+                del _provided[self.resolved_name]
         self.done = True
-        core.bell.ring()
+        core.wakeup.wake_all()
         core.background.soon(self._close)
 
     def spin(self) -> None:
         """Wait until the service or the node ends."""
         try:
-            core.bell.wait(lambda: self.done or core.is_shutdown())
+            core.wakeup.wait(lambda: self.done or core.is_shutdown())
         except KeyboardInterrupt:
             pass
 
     def _register(self) -> None:
         if not self.done:
-            register("service", self.resolved_name, self._offer())
+            core.register("service", self.resolved_name, self._provide())
 
-    async def _offer(self) -> None:
+    async def _provide(self) -> None:
         node = core.background.node
         self._server = await node.service(
-            self.resolved_name, self.service_class, self._answer, headers=True
+            self.resolved_name, self.service_class, self._respond, headers=True
         )
 
     def _close(self) -> None:
         if self._server is not None:
             self._server.close()
 
-    async def _answer(self, request: Any, header: dict[str, str]) -> Any:
-        """Have a thread answer a call: the handler may wait for whatever it likes."""
+    async def _respond(self, request: Any, header: dict[str, str]) -> Any:
+        """Handle a call in a thread, which the handler may block."""
         import asyncio
 
         request._connection_header = {
@@ -120,17 +119,17 @@ class Service(ServiceEnd):
             "md5sum": self.service_class._md5sum,
             **header,
         }
-        answer: asyncio.Future[Any] = asyncio.get_running_loop().create_future()
+        response: asyncio.Future[Any] = asyncio.get_running_loop().create_future()
         thread = threading.Thread(
             target=self._handle,
-            args=(request, answer),
+            args=(request, response),
             name=self.resolved_name,
             daemon=True,
         )
         thread.start()
-        return await answer
+        return await response
 
-    def _handle(self, request: Any, answer: asyncio.Future[Any]) -> None:
+    def _handle(self, request: Any, future: asyncio.Future[Any]) -> None:
         from fibws.errors import CallRefused
 
         outcome: Any
@@ -146,7 +145,7 @@ class Service(ServiceEnd):
             if not core.is_shutdown():
                 self.error_handler(error, type(error), error, error.__traceback__)
         finally:
-            core.background.soon(_settle, answer, outcome)
+            core.background.soon(_settle, future, outcome)
 
 
 def _log_error(
@@ -158,20 +157,20 @@ def _log_error(
     logerr(f"Error processing request: {error}\n{traceback.format_exception(kind, value, tb)}")
 
 
-def _settle(answer: asyncio.Future[Any], outcome: Any) -> None:
-    if answer.done():
+def _settle(future: asyncio.Future[Any], outcome: Any) -> None:
+    if future.done():
         return
     if isinstance(outcome, Exception):
-        answer.set_exception(outcome)
+        future.set_exception(outcome)
     else:
-        answer.set_result(outcome)
+        future.set_result(outcome)
 
 
 def convert_return_to_response(response: Any, response_class: type[Message]) -> Message:
-    """What a handler returned, as a response.
+    """Return a handler's result as a response.
 
     Raises:
-        ServiceException: it is none.
+        ServiceException: it cannot be converted.
     """
     from genpy import Message
 

@@ -1,8 +1,7 @@
-"""Calling a service."""
+"""Service calls."""
 
 from __future__ import annotations
 
-import re
 from time import monotonic, sleep
 from typing import TYPE_CHECKING, Any
 
@@ -18,22 +17,20 @@ if TYPE_CHECKING:
     from rospy.rostime import Duration
 
 LOOK = 0.3
-"""Seconds between two looks for a service, by programs that are no node."""
-MEANS_ANOTHER_TYPE = re.compile(r"request from \[[^]]*\]: md5sums do not match: \[")
-"""How the hub refuses such a call. A handler's own text may hold the same, but further on."""
+"""Seconds between two checks whether a service exists, by programs that are not nodes."""
 INTERRUPTED = "node shutdown interrupted service call"
 
 
 class ServiceProxy(ServiceEnd):
     """Calls a service, as a function of its request or of the request's fields.
 
-    It does so in programs that have not called `init_node`, too.
+    Programs that have not called `init_node` may use it, too.
 
     Args:
         name: its name.
         service_class: its class.
-        persistent: has no effect but for the header that says so.
-        headers: what the service's handler finds in the request's ``_connection_header``.
+        persistent: sets the header ``persistent``, and has no other effect.
+        headers: fields for the request's ``_connection_header``, which the handler reads.
     """
 
     def __init__(
@@ -51,7 +48,7 @@ class ServiceProxy(ServiceEnd):
             self._headers["persistent"] = "1"
 
     def wait_for_service(self, timeout: float | Duration | None = None) -> None:
-        """Wait until somebody offers the service; see `wait_for_service`."""
+        """Wait until the service exists; see `wait_for_service`."""
         wait_for_service(self.resolved_name, timeout)
 
     def __call__(self, *args: Any, **kwds: Any) -> Any:
@@ -62,7 +59,7 @@ class ServiceProxy(ServiceEnd):
         """Call the service with a request, or with its fields in order or by name.
 
         Raises:
-            ServiceException: nobody offers it, it is of another type, or it failed.
+            ServiceException: the service does not exist, has another type, or failed.
             TypeError: fields both in order and by name, or a message of another class.
             genpy.SerializationError: a field does not fit the type.
             ROSInterruptException: the node ends.
@@ -77,7 +74,7 @@ class ServiceProxy(ServiceEnd):
                 f"request object type [{type(request)}] "
                 f"does not match service type [{self.request_class}]"
             )
-        response = self._answer(request)
+        response = self._checked_call(request)
         response._connection_header = {
             "service": self.resolved_name,
             "type": self.service_class._type,
@@ -86,9 +83,9 @@ class ServiceProxy(ServiceEnd):
         return response
 
     def close(self) -> None:
-        """Has no effect: there is no connection of the proxy's own."""
+        """Do nothing: a proxy has no connection of its own."""
 
-    def _answer(self, request: Message) -> Any:
+    def _checked_call(self, request: Message) -> Any:
         from fibws.errors import (
             HubLost,
             HubUnreachable,
@@ -101,7 +98,7 @@ class ServiceProxy(ServiceEnd):
         )
 
         try:
-            return self._ask(request)
+            return self._call(request)
         except ROSInterruptException:
             raise ROSInterruptException(INTERRUPTED) from None
         except HubUnreachable:
@@ -111,22 +108,22 @@ class ServiceProxy(ServiceEnd):
         except (ServiceLost, ServiceTimeout, HubLost) as error:
             text = f"transport error completing service call: {error}"
         except ServiceError as error:
-            if MEANS_ANOTHER_TYPE.match(error.text):
+            if error.code == "type_conflict":
                 text = f"unable to connect to service: remote error reported: {error.text}"
-            elif error.text.startswith(f"service [{self.resolved_name}] unavailable: "):
+            elif error.code in ("server_lost", "server_busy"):
                 text = f"transport error completing service call: {error.text}"
             else:
-                said = str(error.text.encode())
-                text = f"service [{self.resolved_name}] responded with an error: {said}"
+                reason = str(error.text.encode())
+                text = f"service [{self.resolved_name}] responded with an error: {reason}"
         except InvalidMessage as error:
             request._check_types(error)
             raise
-        # A node that calls itself may hear of its handler's end before that of the call.
+        # In a node that calls its own service, the handler may end before the call does.
         if core.is_shutdown():
             raise ROSInterruptException(INTERRUPTED)
         raise ServiceException(text)
 
-    def _ask(self, request: Message) -> Any:
+    def _call(self, request: Message) -> Any:
         if core.background.running:
             node = core.background.node
             return core.background.call(
@@ -142,7 +139,7 @@ class ServiceProxy(ServiceEnd):
 
 
 def wait_for_service(service: str, timeout: float | Duration | None = None) -> None:
-    """Wait until somebody offers a service; programs that are no node may do so, too.
+    """Wait until a service exists; programs that are not nodes may do so, too.
 
     Args:
         service: its name.
@@ -150,7 +147,7 @@ def wait_for_service(service: str, timeout: float | Duration | None = None) -> N
 
     Raises:
         ValueError: the timeout is 0.
-        ROSException: it has passed.
+        ROSException: the service did not exist in time.
         ROSInterruptException: the node ends.
     """
     from fibws.errors import WaitTimeout
@@ -165,7 +162,7 @@ def wait_for_service(service: str, timeout: float | Duration | None = None) -> N
         if core.background.running:
             _wait_in_node(resolved, seconds)
         else:
-            _look_for(resolved, seconds)
+            _wait_outside_node(resolved, seconds)
     except WaitTimeout:
         raise ROSException(f"timeout exceeded while waiting for service {resolved}") from None
 
@@ -177,14 +174,14 @@ def _wait_in_node(service: str, timeout: float | None) -> None:
     node = core.background.node
     try:
         core.background.call(node.wait_for_service(service, timeout=timeout))
-    except InvalidName:  # Nobody can ever offer it; ROS waits all the same.
+    except InvalidName:  # There will never be such a service; ROS waits all the same.
         if core.wait_for_shutdown(timeout):
             raise ROSInterruptException("rospy shutdown") from None
         raise WaitTimeout from None
 
 
-def _look_for(service: str, timeout: float | None) -> None:
-    """Look for a service again and again, or raise `WaitTimeout`."""
+def _wait_outside_node(service: str, timeout: float | None) -> None:
+    """Check again and again whether a service exists, or raise `WaitTimeout`."""
     from fibws.cli.link import Link
     from fibws.errors import HubLost, HubUnreachable, ServiceError, WaitTimeout
 

@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 from rospy import core
 from rospy.arguments import serialized
+from rospy.callback_queue import CallbackQueue, call
 from rospy.exceptions import ROSException
-from rospy.foreign import count_nodes
-from rospy.inbox import Inbox, call
 from rospy.names import ANYTYPE
-from rospy.registration import register
+from rospy.shared import ask, count_peers
 
 if TYPE_CHECKING:
     import asyncio
@@ -20,21 +19,25 @@ if TYPE_CHECKING:
     from genpy import Message
 
     import fibws
+    from fibws.node.subscription import Received
 
 MOST = 10_000
 MOST_BYTES = 64 << 20
 FEW = 50
-"""Messages, and bytes, that wait for slow callbacks where nobody says how many may, and messages
-that always may. Under ROS the socket would be full long before, and the publisher drop them."""
+"""Messages, and bytes, that wait for slow callbacks of subscribers without a queue size, and
+messages that always may. In ROS the socket would be full long before, and messages dropped."""
 
 LOOK = 0.1
-"""Seconds between two looks for a topic's type."""
+"""Seconds between two requests for a topic's type, to a rosbridge_suite server."""
+
+MOST_HEADERS = 100
+"""Most connection headers to keep parsed."""
 
 
 class Subscription:
     """One topic's subscription at the hub, from the node's start on or later.
 
-    Its messages go to all callbacks, in one thread.
+    Messages are decoded, and passed to all callbacks, in one thread of the topic's own.
 
     Args:
         resolved_name: the topic's global name.
@@ -44,27 +47,29 @@ class Subscription:
     def __init__(self, resolved_name: str, data_class: type[Message]) -> None:
         self.resolved_name = resolved_name
         self.data_class = data_class
-        self._found = data_class
-        """Another class than that, if it leaves open what comes."""
+        self._received_class = data_class
+        """The class that received messages have, which are then serialized for an `AnyMsg`, if the
+        server has them as JSON."""
         self._queue_size: int | None = None
         self._lock = threading.RLock()
-        """Keeps who comes and a message that comes apart: each message is told once to each."""
+        """Held to add a callback, or a latched message: each callback is passed the message once.
+        """
         self._callbacks: list[tuple[Callable[..., object], Any]] = []
         self._latched: dict[str, Message] = {}
-        """The last one of each publisher that keeps it, and that the callbacks were told."""
-        self._inbox: Inbox[Message] = Inbox(resolved_name, self._handle)
+        """The last message that was passed to the callbacks, by the publisher that latches it."""
+        self._queue: CallbackQueue[Received] = CallbackQueue(resolved_name, self._handle)
         self._source: fibws.Subscription[Any] | None = None
         self._task: asyncio.Task[None] | None = None
-        self._said: dict[str, str] | None = None
-        self._header: dict[str, str] = {}
-        self._has_told = False
+        self._headers: dict[tuple[str, bytes], dict[str, str]] = {}
+        """Connection headers by the type and the JSON that they were made from."""
+        self._has_warned = False
         self._closed = False
 
     def set_queue_size(self, queue_size: int) -> None:
-        """Bound how many messages wait for the callbacks; -1 is for no bound.
+        """Limit how many messages wait for the callbacks; -1 for no limit.
 
         Raises:
-            ROSException: it is 0, or no int.
+            ROSException: it is 0, or not an int.
         """
         if queue_size == 0:
             raise ROSException("queue size may not be set to zero")
@@ -73,31 +78,29 @@ class Subscription:
         self._queue_size = queue_size if queue_size > 0 else None
 
     def register(self) -> None:
-        """Ask the hub for the topic."""
+        """Subscribe at the hub."""
         if core.is_initialized() and not self._closed and self._task is None:
-            register("subscription", self.resolved_name, self._register())
+            core.register("subscription", self.resolved_name, self._register())
 
     def close(self) -> None:
-        """Listen no more."""
+        """Unsubscribe."""
         with self._lock:
             self._closed = True
             self._callbacks = []
-        self._inbox.close()
-        core.background.soon(self._leave)
+        self._queue.close()
+        core.background.soon(self._unregister)
 
     def get_num_connections(self) -> int:
-        """How many nodes publish."""
+        """Return how many nodes publish."""
         if self._source is None:
             return 0
-        peers = self._source.peers
-        if peers.told:
-            return len(peers.names)
-        return count_nodes(core.background.node.graph.publishers(self.resolved_name))
+        question = core.background.node.graph.publishers(self.resolved_name)
+        return count_peers(self._source.peers, question)
 
     def add_callback(self, callback: Callable[..., object], callback_args: Any) -> None:
         """Call a function with each message, and with ``callback_args`` if that is not None.
 
-        What is latched it is told at once, in this thread.
+        It is called at once, in this thread, with latched messages that others were passed.
         """
         with self._lock:
             self._callbacks = [*self._callbacks, (callback, callback_args)]
@@ -106,10 +109,10 @@ class Subscription:
             _invoke(callback, message, callback_args)
 
     def remove_callback(self, callback: Callable[..., object], callback_args: Any) -> None:
-        """Take back one `add_callback`; a closed subscription has none left.
+        """Undo one `add_callback`; do nothing once the subscription is closed.
 
         Raises:
-            KeyError: there was none of these arguments.
+            KeyError: there is no such callback.
         """
         with self._lock:
             if self._closed:
@@ -121,14 +124,7 @@ class Subscription:
                 raise KeyError("no matching cb") from None
             self._callbacks = callbacks
 
-    def _handle(self, message: Message) -> None:
-        header = message._connection_header
-        with self._lock:
-            callbacks = self._callbacks
-            if header.get("latching") == "1":
-                self._latched[header.get("callerid", "")] = message
-        for callback, callback_args in callbacks:
-            _invoke(callback, message, callback_args)
+    # In the loop
 
     async def _register(self) -> None:
         import asyncio
@@ -138,7 +134,7 @@ class Subscription:
         # Its first step, which subscribes.
         await asyncio.sleep(0)
 
-    def _leave(self) -> None:
+    def _unregister(self) -> None:
         if self._task is not None:
             self._task.cancel()
         if self._source is not None:
@@ -149,27 +145,27 @@ class Subscription:
 
         try:
             node = core.background.node
-            if self.data_class._type == ANYTYPE:
-                self._found = await self._find(node)
+            if self.data_class._type == ANYTYPE and not node.serialized:
+                self._received_class = await self._find_class(node)
             self._source = source = node.subscribe(
                 self.resolved_name,
-                self._found,
+                self._received_class,
                 queue_size=self._queue_size,
                 headers=True,
                 peers=True,
             )
-            source.hand_to(self._take)
+            source.hand_undecoded_to(self._take)
             async for _ in source:
                 pass
         except (NodeClosed, NodeKilled, NodeReplaced):
-            pass  # The whole node ends, and says why.
+            pass  # The end of the node is reported elsewhere.
         except FibwsError as fault:
             from rospy import logerr
 
             logerr(f"unable to subscribe to {self.resolved_name}: {fault}")
 
-    async def _find(self, node: fibws.Node) -> type[Message]:
-        """The class of the topic's messages, once the graph knows their type."""
+    async def _find_class(self, node: fibws.Node) -> type[Message]:
+        """Wait until the topic has a type, and return the class of that."""
         import asyncio
 
         from genpy.message import get_message_class
@@ -186,43 +182,99 @@ class Subscription:
             raise UnknownPackage(type_.partition("/")[0])
         return found
 
-    def _take(self, message: Message) -> None:
-        assert self._source is not None
-        said = self._source.connection_header
-        if said != self._said:
-            self._said = said
-            self._header = self._connection_header(said)
-        if self._found is not self.data_class:
-            message = self.data_class().deserialize(serialized(message))
-        message._connection_header = self._header
-        if self._inbox.put(message, self._queue_size or self._bound(message)):
-            self._tell_of_drops()
-
-    def _bound(self, message: Message) -> int:
-        """How many messages like this one may wait where nobody has bounded that."""
-        if len(self._inbox) < FEW:
-            return MOST
-        return max(FEW, min(MOST, MOST_BYTES // _size(message)))
-
-    def _tell_of_drops(self) -> None:
-        if self._queue_size is None and not self._has_told:
+    def _take(self, received: Received) -> None:
+        """Queue a message for the callbacks."""
+        limit = self._queue_size or self._limit(received)
+        if self._queue.put(received, limit) and not (self._queue_size or self._has_warned):
             from rospy import logwarn
 
-            self._has_told = True
+            self._has_warned = True
             logwarn(
                 f"the callbacks of {self.resolved_name} are too slow: "
                 "the oldest messages that wait for them are dropped"
             )
 
-    def _connection_header(self, said: dict[str, str]) -> dict[str, str]:
-        """What TCPROS tells beside what the hub said."""
+    def _limit(self, received: Received) -> int:
+        """Return how many messages like this one may wait if the program sets no queue size."""
+        if len(self._queue) < FEW:
+            return MOST
+        return max(FEW, min(MOST, MOST_BYTES // _size(received[0])))
+
+    # In the thread of the callbacks
+
+    def _handle(self, received: Received) -> None:
+        """Decode a message and call the callbacks."""
+        assert self._source is not None
+        message = self._source.decode(received)
+        if message is None:
+            return
+        if self._received_class is not self.data_class:
+            message = self.data_class().deserialize(serialized(message))
+        message._connection_header = self._header(self._source, received[1])
+        self._call_back(message)
+
+    def _call_back(self, message: Message) -> None:
+        header = message._connection_header
+        with self._lock:
+            callbacks = self._callbacks
+            if header.get("latching") == "1":
+                self._latched[header.get("callerid", "")] = message
+        for callback, callback_args in callbacks:
+            _invoke(callback, message, callback_args)
+
+    def _header(
+        self, source: fibws.Subscription[Any], sent: bytes | dict[str, str] | None
+    ) -> dict[str, str]:
+        """Return a message's connection header; the same one for the same publisher."""
+        if not isinstance(sent, bytes):
+            return self._full_header(source, sent or {})
+        key = (source.type, sent)
+        header = self._headers.get(key)
+        if header is None:
+            import json
+
+            if len(self._headers) == MOST_HEADERS:
+                self._headers.clear()
+            header = self._full_header(source, json.loads(sent) if sent else {})
+            self._headers[key] = header
+        return header
+
+    def _full_header(self, source: fibws.Subscription[Any], sent: dict[str, str]) -> dict[str, str]:
+        """Add to what the hub sends the fields that TCPROS has."""
+        if self._received_class._type == ANYTYPE:
+            type_, md5sum = source.type, source.md5sum or ANYTYPE
+            definition = _definition(self.resolved_name, type_, md5sum)
+        else:
+            found = self._received_class
+            type_, md5sum, definition = found._type, found._md5sum, found._full_text
         return {
             "topic": self.resolved_name,
-            "type": self._found._type,
-            "md5sum": self._found._md5sum,
-            "message_definition": self._found._full_text,
-            **said,
+            "type": type_,
+            "md5sum": md5sum,
+            "message_definition": definition,
+            **sent,
         }
+
+
+def _definition(topic: str, type_: str, md5sum: str) -> str:
+    """Return the text of a topic's type: the local one if that is the same, or else the hub's."""
+    from fibws.errors import InterfaceError
+    from fibws.msg import default_interfaces
+
+    interfaces = default_interfaces()
+    try:
+        if interfaces.md5(type_) == md5sum:
+            return interfaces.full_text(type_)
+    except InterfaceError:
+        pass
+    return ask(_definition_at_hub(topic), "")
+
+
+async def _definition_at_hub(topic: str) -> str:
+    node = core.background.node
+    found = await node.call("/rosapi/topics_and_raw_types", "rosapi/TopicsAndRawTypes")
+    texts: dict[str, str] = dict(zip(found.topics, found.typedefs_full_text, strict=False))
+    return texts.get(topic, "")
 
 
 def _invoke(callback: Callable[..., object], message: Message, callback_args: Any) -> None:
@@ -232,13 +284,9 @@ def _invoke(callback: Callable[..., object], message: Message, callback_args: An
         call(callback, message, callback_args)
 
 
-def _size(message: Message) -> int:
-    """About how many bytes of memory a message takes."""
-    size = 500
-    for name in message.__slots__:
-        value = getattr(message, name)
-        if isinstance(value, str | bytes):
-            size += len(value)
-        elif hasattr(value, "__len__"):
-            size += 32 * len(value)
-    return size
+def _size(content: Any) -> int:
+    """Return about how many bytes of memory a message takes that is not decoded."""
+    if isinstance(content, memoryview):
+        return 500 + content.nbytes
+    values = content.values() if isinstance(content, dict) else ()
+    return 500 + sum(32 + len(each) for each in values if isinstance(each, str | list | dict))

@@ -1,4 +1,4 @@
-"""Publishers and subscribers, as programs have them."""
+"""`Publisher` and `Subscriber`."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class Topic(Generic[S]):
         type: the type's name, such as ``std_msgs/String``.
         md5sum: the fingerprint of the type's definition.
         data_class: the class of the messages.
-        impl: what all of its kind share in the process.
+        impl: what all publishers, or subscribers, of the topic share in the process.
     """
 
     def __init__(self, name: str, data_class: type[Message], shared: Shared[S]) -> None:
@@ -53,7 +53,7 @@ class Topic(Generic[S]):
         self.impl: S | None = shared.acquire(resolved, data_class)
 
     def get_num_connections(self) -> int:
-        """How many nodes are at the other side of the topic.
+        """Return how many nodes are at the other side of the topic.
 
         Raises:
             ROSException: it was unregistered.
@@ -63,7 +63,7 @@ class Topic(Generic[S]):
         return self.impl.get_num_connections()
 
     def unregister(self) -> None:
-        """Leave the topic; called again, it does nothing."""
+        """Leave the topic. Does nothing when called again."""
         impl, self.impl = self.impl, None
         if impl is not None:
             self.resolved_name = self.type = self.md5sum = self.data_class = None
@@ -71,21 +71,21 @@ class Topic(Generic[S]):
 
 
 class Subscriber(Topic[Subscription]):
-    """Has a function called with each message of a topic, in a thread of the topic's own.
+    """Calls a function with each message of a topic, in a thread of the topic's own.
 
     Args:
         name: the topic's name.
-        data_class: the class of its messages, or `AnyMsg` for whatever comes.
-        callback: is given the message, and ``callback_args`` if that is not None.
-        callback_args: whatever the callback needs beside the message.
-        queue_size: how many messages wait for slow callbacks; then the newest ones stay. With None
-            they all do, up to a bound that is there for the memory's sake.
+        data_class: the class of its messages, or `AnyMsg` for messages of any type.
+        callback: takes the message, and ``callback_args`` if that is not None.
+        callback_args: an additional argument of the callback.
+        queue_size: how many messages wait for slow callbacks; more drop the oldest. None for no
+            limit except one that protects the memory.
         buff_size: has no effect.
         tcp_nodelay: has no effect.
 
     Raises:
-        ValueError: the name or the class is none.
-        ROSException: the queue size is none.
+        ValueError: the name or the class is invalid.
+        ROSException: the queue size is invalid.
     """
 
     def __init__(
@@ -110,7 +110,7 @@ class Subscriber(Topic[Subscription]):
         core.on_start(impl.register)
 
     def unregister(self) -> None:
-        """Have the callback called no more; called again, it does nothing."""
+        """Stop calling the callback. Does nothing when called again."""
         if self.impl is not None and self.callback is not None:
             self.impl.remove_callback(self.callback, self.callback_args)
         self.callback = self.callback_args = None
@@ -118,7 +118,7 @@ class Subscriber(Topic[Subscription]):
 
 
 class SubscribeListener:
-    """Is told who subscribes to a `Publisher`'s topic; programs override what they care for."""
+    """Called when nodes subscribe to a `Publisher`'s topic; programs override its methods."""
 
     def peer_subscribe(
         self,
@@ -149,15 +149,15 @@ class Publisher(Topic[Publication]):
     Args:
         name: the topic's name.
         data_class: the class of its messages.
-        subscriber_listener: is told who subscribes.
+        subscriber_listener: is called when nodes subscribe and unsubscribe.
         tcp_nodelay: has no effect.
-        latch: whether the last message is kept for those who subscribe later.
-        headers: what subscribers find in the ``_connection_header`` of the messages.
-        queue_size: how many messages are kept while the network is slow; then the newest ones stay.
+        latch: whether the last message is kept for later subscribers.
+        headers: fields for the ``_connection_header`` of the messages.
+        queue_size: how many messages are kept while the network is slow; more drop the oldest.
             With None `publish` waits for the network.
 
     Raises:
-        ValueError: the name or the class is none.
+        ValueError: the name or the class is invalid.
     """
 
     def __init__(
@@ -190,7 +190,7 @@ class Publisher(Topic[Publication]):
         core.on_start(impl.register)
 
     def publish(self, *args: Any, **kwds: Any) -> None:
-        """Publish a message, or one that is made of its fields, in order or by name.
+        """Publish a message, or one of the given fields, in order or by name.
 
         Raises:
             ROSException: there is no node yet, or the publisher was unregistered.
@@ -221,18 +221,18 @@ def wait_for_message(
         timeout: the most seconds to wait, or a `Duration`; None for ever.
 
     Raises:
-        ROSException: they have passed.
+        ROSException: there was no message in time.
         ROSInterruptException: the node ends.
     """
     messages: list[Message] = []
 
     def take(message: Message) -> None:
         messages.append(message)
-        core.bell.ring()
+        core.wakeup.wake_all()
 
     subscriber = Subscriber(topic, topic_type, take)
     try:
-        core.bell.wait(lambda: bool(messages) or core.is_shutdown(), seconds_of(timeout))
+        core.wakeup.wait(lambda: bool(messages) or core.is_shutdown(), seconds_of(timeout))
     finally:
         subscriber.unregister()
     if core.is_shutdown():
@@ -243,7 +243,7 @@ def wait_for_message(
 
 
 def _check(name: object, data_class: object) -> None:
-    """Raise ValueError unless these name a topic and its type."""
+    """Raise ValueError unless these are a topic's name and a message class."""
     from genpy import Message
 
     if not isinstance(name, str) or not name:

@@ -1,4 +1,4 @@
-"""How often messages come, in a script that hears them."""
+"""The rate of messages that a script receives."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ if TYPE_CHECKING:
 
 
 class ROSTopicHz:
-    """The rates of topics, by the messages that `callback_hz` is given.
+    """Measures the rates of topics by calls of `callback_hz`.
 
     Args:
-        window_size: how many of the newest messages count; below 0, 50 000.
-        filter_expr: which messages count; by default all.
-        use_wtime: whether time is the machine's even if it is simulated.
+        window_size: number of latest messages to measure; 50 000 if it is negative.
+        filter_expr: returns whether to count a message; by default all are counted.
+        use_wtime: use wall time even if time is simulated.
     """
 
     def __init__(
@@ -33,26 +33,26 @@ class ROSTopicHz:
         self._rates: dict[str | None, Rate] = {}
 
     def callback_hz(self, m: Any, topic: str | None = None) -> None:
-        """Take note that a message has come; of several topics each is named."""
+        """Count a message that is received now."""
         import rospy
 
         if self.filter_expr is not None and not self.filter_expr(m):
             return
         now = time() if self.use_wtime else rospy.get_rostime().to_sec()
-        if now:  # Else simulated time has yet to begin.
+        if now:  # Simulated time has begun, if it is used.
             with self.lock:
-                self._rate(topic).take(now)
+                self._rate(topic).add(now)
 
     def get_hz(self, topic: str | None = None) -> tuple[float, float, float, float, int] | None:
-        """The rate in Hz; the least, the most and the deviation of the seconds between; the count.
+        """Return the rate in Hz, the min, max and deviation of the intervals, and the count.
 
-        None if no message has come since this was asked, or none but one.
+        Return None if there is no new message since the last call, or only one message so far.
         """
         with self.lock:
-            news = self._rate(topic).news()
-        if news is None:
+            polled = self._rate(topic).poll()
+        if polled is None:
             return None
-        rate, seconds, count = news
+        rate, seconds, count = polled
         return rate, seconds.least, seconds.most, seconds.deviation, count
 
     def print_hz(self, topics: Sequence[str | None] = (None,)) -> None:

@@ -1,4 +1,4 @@
-"""Another thread acts for the loop while that sleeps, and never otherwise."""
+"""Other threads get the loop's lock while the loop sleeps, and only then."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ import threading
 from collections.abc import Iterator
 
 import pytest
-from rospy.gate import Gate
+from rospy.loop_lock import LoopLock
 
 
 class Looping:
-    """A loop in a thread of its own, behind a gate."""
+    """A loop in a thread of its own that holds a lock while it is awake."""
 
     def __init__(self, *, debug: bool = False) -> None:
-        self.gate = Gate()
-        self.gate.admits_main = True
+        self.lock = LoopLock()
+        self.lock.allows_main_thread = True
         self._begun = threading.Event()
         self._debug = debug
         self.thread = threading.Thread(target=self._run, daemon=True)
@@ -23,14 +23,14 @@ class Looping:
         assert self._begun.wait(60)
 
     def _run(self) -> None:
-        self.loop = self.gate.new_loop()
+        self.loop = self.lock.new_loop()
         self.loop.set_debug(self._debug)
         self.loop.call_soon(self._begun.set)
         try:
             self.loop.run_forever()
         finally:
             self.loop.close()
-            self.gate.close()
+            self.lock.close()
 
     def busy(self) -> threading.Event:
         """Keep the loop busy until the event that is returned is set."""
@@ -57,80 +57,80 @@ def looping() -> Iterator[Looping]:
     looping.stop()
 
 
-def entered(gate: Gate) -> None:
-    """Wait until the loop sleeps, and act for it."""
-    while not gate.enter():
+def acquire(lock: LoopLock) -> None:
+    """Wait until the loop sleeps, and get its lock."""
+    while not lock.try_acquire():
         pass
 
 
-def test_nobody_acts_for_a_loop_that_is_busy(looping: Looping) -> None:
+def test_a_busy_loop_holds_the_lock(looping: Looping) -> None:
     over = looping.busy()
-    assert not looping.gate.enter()
+    assert not looping.lock.try_acquire()
     over.set()
-    entered(looping.gate)
-    looping.gate.leave()
+    acquire(looping.lock)
+    looping.lock.release()
 
 
-def test_the_loop_waits_for_who_acts_for_it(looping: Looping) -> None:
+def test_loop_waits_for_thread_with_the_lock(looping: Looping) -> None:
     ran = threading.Event()
-    entered(looping.gate)
+    acquire(looping.lock)
     looping.loop.call_soon_threadsafe(ran.set)
     assert not ran.wait(0.02)
-    looping.gate.leave()
+    looping.lock.release()
     assert ran.wait(60)
 
 
-def test_only_one_thread_acts_for_it(looping: Looping) -> None:
+def test_only_one_thread_gets_the_lock(looping: Looping) -> None:
     others: list[bool] = []
-    entered(looping.gate)
-    other = threading.Thread(target=lambda: others.append(looping.gate.enter()))
+    acquire(looping.lock)
+    other = threading.Thread(target=lambda: others.append(looping.lock.try_acquire()))
     other.start()
     other.join(60)
     assert others == [False]
-    assert not looping.gate.enter(), "nor does the same one twice"
-    looping.gate.leave()
+    assert not looping.lock.try_acquire(), "the same thread cannot have it twice"
+    looping.lock.release()
 
 
-def test_what_is_scheduled_meanwhile_runs_when_the_loop_is_woken(looping: Looping) -> None:
+def test_scheduled_callbacks_run_when_the_loop_is_woken(looping: Looping) -> None:
     ran = threading.Event()
-    entered(looping.gate)
+    acquire(looping.lock)
     looping.loop.call_soon(ran.set)
-    looping.gate.leave()
+    looping.lock.release()
     looping.loop.call_soon_threadsafe(lambda: None)
     assert ran.wait(60)
 
 
-def test_a_signals_handler_comes_after_the_main_thread_has_left(looping: Looping) -> None:
+def test_signal_handler_is_deferred_until_main_thread_releases_the_lock(looping: Looping) -> None:
     called: list[str] = []
-    gate = looping.gate
-    assert not gate.after_leaving(lambda: called.append("at once"))
-    entered(gate)
-    assert gate.after_leaving(lambda: called.append("1"))
-    assert gate.after_leaving(lambda: called.append("2"))
+    lock = looping.lock
+    assert not lock.defer(lambda: called.append("at once"))
+    acquire(lock)
+    assert lock.defer(lambda: called.append("1"))
+    assert lock.defer(lambda: called.append("2"))
     assert called == []
-    gate.leave()
+    lock.release()
     assert called == ["1", "2"]
     over = looping.busy()
-    assert not gate.enter()
-    assert not gate.after_leaving(lambda: called.append("3"))
+    assert not lock.try_acquire()
+    assert not lock.defer(lambda: called.append("3"))
     over.set()
 
 
-def test_a_main_thread_that_signals_may_break_off_stays_outside(looping: Looping) -> None:
-    entered(looping.gate)
-    looping.gate.leave()
-    looping.gate.admits_main = False
-    assert not any(looping.gate.enter() for _ in range(1000))
+def test_main_thread_needs_permission(looping: Looping) -> None:
+    acquire(looping.lock)
+    looping.lock.release()
+    looping.lock.allows_main_thread = False
+    assert not any(looping.lock.try_acquire() for _ in range(1000))
 
 
-def test_other_threads_are_admitted_when_the_main_thread_is_not(looping: Looping) -> None:
-    looping.gate.admits_main = False
+def test_other_threads_need_no_permission(looping: Looping) -> None:
+    looping.lock.allows_main_thread = False
     others: list[bool] = []
 
     def act() -> None:
-        entered(looping.gate)
+        acquire(looping.lock)
         others.append(True)
-        looping.gate.leave()
+        looping.lock.release()
 
     other = threading.Thread(target=act, daemon=True)
     other.start()
@@ -138,42 +138,42 @@ def test_other_threads_are_admitted_when_the_main_thread_is_not(looping: Looping
     assert others == [True]
 
 
-def test_other_threads_are_no_concern_of_signal_handlers(looping: Looping) -> None:
+def test_signal_handler_is_not_deferred_while_another_thread_has_the_lock(looping: Looping) -> None:
     inside, over = threading.Event(), threading.Event()
 
     def act() -> None:
-        entered(looping.gate)
+        acquire(looping.lock)
         inside.set()
         over.wait(60)
-        looping.gate.leave()
+        looping.lock.release()
 
     other = threading.Thread(target=act)
     other.start()
     assert inside.wait(60)
-    assert not looping.gate.after_leaving(lambda: None)
+    assert not looping.lock.defer(lambda: None)
     over.set()
     other.join(60)
 
 
-def test_after_the_loop_s_end_nobody_gets_in(looping: Looping) -> None:
+def test_lock_is_not_available_after_the_loop_has_ended(looping: Looping) -> None:
     looping.stop()
-    assert not looping.gate.enter()
-    assert not Gate().enter()
+    assert not looping.lock.try_acquire()
+    assert not LoopLock().try_acquire()
 
 
-def test_a_loop_that_looks_for_mistakes_is_left_alone() -> None:
+def test_lock_is_not_available_in_debug_mode() -> None:
     looping = Looping(debug=True)
     asleep = threading.Event()
     looping.loop.call_soon_threadsafe(asleep.set)
     assert asleep.wait(60)
-    assert not any(looping.gate.enter() for _ in range(1000))
+    assert not any(looping.lock.try_acquire() for _ in range(1000))
     looping.stop()
 
 
-async def test_a_loop_behind_a_gate_does_what_loops_do() -> None:
+async def test_loop_with_lock_serves_sockets() -> None:
     def converse() -> bytes:
-        gate = Gate()
-        loop = gate.new_loop()
+        lock = LoopLock()
+        loop = lock.new_loop()
 
         async def echo(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
             writer.write(await reader.readline())
@@ -192,6 +192,6 @@ async def test_a_loop_behind_a_gate_does_what_loops_do() -> None:
             return loop.run_until_complete(talk())
         finally:
             loop.close()
-            gate.close()
+            lock.close()
 
     assert await asyncio.to_thread(converse) == b"hello\n"

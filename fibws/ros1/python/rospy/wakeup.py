@@ -1,7 +1,7 @@
-"""What wakes the threads that sleep.
+"""Wakes threads that wait for a condition.
 
-`threading.Event` would not do: a signal's handler runs in the main thread, wherever that is, and
-would wait for ever for a lock that the main thread was just holding.
+`threading.Event` cannot be used: a signal handler runs in the main thread at any point, and would
+wait for ever for the event's lock if the main thread held it.
 """
 
 from __future__ import annotations
@@ -12,37 +12,37 @@ from contextlib import suppress
 from time import monotonic
 
 UNINTERRUPTED = 0.5
-"""Seconds for which nobody looks at signals, which Windows needs; elsewhere they interrupt."""
+"""Most seconds of one wait: Windows handles signals only between waits, others interrupt them."""
 
 
-class Bell:
-    """May be rung anywhere, even in a signal's handler, and any number of times."""
+class Wakeup:
+    """Makes threads check their conditions again; signal handlers may use it, too."""
 
     def __init__(self) -> None:
         self._sleepers: list[threading.Lock] = []
 
-    def ring(self) -> None:
-        """Have all who wait look again at what they wait for."""
+    def wake_all(self) -> None:
+        """Make all waiting threads check their conditions."""
         for sleeper in list(self._sleepers):
             with suppress(RuntimeError):  # It was woken just before.
                 sleeper.release()
 
-    def wait(self, over: Callable[[], bool], timeout: float | None = None) -> bool:
-        """Wait until ``over()``, which is asked at first and each time that the bell rings.
+    def wait(self, condition: Callable[[], bool], timeout: float | None = None) -> bool:
+        """Wait until ``condition()`` is true, which is checked first and at each `wake_all`.
 
         Args:
-            over: tells whether the waiting is over.
-            timeout: the most seconds to wait.
+            condition: the condition.
+            timeout: most seconds to wait.
 
         Returns:
-            What ``over`` said last.
+            Whether the condition was true.
         """
         end = None if timeout is None else monotonic() + timeout
         sleeper = threading.Lock()
         sleeper.acquire()
         self._sleepers.append(sleeper)
         try:
-            while not over():
+            while not condition():
                 left = UNINTERRUPTED if end is None else min(UNINTERRUPTED, end - monotonic())
                 if left <= 0:
                     return False

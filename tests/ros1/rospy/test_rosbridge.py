@@ -1,4 +1,4 @@
-"""rospy on a rosbridge that is no hub of fibws: it tells no peers, no headers and no graph."""
+"""rospy on a rosbridge_suite server, which has no peers, no headers and no graph."""
 
 from __future__ import annotations
 
@@ -7,17 +7,18 @@ from types import SimpleNamespace
 from typing import Any, cast
 
 import pytest
-from rospy import core, foreign
+from rospy import core, shared
 from rospy.background import Background
 from websockets.asyncio.server import ServerConnection, serve
 
 from fibws.hub import Hub
 from ros1.rospy.programs import World
 
-ANSWERS: dict[str, dict[str, Any]] = {
+RESPONSES: dict[str, dict[str, Any]] = {
     "/rosapi/get_param": {"value": "null"},
     "/rosapi/subscribers": {"subscribers": ["/rosbridge_websocket"]},
     "/rosapi/publishers": {"publishers": ["/talker", "/other"]},
+    "/rosapi/topic_type": {"type": "std_msgs/String"},
     "/rosapi/topics": {"topics": ["/chatter"], "types": ["std_msgs/String"]},
 }
 
@@ -25,8 +26,11 @@ ANSWERS: dict[str, dict[str, Any]] = {
 async def rosbridge(client: ServerConnection) -> None:
     async for text in client:
         asked = json.loads(text)
+        if asked["op"] == "publish" and asked["topic"] == "/relayed":
+            publish = {"op": "publish", "topic": "/responses", "msg": asked["msg"]}
+            await client.send(json.dumps(publish))
         if asked["op"] == "call_service":
-            answer = ANSWERS.get(asked["service"], "there is no such service")
+            answer = RESPONSES.get(asked["service"], "Service does not exist")
             fields = {"values": answer, "result": isinstance(answer, dict)}
             reply = {"op": "service_response", "service": asked["service"], "id": asked["id"]}
             await client.send(json.dumps({**reply, **fields}))
@@ -35,13 +39,13 @@ async def rosbridge(client: ServerConnection) -> None:
             await client.send(json.dumps(publish))
 
 
-async def test_a_script_runs_on_a_rosbridge() -> None:
+async def test_script_runs_on_rosbridge_suite() -> None:
     async with serve(rosbridge, "127.0.0.1", 0) as server:
         port = server.sockets[0].getsockname()[1]
         world = World(cast(Hub, SimpleNamespace(url=f"ws://127.0.0.1:{port}")))
         program = await world.start(
             """
-            import rospy
+            import rospy, threading
             from std_msgs.msg import String
             rospy.init_node("script")
             message = rospy.wait_for_message("chatter", String)
@@ -50,6 +54,17 @@ async def test_a_script_runs_on_a_rosbridge() -> None:
             subscriber = rospy.Subscriber("chatter", String)
             print(publisher.get_num_connections(), subscriber.get_num_connections())
             print(rospy.get_published_topics())
+            raw = rospy.wait_for_message("chatter", rospy.AnyMsg)
+            print(raw._buff, raw._connection_header["type"])
+            responded = threading.Event()
+
+            def respond(message):
+                print(message.data)
+                responded.set()
+
+            rospy.Subscriber("responses", String, respond)
+            rospy.Publisher("relayed", rospy.AnyMsg, queue_size=1).publish(raw)
+            responded.wait(60)
             """
         )
         try:
@@ -57,14 +72,16 @@ async def test_a_script_runs_on_a_rosbridge() -> None:
                 "hello ['md5sum', 'message_definition', 'topic', 'type']",
                 "1 2",
                 "[['/chatter', 'std_msgs/String']]",
+                r"b'\x05\x00\x00\x00hello' std_msgs/String",
+                "hello",
             ]
         finally:
             await world.end()
 
 
-def test_a_rosbridge_that_does_not_answer_names_nobody(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_default_is_returned_when_the_hub_does_not_respond(monkeypatch: pytest.MonkeyPatch) -> None:
     async def question() -> list[str]:
         return ["/talker"]
 
     monkeypatch.setattr(core, "background", Background())
-    assert foreign.count_nodes(question()) == 0
+    assert shared.ask(question(), []) == []

@@ -1,4 +1,4 @@
-"""What waits to be handled in a thread of its own."""
+"""A bounded queue whose items are handled in a thread of its own."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from rospy import core
 T = TypeVar("T")
 
 
-class Inbox(Generic[T]):
-    """Handles one item after the other, in its own thread, until the node ends.
+class CallbackQueue(Generic[T]):
+    """Handles items one after the other, until the node ends.
 
     Args:
-        name: of the thread.
-        handle: what is done with each item; it sees to its own errors.
+        name: the thread's name.
+        handle: handles an item; it must not raise.
     """
 
     def __init__(self, name: str, handle: Callable[[T], None]) -> None:
@@ -32,12 +32,12 @@ class Inbox(Generic[T]):
         return self._items.qsize()
 
     def put(self, item: T, limit: int | None = None) -> bool:
-        """Take an item; if more than ``limit`` wait then, let go of the oldest ones.
+        """Queue an item, and drop the oldest ones if more than ``limit`` would wait.
 
-        It is to be called in one thread.
+        Call it in one thread only.
 
         Returns:
-            Whether there were any to let go of.
+            Whether items were dropped.
         """
         dropped = False
         if limit is not None:
@@ -47,13 +47,13 @@ class Inbox(Generic[T]):
                     dropped = True
         self._items.put(item)
         if self._thread is None:
-            # Not before: many topics are subscribed to on which nobody ever says anything.
+            # Not before: many programs subscribe to topics that never have a message.
             self._thread = threading.Thread(target=self._run, name=self._name, daemon=True)
             self._thread.start()
         return dropped
 
     def close(self) -> None:
-        """Handle no more; an item that is being handled still is."""
+        """Handle no more items; one that is being handled is finished."""
         self._closed = True
         self._items.put(None)
 
@@ -65,7 +65,7 @@ class Inbox(Generic[T]):
 
 
 def call(function: Callable[..., object], *arguments: Any) -> None:
-    """Call a function of the program's; what it raises goes to the log, with rospy's text."""
+    """Call a callback of the program, and log the error that it raises, with rospy's text."""
     try:
         function(*arguments)
     except Exception:

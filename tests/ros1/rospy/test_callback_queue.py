@@ -1,4 +1,4 @@
-"""Items are handled one after the other, in a thread of their own."""
+"""Items of a callback queue are handled one after the other, in a thread of its own."""
 
 from __future__ import annotations
 
@@ -7,25 +7,25 @@ from queue import SimpleQueue
 
 import pytest
 from rospy import core, log
-from rospy.inbox import Inbox, call
+from rospy.callback_queue import CallbackQueue, call
 
 
-def test_items_are_handled_in_order_in_a_thread_of_that_name() -> None:
+def test_items_are_handled_in_order_in_a_thread_of_the_name() -> None:
     handled: SimpleQueue[tuple[int, str]] = SimpleQueue()
-    inbox: Inbox[int] = Inbox(
+    queue: CallbackQueue[int] = CallbackQueue(
         "/chatter", lambda item: handled.put((item, threading.current_thread().name))
     )
     for number in range(3):
-        assert not inbox.put(number)
+        assert not queue.put(number)
     assert [handled.get(timeout=60) for _ in range(3)] == [
         (0, "/chatter"),
         (1, "/chatter"),
         (2, "/chatter"),
     ]
-    inbox.close()
+    queue.close()
 
 
-def test_the_newest_items_wait_for_who_is_slow() -> None:
+def test_oldest_items_are_dropped_when_queue_is_full() -> None:
     handled: SimpleQueue[int] = SimpleQueue()
     begun, go_on = threading.Event(), threading.Event()
 
@@ -34,17 +34,17 @@ def test_the_newest_items_wait_for_who_is_slow() -> None:
         go_on.wait(60)
         handled.put(item)
 
-    inbox = Inbox("slow", handle)
-    inbox.put(0, 2)
+    queue = CallbackQueue("slow", handle)
+    queue.put(0, 2)
     assert begun.wait(60)
-    assert [inbox.put(number, 2) for number in range(1, 5)] == [False, False, True, True]
-    assert len(inbox) == 2
+    assert [queue.put(number, 2) for number in range(1, 5)] == [False, False, True, True]
+    assert len(queue) == 2
     go_on.set()
     assert [handled.get(timeout=60) for _ in range(3)] == [0, 3, 4]
-    inbox.close()
+    queue.close()
 
 
-def test_what_is_closed_handles_nothing_more() -> None:
+def test_closed_queue_handles_no_more_items() -> None:
     handled: list[int] = []
     begun, go_on = threading.Event(), threading.Event()
     threads: list[threading.Thread] = []
@@ -55,27 +55,27 @@ def test_what_is_closed_handles_nothing_more() -> None:
         go_on.wait(60)
         handled.append(item)
 
-    inbox = Inbox("closed", handle)
-    inbox.put(1)
-    inbox.put(2)
+    queue = CallbackQueue("closed", handle)
+    queue.put(1)
+    queue.put(2)
     assert begun.wait(60)
-    inbox.close()
+    queue.close()
     go_on.set()
     threads[0].join(60)
     assert handled == [1]
 
 
-def test_the_end_of_the_node_is_the_end(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_item_is_handled_after_shutdown(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(core, "_shutdown", True)
     handled: list[int] = []
-    inbox = Inbox("over", handled.append)
-    inbox.put(1)
-    assert inbox._thread is not None
-    inbox._thread.join(60)
+    queue = CallbackQueue("over", handled.append)
+    queue.put(1)
+    assert queue._thread is not None
+    queue._thread.join(60)
     assert handled == []
 
 
-def test_a_fault_goes_to_the_log(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_error_of_a_callback_is_logged(monkeypatch: pytest.MonkeyPatch) -> None:
     logged: list[str] = []
     monkeypatch.setattr("rospy.logerr", logged.append)
 
@@ -88,5 +88,5 @@ def test_a_fault_goes_to_the_log(monkeypatch: pytest.MonkeyPatch) -> None:
     assert text.endswith("ValueError: not 5\n")
     monkeypatch.setattr(core, "_shutdown", True)
     call(callback, 5)
-    assert len(logged) == 1, "nobody minds what a callback does while all ends"
+    assert len(logged) == 1, "errors during shutdown are not logged"
     assert log.logerr is not logged.append

@@ -1,4 +1,4 @@
-"""What one thread waits for, and the node's loop finds out."""
+"""The result of a coroutine in the node's event loop, for a thread that waits for it."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from collections.abc import Callable, Coroutine
 from time import monotonic
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
-from rospy.bell import UNINTERRUPTED
 from rospy.exceptions import ROSInterruptException
+from rospy.wakeup import UNINTERRUPTED
 
 if TYPE_CHECKING:
     import asyncio
@@ -16,11 +16,11 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 
-class Answer(Generic[T]):
+class Response(Generic[T]):
     """The outcome of a coroutine, for one thread outside of its loop.
 
-    Other than a `concurrent.futures.Future` it takes no lock that two threads would wait for: who
-    waits may be interrupted by a signal at any point, whose handler waits for other answers.
+    Unlike a `concurrent.futures.Future` it has no lock that two threads wait for: a signal handler
+    may interrupt the waiting thread at any point, and wait for other responses.
     """
 
     def __init__(self) -> None:
@@ -31,8 +31,8 @@ class Answer(Generic[T]):
         self._result: T
         self.done = False
 
-    def pursue(self, coroutine: Coroutine[Any, Any, T]) -> None:
-        """Run the coroutine whose outcome this is, in its loop."""
+    def execute(self, coroutine: Coroutine[Any, Any, T]) -> None:
+        """Run the coroutine; call this in its loop."""
         import asyncio
 
         def end(task: asyncio.Task[None]) -> None:
@@ -44,18 +44,18 @@ class Answer(Generic[T]):
         self._task.add_done_callback(end)
 
     def cancel(self) -> None:
-        """Cancel the coroutine, in its loop."""
+        """Cancel the coroutine; call this in its loop."""
         if self._task is not None:
             self._task.cancel()
 
     def succeed(self, result: T) -> None:
-        """Tell the result, in the loop; once."""
+        """Set the result; call this in the loop, and once."""
         self._result = result
         self.done = True
         self._waiting.release()
 
     def fail(self, error: BaseException) -> None:
-        """Tell what went wrong, in the loop; once."""
+        """Set the error; call this in the loop, and once."""
         self._error = error
         self.done = True
         self._waiting.release()
@@ -64,12 +64,12 @@ class Answer(Generic[T]):
         """Wait for the result.
 
         Args:
-            alive: tells whether there still is a loop.
-            timeout: the most seconds to wait.
+            alive: returns whether the loop still runs.
+            timeout: most seconds to wait.
 
         Raises:
-            ROSInterruptException: the node ends, so that there will be none.
-            TimeoutError: there is none yet.
+            ROSInterruptException: the node ends, so that there will be no result.
+            TimeoutError: there was no result in time.
         """
         end = None if timeout is None else monotonic() + timeout
         while not self.done:

@@ -1,4 +1,4 @@
-"""No message is lost on its way to the loop, and who publishes waits as in ROS."""
+"""No message is lost on its way to the loop, and publishers wait as in ROS."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from collections.abc import Callable
 from typing import Any, cast
 
 import pytest
-from rospy import core, handover
-from rospy.handover import LIMIT, Handover
+from rospy import core, outgoing_queue
+from rospy.outgoing_queue import LIMIT, OutgoingQueue
 
 import fibws
 from fibws.errors import OperationRejected
@@ -20,14 +20,14 @@ class Background:
 
     def __init__(self) -> None:
         self.loop: asyncio.AbstractEventLoop | None = asyncio.get_running_loop()
-        self.gate = self
+        self.loop_lock = self
         self.open = False
         """Whether the loop counts as asleep."""
 
-    def enter(self) -> bool:
+    def try_acquire(self) -> bool:
         return self.open
 
-    def leave(self) -> None:
+    def release(self) -> None:
         pass
 
     def soon(self, function: Callable[..., object]) -> bool:
@@ -57,10 +57,10 @@ class Sender:
     async def room(self) -> None:
         await self._room.wait()
 
-    def send(self, text: bytes) -> None:
+    def send(self, frame: bytes) -> None:
         if self.fault is not None:
             raise self.fault
-        self.sent.append(text)
+        self.sent.append(frame)
 
     def fill(self) -> None:
         self._room.clear()
@@ -76,31 +76,31 @@ async def background(monkeypatch: pytest.MonkeyPatch) -> Background:
     return found
 
 
-def make(sender: Sender, lossless: bool = False) -> Handover:
-    return Handover(cast("fibws.Publisher[Any, ...]", sender), lossless=lossless)
+def make(sender: Sender, lossless: bool = False) -> OutgoingQueue:
+    return OutgoingQueue(cast("fibws.Publisher[Any, ...]", sender), lossless=lossless)
 
 
-def texts(count: int) -> list[bytes]:
+def frames(count: int) -> list[bytes]:
     return [b"%d" % number for number in range(count)]
 
 
-def in_a_thread(way: Handover, count: int) -> threading.Thread:
+def in_a_thread(queue: OutgoingQueue, count: int) -> threading.Thread:
     def put_all() -> None:
-        for text in texts(count):
-            way.put(text)
+        for frame in frames(count):
+            queue.put(frame)
 
     thread = threading.Thread(target=put_all, daemon=True)
     thread.start()
     return thread
 
 
-async def test_all_arrives_in_order(background: Background) -> None:
+async def test_all_messages_arrive_in_order(background: Background) -> None:
     sender = Sender()
-    way = make(sender)
-    thread = in_a_thread(way, 20 * LIMIT)
+    queue = make(sender)
+    thread = in_a_thread(queue, 20 * LIMIT)
     await asyncio.to_thread(thread.join)
-    await way.finish()
-    assert sender.sent == texts(20 * LIMIT)
+    await queue.flush()
+    assert sender.sent == frames(20 * LIMIT)
 
 
 async def test_a_busy_loop_makes_the_publisher_wait(background: Background) -> None:
@@ -112,10 +112,10 @@ async def test_a_busy_loop_makes_the_publisher_wait(background: Background) -> N
     assert len(sender.sent) == LIMIT + 2
 
 
-async def test_a_slow_network_holds_up_only_who_has_no_queue(
+async def test_slow_network_holds_up_only_a_lossless_publisher(
     background: Background, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(handover, "PATIENCE", 0.01)
+    monkeypatch.setattr(outgoing_queue, "PATIENCE", 0.01)
     sender, patient = Sender(), Sender()
     sender.fill()
     patient.fill()
@@ -126,83 +126,81 @@ async def test_a_slow_network_holds_up_only_who_has_no_queue(
     assert patient.sent == []
     patient.drain()
     await asyncio.to_thread(waiting.join)
-    await hasty.finish()
-    await lossless.finish()
-    assert patient.sent == sender.sent == texts(3 * LIMIT), "the outbox sees to what is dropped"
+    await hasty.flush()
+    await lossless.flush()
+    assert patient.sent == sender.sent == frames(3 * LIMIT), "the publisher's queue drops messages"
 
 
-async def test_the_network_may_be_fast_again(
-    background: Background, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(handover, "PATIENCE", 0.01)
+async def test_network_recovers(background: Background, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(outgoing_queue, "PATIENCE", 0.01)
     sender = Sender()
-    way = make(sender)
+    queue = make(sender)
     sender.fill()
-    way.put(b"slow")
-    await way.finish()
+    queue.put(b"slow")
+    await queue.flush()
     sender.drain()
-    way.put(b"fast")
-    await way.finish()
+    queue.put(b"fast")
+    await queue.flush()
     assert sender.sent == [b"slow", b"fast"]
 
 
-async def test_a_refused_publisher_holds_nobody_up(background: Background) -> None:
+async def test_refused_publisher_holds_up_nothing(background: Background) -> None:
     sender = Sender()
-    way = make(sender)
+    queue = make(sender)
     sender.fault = OperationRejected("no")
-    way.put(b"in vain")
-    await way.finish()
+    queue.put(b"in vain")
+    await queue.flush()
     sender.fault = None
-    way.put(b"heard")
-    await way.finish()
+    queue.put(b"heard")
+    await queue.flush()
     assert sender.sent == [b"heard"]
 
 
-async def test_another_publisher_sends_what_is_left(background: Background) -> None:
+async def test_another_publisher_sends_the_queued_messages(background: Background) -> None:
     sender, other = Sender(), Sender()
-    way = make(sender, lossless=True)
+    queue = make(sender, lossless=True)
     sender.fill()
-    way.put(b"left")
-    way.use(cast("fibws.Publisher[Any, ...]", other), lossless=False)
-    await way.finish()
+    queue.put(b"left")
+    queue.use(cast("fibws.Publisher[Any, ...]", other), lossless=False)
+    await queue.flush()
     assert other.sent == [b"left"]
 
 
-async def test_without_a_loop_nothing_is_kept(background: Background) -> None:
+async def test_nothing_is_queued_without_a_loop(background: Background) -> None:
     background.loop = None
-    way = make(Sender())
-    for text in texts(2 * LIMIT):
-        way.put(text)
+    queue = make(Sender())
+    for frame in frames(2 * LIMIT):
+        queue.put(frame)
 
 
-async def test_while_the_loop_sleeps_a_message_is_sent_at_once(background: Background) -> None:
+async def test_message_is_sent_at_once_while_the_loop_sleeps(background: Background) -> None:
     sender = Sender()
-    taker = make(sender)
+    queue = make(sender)
     background.open = True
-    taker.put(b"1")
+    queue.put(b"1")
     assert sender.sent == [b"1"]
     sender.fill()
-    taker.put(b"2")
+    queue.put(b"2")
     assert sender.sent == [b"1"], "there is no room"
     sender.drain()
     background.open = True
-    taker.put(b"3")
+    queue.put(b"3")
     assert sender.sent == [b"1"], "the one before waits"
-    await taker.finish()
+    await queue.flush()
     assert sender.sent == [b"1", b"2", b"3"]
 
 
-async def test_the_loop_is_woken_for_what_does_not_leave_at_once(
+async def test_loop_is_woken_for_a_frame_that_the_socket_did_not_take(
     background: Background, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     sender = Sender()
     background.open = True
     woken: list[Callable[..., object]] = []
     monkeypatch.setattr(background, "soon", woken.append)
-    taker = make(sender)
-    taker.put(b"1")
+    queue = make(sender)
+    queue.put(b"1")
     assert not woken
     sender.idle = False
-    taker.put(b"2")
+    queue.put(b"2")
     assert len(woken) == 1
     assert sender.sent == [b"1", b"2"]
