@@ -1,7 +1,7 @@
-"""A tool's link to the hub: it says one thing and waits for the answer.
+"""A tool's connection to the hub: blocking, and quick to import.
 
-Tools are to answer at once, so nothing is loaded here that a node needs: no asyncio, no models of
-operations (together a fifth of a second). The hub checks whatever a tool says.
+Nothing is imported that only nodes need: asyncio and the models of operations take a fifth of a
+second. The hub checks the operations that a tool sends.
 """
 
 from __future__ import annotations
@@ -11,42 +11,58 @@ import os
 import time
 from collections import deque
 from collections.abc import Callable, Iterator
-from typing import Any, Self, TypeAlias
+from typing import Any, NamedTuple, Self, TypeAlias
 
 from fibws import names
 from fibws.cli.answers import ANSWERS, fault
-from fibws.cli.stream import Stream
+from fibws.cli.stream import Message, Stream
 from fibws.errors import (
+    OperationError,
     OperationRejected,
     ServiceError,
     ServiceTimeout,
     UnknownService,
 )
 from fibws.node import address
+from fibws.protocol.serialized import ROS1, read_delivery
 
 PATIENCE = 5.0
-"""Seconds in which a hub must answer what it answers itself."""
+"""Seconds to wait for the response of one of the hub's own services."""
 MOST_KEPT = 10_000
-"""Operations that come while a call is waited for and are kept; more drop the oldest."""
+"""Maximum number of operations that are kept during a call; more drop the oldest."""
 QUEUE_LENGTH = 1000
-"""Messages that the hub is to keep of a topic, unless told otherwise, for a tool that is slow."""
+"""Messages of a topic that the hub keeps for a tool that reads too slowly."""
+CALL_ERRORS: dict[str, type[ServiceError]] = {
+    "timeout": ServiceTimeout,
+    "unknown_service": UnknownService,
+}
+"""The errors of failed calls by their codes; others are `ServiceError`."""
 
 Operation: TypeAlias = dict[str, Any]
-Hear: TypeAlias = Callable[[bytes], None]
-"""Is given the JSON text of a message."""
+
+
+class RawMessage(NamedTuple):
+    """A message of a topic that is not decoded."""
+
+    data: bytes | memoryview
+    type: str | None
+    """The type of a message in ROS 1's serialization; None for a message in JSON."""
+
+
+OnMessage: TypeAlias = Callable[[RawMessage], None]
 
 
 class Link:
-    """One connection to a hub, open from its making on: ``with Link("echo") as link``.
+    """A connection to a hub, open once it is created: ``with Link("echo") as link``.
 
     Args:
-        tool: what the tool is called; the node's name is made of it.
-        hub: the hub's address; else $FIBWS_HUB, else this machine.
+        tool: the tool's name, which its node name begins with.
+        hub: the hub's address; by default $FIBWS_HUB, or else this machine.
 
     Raises:
-        InvalidAddress: it is no address of a hub.
-        NoHub: nothing answers there.
-        HubUnreachable: what answers is no hub, or will not have this tool.
+        InvalidAddress: the address is invalid.
+        NoHub: nothing listens there.
+        HubUnreachable: the server is not a hub, or refuses the connection.
     """
 
     def __init__(self, tool: str, hub: str | None = None) -> None:
@@ -54,10 +70,13 @@ class Link:
         self.namespace = names.check_namespace(os.environ.get("ROS_NAMESPACE", "/"))
         name = names.anonymous(f"fibws_{tool}", pid=os.getpid(), milliseconds=_milliseconds())
         self.node = names.resolve(name)
-        """The global name that the tool has as a node."""
+        """The tool's global node name."""
         self._operations: deque[Operation] = deque()
-        self._heard: dict[str, tuple[bytes, Hear]] = {}
-        self._calls = 0
+        self._subscriptions: dict[str, _Subscription] = {}
+        """Subscriptions to raw messages by their topics."""
+        self._serialized: dict[int, tuple[_Subscription, str]] = {}
+        """By the topics' numbers in binary frames: the subscription and the topic's type."""
+        self._numbers = 0
         self._stream = Stream(self.url, self.node)
 
     def __enter__(self) -> Self:
@@ -65,42 +84,42 @@ class Link:
 
     def __exit__(self, kind: type[BaseException] | None, *error: object) -> None:
         if kind is not None and issubclass(kind, KeyboardInterrupt):
-            self._stream.leave()
+            self._stream.abort()
         else:
             self.close()
 
     def close(self) -> None:
-        """Say good-bye, and wait until the hub has read all that was sent."""
+        """Close the connection after the hub has read everything that was sent."""
         self._stream.close()
 
     def fileno(self) -> int:
-        """For ``select``: when this can be read, there may be something to `receive`."""
+        """Return the socket's descriptor for ``select``."""
         return self._stream.fileno()
 
     def resolve(self, name: str) -> str:
-        """The global name that a name stands for here; it raises `InvalidName` if it is none."""
+        """Return the global name for a name; raise `InvalidName` if it is invalid."""
         return names.resolve(name, namespace=self.namespace, node=self.node)
 
     def resolve_namespace(self, name: str) -> str:
-        """The global namespace that a name stands for, which may end in ``/``; that of all is /."""
+        """Return the global namespace for a name, which may end in ``/``."""
         name = name.rstrip("/")
         return self.resolve(name) if name else "/"
 
     def send(self, operation: Operation) -> None:
-        """Send an operation; what the hub has against it comes by `receive`, as a status.
+        """Send an operation; if the hub refuses it, `receive` returns a status.
 
         Raises:
-            HubLost: there is no hub any more.
+            HubLost: the connection is lost.
         """
         self._stream.send(_json(operation))
 
     def receive(self, timeout: float | None = None) -> Operation | None:
-        """The next operation that the hub sends, or None if none has come in ``timeout`` seconds.
+        """Return the hub's next operation, or None after ``timeout`` seconds.
 
-        What `hear` listens to is none.
+        Messages of `subscribe_raw` are not returned; its callbacks are called.
 
         Raises:
-            HubLost: there is no hub any more.
+            HubLost: the connection is lost.
         """
         deadline = None if timeout is None else time.monotonic() + timeout
         while not self._operations:
@@ -110,24 +129,38 @@ class Link:
         return self._operations.popleft()
 
     def subscribe(self, topic: str, *, queue_length: int = QUEUE_LENGTH) -> None:
-        """Ask for the messages of a topic, whichever type it has."""
+        """Subscribe to a topic of any type; `messages` returns what is received."""
         self.send({"op": "subscribe", "topic": topic, "queue_length": queue_length})
 
-    def hear(self, topic: str, hear: Hear) -> None:
-        """Have the JSON text of a topic's messages given to ``hear`` when they are received.
+    def subscribe_raw(
+        self, topic: str, on_message: OnMessage, *, queue_length: int = QUEUE_LENGTH
+    ) -> None:
+        """Subscribe to a topic of any type without decoding its messages.
 
-        Much less is done with each than with an operation. The topic is to be subscribed to, too.
+        They are in ROS 1's serialization, or in JSON if the server cannot serialize them: it does
+        not speak ``fibws.v1``, or the topic's type is not defined.
+
+        Args:
+            on_message: called with each message while the tool waits for the hub.
         """
-        self._heard[topic] = b'{"op":"publish","topic":%b,"msg":' % _json(topic), hear
+        self._numbers += 1
+        subscription = _Subscription(topic, on_message, queue_length, f"raw:{self._numbers}")
+        self._subscriptions[topic] = subscription
+        self.send(subscription.request(serialized=self._stream.serialized))
+
+    def unsubscribe(self, topic: str) -> None:
+        """Take back all subscriptions to a topic."""
+        self._subscriptions.pop(topic, None)
+        self.send({"op": "unsubscribe", "topic": topic})
 
     def messages(self, topic: str, timeout: float | None = None) -> Iterator[Any]:
-        """The messages of a topic that was subscribed to, as they come.
+        """Iterate over the messages of a topic that was subscribed to.
 
-        Ends when none has come for ``timeout`` seconds; other operations are passed over.
+        It ends when none was received for ``timeout`` seconds; other operations are ignored.
 
         Raises:
-            OperationRejected: the hub has refused something.
-            HubLost: there is no hub any more.
+            OperationRejected: the hub refused an operation.
+            HubLost: the connection is lost.
         """
         while True:
             operation = self.receive(timeout)
@@ -139,12 +172,12 @@ class Link:
                     yield message
             check(operation)
 
-    def heed(self, seconds: float | None = None) -> None:
-        """Take in what the hub says, and answer its pings, for so many seconds, or for ever.
+    def process(self, seconds: float | None = None) -> None:
+        """Process what the hub sends, pings included, for ``seconds`` or without an end.
 
         Raises:
-            OperationRejected: the hub has refused something.
-            HubLost: there is no hub any more.
+            OperationRejected: the hub refused an operation.
+            HubLost: the connection is lost.
         """
         deadline = None if seconds is None else time.monotonic() + seconds
         rest = seconds
@@ -152,7 +185,7 @@ class Link:
             check(operation)
             rest = None if deadline is None else max(0.0, deadline - time.monotonic())
             if rest == 0 and not self._operations:
-                return  # Who never stops talking is not heeded for ever.
+                return  # A hub that sends without a pause must not delay the return.
 
     def call(
         self,
@@ -161,22 +194,23 @@ class Link:
         timeout: float = PATIENCE,
         headers: dict[str, str] | None = None,
     ) -> dict[str, Any]:
-        """Call a service and return its response; what else comes meanwhile is kept for `receive`.
+        """Call a service and return its response; other operations are kept for `receive`.
 
         Args:
             service: its global name.
-            request: its arguments by name; what is left out has its default.
-            timeout: the most seconds to wait for the response; 0 for ever.
-            headers: what a provider that asks for headers is told beside the request.
+            request: its arguments by name; missing ones have their defaults.
+            timeout: maximum seconds to wait for the response; 0 for no limit.
+            headers: sent with the request to a service server that asks for headers.
 
         Raises:
-            UnknownService: nobody offers it.
+            UnknownService: the service has no server.
             ServiceTimeout: there was no response in time.
-            ServiceError: it failed; the text is the provider's own, or the hub's.
-            HubLost: there is no hub any more.
+            ServiceError: the call failed; the text is the server's or the hub's. With a hub that
+                does not speak ``fibws.v1``, it includes unknown services.
+            HubLost: the connection is lost.
         """
-        self._calls += 1
-        id_ = f"call:{self._calls}"
+        self._numbers += 1
+        id_ = f"call:{self._numbers}"
         self.send(
             {
                 "op": "call_service",
@@ -187,14 +221,14 @@ class Link:
                 **({"headers": headers} if headers else {}),
             }
         )
-        # The hub gives up first, and says so.
+        # The hub's own timeout comes first.
         deadline = time.monotonic() + timeout + 1 if timeout else None
         kept: deque[Operation] = deque(maxlen=MOST_KEPT)
         try:
             while True:
                 rest = None if deadline is None else max(0.0, deadline - time.monotonic())
                 operation = self.receive(rest)
-                # Who never stops talking has not answered either.
+                # A hub that sends other operations without a pause must not delay the timeout.
                 is_over = rest == 0 and not self._operations and not _answers(operation, id_)
                 if operation is None or is_over:
                     raise ServiceTimeout(service, f"no response within {timeout:g} s")
@@ -206,44 +240,104 @@ class Link:
             self._operations.extendleft(reversed(kept))
 
     def _read(self, timeout: float | None) -> bool:
-        """Take in what the hub has sent; False if that was nothing for so many seconds."""
+        """Process what the hub sends; return False if that is nothing for ``timeout`` seconds."""
         is_news = self._stream.read(timeout)
         while self._stream.messages:
             self._take(self._stream.messages.popleft())
         return is_news
 
-    def _take(self, message: bytes) -> None:
-        for head, hear in self._heard.values():
-            if message.startswith(head):
-                hear(message[len(head) : -1])
+    def _take(self, message: Message) -> None:
+        data = message.data
+        if message.is_binary and self._stream.serialized:
+            self._deliver(data)
+            return
+        for subscription in self._subscriptions.values():
+            if data.startswith(subscription.before):
+                text = memoryview(data)[len(subscription.before) : -1]
+                subscription.on_message(RawMessage(text, None))
                 return
-        operation = self._operation(message)
-        for topic, (_, hear) in self._heard.items():
-            if operation.get("op") == "publish" and operation.get("topic") == topic:
-                hear(_json(operation.get("msg")))  # Another kind of hub writes it otherwise.
-                return
-        self._operations.append(operation)
+        operation = self._operation(data)
+        if not self._handle(operation):
+            self._operations.append(operation)
 
-    def _operation(self, data: bytes) -> Operation:
+    def _deliver(self, data: bytes | bytearray) -> None:
+        """Deliver a serialized message, unless its subscription has ended."""
+        try:
+            delivery = read_delivery(data)
+        except OperationError as error:
+            raise self._stream.not_a_hub(str(error)) from None
+        subscription, type_ = self._serialized.get(delivery.topic, (None, None))
+        if subscription is not None and self._subscriptions.get(subscription.topic) is subscription:
+            subscription.on_message(RawMessage(delivery.message, type_))
+
+    def _handle(self, operation: Operation) -> bool:
+        """Handle an operation of a subscription to raw messages; return whether it is one."""
+        match operation:
+            case {"op": "subscribed", "id": id_, "topic_id": int(number), "type": str(type_)}:
+                subscription = self._subscription(id_)
+                if subscription is not None:
+                    self._serialized[number] = subscription, type_
+                    return True
+            case {"op": "status", "level": "error", "id": id_, "code": "unknown_definition"}:
+                subscription = self._subscription(id_)
+                if subscription is not None and subscription.serialized:
+                    # Such messages can only be had as JSON.
+                    self.send(subscription.request(serialized=False))
+                    return True
+            case {"op": "publish", "topic": str(topic)} if topic in self._subscriptions:
+                # Other servers may write the fields in another order.
+                text = _json(operation.get("msg"))
+                self._subscriptions[topic].on_message(RawMessage(text, None))
+                return True
+        return False
+
+    def _subscription(self, id_: object) -> _Subscription | None:
+        return next((each for each in self._subscriptions.values() if each.id == id_), None)
+
+    def _operation(self, data: bytes | bytearray) -> Operation:
         try:
             operation = json.loads(data.decode())
         except (ValueError, RecursionError) as error:
-            raise self._stream.no_hub(f"it sends what is no JSON: {error}") from None
+            raise self._stream.not_a_hub(f"it sent invalid JSON: {error}") from None
         if not isinstance(operation, dict):
-            raise self._stream.no_hub(
-                f"it sends {data[:40].decode(errors='replace')!r}, no JSON object"
-            )
+            start = data[:40].decode(errors="replace")
+            raise self._stream.not_a_hub(f"it sent {start!r}, expected a JSON object")
         return operation
 
 
+class _Subscription:
+    """A subscription to the raw messages of a topic."""
+
+    def __init__(self, topic: str, on_message: OnMessage, queue_length: int, id_: str) -> None:
+        self.topic = topic
+        self.on_message = on_message
+        self.id = id_
+        self.serialized = False
+        """Whether serialized messages were requested."""
+        self.before = b'{"op":"publish","topic":%b,"msg":' % _json(topic)
+        """The text before a message in JSON, as fibws sends it; these need not be parsed."""
+        self._queue_length = queue_length
+
+    def request(self, *, serialized: bool) -> Operation:
+        """Return the operation that requests messages, in ROS 1's serialization or in JSON."""
+        self.serialized = serialized
+        request = {
+            "op": "subscribe",
+            "id": self.id,
+            "topic": self.topic,
+            "queue_length": self._queue_length,
+        }
+        return request | ({"compression": ROS1} if serialized else {})
+
+
 def check(operation: Operation) -> None:
-    """Raise `OperationRejected` if an operation is the hub's word that it refuses something."""
+    """Raise `OperationRejected` if an operation reports that the hub refused another one."""
     if operation.get("op") == "status" and operation.get("level") == "error":
         raise OperationRejected(str(operation.get("msg")))
 
 
 def _answers(operation: Operation | None, id_: str) -> bool:
-    """Whether an operation is the response to the call of that id."""
+    """Return whether an operation is the response to the call of this id."""
     return (
         operation is not None
         and operation.get("id") == id_
@@ -255,17 +349,16 @@ def _response(service: str, operation: Operation) -> dict[str, Any]:
     values = operation.get("values")
     if operation.get("result") is False:
         text = values if isinstance(values, str) else json.dumps(values)
-        if text == f"Service {service} does not exist":
-            raise UnknownService(service, text)
-        raise ServiceError(service, text)
+        code = operation.get("code")
+        raise CALL_ERRORS.get(str(code), ServiceError)(service, text, code)
     return Values(service, values if isinstance(values, dict) else {})
 
 
 class Values(dict[str, Any]):
-    """A service's response by the names of its fields.
+    """The fields of a service's response by their names.
 
-    A field that is not there, or is not what the hub's service of that name answers, raises
-    `ServiceError` when it is asked for: another kind of hub may lack it.
+    Reading a field that is missing, or that does not fit the type of the hub's own service, raises
+    `ServiceError`: other rosbridge servers may lack it.
     """
 
     def __init__(self, service: str, values: dict[str, Any]) -> None:
@@ -276,15 +369,15 @@ class Values(dict[str, Any]):
         value = super().__getitem__(name)
         shape = ANSWERS.get(self._service, {}).get(name)
         if shape is not None and (wrong := fault(value, shape, name)):
-            raise self._error(f"told what is none of its answers, {wrong}")
+            raise self._error(f"returned an unexpected response, {wrong}")
         return value
 
     def __missing__(self, name: str) -> Any:
-        raise self._error(f"told no {name}")
+        raise self._error(f"returned no {name}")
 
-    def _error(self, told: str) -> ServiceError:
+    def _error(self, what: str) -> ServiceError:
         return ServiceError(
-            self._service, f"{self._service} {told}: this may be another kind of hub"
+            self._service, f"{self._service} {what}: this may be another kind of hub"
         )
 
 

@@ -96,7 +96,7 @@ def ping(link: Link, node: str | None, everyone: bool, count: int | None) -> Non
             took.append(_ping(link, name, snapshot.address(name)))
             if len(took) == count:
                 break
-            link.heed(PING_INTERVAL)
+            link.process(PING_INTERVAL)
     except KeyboardInterrupt:
         end_line()  # That is how it ends.
     if len(took) > 1:

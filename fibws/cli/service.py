@@ -156,7 +156,7 @@ def _available(link: Link, name: str) -> Entry:
 
 def _wait(link: Link, name: str) -> None:
     while not link.call("/rosapi/service_type", {"service": name})["type"]:
-        link.heed(POLL)
+        link.process(POLL)
 
 
 def _arguments(link: Link, service: Entry) -> list[str]:

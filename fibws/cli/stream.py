@@ -1,7 +1,7 @@
-"""The bytes between a tool and a hub: connect, shake hands, and hand on whole messages.
+"""A blocking WebSocket connection to a hub.
 
-The WebSocket protocol is that of the library without its sockets, since those that it has bring
-threads or asyncio along, which take longer to load than a tool runs.
+It uses the sans-I/O protocol of ``websockets``: importing that library's own connections imports
+threads or asyncio, which takes longer than most tools run.
 """
 
 from __future__ import annotations
@@ -11,50 +11,68 @@ import sys
 import time
 from collections import deque
 from contextlib import suppress
+from typing import NamedTuple
 
 from websockets.client import ClientProtocol
 from websockets.exceptions import InvalidStatus
 from websockets.frames import Frame, Opcode
 from websockets.http11 import Response
+from websockets.typing import Subprotocol
 from websockets.uri import parse_uri
 
 from fibws.errors import HubLost, HubUnreachable, NoHub
 from fibws.node import address
+from fibws.protocol.serialized import SUBPROTOCOL
 
 PATIENCE = 5.0
-"""Seconds in which a hub must take a connection, and let go of it."""
+"""Seconds in which a hub must accept a connection, and close it."""
 MOST_BYTES = 2**28
-"""Bytes of one message: no hub has larger ones, and what is none must not fill the memory."""
+"""Maximum size of a message: no hub sends larger ones, and other servers must not fill the memory.
+"""
 MOST_FRAGMENTS = 4096
-"""Frames of one message: empty ones do not count towards its size."""
+"""Maximum number of frames of a message: empty frames do not count towards its size."""
 LONGEST_FAULT = 300
-"""Characters of a refusal's words: whatever answers there may have said them."""
-_CHUNK = 2**18
-# Ctrl-C does not wake a socket on Windows.
+"""Maximum number of characters that are quoted from a server's HTTP error."""
+# Messages of 1 MB take half the CPU time that they take with 2**18.
+_CHUNK = 2**16
+# Ctrl-C does not interrupt a socket on Windows.
 _SLICE = 0.5 if sys.platform == "win32" else None
 
 
+class Message(NamedTuple):
+    """A WebSocket message."""
+
+    data: bytes | bytearray
+    is_binary: bool
+
+
 class Stream:
-    """One connection to a hub, open from its making on.
+    """A connection to a hub, open once it is created.
+
+    It offers the subprotocol ``fibws.v1``. A server that does not select it is spoken to in plain
+    rosbridge.
 
     Args:
         url: the hub's URL.
-        node: the name that the tool has as a node.
+        node: the tool's node name.
 
     Raises:
-        NoHub: nothing answers there.
-        HubUnreachable: what answers is no hub, or will not have this tool.
+        NoHub: nothing listens there.
+        HubUnreachable: the server is not a hub, or refuses the connection.
     """
 
     def __init__(self, url: str, node: str) -> None:
         self.url = url
-        self.messages: deque[bytes] = deque()
-        """Those that have come, for whoever reads to take away."""
-        self._fragments: list[bytes] = []
+        self.messages: deque[Message] = deque()
+        """Received messages; the caller of `read` removes them."""
+        self._fragments: list[bytes | bytearray] = []
+        self._is_binary = False
         uri = parse_uri(address.node_url(url, node))
-        # With none at all, TLS would say of nothing that it is an error.
+        # With a timeout of 0, TLS reports missing data as an error.
         self._least_wait = 0.001 if uri.secure else 0.0
-        self._protocol = ClientProtocol(uri, max_size=MOST_BYTES)
+        self._protocol = ClientProtocol(
+            uri, subprotocols=[Subprotocol(SUBPROTOCOL)], max_size=MOST_BYTES
+        )
         self._socket = self._connect(uri.host, uri.port, secure=uri.secure)
         try:
             self._shake_hands()
@@ -62,21 +80,32 @@ class Stream:
             self._socket.close()
             raise
 
+    @property
+    def serialized(self) -> bool:
+        """Whether the server selected ``fibws.v1``: binary messages are serialized messages."""
+        return self._protocol.subprotocol == SUBPROTOCOL
+
     def fileno(self) -> int:
-        """For ``select``: when this can be read, there may be something to `read`."""
+        """Return the socket's descriptor for ``select``."""
         return self._socket.fileno()
 
     def send(self, text: bytes) -> None:
-        """Send a message; it raises `HubLost` if there is no hub any more."""
+        """Send a text message; raise `HubLost` if the connection is lost."""
         self._protocol.send_text(text)
         self._flush()
 
     def read(self, timeout: float | None) -> bool:
-        """Take in what the hub has sent; False if that was nothing for so many seconds.
+        """Wait for data and append the complete messages to `messages`.
+
+        Args:
+            timeout: maximum seconds to wait; None to wait without a limit.
+
+        Returns:
+            Whether data was received, or there is time left to wait for it.
 
         Raises:
-            HubLost: there is no hub any more, and no message that it has sent before.
-            HubUnreachable: what answers is no hub.
+            HubLost: the connection is lost, and all messages received before have been removed.
+            HubUnreachable: the server is not a hub.
         """
         waits = [each for each in (timeout, _SLICE) if each is not None]
         waited = max(self._least_wait, min(waits)) if waits else None
@@ -97,16 +126,16 @@ class Stream:
             elif isinstance(event, Response) and self._protocol.handshake_exc is not None:
                 raise HubUnreachable(self.url, _fault(self._protocol.handshake_exc))
         if self._protocol.parser_exc is not None and self._protocol.handshake_exc is None:
-            raise self.no_hub(str(self._protocol.parser_exc))
+            raise self.not_a_hub(str(self._protocol.parser_exc))
         self._flush()
         if not data or (self._protocol.close_rcvd is not None and not self.messages):
             close = self._protocol.close_rcvd
-            said = "the connection broke" if close is None else close.reason or f"code {close.code}"
-            raise HubLost(self.url, said)
+            cause = "connection lost" if close is None else close.reason or f"code {close.code}"
+            raise HubLost(self.url, cause)
         return True
 
     def close(self) -> None:
-        """Say good-bye, and wait until the hub has read all that was sent."""
+        """Close the connection after the hub has read everything that was sent."""
         try:
             if self._protocol.state.name == "OPEN":
                 self._protocol.send_close(1000)
@@ -115,20 +144,20 @@ class Stream:
             while (rest := deadline - time.monotonic()) > 0 and self.read(rest):
                 self.messages.clear()
         except (HubLost, HubUnreachable):
-            pass  # The first is as it should be, and the second has been told.
+            pass  # HubLost is expected; HubUnreachable has been reported before.
         finally:
             self._socket.close()
 
-    def leave(self) -> None:
-        """Say good-bye and go: what Ctrl-C broke into may be in no state to be gone on with."""
+    def abort(self) -> None:
+        """Close the connection without waiting: Ctrl-C may have interrupted a read or a send."""
         with suppress(Exception):
             self._protocol.send_close(1000)
             self._flush()
         self._socket.close()
 
-    def no_hub(self, fault: str) -> HubUnreachable:
-        """The error that what answers there speaks as no hub does."""
-        return HubUnreachable(self.url, f"what answers there is no hub ({fault})")
+    def not_a_hub(self, fault: str) -> HubUnreachable:
+        """Return the error for a server that violates the protocol."""
+        return HubUnreachable(self.url, _not_a_hub(fault))
 
     def _connect(self, host: str, port: int, *, secure: bool) -> socket.socket:
         try:
@@ -136,7 +165,7 @@ class Stream:
             connected.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             if not secure:
                 return connected
-            import ssl  # 20 ms that few need
+            import ssl  # It takes 20 ms, and few tools need it.
 
             return ssl.create_default_context().wrap_socket(connected, server_hostname=host)
         except (ConnectionRefusedError, TimeoutError) as error:
@@ -160,17 +189,24 @@ class Stream:
             raise HubUnreachable(self.url, cause) from None
 
     def _take(self, frame: Frame) -> None:
-        if frame.opcode not in (Opcode.TEXT, Opcode.BINARY, Opcode.CONT):
+        if frame.opcode in (Opcode.TEXT, Opcode.BINARY):
+            self._is_binary = frame.opcode is Opcode.BINARY
+        elif frame.opcode is not Opcode.CONT:
             return
         if len(self._fragments) == MOST_FRAGMENTS:
-            raise self.no_hub(f"it sends a message in more than {MOST_FRAGMENTS} fragments")
-        self._fragments.append(bytes(frame.data))
-        if frame.fin:
-            data, self._fragments = b"".join(self._fragments), []
-            self.messages.append(data)
+            raise self.not_a_hub(f"it sent a message of more than {MOST_FRAGMENTS} fragments")
+        data = frame.data
+        assert not isinstance(data, memoryview), "only frames to be sent may have views"
+        if not frame.fin:
+            self._fragments.append(data)
+            return
+        if self._fragments:
+            data = b"".join([*self._fragments, data])
+            self._fragments = []
+        self.messages.append(Message(data, self._is_binary))
 
     def _flush(self) -> None:
-        """Send what the protocol has to say; empty bytes stand for the end of the stream."""
+        """Write what the protocol has queued; empty bytes mean the end of the stream."""
         self._socket.settimeout(None)
         try:
             for data in self._protocol.data_to_send():
@@ -181,17 +217,23 @@ class Stream:
 
 
 def _text(error: OSError) -> str:
-    if type(error).__module__ == "ssl":  # which need not be imported for that
+    if type(error).__module__ == "ssl":  # This avoids importing ssl.
         fault = getattr(error, "verify_message", "")
-        return f"its certificate: {fault}" if fault else "it speaks no TLS, so write ws://"
+        if fault:
+            return f"invalid certificate: {fault}"
+        return "the server does not support TLS; use ws://"
     return (error.strerror or str(error) or type(error).__name__).lower()
 
 
 def _fault(error: Exception) -> str:
-    """Why the handshake failed, in the hub's own words if it is one."""
+    """Return why the handshake failed: a hub explains it in the body of its HTTP response."""
     if isinstance(error, InvalidStatus):
         words = bytes(error.response.body or b"").decode(errors="replace").split()
         body = " ".join(words).rstrip(".")[:LONGEST_FAULT]
         if error.response.status_code in (400, 403) and body:
             return body
-    return f"what answers there is no hub ({error})"
+    return _not_a_hub(str(error))
+
+
+def _not_a_hub(fault: str) -> str:
+    return f"the server is not a hub ({fault})"

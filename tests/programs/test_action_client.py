@@ -11,7 +11,7 @@ import pytest
 import fibws
 from fibws.action import action_class
 from fibws.hub import Hub
-from fibws.node.actions.over import Over
+from fibws.node.actions.actions import Over
 
 from .conftest import Start
 

@@ -186,7 +186,7 @@ def _way(ways: list[Entry], named: str | None) -> tuple[Entry, str]:
 
 def _wait(link: Link, name: str) -> None:
     while all(action["name"] != name for action in Snapshot(link).actions):
-        link.heed(POLL)
+        link.process(POLL)
 
 
 def _publishers(snapshot: Snapshot, name: str) -> list[str]:

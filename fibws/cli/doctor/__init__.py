@@ -69,7 +69,7 @@ def findings(hub_: str | None) -> Iterator[Finding]:
         try:
             yield from hub.distance(link)
             before = _look(link)
-            link.heed(MOMENT)
+            link.process(MOMENT)
             yield from graph.checks(before, _look(link), but=link.node)
         except NodeError as error:
             yield wrong("hub", str(error), "Look at the hub's log. Is it a fibws hub?")

@@ -60,7 +60,7 @@ def command(link: Link, times: int | None, delay: float, sort: str, as_json: boo
 def _measures(link: Link, delay: float, sort: str, times: int | None) -> Iterator[Measure]:
     before = link.call(STATISTICS)
     for _ in range(times) if times else count():
-        link.heed(delay)
+        link.process(delay)
         now = link.call(STATISTICS)
         yield Measure.between(before, now, but=link.node, sort=sort)
         before = now
@@ -71,7 +71,7 @@ def _watch(link: Link, screen: Screen, delay: float, sort: str) -> None:
     due = time.monotonic() + delay
     while True:
         screen.show(Measure.between(before, now, but=link.node, sort=sort), link.url, sort)
-        key = screen.wait(due - time.monotonic(), lambda: link.heed(0))
+        key = screen.wait(due - time.monotonic(), lambda: link.process(0))
         if key == "q":
             return
         sort = KEYS.get(key, sort)

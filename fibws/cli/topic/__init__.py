@@ -1,4 +1,4 @@
-"""``fibws topic``: what rostopic is in ROS."""
+"""``fibws topic``: the counterpart of rostopic."""
 
 from __future__ import annotations
 
@@ -7,12 +7,14 @@ import click
 from fibws.cli.lazy import Command, LazyGroup
 
 COMMANDS = {
-    "bw": Command("fibws.cli.topic.bw", "Show how many bytes a second a topic has."),
-    "delay": Command("fibws.cli.topic.delay", "Show how old messages are, by their headers."),
+    "bw": Command("fibws.cli.topic.bw", "Show the bandwidth of a topic."),
+    "delay": Command(
+        "fibws.cli.topic.delay", "Show the delay of a topic, by the stamps in its headers."
+    ),
     "echo": Command("fibws.cli.topic.echo", "Print the messages of a topic."),
     "find": Command("fibws.cli.topic.find", "List the topics of a type."),
-    "hz": Command("fibws.cli.topic.hz", "Show how many messages a second topics have."),
-    "info": Command("fibws.cli.topic.info", "Show who publishes a topic and who hears it."),
+    "hz": Command("fibws.cli.topic.hz", "Show the publishing rate of topics."),
+    "info": Command("fibws.cli.topic.info", "Show the publishers and subscribers of a topic."),
     "list": Command("fibws.cli.topic.list", "List the topics."),
     "pub": Command("fibws.cli.topic.pub", "Publish messages."),
     "type": Command("fibws.cli.topic.type_", "Show the type of a topic or of a field."),

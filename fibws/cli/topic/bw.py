@@ -1,4 +1,4 @@
-"""``fibws topic bw``: how many bytes a second a topic has."""
+"""``fibws topic bw``: the bandwidth of a topic."""
 
 from __future__ import annotations
 
@@ -7,41 +7,41 @@ import time
 import click
 
 from fibws.cli import complete, output
-from fibws.cli.link import Link
+from fibws.cli.link import Link, RawMessage
 from fibws.cli.tool import json_option, linked
-from fibws.cli.topic.every_second import count_option, hear, report, window_option
+from fibws.cli.topic.every_second import count_option, report, subscribe, window_option
 from fibws.cli.topic.target import global_name
 from fibws.cli.topic.window import Summary, Window, as_object
 
 WINDOW = 100
 UNITS = ((1_000_000, "MB"), (1_000, "KB"), (1, "B"))
-"""Bytes, largest first; a topic has one unit for all its numbers."""
+"""Units in bytes, the largest first; a report has one unit for all its numbers."""
 
 
 class Bandwidth:
-    """How many bytes come, and when.
+    """The bandwidth of a topic.
 
     Args:
-        window: the newest messages that count.
+        window: number of latest messages to measure.
     """
 
     def __init__(self, window: int = WINDOW) -> None:
         self._sizes = Window(window)
         self._times = Window(window)
 
-    def hear(self, message: bytes) -> None:
-        """Take note that a message has come now."""
-        self.take(len(message), time.perf_counter())
+    def receive(self, message: RawMessage) -> None:
+        """Count a message that is received now."""
+        self.add(len(message.data), time.perf_counter())
 
-    def take(self, size: int, now: float) -> None:
-        """Take note that so many bytes have come at this time, in seconds."""
+    def add(self, size: int, now: float) -> None:
+        """Count a message of ``size`` bytes, received at ``now`` in seconds."""
         self._sizes.add(size)
         self._times.add(now)
 
     def at(self, now: float) -> tuple[float, Summary, int] | None:
-        """Bytes a second until now, what the messages' sizes are like, and how many they are.
+        """Return the bytes per second until ``now``, the messages' sizes, and their number.
 
-        None if there are fewer than two.
+        Return None for fewer than two messages.
         """
         if len(self._sizes) < 2 or now <= self._times.oldest:
             return None
@@ -56,28 +56,29 @@ class Bandwidth:
 @json_option
 @linked("bw", endless=True)
 def command(link: Link, topic: str, window: int, count: int | None, as_json: bool) -> None:
-    """Show once a second how many bytes a second TOPIC has.
+    """Show the bandwidth of TOPIC every second.
 
-    They are those of the messages in JSON, as the hub sends them here.
+    Sizes are those of serialized messages, as in rostopic bw. With a plain rosbridge server, or for
+    an undefined type, they are those of messages in JSON.
     """
     bandwidth = Bandwidth(window)
     name = global_name(link, topic)
-    hear(link, name, bandwidth.hear, quiet=as_json)
+    subscribe(link, name, bandwidth.receive, quiet=as_json)
 
     def show() -> None:
-        news = bandwidth.at(time.perf_counter())
-        if news is not None and as_json:
-            rate, sizes, number = news
+        measured = bandwidth.at(time.perf_counter())
+        if measured is not None and as_json:
+            rate, sizes, number = measured
             sizes_ = {"mean": sizes.mean} | as_object(sizes)
             output.as_json({"topic": name, "rate": rate} | sizes_ | {"window": number})
-        elif news is not None:
-            output.line(text(*news))
+        elif measured is not None:
+            output.line(text(*measured))
 
     report(link, show, count)
 
 
 def text(rate: float, sizes: Summary, number: int) -> str:
-    """A rate in bytes a second, and the sizes of messages, as rostopic bw prints them."""
+    """Return a rate in bytes per second and message sizes in the format of rostopic bw."""
     factor, unit = next((each for each in UNITS if rate >= each[0]), UNITS[-1])
     average, mean, least, most = (
         f"{each / factor:.2f}{unit}" for each in (rate, sizes.mean, sizes.least, sizes.most)

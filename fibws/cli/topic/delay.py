@@ -1,67 +1,85 @@
-"""``fibws topic delay``: how old messages are when they come, by the stamps in their headers."""
+"""``fibws topic delay``: the delay of a topic, by the stamps in its messages' headers."""
 
 from __future__ import annotations
 
 import json
 import re
+import struct
 import time
 
 import click
 
 from fibws.cli import complete, output
-from fibws.cli.link import Link
+from fibws.cli.link import Link, RawMessage
 from fibws.cli.tool import json_option, linked
-from fibws.cli.topic.every_second import count_option, hear, report, window_option
+from fibws.cli.topic.every_second import count_option, report, subscribe, window_option
 from fibws.cli.topic.target import global_name
 from fibws.cli.topic.window import MOST, Summary, Window, as_object, in_seconds
 
-# How the hub writes messages that begin with a header; the rest may be an image.
-_STAMP = re.compile(rb'\{"header":\{"seq":\d+,"stamp":\{"secs":(\d+),"nsecs":(\d+)\}')
+# A message that begins with a header: the number, the seconds and the nanoseconds.
+_SERIALIZED_STAMP = struct.Struct("<III")
+# The same in JSON, as fibws writes it; the rest may be an image, so it is not parsed.
+_JSON_STAMP = re.compile(rb'\{"header":\{"seq":\d+,"stamp":\{"secs":(\d+),"nsecs":(\d+)\}')
 
 
 class Delay:
-    """How old messages are.
+    """The delay of a topic.
 
     Args:
-        window: the newest messages that count.
+        window: number of latest messages to measure.
     """
 
     def __init__(self, window: int = MOST) -> None:
+        self.type: str | None = None
+        """The topic's type, if known: serialized messages of another one are ignored."""
         self._delays = Window(window)
-        self._is_told = True
+        self._is_reported = True
 
-    def hear(self, message: bytes) -> None:
-        """Take note that a message has come now."""
+    def receive(self, message: RawMessage) -> None:
+        """Count a message that is received now, if it has a stamp."""
         now = time.time_ns()
-        stamped = stamp(message)
-        if stamped is not None:
-            self.take((now - stamped) / 1e9)
+        if message.type is None:
+            stamp = json_stamp(message.data)
+        elif self.type in (None, message.type):
+            stamp = serialized_stamp(message.data)
+        else:
+            stamp = None
+        if stamp is not None:
+            self.add((now - stamp) / 1e9)
 
-    def take(self, delay: float) -> None:
-        """Take note of a message that was so many seconds old."""
+    def add(self, delay: float) -> None:
+        """Count a message with a delay in seconds."""
         self._delays.add(delay)
-        self._is_told = False
+        self._is_reported = False
 
-    def news(self) -> tuple[Summary, int] | None:
-        """What the delays are like, in seconds, and how many they are.
+    def poll(self) -> tuple[Summary, int] | None:
+        """Return the delays in seconds, and their number.
 
-        None if no message has come since the last time this was asked.
+        Return None if there is no new message since the last poll.
         """
-        if self._is_told:
+        if self._is_reported:
             return None
-        self._is_told = True
+        self._is_reported = True
         return self._delays.summary(), len(self._delays)
 
 
-def stamp(message: bytes) -> int | None:
-    """The stamp in the header of a message, which is JSON text, in nanoseconds since 1970.
+def serialized_stamp(message: bytes | memoryview) -> int | None:
+    """Return the stamp of a serialized message that begins with a header, in nanoseconds.
 
-    None if it has none.
+    Return None if the message is too short for a header.
     """
-    found = _STAMP.match(message)
+    if len(message) < _SERIALIZED_STAMP.size:
+        return None
+    _, secs, nsecs = _SERIALIZED_STAMP.unpack_from(message)
+    return int(secs) * 10**9 + int(nsecs)
+
+
+def json_stamp(message: bytes | memoryview) -> int | None:
+    """Return the stamp in the header of a message in JSON, in nanoseconds, or None."""
+    found = _JSON_STAMP.match(message)
     if found is not None:
         return int(found[1]) * 10**9 + int(found[2])
-    header = json.loads(message).get("header")
+    header = json.loads(bytes(message)).get("header")
     if not isinstance(header, dict) or "stamp" not in header:
         return None
     return int(header["stamp"]["secs"]) * 10**9 + int(header["stamp"]["nsecs"])
@@ -74,36 +92,37 @@ def stamp(message: bytes) -> int | None:
 @json_option
 @linked("delay", endless=True)
 def command(link: Link, topic: str, window: int, count: int | None, as_json: bool) -> None:
-    """Show once a second how old the messages of TOPIC are when they come, by their headers."""
+    """Show the delay of TOPIC every second, by the stamps in its messages' headers."""
     delay = Delay(window)
     name = global_name(link, topic)
-    target = hear(link, name, delay.hear, quiet=True)
+    target = subscribe(link, name, delay.receive, quiet=True)
     if not target.typedefs.has_header(target.type):
         raise click.ClickException(
             f"msg does not have header: {target.type} does not begin with a std_msgs/Header"
         )
+    delay.type = target.type
     if not as_json:
         output.line(f"subscribed to [{name}]")
     has_begun = False
 
     def show() -> None:
         nonlocal has_begun
-        news = delay.news()
-        if news is None:
+        polled = delay.poll()
+        if polled is None:
             if has_begun and not as_json:
                 output.line("no new messages")
             return
         has_begun = True
-        delays, number = news
+        delays, number = polled
         if as_json:
             delays_ = {"delay": delays.mean} | as_object(delays)
             output.as_json({"topic": name} | delays_ | {"window": number})
         else:
-            output.line(text(*news))
+            output.line(text(*polled))
 
     report(link, show, count)
 
 
 def text(delays: Summary, number: int) -> str:
-    """What the delays of so many messages are like, as rostopic delay prints them."""
+    """Return the delays of ``number`` messages in the format of rostopic delay."""
     return f"average delay: {delays.mean:.3f}\n\t{in_seconds(delays)} window: {number}"

@@ -1,31 +1,32 @@
-"""How the tools that measure go on: they hear topics, and say once a second what they heard."""
+"""What the measuring tools share: they subscribe to topics and print a report every second."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from functools import partial
 
 import click
 
 from fibws.cli import output
-from fibws.cli.link import Hear, Link
+from fibws.cli.link import Link, OnMessage
 from fibws.cli.topic.target import Target, wait
 
 QUEUE_LENGTH = 10_000
-"""Messages that the hub is to keep where it is quicker than the tool."""
+"""Messages of a topic that the hub keeps while the tool reads too slowly."""
 PERIOD = 1.0
 """Seconds between two reports."""
 
 
 count_option: Callable[[Callable[..., None]], Callable[..., None]] = click.option(
-    "-n", "count", metavar="COUNT", type=click.IntRange(min=1), help="End after so many reports."
+    "-n", "count", metavar="COUNT", type=click.IntRange(min=1), help="Exit after COUNT reports."
 )
 
 
 def window_option(
     default: int, *, least: int
 ) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """The option ``--window``: how many measurements count."""
+    """Return the option ``--window``: the number of measurements to use."""
     return click.option(
         "-w",
         "--window",
@@ -33,20 +34,20 @@ def window_option(
         type=click.IntRange(min=least),
         default=default,
         show_default=True,
-        help="The newest messages that count.",
+        help="Number of latest messages to measure.",
     )
 
 
-def hear(link: Link, name: str, heard: Hear, *, quiet: bool = False) -> Target:
-    """Have the messages of a topic given to ``heard``, once somebody publishes it.
+def subscribe(link: Link, name: str, on_message: OnMessage, *, quiet: bool = False) -> Target:
+    """Subscribe to the raw messages of a topic, and wait until it is published.
 
     Args:
         name: its global name.
-        heard: is given the JSON text of each.
-        quiet: say nothing of it.
+        on_message: called with each message; see `Link.subscribe_raw`.
+        quiet: print nothing.
     """
-    link.hear(name, heard)
-    target = wait(link, name, queue_length=QUEUE_LENGTH)
+    subscribe_raw = partial(link.subscribe_raw, on_message=on_message, queue_length=QUEUE_LENGTH)
+    target = wait(link, name, subscribe=subscribe_raw)
     if target.path:
         raise click.UsageError(f"{name} is a field of {target.topic}: name a topic.")
     if not quiet:
@@ -55,18 +56,18 @@ def hear(link: Link, name: str, heard: Hear, *, quiet: bool = False) -> Target:
 
 
 def report(link: Link, show: Callable[[], None], count: int | None = None) -> None:
-    """Call ``show`` once a second and ``count`` times, or until Ctrl-C.
+    """Call ``show`` every second, ``count`` times or until Ctrl-C.
 
     Raises:
-        OperationRejected: the hub has refused something.
-        HubLost: there is no hub any more.
+        OperationRejected: the hub refused an operation.
+        HubLost: the connection is lost.
     """
     due = time.monotonic()
     while count is None or count > 0:
         due += PERIOD
         if due <= (now := time.monotonic()):
-            due = now + PERIOD  # Whoever was stopped, by Ctrl-Z, does not make up for it.
-        link.heed(due - time.monotonic())
+            due = now + PERIOD  # After Ctrl-Z, missed reports are not printed.
+        link.process(due - time.monotonic())
         show()
         if count is not None:
             count -= 1

@@ -22,8 +22,8 @@ _CHUNK = 2**16
 def documents(publisher: Publisher) -> Iterator[Any]:
     """The YAML values that come on standard input, each once its end is known.
 
-    It ends with a line of ``---`` or with the input. Meanwhile the hub is heeded, which takes
-    a client that answers no pings for lost.
+    It ends with a line of ``---`` or with the input. Meanwhile what the hub sends is processed: it
+    disconnects clients that answer no pings.
 
     Raises:
         UsageError: it is no YAML, or there is no end of it.
@@ -80,7 +80,7 @@ def _texts(publisher: Publisher) -> Iterator[str]:
         if sys.platform != "win32":
             ready, _, _ = select.select([number, publisher.link], [], [])
         if publisher.link in ready:
-            publisher.link.heed(0)
+            publisher.link.process(0)
         if number in ready:
             data = os.read(number, _CHUNK)
             yield decoder.decode(data, final=not data)

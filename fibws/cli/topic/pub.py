@@ -96,7 +96,7 @@ def command(
         what = f"[{printing.text(message, typedefs)}]" if verbose else "message"
         until = f" for {LINGER} seconds" if once else ". Press ctrl-C to terminate"
         output.line(f"publishing and latching {what}{until}")
-        link.heed(LINGER if once else None)
+        link.process(LINGER if once else None)
         return
 
 

@@ -29,7 +29,7 @@ class Publisher:
         link.send({"op": "advertise", "topic": topic, "type": type_, "latch": latch})
         self.typedefs = if_known(Typedefs.of_message, link, type_)
         """Of the type; none if nobody has defined it."""
-        link.heed(0)
+        link.process(0)
         if self.typedefs.root not in self.typedefs:
             click.echo(f"WARNING: nobody has defined {type_}: messages are not checked", err=True)
 
@@ -41,7 +41,7 @@ class Publisher:
         """
         self._send(message)
         self.link.call("/rosapi/get_time")
-        self.link.heed(0)
+        self.link.process(0)
 
     def publish_all(self, messages: Iterable[dict[str, Any]], rate: float) -> None:
         """Publish messages, so many a second; raises as `publish`."""
@@ -55,9 +55,9 @@ class Publisher:
                 self._send(message)
             # Whoever falls behind by more than a message does not make up for it.
             due = max(due, time.monotonic() - 1 / rate) + 1 / rate
-            self.link.heed(due - time.monotonic())
+            self.link.process(due - time.monotonic())
         self.link.call("/rosapi/get_time")
-        self.link.heed(0)
+        self.link.process(0)
 
     def _send(self, message: dict[str, Any]) -> None:
         self.link.send({"op": "publish", "topic": self.topic, "msg": message})

@@ -1,44 +1,45 @@
-"""What a tool's argument TOPIC names: a topic, and maybe a field of its messages."""
+"""Resolve the argument TOPIC of a tool: a topic, or a field of its messages."""
 
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from contextlib import suppress
 from typing import NamedTuple
 
 import click
 
-from fibws.cli.link import QUEUE_LENGTH, Link
+from fibws.cli.link import Link
 from fibws.cli.message.paths import Path, splits
 from fibws.cli.message.typedefs import Field, Typedefs, if_known
 from fibws.errors import ServiceError
 from fibws.hint import hint
 
 INTERVAL = 0.1
-"""Seconds between two looks at whether a topic is there now, as rostopic takes them."""
+"""Seconds between two checks whether a topic is published now, as in rostopic."""
 
 
 class Target(NamedTuple):
-    """A topic that has a type."""
+    """A topic that has a type, or a field of its messages."""
 
     topic: str
     type: str
     typedefs: Typedefs
-    """Of its type; none if nobody has defined that."""
+    """Of its type; empty if that is not defined."""
     path: Path
-    """The way to the field that is meant; nothing for the whole message."""
+    """The path to the field; empty for the whole message."""
     field: Field
-    """What that leads to."""
+    """The field at `path`."""
 
 
 def global_name(link: Link, name: str) -> str:
-    """The global name that an argument means; it raises `InvalidName` if that is none."""
+    """Return the global name for an argument; raise `InvalidName` if it is invalid."""
     before, bracket, behind = name.rstrip("/").partition("[")
     return f"{link.resolve(before)}{bracket}{behind}"
 
 
 def find(link: Link, name: str) -> Target | None:
-    """The topic, or the field, of this global name, or None if no topic with a type is called so.
+    """Return the topic or the field of a global name, or None if no topic with a type matches.
 
     Raises:
         ClickException: the messages of the topic have no such field.
@@ -58,13 +59,21 @@ def find(link: Link, name: str) -> Target | None:
     return None
 
 
-def wait(link: Link, name: str, *, queue_length: int = QUEUE_LENGTH) -> Target:
-    """Subscribe to the topic, or to that of the field, of this global name, once there is one.
+def wait(link: Link, name: str, *, subscribe: Callable[[str], None] | None = None) -> Target:
+    """Subscribe to the topic of a global name, and wait until it is published.
 
-    It is subscribed to before it is looked for, so that nothing is missed; raises as `find`.
+    It subscribes first, so that no message is missed. If the name is that of a field, it subscribes
+    to the field's topic.
+
+    Args:
+        subscribe: subscribes to a topic; by default `Link.subscribe`.
+
+    Raises:
+        ClickException: the messages of the topic have no such field.
     """
+    subscribe = subscribe or link.subscribe
     if _is_name(name):
-        link.subscribe(name, queue_length=queue_length)
+        subscribe(name)
     target = find(link, name)
     if target is None:
         meant = hint(name, (topic for topic, type_ in all_types(link).items() if type_))
@@ -74,13 +83,13 @@ def wait(link: Link, name: str, *, queue_length: int = QUEUE_LENGTH) -> Target:
             target = find(link, name)
     if target.topic != name:
         if _is_name(name):
-            link.send({"op": "unsubscribe", "topic": name})
-        link.subscribe(target.topic, queue_length=queue_length)
+            link.unsubscribe(name)
+        subscribe(target.topic)
     return target
 
 
 def retarget(link: Link, target: Target, type_: str) -> Target:
-    """The same topic and field, of another type, which may have no such field."""
+    """Return a target with another type, which may lack the field."""
     target = target._replace(type=type_, typedefs=if_known(Typedefs.of_message, link, type_))
     with suppress(LookupError):
         target = target._replace(field=target.path.field(target.typedefs))
@@ -88,11 +97,11 @@ def retarget(link: Link, target: Target, type_: str) -> Target:
 
 
 def all_types(link: Link) -> dict[str, str]:
-    """The names of all topics, each with its type's, which is empty if it has none."""
+    """Return the types of all topics by their names; a type may be empty."""
     found = link.call("/rosapi/topics")
     topics, types = found["topics"], found["types"]
     if len(topics) != len(types):
-        fault = f"/rosapi/topics told {len(topics)} topics, but {len(types)} types"
+        fault = f"/rosapi/topics returned {len(topics)} topics, but {len(types)} types"
         raise ServiceError("/rosapi/topics", f"{fault}: this may be another kind of hub")
     return dict(zip(topics, types, strict=True))
 

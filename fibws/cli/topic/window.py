@@ -1,4 +1,4 @@
-"""The newest of many measurements, and what they are like together."""
+"""Statistics of the latest measurements."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from collections import deque
 from typing import NamedTuple
 
 MOST = 50_000
-"""Measurements that are kept unless told otherwise, as in rostopic."""
+"""Default number of measurements that are kept, as in rostopic."""
 
 
 class Summary(NamedTuple):
-    """What several measurements are like."""
+    """Statistics of measurements."""
 
     mean: float
     least: float
@@ -21,10 +21,10 @@ class Summary(NamedTuple):
 
 
 class Window:
-    """The newest measurements, ``size`` many at most.
+    """The latest measurements.
 
     Args:
-        size: how many.
+        size: maximum number of measurements.
     """
 
     def __init__(self, size: int = MOST) -> None:
@@ -34,33 +34,34 @@ class Window:
         return len(self._values)
 
     def add(self, value: float) -> None:
-        """Take a measurement in; the oldest one goes if there is no room."""
+        """Add a measurement; a full window drops the oldest one."""
         self._values.append(value)
 
     @property
     def oldest(self) -> float:
-        """The oldest measurement that is kept; it raises `IndexError` if there is none."""
+        """The oldest measurement; raises `IndexError` if there is none."""
         return self._values[0]
 
     @property
     def total(self) -> float:
-        """All together."""
+        """The sum of the measurements."""
         return math.fsum(self._values)
 
     def summary(self) -> Summary:
-        """What they are like; it raises `ValueError` if there are none."""
+        """Return the statistics; raise `ValueError` if there are no measurements."""
         if not self._values:
-            raise ValueError("nothing was measured")
+            raise ValueError("no measurements")
         mean = self.total / len(self._values)
         variance = math.fsum((each - mean) ** 2 for each in self._values) / len(self._values)
         return Summary(mean, min(self._values), max(self._values), math.sqrt(variance))
 
 
-def in_seconds(what: Summary) -> str:
-    """Seconds, as rostopic hz and rostopic delay print what they are like."""
-    return f"min: {what.least:.3f}s max: {what.most:.3f}s std dev: {what.deviation:.5f}s"
+def in_seconds(summary: Summary) -> str:
+    """Return statistics of seconds in the format of rostopic hz and rostopic delay."""
+    least, most, deviation = summary[1:]
+    return f"min: {least:.3f}s max: {most:.3f}s std dev: {deviation:.5f}s"
 
 
-def as_object(what: Summary) -> dict[str, float]:
-    """What measurements are like, for JSON."""
-    return {"min": what.least, "max": what.most, "std_dev": what.deviation}
+def as_object(summary: Summary) -> dict[str, float]:
+    """Return statistics for JSON."""
+    return {"min": summary.least, "max": summary.most, "std_dev": summary.deviation}

@@ -67,7 +67,9 @@ def test_whatever_is_wrong_with_an_answer_is_an_error_when_it_is_asked_for(servi
         good = made(shape)
         assert Values(service, {name: good})[name] == good
         for wrong in spoilt(good):
-            with pytest.raises(ServiceError, match=rf"^{service} told .*{name}.*another kind of"):
+            with pytest.raises(
+                ServiceError, match=rf"^{service} returned .*{name}.*another kind of"
+            ):
                 Values(service, {name: wrong})[name]
 
 

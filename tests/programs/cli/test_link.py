@@ -1,19 +1,19 @@
-"""A tool's link to the hub."""
+"""A tool's connection to the hub."""
 
 from __future__ import annotations
 
-import threading
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+import json
+from contextlib import suppress
 from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from websockets.exceptions import ConnectionClosed
-from websockets.sync.server import ServerConnection, serve
+from websockets.sync.server import ServerConnection
 
 from fibws.cli import link as module
 from fibws.cli import stream
-from fibws.cli.link import Link, Operation, check
+from fibws.cli.link import Link, Operation, RawMessage, check
 from fibws.errors import (
     HubUnreachable,
     InvalidAddress,
@@ -22,17 +22,19 @@ from fibws.errors import (
     ServiceTimeout,
     UnknownService,
 )
+from fibws.protocol.serialized import SUBPROTOCOL, deliver_head
 
 from .conftest import HubThread, Publish
+from .servers import replying_server, websocket_server
 
 
-def test_a_link_is_a_node_while_it_is_open(hub: HubThread, link: Link) -> None:
+def test_link_is_a_node_while_it_is_open(hub: HubThread, link: Link) -> None:
     with Link("other", hub.url) as other:
         assert other.node in link.call("/rosapi/nodes")["nodes"]
     assert other.node not in link.call("/rosapi/nodes")["nodes"]
 
 
-def test_the_hub_may_be_named_by_the_environment(
+def test_hub_address_is_read_from_the_environment(
     hub: HubThread, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("FIBWS_HUB", hub.url)
@@ -52,7 +54,7 @@ def test_names_are_relative_to_the_namespace(
         assert link.resolve_namespace("/") == "/"
 
 
-def test_messages_come_in_order(link: Link, publish: Publish) -> None:
+def test_messages_are_received_in_order(link: Link, publish: Publish) -> None:
     publish("/number", "std_msgs/Int32", {"data": 1})
     link.subscribe("/number")
     for number in (2, 3):
@@ -61,43 +63,119 @@ def test_messages_come_in_order(link: Link, publish: Publish) -> None:
     assert [next(messages)["data"] for _ in range(3)] == [1, 2, 3]
 
 
-def test_what_comes_during_a_call_is_kept(link: Link, publish: Publish) -> None:
+def test_messages_received_during_a_call_are_kept(link: Link, publish: Publish) -> None:
     publish("/number", "std_msgs/Int32", {"data": 1})
     link.subscribe("/number")
     assert "time" in link.call("/rosapi/get_time")
     assert next(link.messages("/number", 0)) == {"data": 1}
 
 
-def test_silence_ends_the_wait(link: Link) -> None:
+def test_waiting_ends_after_the_timeout(link: Link) -> None:
     assert link.receive(0) is None
     assert list(link.messages("/number", 0.01)) == []
 
 
-def test_messages_can_be_heard_as_text(link: Link, publish: Publish) -> None:
-    heard: list[bytes] = []
-    link.hear("/number", heard.append)
-    link.subscribe("/number")
+def test_raw_messages_are_serialized(link: Link, publish: Publish) -> None:
+    received: list[RawMessage] = []
+    link.subscribe_raw("/number", received.append)
     publish("/number", "std_msgs/Int32", {"data": 8})
     publish("/other", "std_msgs/Int32", {"data": 9})
-    assert heard == [b'{"data":8}']
+    assert received == [RawMessage(b"\x08\0\0\0", "std_msgs/Int32")]
+    assert link.receive(0) is None
 
 
-def test_a_service_that_fails_says_why(link: Link) -> None:
+def test_raw_messages_of_several_topics_are_distinguished(link: Link, publish: Publish) -> None:
+    received: dict[str, list[RawMessage]] = {"/a": [], "/b": []}
+    for topic, messages in received.items():
+        link.subscribe_raw(topic, messages.append)
+    publish("/b", "std_msgs/UInt8", {"data": 2})
+    publish("/a", "std_msgs/Char", {"data": 1})
+    assert received["/a"] == [RawMessage(b"\1", "std_msgs/Char")]
+    assert received["/b"] == [RawMessage(b"\2", "std_msgs/UInt8")]
+
+
+def test_raw_messages_have_the_type_that_the_topic_has_at_the_time(
+    hub: HubThread, link: Link
+) -> None:
+    received: list[RawMessage] = []
+    link.subscribe_raw("/changing", received.append)
+    for type_, data in (("std_msgs/UInt8", 8), ("std_msgs/String", "x")):
+        with Link("publisher", hub.url) as publisher:
+            publisher.send({"op": "advertise", "topic": "/changing", "type": type_})
+            publisher.send({"op": "publish", "topic": "/changing", "msg": {"data": data}})
+        link.call("/rosapi/get_time")
+    assert received == [
+        RawMessage(b"\x08", "std_msgs/UInt8"),
+        RawMessage(b"\1\0\0\0x", "std_msgs/String"),
+    ]
+
+
+@pytest.mark.parametrize("is_published", [True, False])
+def test_raw_messages_of_an_undefined_type_are_json(
+    is_published: bool, link: Link, publish: Publish
+) -> None:
+    received: list[RawMessage] = []
+    if is_published:
+        publish("/undefined", "nobodys_msgs/Thing", {"data": 8})
+    link.subscribe_raw("/undefined", received.append)
+    if not is_published:
+        publish("/undefined", "nobodys_msgs/Thing", {"data": 8})
+    for _ in range(2):  # The refusal comes before the first response, the message before the next.
+        link.call("/rosapi/get_time")
+    assert received == [RawMessage(b'{"data":8}', None)]
+    assert link.receive(0) is None
+
+
+def test_refused_subscription_to_raw_messages_is_an_error(link: Link) -> None:
+    link.subscribe_raw("not a name", lambda message: None)
+    with pytest.raises(OperationRejected, match="not a name"):
+        link.process(60)
+
+
+def test_unsubscribed_topic_is_not_received(link: Link, publish: Publish) -> None:
+    received: list[RawMessage] = []
+    link.subscribe_raw("/number", received.append)
+    publish("/number", "std_msgs/UInt8", {"data": 1})
+    link.unsubscribe("/number")
+    publish("/number", "std_msgs/UInt8", {"data": 2})
+    assert received == [RawMessage(b"\1", "std_msgs/UInt8")]
+
+
+def test_failed_call_raises_the_error(link: Link) -> None:
     with pytest.raises(UnknownService, match="/nobodys"):
         link.call("/nobodys")
     with pytest.raises(ServiceError, match="std_msgs/Strin"):
         link.call("/rosapi/message_details", {"type": "std_msgs/Strin"})
 
 
-def test_a_service_that_does_not_answer_is_given_up(hub: HubThread, link: Link) -> None:
+def test_call_without_a_response_times_out(hub: HubThread, link: Link) -> None:
     with Link("silent", hub.url) as silent:
         silent.send({"op": "advertise_service", "service": "/s", "type": "std_srvs/Empty"})
         silent.call("/rosapi/get_time")
-        with pytest.raises((ServiceError, ServiceTimeout)):
+        with pytest.raises(ServiceTimeout, match=r"/s did not answer within 0\.1 s"):
             link.call("/s", timeout=0.1)
 
 
-def test_a_refusal_is_an_operation_until_it_is_checked(link: Link) -> None:
+@pytest.mark.parametrize(
+    ("code", "error"),
+    [
+        ("unknown_service", UnknownService),
+        ("timeout", ServiceTimeout),
+        ("server_lost", ServiceError),
+        (None, ServiceError),
+        ([], ServiceError),
+    ],
+)
+def test_error_of_a_failed_call_depends_on_the_code(code: object, error: type[Exception]) -> None:
+    response = {"op": "service_response", "id": "call:1", "result": False, "code": code}
+    response["values"] = "Service /s does not exist"
+    with replying_server(json.dumps(response)) as url, Link("test", url) as link:
+        with pytest.raises(ServiceError, match="Service /s does not exist") as raised:
+            link.call("/s")
+    assert raised.type is error
+
+
+def test_refusal_is_an_operation_until_it_is_checked(link: Link) -> None:
     link.send({"op": "advertise", "topic": "/x", "type": "std_msgs/Strin"})
     refusal = link.receive(20)
     assert refusal is not None
@@ -106,12 +184,12 @@ def test_a_refusal_is_an_operation_until_it_is_checked(link: Link) -> None:
     check({"op": "publish"})
 
 
-@pytest.mark.parametrize(("comes", "waits"), [(1, [1.0, 0.6]), (9, [1.0, 0.6, 0.1])])
-def test_the_hub_is_heeded_for_so_long_whatever_it_says(
-    comes: int, waits: list[float], link: Link, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(("number", "waits"), [(1, [1.0, 0.6]), (9, [1.0, 0.6, 0.1])])
+def test_process_ends_in_time_however_many_operations_are_received(
+    number: int, waits: list[float], link: Link, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     waited: list[float | None] = []
-    times, operations = iter([0.0, 0.4, 0.9, 1.2]), iter([{"op": "publish"}] * comes)
+    times, operations = iter([0.0, 0.4, 0.9, 1.2]), iter([{"op": "publish"}] * number)
 
     def receive(timeout: float | None = None) -> Operation | None:
         waited.append(timeout)
@@ -119,111 +197,130 @@ def test_the_hub_is_heeded_for_so_long_whatever_it_says(
 
     monkeypatch.setattr(link, "receive", receive)
     monkeypatch.setattr(module, "time", SimpleNamespace(monotonic=lambda: next(times)))
-    link.heed(1.0)
+    link.process(1.0)
     assert waited == [pytest.approx(each) for each in waits]
 
 
 @pytest.mark.parametrize("seconds", [60, None])
-def test_what_the_hub_refuses_meanwhile_raises(link: Link, seconds: float | None) -> None:
+def test_refusal_during_process_is_an_error(link: Link, seconds: float | None) -> None:
     link.send({"op": "advertise", "topic": "/x", "type": "std_msgs/Strin"})
     with pytest.raises(OperationRejected, match="std_msgs/Strin"):
-        link.heed(seconds)
+        link.process(seconds)
 
 
-def test_what_is_no_address_is_refused() -> None:
+def test_invalid_address_is_an_error() -> None:
     with pytest.raises(InvalidAddress):
         Link("test", "http://127.0.0.1:1")
 
 
-@contextmanager
-def stranger(*texts: str | bytes | list[str]) -> Iterator[str]:
-    """The address of what speaks WebSocket, and answers whatever is said with these texts."""
+def test_raw_messages_of_a_plain_rosbridge_server_are_json() -> None:
+    received: list[RawMessage] = []
+    requests: list[dict[str, Any]] = []
 
-    def answer(connection: ServerConnection) -> None:
-        for _ in connection:
-            for text in texts:
-                connection.send(text, text=True)
+    def reply(connection: ServerConnection) -> None:
+        requests.append(json.loads(connection.recv()))
+        connection.send('{"op": "publish", "msg": {"data": 8}, "topic": "/x"}')
+        connection.send('{"op":"publish","topic":"/x","msg":{"data":9}}')
+        connection.send('{"op": "end"}')
 
-    with serve(answer, "127.0.0.1", 0) as server:
-        thread = threading.Thread(target=server.serve_forever)
-        thread.start()
-        yield f"ws://127.0.0.1:{server.socket.getsockname()[1]}"
-        server.shutdown()
-        thread.join(60)
-
-
-def test_messages_are_heard_however_a_hub_writes_them() -> None:
-    heard: list[bytes] = []
-    texts = '{"op": "publish", "msg": {"data": 8}, "topic": "/x"}', '{"op": "end"}'
-    with stranger(*texts) as url, Link("test", url) as link:
-        link.hear("/x", heard.append)
-        link.subscribe("/x")
+    with websocket_server(reply) as url, Link("test", url) as link:
+        link.subscribe_raw("/x", received.append)
         assert link.receive(60) == {"op": "end"}
-    assert heard == [b'{"data": 8}']
+    assert received == [RawMessage(b'{"data": 8}', None), RawMessage(b'{"data":9}', None)]
+    assert [request.get("compression") for request in requests] == [None]
+
+
+def test_refusal_of_a_plain_rosbridge_server_is_an_error() -> None:
+    refusal = '{"op": "status", "level": "error", "id": "raw:1", "msg": "no"}'
+    with replying_server(refusal) as url, Link("test", url) as link:
+        link.subscribe_raw("/x", lambda message: None)
+        with pytest.raises(OperationRejected, match="no"):
+            link.process(60)
+
+
+@pytest.mark.parametrize(
+    ("frame", "fault"),
+    [
+        (b"", "kind must be 1 or 2, got None"),
+        (b"\x03", "kind must be 1 or 2, got 3"),
+        (b"\x01\0", "2 bytes are too few"),
+    ],
+)
+def test_invalid_binary_frame_is_an_error(frame: bytes, fault: str) -> None:
+    with replying_server(frame, subprotocol=SUBPROTOCOL) as url, Link("test", url) as link:
+        with pytest.raises(HubUnreachable, match=f"the server is not a hub .*{fault}"):
+            link.call("/rosapi/get_time")
+
+
+def test_serialized_message_of_an_unknown_topic_is_ignored() -> None:
+    frames = deliver_head(5, 0) + b"message", '{"op": "end"}'
+    with replying_server(*frames, subprotocol=SUBPROTOCOL) as url, Link("test", url) as link:
+        link.subscribe_raw("/x", lambda message: pytest.fail("received"))
+        assert link.receive(60) == {"op": "end"}
 
 
 @pytest.mark.parametrize(
     ("text", "fault"),
     [
-        ("{garbage", "it sends what is no JSON"),
-        (b"\xff\xfe{", "it sends what is no JSON"),
-        ("[" * 100_000, "it sends what is no JSON"),
-        ("9" * 5_000, "it sends what is no JSON"),
-        ("[1, 2]", r"it sends '\[1, 2\]', no JSON object"),
-        ([""] * 5_000, "it sends a message in more than 4096 fragments"),
+        ("{garbage", "it sent invalid JSON"),
+        (b"\xff\xfe{", "it sent invalid JSON"),
+        ("[" * 100_000, "it sent invalid JSON"),
+        ("9" * 5_000, "it sent invalid JSON"),
+        ("[1, 2]", r"it sent '\[1, 2\]', expected a JSON object"),
+        ([""] * 5_000, "it sent a message of more than 4096 fragments"),
         ("x" * 2_000, "exceeds limit of 1000 bytes"),
         (["x"] * 2_000, "exceeds limit of 1000 bytes"),
     ],
 )
-def test_who_does_not_speak_as_a_hub_is_an_error(
+def test_protocol_violation_is_an_error(
     text: str | bytes | list[str], fault: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     if "exceeds" in fault:
         monkeypatch.setattr(stream, "MOST_BYTES", 1_000)
-    with stranger(text) as url, Link("test", url) as link:
-        with pytest.raises(HubUnreachable, match=f"what answers there is no hub .*{fault}"):
+    with replying_server(text) as url, Link("test", url) as link:
+        with pytest.raises(HubUnreachable, match=f"the server is not a hub .*{fault}"):
             link.call("/rosapi/get_time")
 
 
-def test_a_response_that_lacks_a_field_says_so_when_that_is_asked_for() -> None:
+def test_reading_a_missing_field_of_a_response_is_an_error() -> None:
     response = '{"op": "service_response", "id": "call:1", "values": {"one": 1}}'
-    with stranger(response) as url, Link("test", url) as link:
+    with replying_server(response) as url, Link("test", url) as link:
         values = link.call("/s")
         assert (values["one"], values.get("two")) == (1, None)
-        with pytest.raises(ServiceError, match="/s told no two: this may be another kind of hub"):
+        with pytest.raises(
+            ServiceError, match="/s returned no two: this may be another kind of hub"
+        ):
             values["two"]
 
 
-def test_a_message_that_is_none_is_passed_over() -> None:
+def test_malformed_message_is_ignored() -> None:
     bad = ('{"op": "publish", "topic": "/t"}', '{"op": "publish", "topic": "/t", "msg": 5}')
-    with stranger(*bad, '{"op": "publish", "topic": "/t", "msg": {}}') as url:
+    with replying_server(*bad, '{"op": "publish", "topic": "/t", "msg": {}}') as url:
         with Link("test", url) as link:
             link.subscribe("/t")
             assert next(link.messages("/t", 20)) == {}
 
 
-def test_a_call_ends_though_something_else_comes_without_end() -> None:
-    def chatter(connection: ServerConnection) -> None:
+def test_call_times_out_while_other_operations_are_received() -> None:
+    def send(connection: ServerConnection) -> None:
         connection.recv()
         with suppress(ConnectionClosed):
             while True:
                 connection.send("{}")
 
-    with serve(chatter, "127.0.0.1", 0) as server:
-        thread = threading.Thread(target=server.serve_forever)
-        thread.start()
-        link = Link("test", f"ws://127.0.0.1:{server.socket.getsockname()[1]}")
+    with websocket_server(send) as url:
+        link = Link("test", url)
         with pytest.raises(ServiceTimeout, match=r"no response within 0\.01 s"):
             link.call("/s", timeout=0.01)
-        link._stream.leave()
-        server.shutdown()
-        thread.join(60)
+        link._stream.abort()
 
 
-def test_what_comes_during_a_call_is_kept_within_bounds(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_oldest_operations_received_during_a_call_are_dropped_at_the_limit(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setattr(module, "MOST_KEPT", 2)
     others = [f'{{"op": "publish", "id": "{number}"}}' for number in range(5)]
     response = '{"op": "service_response", "id": "call:1", "values": {}}'
-    with stranger(*others, response) as url, Link("test", url) as link:
+    with replying_server(*others, response) as url, Link("test", url) as link:
         link.call("/s")
         assert [(link.receive(20) or {}).get("id") for _ in range(2)] == ["3", "4"]

@@ -170,11 +170,11 @@ def test_ping_tells_the_time_and_the_average(
 def test_ctrl_c_ends_a_ping_with_the_average(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     waits = iter([None, None])
 
-    def heed(link: Link, seconds: float) -> None:
+    def process(link: Link, seconds: float) -> None:
         if next(waits, "end") == "end":
             raise KeyboardInterrupt
 
-    monkeypatch.setattr(Link, "heed", heed)
+    monkeypatch.setattr(Link, "process", process)
     monkeypatch.setattr(node, "end_line", lambda: print("the line of ^C"))
     result = run("node", "ping", "rosapi")
     assert result.exit_code == 0
@@ -187,10 +187,10 @@ def test_ctrl_c_ends_a_ping_with_the_average(run: Run, monkeypatch: pytest.Monke
 def test_between_two_pings_there_is_a_pause(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     waited: list[float] = []
 
-    def heed(link: Link, seconds: float) -> None:
+    def process(link: Link, seconds: float) -> None:
         waited.append(seconds)
 
-    monkeypatch.setattr(Link, "heed", heed)
+    monkeypatch.setattr(Link, "process", process)
     assert run("node", "ping", "-c", "3", "rosapi").exit_code == 0
     assert waited == [node.PING_INTERVAL] * 2
 

@@ -285,7 +285,7 @@ def test_a_rate_is_told_alike(ask: Ask) -> None:
     deltas = [0.101, 0.099, 0.1003, 0.25]
     rate = hz.Rate()
     for moment in (0, *(sum(deltas[: i + 1]) for i in range(len(deltas)))):
-        rate.take(moment)
+        rate.add(moment)
     assert _printed(lambda: hz.show({"/x": rate})) == ask("hz", topics={"/x": deltas})
 
 
@@ -294,7 +294,7 @@ def test_rates_are_told_alike(ask: Ask) -> None:
     rates = {name: hz.Rate() for name in topics}
     for name, deltas in topics.items():
         for moment in (0, deltas[0], sum(deltas)):
-            rates[name].take(moment)
+            rates[name].add(moment)
     assert _printed(lambda: hz.show(rates)) == ask("hz", topics=topics)
 
 
@@ -306,12 +306,12 @@ def test_delays_are_told_alike(ask: Ask) -> None:
     delays = [0.25, 0.5, 0.001]
     mine = delay.Delay()
     for each in delays:
-        mine.take(each)
-    news = mine.news()
-    assert news is not None
+        mine.add(each)
+    polled = mine.poll()
+    assert polled is not None
     # rostopic counts one more than it has.
     theirs = ask("delay", delays=delays).replace("window: 4", "window: 3")
-    assert f"{delay.text(*news)}\n" == theirs
+    assert f"{delay.text(*polled)}\n" == theirs
 
 
 @pytest.mark.parametrize("size", [7, 700, 700_000])
@@ -319,10 +319,10 @@ def test_bandwidth_is_told_alike(ask: Ask, size: int) -> None:
     bandwidth = bw.Bandwidth()
     sizes, times = [size, size + 1, size + 5], [10.0, 10.5, 11.0]
     for each, now in zip(sizes, times, strict=True):
-        bandwidth.take(each, now)
-    news = bandwidth.at(11.5)
-    assert news is not None
-    assert f"{bw.text(*news)}\n" == ask("bw", sizes=sizes, times=times, now=11.5)
+        bandwidth.add(each, now)
+    polled = bandwidth.at(11.5)
+    assert polled is not None
+    assert f"{bw.text(*polled)}\n" == ask("bw", sizes=sizes, times=times, now=11.5)
 
 
 def _printed(show: Callable[[], None]) -> str:

@@ -1,4 +1,4 @@
-"""The bytes between a tool and a hub."""
+"""A blocking WebSocket connection to a hub."""
 
 from __future__ import annotations
 
@@ -11,8 +11,10 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
+from websockets.sync.server import ServerConnection
 
 from fibws.cli.link import Link
+from fibws.cli.stream import Message, Stream
 from fibws.errors import (
     HubLost,
     HubUnreachable,
@@ -20,30 +22,59 @@ from fibws.errors import (
 )
 
 from .conftest import HubThread, Publish
+from .servers import websocket_server
 
 
-def test_a_message_of_many_frames_is_whole(link: Link, publish: Publish) -> None:
+def test_a_hub_selects_fibws_v1(hub: HubThread) -> None:
+    stream = Stream(hub.url, "/test")
+    assert stream.serialized
+    stream.close()
+
+
+@pytest.mark.parametrize("subprotocol", ["fibws.v1", None])
+def test_text_and_binary_messages_are_distinguished(subprotocol: str | None) -> None:
+    def send(connection: ServerConnection) -> None:
+        connection.send("text")
+        connection.send(b"binary")
+        connection.send(["frag", "ments"])
+        connection.send([b"binary ", b"fragments"])
+
+    with websocket_server(send, subprotocol) as url:
+        stream = Stream(url, "/test")
+        assert stream.serialized == (subprotocol is not None)
+        while len(stream.messages) < 4:
+            assert stream.read(60)
+        assert list(stream.messages) == [
+            Message(b"text", False),
+            Message(b"binary", True),
+            Message(b"fragments", False),
+            Message(b"binary fragments", True),
+        ]
+        stream.close()
+
+
+def test_large_message_is_received(link: Link, publish: Publish) -> None:
     publish("/text", "std_msgs/String", {"data": "ü" * 1_000_000})
     link.subscribe("/text")
     assert next(link.messages("/text", 20)) == {"data": "ü" * 1_000_000}
 
 
-def test_no_hub_is_an_error_that_says_what_to_do() -> None:
+def test_missing_hub_error_says_how_to_start_one() -> None:
     with pytest.raises(NoHub, match=r"No hub at ws://127\.0\.0\.1:1\. Start one with: fibws hub"):
         Link("test", "ws://127.0.0.1:1")
 
 
 @pytest.mark.parametrize(
-    ("response", "said"),
+    ("response", "text"),
     [
-        (b"HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\n\r\n", "what answers there is no hub"),
+        (b"HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\n\r\n", "the server is not a hub"),
         (b"HTTP/1.1 403 Forbidden\r\nContent-Length: 8\r\n\r\nGo away.", "reached: Go away$"),
         (b"HTTP/1.1 403 No\r\nContent-Length: 7\r\n\r\nGo\naway", "reached: Go away$"),
-        (b"SSH-2.0-OpenSSH\r\n", "what answers there is no hub"),
+        (b"SSH-2.0-OpenSSH\r\n", "the server is not a hub"),
         (b"", "cannot be reached"),
     ],
 )
-def test_what_will_not_have_it_is_an_error(response: bytes, said: str) -> None:
+def test_failed_handshake_is_an_error(response: bytes, text: str) -> None:
     with socket.create_server(("127.0.0.1", 0)) as server:
 
         def answer() -> None:
@@ -54,15 +85,13 @@ def test_what_will_not_have_it_is_an_error(response: bytes, said: str) -> None:
 
         thread = threading.Thread(target=answer)
         thread.start()
-        with pytest.raises(HubUnreachable, match=said):
+        with pytest.raises(HubUnreachable, match=text):
             Link("test", f"ws://127.0.0.1:{server.getsockname()[1]}")
         thread.join(60)
 
 
 @pytest.mark.skipif(not shutil.which("openssl"), reason="a certificate is made by openssl")
-def test_a_hub_may_be_behind_tls(
-    hub: HubThread, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_tls(hub: HubThread, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     certificate, key = str(tmp_path / "certificate.pem"), str(tmp_path / "key.pem")
     make = ("openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-subj", "/CN=hub")
     where = ("-addext", "subjectAltName=IP:127.0.0.1", "-keyout", key, "-out", certificate)
@@ -96,20 +125,20 @@ def test_a_hub_may_be_behind_tls(
         relaying.join(60)
 
 
-def test_a_hub_that_speaks_no_tls_is_told_by_what_to_write(hub: HubThread) -> None:
-    with pytest.raises(HubUnreachable, match="it speaks no TLS, so write ws://"):
+def test_error_of_tls_to_a_hub_without_it_says_what_to_do(hub: HubThread) -> None:
+    with pytest.raises(HubUnreachable, match="the server does not support TLS; use ws://"):
         Link("test", f"wss://127.0.0.1:{hub.port}")
 
 
 def pump(source: socket.socket, target: socket.socket) -> None:
-    """Hand on all that comes, and the end of it."""
+    """Forward data until the end of the stream."""
     with suppress(OSError):
         while data := source.recv(2**16):
             target.sendall(data)
         target.shutdown(socket.SHUT_WR)
 
 
-def test_the_end_of_the_hub_is_an_error(hub: HubThread) -> None:
+def test_lost_hub_is_an_error(hub: HubThread) -> None:
     link = Link("test", hub.url)
     hub.stop()
     with pytest.raises(HubLost, match=f"The hub at {hub.url} is gone: "):
@@ -118,12 +147,12 @@ def test_the_end_of_the_hub_is_an_error(hub: HubThread) -> None:
     link.close()
 
 
-def test_ctrl_c_leaves_at_once(hub: HubThread, link: Link) -> None:
+def test_ctrl_c_closes_at_once(hub: HubThread, link: Link) -> None:
     with pytest.raises(KeyboardInterrupt), Link("other", hub.url) as other:
         raise KeyboardInterrupt
     while other.node in link.call("/rosapi/nodes")["nodes"]:
         pass
 
 
-def test_a_link_can_be_waited_for(link: Link) -> None:
+def test_link_can_be_passed_to_select(link: Link) -> None:
     assert link.fileno() > 0

@@ -88,7 +88,7 @@ def test_it_tells_where_the_address_is_from(is_set: bool, monkeypatch: pytest.Mo
 def test_what_is_no_hub_is_named(serve: Serve) -> None:
     finding = why_not(serve(404))
     assert finding.verdict == "wrong"
-    assert "what answers there is no hub" in finding.text
+    assert "the server is not a hub" in finding.text
     assert "It answers HTTP with 404, as Other/1.0" in finding.text
 
 

@@ -1,4 +1,4 @@
-"""``fibws topic bw``; rostopic's own text is in `test_side_by_side`."""
+"""``fibws topic bw``; `test_side_by_side` compares its output with rostopic's."""
 
 from __future__ import annotations
 
@@ -6,37 +6,40 @@ import json
 import threading
 
 import pytest
+from websockets.sync.server import ServerConnection
 
+from fibws.cli.link import RawMessage
 from fibws.cli.topic import bw
 from fibws.cli.topic.bw import Bandwidth
 from fibws.cli.topic.window import Summary
 
 from ..conftest import Publish, Run
+from ..servers import websocket_server
 
 
-def test_bandwidth_is_bytes_by_the_time_since_the_oldest() -> None:
+def test_bandwidth_is_bytes_divided_by_the_time_since_the_oldest() -> None:
     bandwidth = Bandwidth()
     for moment in (10.0, 11.0):
-        bandwidth.take(100, moment)
-    news = bandwidth.at(12.0)
-    assert news is not None
-    rate, sizes, number = news
+        bandwidth.add(100, moment)
+    measured = bandwidth.at(12.0)
+    assert measured is not None
+    rate, sizes, number = measured
     assert (rate, sizes.mean, number) == (100.0, 100.0, 2)
 
 
 def test_one_message_has_no_bandwidth() -> None:
     bandwidth = Bandwidth()
-    bandwidth.hear(b"{}")
+    bandwidth.receive(RawMessage(b"{}", None))
     assert bandwidth.at(1e9) is None
 
 
-def test_only_the_newest_messages_count() -> None:
+def test_only_the_latest_messages_are_measured() -> None:
     bandwidth = Bandwidth(2)
     for size, moment in ((1000, 0.0), (10, 1.0), (20, 2.0)):
-        bandwidth.take(size, moment)
-    news = bandwidth.at(2.0)
-    assert news is not None
-    assert (news[0], news[2]) == (30.0, 2)
+        bandwidth.add(size, moment)
+    measured = bandwidth.at(2.0)
+    assert measured is not None
+    assert (measured[0], measured[2]) == (30.0, 2)
 
 
 @pytest.mark.parametrize(
@@ -47,11 +50,11 @@ def test_only_the_newest_messages_count() -> None:
         (2.5e6, "average: 2.50MB/s\n\tmean: 0.00MB min: 0.00MB max: 0.00MB window: 2"),
     ],
 )
-def test_all_numbers_have_one_unit(rate: float, printed: str) -> None:
+def test_all_numbers_have_the_same_unit(rate: float, printed: str) -> None:
     assert bw.text(rate, Summary(1500, 1000, 2000, 500), 2) == printed
 
 
-def test_the_bytes_are_those_of_the_messages(run: Run, publish: Publish) -> None:
+def test_bytes_of_serialized_messages_are_counted(run: Run, publish: Publish) -> None:
     link = publish("/number", "std_msgs/Int32", {"data": 8})
 
     def publish_more() -> None:
@@ -65,6 +68,27 @@ def test_the_bytes_are_those_of_the_messages(run: Run, publish: Publish) -> None
     result = run("topic", "bw", "-n", "1", "--json", "/number")
     thread.join(60)
     found = json.loads(result.output)
-    assert found["mean"] == found["min"] == found["max"] == len('{"data":8}')
+    assert found["mean"] == found["min"] == found["max"] == 4
     assert 2 <= found["window"] <= 4
     assert found["rate"] > 0
+
+
+def test_bytes_of_json_are_counted_with_a_plain_rosbridge_server(run: Run) -> None:
+    def reply(connection: ServerConnection) -> None:
+        for text in connection:
+            request = json.loads(text)
+            if request["op"] == "subscribe":
+                assert "compression" not in request
+                for _ in range(2):
+                    connection.send('{"op":"publish","topic":"/number","msg":{"data":8}}')
+            elif request["op"] == "call_service":
+                is_known = request["service"] == "/rosapi/topic_type"
+                response = {"op": "service_response", "id": request["id"], "result": is_known}
+                response["values"] = {"type": "std_msgs/Int32"} if is_known else "unknown"
+                connection.send(json.dumps(response))
+
+    with websocket_server(reply) as url:
+        result = run("topic", "bw", "-n", "1", "--json", "--hub", url, "/number")
+    found = json.loads(result.output)
+    assert found["mean"] == found["min"] == found["max"] == len('{"data":8}')
+    assert found["window"] == 2

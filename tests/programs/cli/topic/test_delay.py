@@ -1,13 +1,15 @@
-"""``fibws topic delay``; rostopic's own text is in `test_side_by_side`."""
+"""``fibws topic delay``; `test_side_by_side` compares its output with rostopic's."""
 
 from __future__ import annotations
 
 import json
+import struct
 import time
 
 import pytest
 
-from fibws.cli.topic.delay import Delay, stamp
+from fibws.cli.link import RawMessage
+from fibws.cli.topic.delay import Delay, json_stamp, serialized_stamp
 
 from ..conftest import Publish, Run
 
@@ -19,27 +21,43 @@ from ..conftest import Publish, Run
         b'{"point":null,"header":{"stamp":{"nsecs":3,"secs":2}}}',
     ],
 )
-def test_the_stamp_is_in_the_header(message: bytes) -> None:
-    assert stamp(message) == 2_000_000_003
+def test_stamp_is_read_from_json(message: bytes) -> None:
+    assert json_stamp(message) == json_stamp(memoryview(message)) == 2_000_000_003
 
 
 @pytest.mark.parametrize("message", [b'{"data":8}', b'{"header":8}', b'{"header":{}}'])
-def test_there_may_be_no_stamp(message: bytes) -> None:
-    assert stamp(message) is None
+def test_json_without_a_stamp_has_none(message: bytes) -> None:
+    assert json_stamp(message) is None
 
 
-def test_what_was_told_is_no_news() -> None:
+def test_stamp_is_read_from_a_serialized_header() -> None:
+    message = struct.pack("<IIII", 1, 2, 3, 0)
+    assert serialized_stamp(memoryview(message)) == 2_000_000_003
+    assert serialized_stamp(message[:11]) is None
+
+
+def test_serialized_messages_of_another_type_are_ignored() -> None:
     delay = Delay()
-    assert delay.news() is None
-    delay.take(0.5)
-    delay.take(1.5)
-    news = delay.news()
-    assert news is not None
-    assert (news[0].mean, news[1]) == (1.0, 2)
-    assert delay.news() is None
+    delay.type = "std_msgs/Header"
+    message = struct.pack("<IIII", 1, 2, 3, 0)
+    delay.receive(RawMessage(message, "shape_msgs/Plane"))
+    assert delay.poll() is None
+    delay.receive(RawMessage(message, "std_msgs/Header"))
+    assert delay.poll() is not None
 
 
-def test_the_delay_is_the_time_since_the_stamp(run: Run, publish: Publish) -> None:
+def test_poll_returns_nothing_without_new_messages() -> None:
+    delay = Delay()
+    assert delay.poll() is None
+    delay.add(0.5)
+    delay.add(1.5)
+    polled = delay.poll()
+    assert polled is not None
+    assert (polled[0].mean, polled[1]) == (1.0, 2)
+    assert delay.poll() is None
+
+
+def test_delay_is_the_time_since_the_stamp(run: Run, publish: Publish) -> None:
     header = {"stamp": {"secs": int(time.time()) - 100, "nsecs": 0}}
     publish("/point", "geometry_msgs/PointStamped", {"header": header})
     result = run("topic", "delay", "-n", "1", "/point")
@@ -51,13 +69,13 @@ def test_the_delay_is_the_time_since_the_stamp(run: Run, publish: Publish) -> No
     assert found.keys() == {"topic", "delay", "min", "max", "std_dev", "window"}
 
 
-def test_silence_is_told(run: Run, publish: Publish) -> None:
+def test_missing_messages_are_reported(run: Run, publish: Publish) -> None:
     publish("/point", "geometry_msgs/PointStamped")
     result = run("topic", "delay", "-n", "2", "/point")
     assert result.output.splitlines()[-1] == "no new messages"
 
 
-def test_a_message_with_no_header_has_no_delay(run: Run, publish: Publish) -> None:
+def test_type_without_a_header_is_an_error(run: Run, publish: Publish) -> None:
     publish("/number", "std_msgs/Int32", {"data": 8})
     result = run("topic", "delay", "/number")
     assert result.exit_code == 1

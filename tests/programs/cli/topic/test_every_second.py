@@ -1,4 +1,4 @@
-"""How the tools that measure go on."""
+"""What the measuring tools share."""
 
 from __future__ import annotations
 
@@ -7,56 +7,65 @@ from typing import cast
 
 import pytest
 
-from fibws.cli.link import Link
+from fibws.cli.link import Link, RawMessage
 from fibws.cli.topic import every_second
 from fibws.errors import OperationRejected
 
 from ..conftest import HubThread, Publish
 
 
-def test_messages_are_given_as_text(
+def test_messages_are_received_between_reports(
     hub: HubThread, publish: Publish, capsys: pytest.CaptureFixture[str]
 ) -> None:
     publish("/number", "std_msgs/Int32", {"data": 8})
-    heard: list[bytes] = []
-    with Link("ear", hub.url) as ear:
-        every_second.hear(ear, "/number", heard.append)
+    received: list[RawMessage] = []
+    with Link("tool", hub.url) as tool:
+        every_second.subscribe(tool, "/number", received.append)
         assert capsys.readouterr().out == "subscribed to [/number]\n"
-        shown: list[list[bytes]] = []
-        every_second.report(ear, lambda: shown.append(list(heard)), 2)
-    assert shown == [[b'{"data":8}'], [b'{"data":8}']]
+        shown: list[list[RawMessage]] = []
+        every_second.report(tool, lambda: shown.append(list(received)), 2)
+    assert shown == [[RawMessage(b"\x08\0\0\0", "std_msgs/Int32")]] * 2
 
 
-def test_a_refusal_ends_it(hub: HubThread) -> None:
-    with Link("ear", hub.url) as ear, pytest.raises(OperationRejected):
-        ear.send({"op": "subscribe", "topic": "/rosout", "type": "std_msgs/Int32"})
-        every_second.report(ear, lambda: None)
+def test_nothing_is_printed_when_quiet(
+    hub: HubThread, publish: Publish, capsys: pytest.CaptureFixture[str]
+) -> None:
+    publish("/number", "std_msgs/Int32")
+    with Link("tool", hub.url) as tool:
+        every_second.subscribe(tool, "/number", lambda message: None, quiet=True)
+    assert capsys.readouterr().out == ""
 
 
-def test_what_was_missed_while_it_stood_still_is_not_made_up_for(
+def test_refused_operation_is_an_error(hub: HubThread) -> None:
+    with Link("tool", hub.url) as tool, pytest.raises(OperationRejected):
+        tool.send({"op": "subscribe", "topic": "/rosout", "type": "std_msgs/Int32"})
+        every_second.report(tool, lambda: None)
+
+
+def test_missed_reports_are_skipped(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     now = 0.0
     stops = iter([8.25])
     shown: list[float] = []
 
-    def heed(seconds: float) -> None:
+    def process(seconds: float) -> None:
         nonlocal now
         now += next(stops, seconds)
 
     monkeypatch.setattr(every_second, "time", SimpleNamespace(monotonic=lambda: now))
-    link = cast(Link, SimpleNamespace(heed=heed))
+    link = cast(Link, SimpleNamespace(process=process))
     every_second.report(link, lambda: shown.append(now), 3)
     assert shown == [8.25, 9.25, 10.25]
 
 
-def test_a_report_that_takes_its_time_does_not_put_off_the_next(
+def test_slow_report_does_not_delay_the_next(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     now = 0.0
     shown: list[float] = []
 
-    def heed(seconds: float) -> None:
+    def process(seconds: float) -> None:
         nonlocal now
         now += seconds
 
@@ -66,5 +75,5 @@ def test_a_report_that_takes_its_time_does_not_put_off_the_next(
         now += 0.25
 
     monkeypatch.setattr(every_second, "time", SimpleNamespace(monotonic=lambda: now))
-    every_second.report(cast(Link, SimpleNamespace(heed=heed)), show, 3)
+    every_second.report(cast(Link, SimpleNamespace(process=process)), show, 3)
     assert shown == [1.0, 2.0, 3.0]

@@ -1,4 +1,4 @@
-"""``fibws topic hz``; rostopic's own text is in `test_side_by_side`."""
+"""``fibws topic hz``; `test_side_by_side` compares its output with rostopic's."""
 
 from __future__ import annotations
 
@@ -12,47 +12,47 @@ from ...conftest import Start
 from ..conftest import HubThread, Publish, Run
 
 
-def test_a_rate_is_of_the_time_between_messages() -> None:
+def test_rate_is_computed_from_the_intervals() -> None:
     rate = Rate()
     for moment in (1.0, 1.5, 2.0):
-        rate.take(moment)
-    news = rate.news()
-    assert news is not None
-    hz, deltas, number = news
+        rate.add(moment)
+    polled = rate.poll()
+    assert polled is not None
+    hz, deltas, number = polled
     assert (hz, deltas.least, deltas.most, number) == (2.0, 0.5, 0.5, 3)
 
 
-def test_what_was_told_is_no_news() -> None:
+def test_poll_returns_nothing_without_new_messages() -> None:
     rate = Rate()
-    assert rate.news() is None
-    rate.take(1.0)
-    assert rate.news() is None, "one message has no rate"
-    rate.take(2.0)
-    assert rate.news() is not None
-    assert rate.news() is None
-    rate.take(3.0)
-    assert rate.news() is not None
+    assert rate.poll() is None
+    rate.add(1.0)
+    assert rate.poll() is None, "one message has no rate"
+    rate.add(2.0)
+    assert rate.poll() is not None
+    assert rate.poll() is None
+    rate.add(3.0)
+    assert rate.poll() is not None
 
 
-def test_only_the_newest_messages_count() -> None:
+def test_only_the_latest_messages_are_measured() -> None:
     rate = Rate(window=2)
     for moment in (0.0, 10.0, 11.0):
-        rate.take(moment)
-    news = rate.news()
-    assert news is not None
-    assert (news[0], news[2]) == (1.0, 2)
+        rate.add(moment)
+    polled = rate.poll()
+    assert polled is not None
+    assert (polled[0], polled[2]) == (1.0, 2)
 
 
-def test_messages_at_one_moment_have_no_rate() -> None:
+def test_rate_of_simultaneous_messages_is_0() -> None:
     rate = Rate()
-    rate.take(1.0)
-    rate.take(1.0)
-    news = rate.news()
-    assert news is not None
-    assert news[0] == 0.0
+    rate.add(1.0)
+    rate.add(1.0)
+    polled = rate.poll()
+    assert polled is not None
+    assert polled[0] == 0.0
 
 
-def test_a_table_has_its_columns_in_line() -> None:
+def test_table_columns_are_aligned() -> None:
     assert table([["/x", "1.0", "1.0", "1.0", "0.0", "2"]]).splitlines() == [
         "topic   rate   min_delta   max_delta   std_dev   window",
         "=" * 55,
@@ -60,14 +60,14 @@ def test_a_table_has_its_columns_in_line() -> None:
     ]
 
 
-def test_silence_is_told(run: Run, publish: Publish) -> None:
+def test_missing_messages_are_reported(run: Run, publish: Publish) -> None:
     publish("/number", "std_msgs/Int32")
     result = run("topic", "hz", "-n", "1", "/number")
     assert (result.exit_code, result.output) == (0, "subscribed to [/number]\nno new messages\n")
     assert run("topic", "hz", "-n", "1", "--json", "/number").output == ""
 
 
-async def test_the_rate_is_told_until_ctrl_c(start: Start, hub: HubThread) -> None:
+async def test_rate_is_reported_until_ctrl_c(start: Start, hub: HubThread) -> None:
     words = ("topic", "pub", "-r", "50", "/number", "std_msgs/Int32", "8")
     await start("fibws", *words, FIBWS_HUB=hub.url)
     program = await start("fibws", "topic", "hz", "-w", "20", "/number", FIBWS_HUB=hub.url)
@@ -87,7 +87,7 @@ async def test_the_rate_is_told_until_ctrl_c(start: Start, hub: HubThread) -> No
     assert errors in ("", warning)
 
 
-async def test_several_topics_make_a_table(start: Start, hub: HubThread) -> None:
+async def test_each_of_several_topics_is_reported(start: Start, hub: HubThread) -> None:
     for name in ("/a", "/b"):
         words = ("topic", "pub", "-r", "50", name, "std_msgs/Int32", "8")
         await start("fibws", *words, FIBWS_HUB=hub.url)
@@ -97,7 +97,7 @@ async def test_several_topics_make_a_table(start: Start, hub: HubThread) -> None
     assert rates[0].keys() == {"topic", "rate", "min", "max", "std_dev", "window"}
 
 
-def test_a_field_has_no_rate(run: Run, publish: Publish) -> None:
+def test_a_field_is_refused(run: Run, publish: Publish) -> None:
     publish("/number", "std_msgs/Int32")
     result = run("topic", "hz", "/number/data")
     assert result.exit_code == 2

@@ -1,4 +1,4 @@
-"""What many measurements are like together."""
+"""Statistics of the latest measurements."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import pytest
 from fibws.cli.topic.window import Summary, Window, as_object, in_seconds
 
 
-def test_measurements_are_summed_up() -> None:
+def test_summary_of_measurements() -> None:
     window = Window()
     for value in (1.0, 2.0, 6.0):
         window.add(value)
@@ -17,19 +17,19 @@ def test_measurements_are_summed_up() -> None:
     assert (len(window), window.total, window.oldest) == (3, 9.0, 1.0)
 
 
-def test_the_oldest_goes_when_there_is_no_room() -> None:
+def test_full_window_drops_the_oldest_measurement() -> None:
     window = Window(2)
     for value in (1.0, 2.0, 3.0):
         window.add(value)
     assert (len(window), window.oldest, window.total) == (2, 2.0, 5.0)
 
 
-def test_of_nothing_there_is_no_summary() -> None:
-    with pytest.raises(ValueError, match="nothing was measured"):
+def test_summary_of_nothing_is_an_error() -> None:
+    with pytest.raises(ValueError, match="no measurements"):
         Window().summary()
 
 
-def test_a_summary_is_written_for_people_and_for_programs() -> None:
+def test_summary_as_text_and_as_an_object() -> None:
     summary = Summary(1.0, 0.5, 1.5, 0.25)
     assert in_seconds(summary) == "min: 0.500s max: 1.500s std dev: 0.25000s"
     assert as_object(summary) == {"min": 0.5, "max": 1.5, "std_dev": 0.25}
