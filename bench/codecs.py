@@ -1,4 +1,4 @@
-"""CPU of parsing, validating and serialising one publish operation, without a network."""
+"""CPU of one message in JSON and in ROS 1's serialization, without a network."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import json
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from pydantic import BaseModel
@@ -14,7 +15,9 @@ from pydantic_core import from_json, to_json
 from bench import naive
 from bench.measure import HUB, Plan, Repeated, microseconds
 from bench.report import Report
-from fibws.interfaces import Interfaces, Validators
+from fibws.interfaces import Interfaces, Message, Validators
+from fibws.interfaces.serialization import Serializers, class_codec
+from fibws.msg import geometry_msgs, sensor_msgs, std_msgs, tf2_msgs
 
 
 class Int32(BaseModel):
@@ -127,8 +130,55 @@ SAMPLES = (
 )
 
 
+MESSAGES: tuple[tuple[str, Message], ...] = (
+    ("std_msgs/Int32", std_msgs.Int32(123456)),
+    (
+        "sensor_msgs/LaserScan, 720 ranges",
+        sensor_msgs.LaserScan(ranges=[0.5 + i / 64 for i in range(720)]),  # exact as float32
+    ),
+    (
+        "tf2_msgs/TFMessage, 20 transforms",
+        tf2_msgs.TFMessage([geometry_msgs.TransformStamped(child_frame_id="arm")] * 20),
+    ),
+    ("sensor_msgs/Image, 921,600 B", sensor_msgs.Image(data=bytes(range(256)) * 3600)),
+)
+
+
 def codecs(plan: Plan, report: Report) -> None:
-    """Time the hub's code and naive's on each sample in turn."""
+    """Time the hub's code and naive's on each sample in turn, then serialization."""
+    _measure_json(plan, report)
+    _measure_serialization(plan, report)
+
+
+def _measure_serialization(plan: Plan, report: Report) -> None:
+    """Time what a publisher, the hub and a subscriber each do with a serialized message."""
+    serializers = Serializers(Interfaces())
+    rounds = 20 * plan.reps
+    rows = []
+    for title, message in MESSAGES:
+        codec = class_codec(type(message))
+        data = codec.serialize(message)
+        check = serializers.of(message._type).check
+        if codec.deserialize(data) != message:
+            report.fault(HUB, message._type, "deserialized to another message")
+        times = microseconds(
+            (
+                partial(codec.serialize, message),
+                partial(check, data),
+                partial(codec.deserialize, data),
+            ),
+            rounds,
+        )
+        report.record("serialization", message=title, times=times)
+        rows.append((title, *(f"{Repeated.of(each)}" for each in times)))
+    report.table(
+        f"ROS 1's serialization: CPU µs, minimum (median) of {rounds}",
+        ("message", "serialize (publisher)", "check (hub)", "deserialize (subscriber)"),
+        rows,
+    )
+
+
+def _measure_json(plan: Plan, report: Report) -> None:
     validators = Validators(Interfaces(), time.time_ns)
     rounds = 20 * plan.reps
     rows = []

@@ -25,6 +25,12 @@ ROSCORE, ROS_PYTHON = Path("/usr/bin/roscore"), "/usr/bin/python3"
 """Debian's."""
 ROS = "ros"
 REAL_ROSPY = "real rospy"
+RUN_SCRIPT = """
+import os, runpy, sys
+del sys.argv[0]
+sys.path[0] = os.path.dirname(sys.argv[0])
+runpy.run_path(sys.argv[0], run_name="__main__")
+"""
 TIMEOUT_SECONDS = 60.0
 STOP_SECONDS = 5.0
 FEWEST_MESSAGES = 5
@@ -71,6 +77,8 @@ class Environment:
     subscriber: str
     variables: dict[str, str]
     hub: Server | None = None
+    prelude: str = ""
+    """Python code that each script runs first."""
 
     def run(self, traffic: Traffic, plan: Plan) -> Run:
         """Publish for the planned time and return the result."""
@@ -118,8 +126,11 @@ class Script:
     def __init__(self, environment: Environment, name: str, *arguments: str) -> None:
         """Start it."""
         self._name = f"{environment.title}: {name}"
+        script = [str(SCRIPTS / name)]
+        if environment.prelude:
+            script = ["-c", f"{environment.prelude}\n{RUN_SCRIPT}", *script]
         self._process = subprocess.Popen(
-            [environment.python, str(SCRIPTS / name), *arguments],
+            [environment.python, *script, *arguments],
             env=environment.variables,
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,

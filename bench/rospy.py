@@ -6,9 +6,10 @@ import subprocess
 import time
 from collections.abc import Sequence
 from contextlib import ExitStack
+from dataclasses import replace
 from statistics import median, quantiles
 
-from bench.environments import ROS, Environment, Traffic, on_hub, real_ros
+from bench.environments import REAL_ROSPY, Environment, Traffic, on_hub, real_ros
 from bench.measure import Plan, Repeated
 from bench.report import Report
 
@@ -17,6 +18,11 @@ HIGH = Traffic("std_msgs/String", 32, 10_000)
 LIMIT_AGAINST_ROS = 3.0
 """For the median of the latency at the low rate."""
 LIMIT_IMPORT_SECONDS = 0.2
+WAKE_LOOP = """
+from rospy.loop_lock import LoopLock
+LoopLock.try_acquire = lambda self: False
+"""
+"""Makes publishers wake the event loop for each message; see `rospy.loop_lock`."""
 
 
 def rospy(plan: Plan, report: Report) -> None:
@@ -25,36 +31,65 @@ def rospy(plan: Plan, report: Report) -> None:
         on_the_hub, _ = stack.enter_context(on_hub())
         ros = stack.enter_context(real_ros())
         environments = [on_the_hub, *([ros] if ros else [])]
-        _measure_latency(environments, plan, report)
+        waking = replace(on_the_hub, title="rospy, waking the loop", prelude=WAKE_LOOP)
+        _measure_latency([*environments, waking], plan, report)
         _measure_throughput(environments, plan, report)
         _measure_import(environments, plan, report)
 
 
 def _measure_latency(environments: Sequence[Environment], plan: Plan, report: Report) -> None:
-    medians: dict[str, list[float]] = {each.name: [] for each in environments}
+    medians: dict[str, list[float]] = {each.title: [] for each in environments}
+    cpu: dict[str, list[float]] = {each.title: [] for each in environments}
     last: dict[str, list[float]] = {}
     for rep in range(plan.reps):
-        for environment in environments:
+        for environment in environments if rep % 2 else environments[::-1]:
             run = environment.run(LOW, plan)
-            report.fault(environment.name, "rospy", run.fault)
-            medians[environment.name].append(median(run.took))
-            last[environment.name] = run.took
-            p50 = median(run.took)
-            report.record("rospy latency", environment=environment.name, rep=rep, p50=p50)
+            title = environment.title
+            report.fault(environment.name, title, run.fault)
+            medians[title].append(median(run.took))
+            cpu[title].append(run.cpu_us)
+            last[title] = run.took
+            report.record(
+                "rospy latency", scripts=title, rep=rep, p50=median(run.took), cpu=run.cpu_us
+            )
     rows = []
-    for name, found in medians.items():
-        ratio = Repeated.ratio(found, medians[ROS]) if ROS in medians else None
-        verdict = ""
-        if ratio:
-            what = "rospy, p50 against real ROS"
-            verdict = report.check(name, what, ratio.median, LIMIT_AGAINST_ROS, " x")
-        p99 = quantiles(last[name], n=100)[-1]
-        p50_text = f"{min(found):.0f} ({median(found):.0f})"
-        rows.append((name, p50_text, f"{p99:.0f}", f"{ratio or ''}", verdict))
+    ours = environments[0]
+    for environment in environments:
+        title = environment.title
+        against_ros = verdict = ""
+        if REAL_ROSPY in medians and title != REAL_ROSPY:
+            ratio = Repeated.ratio(medians[title], medians[REAL_ROSPY])
+            against_ros = f"{ratio}"
+            if environment is ours:
+                what = "rospy, p50 against real ROS"
+                verdict = report.check(
+                    environment.name, what, ratio.median, LIMIT_AGAINST_ROS, " x"
+                )
+        rows.append(
+            (
+                title,
+                _whole(medians[title]),
+                f"{quantiles(last[title], n=100)[-1]:.0f}",
+                against_ros,
+                verdict,
+                _whole(cpu[title]),
+                f"{Repeated.ratio(medians[title], medians[ours.title])}",
+                f"{Repeated.ratio(cpu[title], cpu[ours.title])}",
+            )
+        )
     report.table(
         f"rospy to rospy, {LOW.hz:g} messages/s of std_msgs/String: µs from publish to callback, "
-        f"minimum (median) of {plan.reps}",
-        ("server", "p50", "p99 of the last run", "p50 : real ROS", "limit"),
+        f"and CPU µs per message, minimum (median) of {plan.reps}",
+        (
+            "scripts",
+            "p50",
+            "p99 of the last run",
+            "p50 : real ROS",
+            "limit",
+            "CPU",
+            f"p50 : {ours.title}",
+            f"CPU : {ours.title}",
+        ),
         rows,
     )
 
@@ -86,6 +121,10 @@ def _measure_import(environments: Sequence[Environment], plan: Plan, report: Rep
         report.record("rospy import", environment=name, seconds=seconds)
         rows.append((name, f"{seconds * 1000:.0f}", verdict))
     report.table("import rospy: ms, median", ("server", "ms", "limit"), rows)
+
+
+def _whole(values: Sequence[float]) -> str:
+    return f"{min(values):.0f} ({median(values):.0f})"
 
 
 def _import_seconds(environment: Environment) -> float:
