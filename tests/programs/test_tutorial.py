@@ -5,11 +5,12 @@ from __future__ import annotations
 import os
 import re
 import shutil
+import signal
 import socket
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import NamedTuple
 
@@ -77,6 +78,14 @@ class Screen(Terminal):
         take = "import fcntl, os, sys, termios; fcntl.ioctl(0, termios.TIOCSCTTY, 0)"
         run = "os.execv(sys.argv[1], sys.argv[1:])"
         super().__init__(sys.executable, "-S", "-c", f"{take}; {run}", *words, **environment)
+
+    def close(self) -> None:
+        """End what runs in the foreground, the shell, and the terminal."""
+        foreground = os.tcgetpgrp(self._master)
+        if foreground > 1:
+            with suppress(ProcessLookupError):
+                os.killpg(foreground, signal.SIGKILL)
+        super().close()
 
     def wait_for_match(self, pattern: str) -> str:
         """Read until something matches, go on behind it next time, and return it."""
