@@ -14,6 +14,7 @@ from bench.encodings import encodings
 from bench.fanout import fanout
 from bench.flood import flood
 from bench.idle import idle
+from bench.isolation import isolation
 from bench.latency import latency
 from bench.machine import require_linux
 from bench.measure import COMPARISON, QUICK, BenchError, Plan
@@ -24,6 +25,7 @@ from bench.rosapi import rosapi
 from bench.rospy import rospy
 from bench.servers import binary
 from bench.services import services
+from bench.soak import soak
 from bench.startup import startup
 from bench.stuck import stuck
 from bench.subscriptions import subscriptions
@@ -44,6 +46,8 @@ SCENARIOS = {
     "robots": robots.robots,
     "nodes": nodes,
     "stuck": stuck,
+    "isolation": isolation,
+    "soak": soak,
 }
 COMPARABLE = ("fanout", "latency")
 """The scenarios that --against runs."""
@@ -100,7 +104,7 @@ def _options() -> argparse.Namespace:
         metavar="NAME,...",
         help=f"cells of robots to measure: {', '.join(robots.NAMES)}; default: all",
     )
-    parser.add_argument("--minutes", type=float, help="duration of stuck; default: 20 seconds")
+    parser.add_argument("--minutes", type=float, help="duration of stuck and soak")
     options = parser.parse_args()
     if unknown := set(options.scenario) - set(SCENARIOS):
         parser.error(

@@ -62,10 +62,10 @@ class Client:
         except OSError as error:
             raise BenchError(f"{self._node} cannot send: {error}") from error
 
-    def read(self) -> list[bytes]:
-        """Wait for bytes; return the messages that they complete, if any."""
+    def read(self, most: int = len(_READ)) -> list[bytes]:
+        """Wait for bytes, take at most that many; return the messages that they complete."""
         try:
-            size = self._socket.recv_into(_READ)
+            size = self._socket.recv_into(_READ, most)
         except OSError as error:
             raise BenchError(f"{self._node} received nothing: {error}") from error
         if not size:

@@ -80,6 +80,13 @@ def cpu_seconds(pid: int) -> float:
     return time.clock_gettime(~pid << 3 | 2)
 
 
+def memory(pid: int) -> dict[str, int]:
+    """Return a process's memory in bytes, by the names of proc(5): VmRSS now, VmHWM at most."""
+    lines = Path(f"/proc/{pid}/status").read_text().splitlines()
+    fields = (line.split() for line in lines if line.startswith("Vm"))
+    return {name.rstrip(":"): int(kibibytes) * 1024 for name, kibibytes, _ in fields}
+
+
 class Disturbance:
     """The CPU time of other processes, from now on."""
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 
 from bench.client import Client, operation
 from bench.environments import Script, Traffic, on_hub
-from bench.measure import HUB, BenchError, Plan
+from bench.machine import memory
+from bench.measure import HUB, Plan
 from bench.report import Report
 from bench.servers import Server
 
@@ -99,16 +99,16 @@ def _samples(
     while (elapsed := time.monotonic() - start) < seconds:
         time.sleep(min(interval, seconds - elapsed))
         viewer.check()
-        elapsed, memory = time.monotonic() - start, _resident_megabytes(hub.pid)
-        samples.append((elapsed, memory))
-        report.record("stuck", seconds=elapsed, rss_mb=memory, dropped=viewer.dropped)
-        yield f"{elapsed:.1f}", f"{memory:.1f}", f"{viewer.dropped}"
+        elapsed, size = time.monotonic() - start, memory(hub.pid)["VmRSS"] / 1e6
+        samples.append((elapsed, size))
+        report.record("stuck", seconds=elapsed, rss_mb=size, dropped=viewer.dropped)
+        yield f"{elapsed:.1f}", f"{size:.1f}", f"{viewer.dropped}"
 
 
 def _check_growth(samples: Sequence[tuple[float, float]], seconds: float, report: Report) -> None:
     settled = min(SETTLE_SECONDS, seconds / 2)
-    before = max(memory for elapsed, memory in samples if elapsed <= settled + 1)
-    after = max(memory for elapsed, memory in samples if elapsed > settled)
+    before = max(size for elapsed, size in samples if elapsed <= settled + 1)
+    after = max(size for elapsed, size in samples if elapsed > settled)
     growth = 100 * (after / before - 1)
     what = "a viewer that never reads, growth of memory"
     verdict = report.check(HUB, what, growth, LIMIT_GROWTH_PERCENT, " %")
@@ -120,10 +120,3 @@ def _check_delivery(publisher: Script, healthy: Script, count: int, report: Repo
     received = json.loads(healthy.line())["received"]
     if received != count:
         report.fault(HUB, "beside a stuck viewer", f"lost {count - received} of {count}")
-
-
-def _resident_megabytes(pid: int) -> float:
-    for line in Path(f"/proc/{pid}/status").read_text().splitlines():
-        if line.startswith("VmRSS:"):
-            return int(line.split()[1]) / 1024
-    raise BenchError(f"VmRSS not found in /proc/{pid}/status")
