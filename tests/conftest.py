@@ -34,6 +34,7 @@ SETTINGS: dict[str, Any] = {
 
 def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("markers", "both_loops: run on asyncio's event loop and on uvloop's")
+    config.addinivalue_line("markers", "slow: takes a minute; run with -m slow")
 
 
 def pytest_asyncio_loop_factories(

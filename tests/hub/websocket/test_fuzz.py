@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import itertools
 import json
 import random
@@ -33,6 +34,8 @@ from ..raw_client import (
 
 pytestmark = pytest.mark.both_loops
 
+ROUNDS, FRAMES = 250, 2000
+"""Of the slow test: on both loops together a million frames."""
 _HEALTHY = [HealthCheck.function_scoped_fixture, HealthCheck.differing_executors]
 """One hub serves all examples, and each loop has a run of its own: both as it should be."""
 
@@ -116,6 +119,23 @@ class TestFuzz:
                         await client.send(frame(CLOSE))
                         await client.to_the_end()
             await check()
+
+    @pytest.mark.slow
+    async def test_half_a_million_serialized_frames(self, hub: Hub) -> None:
+        chance = random.Random(300)
+        async with _bystanders(hub) as check:
+            for _ in range(ROUNDS):
+                async with connected(hub.port, Sec_WebSocket_Protocol=SUBPROTOCOL) as client:
+                    for number, (type_, _message) in enumerate(SERIALIZED):
+                        await client.send_operation(
+                            "advertise", topic=f"/s{number}", type=type_, publisher=number
+                        )
+                    frames = [frame(BINARY, _serialized(chance)) for _ in range(FRAMES)]
+                    _, received = await asyncio.gather(
+                        client.send(*frames, frame(CLOSE)), client.to_the_end()
+                    )
+                    assert received.endswith(b"\x88\x00")  # It has read all, up to the close.
+                await check()
 
     @pytest.mark.parametrize("seed", range(2))
     async def test_random_frames_and_resets(self, hub: Hub, seed: int) -> None:
