@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import gc
 import json
 import os
 import re
@@ -178,6 +179,17 @@ def test_help_lists_every_setting_with_its_default(flag: str) -> None:
     for field in dataclasses.fields(Settings):
         assert f"--{field.name.replace('_', '-')}" in result.output
     assert "9090" in result.output
+
+
+def test_only_the_program_changes_the_garbage_collector() -> None:
+    code = (
+        "import atexit, gc, fibws.hub.__main__ as main\n"
+        "show = lambda: print(gc.get_threshold()[0], gc.get_freeze_count() > 0)\n"
+        "show(); atexit.register(show); main.main()"
+    )
+    argv = [sys.executable, "-c", code, "--host", "256.0.0.1"]
+    process = subprocess.run(argv, capture_output=True, text=True, timeout=PATIENCE, check=False)
+    assert process.stdout.split() == [str(gc.get_threshold()[0]), "False", "10000", "True"]
 
 
 def test_version_is_the_packages() -> None:
