@@ -10,8 +10,9 @@ rosbridge_library's capability.py and protocol.py), clients get that text.
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Iterable, Iterator
+import re
+from codecs import getincrementaldecoder
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 from io import BytesIO
 from itertools import islice
@@ -23,6 +24,7 @@ from pydantic import Field, TypeAdapter, ValidationError
 from pydantic_core import from_json, to_json
 
 from fibws.errors import InvalidUtf8, OperationError
+from fibws.protocol.limits import MOST_CONTAINERS, check_cbor
 from fibws.protocol.operations import LONGEST_ID, Reply, Request
 
 T = TypeVar("T")
@@ -30,11 +32,24 @@ T = TypeVar("T")
 QUOTED_LENGTH = 200
 """Most characters of an invalid value that an error quotes."""
 
-_SCANNER = json.JSONDecoder()
+_SLICE: Final = 2**20
+"""Bytes of a text that are looked at together, where that bounds memory."""
+
+_BRACES = re.compile(rb"\}\}*[ \t\r\n]*([^ \t\r\n,\]}]?)")
+"""Closing braces and, as a group, what follows them if that is neither a comma nor a bracket: in
+valid JSON they are then the end of the whole text, or within a string."""
+
+_TRAILING: Final = "trailing characters"
+"""How the error of `from_json` begins if a value is followed by something."""
+
+_MOST_BRACES: Final = MOST_CONTAINERS + 100_000
+"""How often `_BRACES` may be found in a text of several objects: also in strings."""
 
 
-def decode_json(data: bytes) -> Iterable[dict[str, Any]]:
+def decode_json(data: bytes | bytearray) -> Iterable[dict[str, Any]]:
     """Return the JSON objects of a text: usually one; rosbridge_suite accepts several in a row.
+
+    Of several, only the one that is returned is in memory.
 
     Raises:
         OperationError: the text is not JSON, or has a value that is not an object. The objects
@@ -44,31 +59,61 @@ def decode_json(data: bytes) -> Iterable[dict[str, Any]]:
     try:
         value = from_json(data)
     except ValueError as error:
-        return _several(data, error)
+        return _several(data, str(error))
     return (_object(value),)
 
 
-def _several(data: bytes, first_error: ValueError) -> Iterator[dict[str, Any]]:
+def _several(data: bytes | bytearray, first_error: str) -> Iterator[dict[str, Any]]:
     """Yield the objects of a text that is not a single JSON value."""
+    _check_utf8(data)
+    if not first_error.startswith(_TRAILING):
+        if data.strip():
+            raise _not_json(data, first_error)
+        return
+    start = counted = 0
+    inside = False
+    for number, braces in enumerate(_BRACES.finditer(data)):
+        if number > _MOST_BRACES:
+            raise OperationError("too many braces in the strings of several objects in one text")
+        if not braces[1]:
+            continue
+        following = braces.start(1)
+        inside ^= _quotes(data, counted, following) % 2 == 1
+        counted = following
+        if not inside:
+            yield _object(_decode(data[start:following], first_error))
+            start = following
+    if data[start:].strip():
+        yield _object(_decode(data[start:], first_error))
+
+
+def _check_utf8(data: bytes | bytearray) -> None:
+    decoder = getincrementaldecoder("utf-8")()
     try:
-        text = data.decode().lstrip()
+        for start in range(0, len(data), _SLICE):
+            decoder.decode(data[start : start + _SLICE])
+        decoder.decode(b"", True)
     except UnicodeDecodeError as error:
         raise InvalidUtf8(str(error)) from None
-    position, end = 0, len(text)
-    while position < end:
-        try:
-            # The scanner only finds the end of the object; from_json decodes it, as always.
-            _, stop = _SCANNER.raw_decode(text, position)
-            value = from_json(text[position:stop])
-        except (ValueError, RecursionError):
-            raise OperationError(
-                f"Expected JSON objects: {first_error}. "
-                f"Original message was: {quoted(text[position:])}"
-            ) from None
-        yield _object(value)
-        while stop < end and text[stop] in " \t\r\n":
-            stop += 1
-        position = stop
+
+
+def _quotes(data: bytes | bytearray, start: int, end: int) -> int:
+    """Count the quotation marks that begin or end a string."""
+    if data.find(b"\\", start, end) < 0:
+        return data.count(b'"', start, end)
+    return data[start:end].replace(rb"\\", b"").replace(rb"\"", b"").count(b'"')
+
+
+def _decode(text: bytes | bytearray, first_error: str) -> Any:
+    try:
+        return from_json(text)
+    except ValueError:
+        raise _not_json(text, first_error) from None
+
+
+def _not_json(text: bytes | bytearray, error: str) -> OperationError:
+    begin = text[: 5 * QUOTED_LENGTH].decode(errors="ignore").lstrip()
+    return OperationError(f"Expected JSON objects: {error}. Original message was: {quoted(begin)}")
 
 
 def _object(value: object) -> dict[str, Any]:
@@ -82,15 +127,19 @@ def _object(value: object) -> dict[str, Any]:
 DEEPEST: Final = 200
 """Most levels of nested arrays and maps: as many as pydantic_core allows in JSON."""
 
-MOST_ITEMS: Final = 2**20
-"""Most values in a map: an empty array takes one byte, and eighty once it is decoded."""
-
-_BYTES: Final = 2
-_TEXT: Final = 3
-"""The major types of byte strings and text strings, whose contents follow their head."""
-
+_UINT8: Final = "<B"
 _TYPED_ARRAYS: Final = {
-    **{64: "<B", 68: "<B", 69: "<H", 70: "<I", 71: "<Q", 72: "<b", 77: "<h", 78: "<i", 79: "<q"},
+    **{
+        64: _UINT8,
+        68: _UINT8,
+        69: "<H",
+        70: "<I",
+        71: "<Q",
+        72: "<b",
+        77: "<h",
+        78: "<i",
+        79: "<q",
+    },
     **{65: ">H", 66: ">I", 67: ">Q", 73: ">h", 74: ">i", 75: ">q"},
     **{80: ">e", 81: ">f", 82: ">d", 84: "<e", 85: "<f", 86: "<d"},
 }
@@ -111,13 +160,13 @@ _SCALARS: Final = {str, int, float, bool, bytes, type(None)}
 def decode_cbor(data: bytes) -> dict[str, Any]:
     """Return a CBOR map as a dict of JSON's types and bytes; undefined becomes None.
 
-    Typed arrays (RFC 8746) become lists. All other tags are refused: JSON has no equivalent, and
-    with some of them a few bytes keep a decoder busy for minutes.
+    Typed arrays (RFC 8746) become lists, those of uint8 bytes. All other tags are refused: JSON has
+    no equivalent, and with some of them a few bytes keep a decoder busy for minutes.
 
     Raises:
-        OperationError: the data is not one CBOR map, or has a value of another type.
+        OperationError: the data is not one CBOR map, has a value of another type, or has too many.
     """
-    _check_count(data)
+    check_cbor(data)
     source = BytesIO(data.removeprefix(_SELF_DESCRIBED))
     decoder = cbor2.CBORDecoder(
         source,
@@ -136,31 +185,6 @@ def decode_cbor(data: bytes) -> dict[str, Any]:
     if rest:
         raise OperationError(f"Expected one map in CBOR, got {rest} more bytes after it")
     return _checked_map(value)
-
-
-def _check_count(data: bytes) -> None:
-    """Refuse data with so many values that it takes far more memory once it is decoded.
-
-    This reads only the heads of values (RFC 8949, section 3): the elements of arrays and maps
-    follow as values of their own.
-    """
-    position, end = 0, len(data)
-    for _ in range(MOST_ITEMS):
-        if position >= end:
-            return
-        kind, argument = data[position] >> 5, data[position] & 31
-        position += 1
-        if 24 <= argument <= 27:
-            size = 1 << (argument - 24)
-            argument = int.from_bytes(data[position : position + size], "big")
-            position += size
-        elif argument > 27:
-            # Of indefinite length, whose chunks follow as values; or invalid: see the decoder.
-            argument = 0
-        if kind in (_BYTES, _TEXT):
-            position += argument
-    if position < end:
-        raise OperationError(f"Expected a map in CBOR of at most {MOST_ITEMS} values")
 
 
 def _checked_map(value: dict[Any, Any]) -> dict[str, Any]:
@@ -187,9 +211,11 @@ def _checked(value: Any) -> Any:
     raise OperationError(f"Expected bytes or values that JSON has in CBOR, got {kind}")
 
 
-def _typed_array(layout: str, data: object, immutable: bool) -> list[int] | list[float]:
+def _typed_array(layout: str, data: object, immutable: bool) -> Sequence[float]:
     if not isinstance(data, bytes):
         raise ValueError("a typed array must be a byte string")
+    if layout == _UINT8:
+        return data
     count, rest = divmod(len(data), calcsize(layout))
     if rest:
         raise ValueError(f"a typed array of {len(data)} bytes ends within an element")

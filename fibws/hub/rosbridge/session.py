@@ -28,6 +28,7 @@ from fibws.hub.settings import Settings
 from fibws.hub.websocket.endpoint import Opening
 from fibws.protocol.decoding import REQUESTS, decode_cbor, decode_json, parse_request
 from fibws.protocol.fragments import Reassembly
+from fibws.protocol.limits import FEWEST_BYTES, check_json
 from fibws.protocol.operations import (
     ActionFeedback,
     ActionResult,
@@ -161,15 +162,18 @@ class Session:
         Raises:
             InvalidUtf8: the bytes are not UTF-8.
         """
+        if len(data) <= FEWEST_BYTES:
+            # Nearly every text: it is short, and one object.
+            try:
+                fields = from_json(data)
+            except ValueError:
+                fields = None
+            if type(fields) is dict:
+                self._perform(fields, len(data))
+                return
+            fields = None  # It may be large, and is decoded once more for the error.
         try:
-            fields = from_json(data)
-        except ValueError:
-            fields = None
-        if type(fields) is dict:
-            self._perform(fields, len(data))
-            return
-        try:
-            self._perform_all(bytes(data))
+            self._perform_all(data)
         except OperationError as error:
             self._statuses.error(None, str(error), code=error.code)
 
@@ -220,15 +224,18 @@ class Session:
 
     # Operations.
 
-    def _perform_all(self, data: bytes, *, reassembled: bool = False) -> None:
-        size = len(data)
-        for number, fields in enumerate(decode_json(data)):
-            if number == MAX_OBJECTS:
+    def _perform_all(self, data: Payload, *, reassembled: bool = False) -> None:
+        check_json(data)
+        size, left = len(data), MAX_OBJECTS
+        for fields in decode_json(data):
+            if not left:
                 raise OperationError(f"Expected at most {MAX_OBJECTS} operations in one text")
+            left -= 1
             if reassembled and fields.get("op") == "fragment":
                 raise OperationError("a fragment must not hold fragments")
             self._perform(fields, size)
             size = 0  # The bytes count once, however many operations share them.
+            del fields  # Not two at a time: they take many times their text's memory.
 
     def _perform(self, fields: dict[str, Any], size: int) -> None:
         try:
@@ -322,4 +329,6 @@ class Session:
             self._reassembly = Reassembly(max_size=client.settings.max_fragment_bytes)
         text = self._reassembly.add(fragment, client.clock.time())
         if text is not None:
-            self._perform_all(text.encode(), reassembled=True)
+            data = text.encode()
+            del text
+            self._perform_all(data, reassembled=True)
