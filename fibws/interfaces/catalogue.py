@@ -14,7 +14,7 @@ from fibws.interfaces.definition import ActionDefinition, MessageDefinition, Ser
 from fibws.interfaces.folders import STANDARD as STANDARD
 from fibws.interfaces.folders import Folders
 from fibws.interfaces.package import Kind
-from fibws.interfaces.resolver import MOST_VALUES, Resolver
+from fibws.interfaces.resolver import Resolver
 
 _TYPE_NAME = re.compile(r"([A-Za-z]\w{0,99})(?:/(?:msg|srv|action))?/([A-Za-z]\w{0,99})", re.ASCII)
 
@@ -90,9 +90,9 @@ class Interfaces:
         """
         return self._resolver.known.get(name) or self._resolver.message(self.canonical(name))
 
-    def most_elements(self, name: str) -> int:
-        """How many messages of a type one array may hold; raises as `message` does."""
-        return MOST_VALUES // self._resolver.size(self.message(name).type).values
+    def default_values(self, name: str) -> int:
+        """How many values a message of only defaults has, at least 1; raises as `message` does."""
+        return max(1, self._resolver.size(self.message(name).type).values)
 
     def service(self, name: str) -> ServiceDefinition:
         """The service of that name; raises as `message` does."""

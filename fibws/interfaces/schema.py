@@ -6,6 +6,7 @@ rule of its own: float32's rounding, byte strings, and times that are relative t
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from math import nan
 from struct import Struct, pack, unpack
@@ -34,11 +35,18 @@ _FLOAT32 = Struct("<f")
 _pack, _unpack = _FLOAT32.pack, _FLOAT32.unpack
 
 
-def scalar_schema(field: Field) -> core_schema.CoreSchema:
-    """The schema of one value of a field that is neither a time nor a message."""
+def scalar_schema(field: Field, *, lenient: bool) -> core_schema.CoreSchema:
+    """The schema of one value of a field that is neither a time nor a message.
+
+    Args:
+        lenient: whether to take numbers as clients write them whose language has one kind of
+            number: 5.0 for an integer, "NaN" and "Infinity", and decimal strings for int64 and
+            uint64, of which JavaScript's numbers hold but a part.
+    """
     if field.type in builtin.INTEGERS:
         low, high = builtin.INTEGERS[field.type]
-        return core_schema.int_schema(strict=True, ge=low, le=high)
+        integer: core_schema.CoreSchema = core_schema.int_schema(strict=True, ge=low, le=high)
+        return _before(_WHOLE.get(field.type, _whole), integer) if lenient else integer
     if field.type in builtin.STRINGS:
         # The minimum makes pydantic_core look at the characters: lone surrogates cannot be sent.
         return core_schema.str_schema(strict=True, min_length=0, max_length=field.limit)
@@ -47,36 +55,44 @@ def scalar_schema(field: Field) -> core_schema.CoreSchema:
     schema: core_schema.CoreSchema = core_schema.float_schema(strict=True)
     if field.type == "float32":
         schema = core_schema.no_info_after_validator_function(_round, schema)
-    return core_schema.nullable_schema(schema)
+    schema = core_schema.nullable_schema(schema)
+    return _before(_number, schema) if lenient else schema
 
 
 def array_schema(
-    field: Field, element: core_schema.CoreSchema, most: int | None
+    field: Field, element: core_schema.CoreSchema, *, lenient: bool
 ) -> core_schema.CoreSchema:
-    """The schema of an array of at most ``most`` elements."""
+    """The schema of an array; ``lenient`` as in `scalar_schema`."""
     assert field.array is not None
-    if most is not None and field.array.fixed is None:
-        most = most if field.array.size is None else min(most, field.array.size)
-        return _list_of(element, Array(most, bounded=True))
     if field.is_bytes:
         return core_schema.no_info_plain_validator_function(_bytes_reader(element, field.array))
     if field.type == "float32":
-        floats = core_schema.nullable_schema(core_schema.float_schema(strict=True))
+        floats: core_schema.CoreSchema = core_schema.nullable_schema(
+            core_schema.float_schema(strict=True)
+        )
+        if lenient:
+            floats = _before(_number, floats)
         return core_schema.no_info_after_validator_function(
             _round_all, _list_of(floats, field.array)
         )
-    return _list_of(element, field.array)
+    elements = _list_of(element, field.array)
+    if lenient and field.type in builtin.INTEGERS:
+        return _before(_bytes_as_list, elements)
+    return elements
 
 
-def time_schema(kind: str, base: Stamp, now: Stamp | None) -> core_schema.CoreSchema:
+def time_schema(
+    kind: str, base: Stamp, now: Stamp | None, *, lenient: bool
+) -> core_schema.CoreSchema:
     """The schema of ``time`` or ``duration``: an object of secs and nsecs.
 
     Args:
         kind: ``time`` or ``duration``.
         base: gives what the object's absent parts are.
         now: gives what the word "now" stands for, if it stands for anything.
+        lenient: as in `scalar_schema`.
     """
-    partial = SchemaValidator(_secs_and_nsecs(kind, required=False))
+    partial = SchemaValidator(_secs_and_nsecs(kind, required=False, lenient=lenient))
 
     def complete(value: object) -> dict[str, int]:
         if now is not None and isinstance(value, str) and value == "now":
@@ -86,7 +102,7 @@ def time_schema(kind: str, base: Stamp, now: Stamp | None) -> core_schema.CoreSc
 
     return core_schema.union_schema(
         [
-            (_secs_and_nsecs(kind, required=True), f"{CHOICE}whole"),
+            (_secs_and_nsecs(kind, required=True, lenient=lenient), f"{CHOICE}whole"),
             (core_schema.no_info_plain_validator_function(complete), f"{CHOICE}partial"),
         ],
         mode="left_to_right",
@@ -98,10 +114,12 @@ def zero_time() -> dict[str, int]:
     return {"secs": 0, "nsecs": 0}
 
 
-def _secs_and_nsecs(kind: str, *, required: bool) -> core_schema.CoreSchema:
+def _secs_and_nsecs(kind: str, *, required: bool, lenient: bool) -> core_schema.CoreSchema:
     """The schema of an object with both parts, as ROS 1, ROS 2 or older clients spell them."""
     low, high = builtin.INTEGERS[builtin.TIMES[kind]]
-    part = core_schema.int_schema(strict=True, ge=low, le=high)
+    part: core_schema.CoreSchema = core_schema.int_schema(strict=True, ge=low, le=high)
+    if lenient:
+        part = _before(_whole, part)
     return core_schema.typed_dict_schema(
         {
             name: core_schema.typed_dict_field(part, required=required, validation_alias=spellings)
@@ -140,6 +158,39 @@ def _bytes_reader(element: core_schema.CoreSchema, array: Array) -> Callable[[ob
         return text
 
     return read
+
+
+def _before(
+    convert: Callable[[Any], Any], schema: core_schema.CoreSchema
+) -> core_schema.CoreSchema:
+    return core_schema.no_info_before_validator_function(convert, schema)
+
+
+def _whole(value: Any) -> Any:
+    """Return an integer for a float without a fraction; any other value as it is."""
+    return int(value) if type(value) is float and value.is_integer() else value
+
+
+def _whole_or_digits(value: Any) -> Any:
+    """Return an integer for a decimal string, too."""
+    return int(value) if type(value) is str and _DIGITS.fullmatch(value) else _whole(value)
+
+
+_DIGITS = re.compile(r"-?\d{1,20}", re.ASCII)
+_WHOLE: Final = {"int64": _whole_or_digits, "uint64": _whole_or_digits}
+
+
+def _number(value: Any) -> Any:
+    """Return the float that a string names as JavaScript does; any other value as it is."""
+    return _NAMED_FLOATS.get(value, value) if type(value) is str else value
+
+
+_NAMED_FLOATS: Final = {name: float(name) for name in ("NaN", "Infinity", "-Infinity")}
+
+
+def _bytes_as_list(value: Any) -> Any:
+    """Return a list for bytes, which a typed array of uint8 in CBOR is."""
+    return list(value) if type(value) is bytes else value
 
 
 def _round(value: float) -> float:

@@ -10,15 +10,20 @@ from __future__ import annotations
 from base64 import b64encode
 from collections.abc import Callable, Iterator
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 from pydantic_core import SchemaValidator, ValidationError, core_schema
 
+from fibws.errors import InvalidMessage
 from fibws.interfaces import builtin
 from fibws.interfaces.catalogue import Interfaces
 from fibws.interfaces.definition import Array, Field, MessageDefinition
 from fibws.interfaces.schema import array_schema, scalar_schema, time_schema, zero_time
-from fibws.interfaces.validation_errors import explain
+from fibws.interfaces.validation_errors import MOST_EXPLAINED, explain
+
+MOST_ABSENT = 2**16
+"""Most values that a message may leave to their defaults, besides one for each four that it has: an
+array of 300,000 ``{}`` must not become millions of values."""
 
 
 class Validators:
@@ -27,21 +32,16 @@ class Validators:
     Args:
         interfaces: where the types are looked up.
         now: gives the nanoseconds since 1970, for stamps and the word "now".
+        lenient: whether to take numbers in other spellings, too; see `schema.scalar_schema`.
     """
 
-    def __init__(self, interfaces: Interfaces, now: Callable[[], int]) -> None:
+    def __init__(
+        self, interfaces: Interfaces, now: Callable[[], int], *, lenient: bool = False
+    ) -> None:
         self._interfaces = interfaces
-        self._now = now
+        self._schemas = _Schemas(interfaces, now, lenient=False)
+        self._lenient = _Schemas(interfaces, now, lenient=True) if lenient else None
         self._by_name: dict[str, MessageValidator] = {}
-        self._schemas: dict[str, core_schema.CoreSchema] = {
-            "time": time_schema("time", base=zero_time, now=self._now_parts),
-            "duration": time_schema("duration", base=zero_time, now=None),
-        }
-        self._fields: dict[tuple[str, Array | None], core_schema.CoreSchema] = {}
-        self._stamp = core_schema.with_default_schema(
-            time_schema("time", base=self._now_parts, now=self._now_parts),
-            default_factory=self._now_parts,
-        )
 
     def of(self, name: str) -> MessageValidator:
         """The validator of a message type; raises as `Interfaces.message` does."""
@@ -54,13 +54,35 @@ class Validators:
 
     def of_definition(self, definition: MessageDefinition) -> MessageValidator:
         """A new validator of a message without a name of its own, such as a service's request."""
-        return MessageValidator(definition, self._message(definition), self._interfaces)
+        return MessageValidator(definition, self._schemas, self._lenient, self._interfaces)
+
+
+class _Schemas:
+    """The schemas of all types.
+
+    Args:
+        lenient: as in `schema.scalar_schema`.
+    """
+
+    def __init__(self, interfaces: Interfaces, now: Callable[[], int], *, lenient: bool) -> None:
+        self._interfaces = interfaces
+        self._now = now
+        self._lenient = lenient
+        self._by_type: dict[str, core_schema.CoreSchema] = {
+            "time": time_schema("time", base=zero_time, now=self._now_parts, lenient=lenient),
+            "duration": time_schema("duration", base=zero_time, now=None, lenient=lenient),
+        }
+        self._fields: dict[tuple[str, Array | None], core_schema.CoreSchema] = {}
+        self._stamp = core_schema.with_default_schema(
+            time_schema("time", base=self._now_parts, now=self._now_parts, lenient=lenient),
+            default_factory=self._now_parts,
+        )
 
     def _now_parts(self) -> dict[str, int]:
         secs, nsecs = divmod(self._now(), 1_000_000_000)
         return {"secs": secs, "nsecs": nsecs}
 
-    def _message(self, definition: MessageDefinition) -> core_schema.CoreSchema:
+    def message(self, definition: MessageDefinition) -> core_schema.CoreSchema:
         """The schema of an object in which all fields are optional, and no others are allowed."""
         fields = {field.name: self._field(field) for field in definition.fields}
         if definition.type == builtin.HEADER:
@@ -89,43 +111,131 @@ class Validators:
     def _new_field(self, field: Field) -> core_schema.CoreSchema:
         schema = self._element(field)
         if field.array is not None:
-            most = self._interfaces.most_elements(field.type) if field.is_nested else None
-            schema = array_schema(field, schema, most)
+            schema = array_schema(field, schema, lenient=self._lenient)
         return _with_default(field, schema)
 
     def _element(self, field: Field) -> core_schema.CoreSchema:
         if not field.is_nested and field.type not in builtin.TIMES:
-            return scalar_schema(field)
-        if field.type not in self._schemas:
-            self._schemas[field.type] = self._message(self._interfaces.message(field.type))
-        return self._schemas[field.type]
+            return scalar_schema(field, lenient=self._lenient)
+        if field.type not in self._by_type:
+            self._by_type[field.type] = self.message(self._interfaces.message(field.type))
+        return self._by_type[field.type]
+
+
+class _Nested(NamedTuple):
+    """A field in which there are arrays of messages: such an array, or a message with some in it.
+
+    ``values`` are those of one message with empty arrays, ``inner`` its own fields of that kind.
+    """
+
+    name: str
+    is_array: bool
+    values: int
+    inner: tuple[_Nested, ...]
 
 
 class MessageValidator:
     """Validates the messages of one type."""
 
-    __slots__ = ("_interfaces", "_validate", "definition", "has_sequenced_header", "type")
+    __slots__ = (
+        "_interfaces",
+        "_lenient",
+        "_nested",
+        "_validate",
+        "definition",
+        "has_sequenced_header",
+        "type",
+    )
 
     def __init__(
-        self, definition: MessageDefinition, schema: core_schema.CoreSchema, interfaces: Interfaces
+        self,
+        definition: MessageDefinition,
+        schemas: _Schemas,
+        lenient: _Schemas | None,
+        interfaces: Interfaces,
     ) -> None:
         self.definition = definition
         self.type = definition.type
         self.has_sequenced_header = definition.has_sequenced_header
         self._interfaces = interfaces
-        self._validate = SchemaValidator(schema).validate_python
+        self._validate = SchemaValidator(schemas.message(definition)).validate_python
+        self._lenient: _Schemas | Callable[[object], dict[str, Any]] | None = lenient
+        """Nearly all messages are in the strict spelling: the other validator is made on demand."""
+        self._nested = self._find_nested(definition)
 
     def validate(self, msg: object) -> dict[str, Any]:
         """Return the message with all fields.
 
         Raises:
-            InvalidMessage: it does not fit the type; the text names the first field at fault.
+            InvalidMessage: it does not fit the type, and the text names the first field at fault;
+                or it leaves out too many fields.
         """
+        if self._nested and type(msg) is dict:
+            self._check_absent(msg)
         try:
             valid: dict[str, Any] = self._validate(msg)
         except ValidationError as error:
-            raise explain(self.definition, self._interfaces.message, error) from None
-        return valid
+            if self._lenient is None or error.error_count() > MOST_EXPLAINED:
+                raise self._explained(error) from None
+        else:
+            return valid
+        return self._validate_leniently(msg)
+
+    def _validate_leniently(self, msg: object) -> dict[str, Any]:
+        if isinstance(self._lenient, _Schemas):
+            schema = self._lenient.message(self.definition)
+            self._lenient = SchemaValidator(schema).validate_python
+        assert self._lenient is not None
+        try:
+            return self._lenient(msg)
+        except ValidationError as error:
+            raise self._explained(error) from None
+
+    def _explained(self, error: ValidationError) -> InvalidMessage:
+        return explain(self.definition, self._interfaces.message, error)
+
+    def _check_absent(self, msg: dict[str, Any]) -> None:
+        """Refuse a message that leaves so much out that its defaults are most of the work."""
+        if _most_values(self._nested, msg) <= MOST_ABSENT:
+            return
+        present, absent = self._count(self.definition, msg)
+        most = MOST_ABSENT + present // 4
+        if absent > most:
+            raise InvalidMessage(
+                f"Message type {self.type} leaves {absent} values to their defaults, "
+                f"the limit for a message with {present} values is {most}"
+            )
+
+    def _find_nested(self, definition: MessageDefinition) -> tuple[_Nested, ...]:
+        found = []
+        for field in definition.fields:
+            if field.is_nested:
+                nested = self._interfaces.message(field.type)
+                inner = self._find_nested(nested)
+                if field.array is not None or inner:
+                    values = self._interfaces.default_values(nested.type)
+                    found.append(_Nested(field.name, field.array is not None, values, inner))
+        return tuple(found)
+
+    def _count(self, definition: MessageDefinition, msg: dict[str, Any]) -> tuple[int, int]:
+        """Return how many values a message has, and how many it leaves to their defaults."""
+        present = absent = 0
+        for field in definition.fields:
+            value = msg.get(field.name)
+            if value is None:
+                each = self._interfaces.default_values(field.type) if field.is_nested else 1
+                absent += max(1, each * (1 if field.array is None else field.fixed_size))
+                continue
+            present += 1
+            if not field.is_nested:
+                continue
+            nested = self._interfaces.message(field.type)
+            for element in value if type(value) is list else (value,):
+                if type(element) is dict:
+                    inner = self._count(nested, element)
+                    present += inner[0]
+                    absent += inner[1]
+        return present, absent
 
     def missing(self, msg: dict[str, Any]) -> list[str]:
         """The fields that a valid message leaves out, such as ``pose.x``."""
@@ -146,6 +256,22 @@ class MessageValidator:
                     continue
                 for index, element in enumerate(value):
                     yield from self._missing(nested, element, f"{path}[{index}].")
+
+
+def _most_values(fields: tuple[_Nested, ...], msg: dict[str, Any]) -> int:
+    """Return at least how many values the arrays of messages in a message come to."""
+    count = 0
+    for field in fields:
+        value = msg.get(field.name)
+        if type(value) is list and field.is_array:
+            count += len(value) * field.values
+            if field.inner:
+                for element in value:
+                    if type(element) is dict:
+                        count += _most_values(field.inner, element)
+        elif type(value) is dict:
+            count += _most_values(field.inner, value)
+    return count
 
 
 def _with_default(field: Field, schema: core_schema.CoreSchema) -> core_schema.CoreSchema:

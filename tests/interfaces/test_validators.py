@@ -295,17 +295,101 @@ def test_a_field_that_is_left_out_has_its_default(line: str, data: object) -> No
     assert validate_as(line, {}) == data
 
 
+LENIENT = Validators(Interfaces(), lambda: 0, lenient=True)
+
+
+@pytest.mark.parametrize(
+    ("line", "given", "data"),
+    [
+        ("int32 x", 5.0, 5),
+        ("uint8 x", 255.0, 255),
+        ("int64 x", "-9223372036854775808", -(2**63)),
+        ("uint64 x", "18446744073709551615", 2**64 - 1),
+        ("int64 x", 5.0, 5),
+        ("float64 x", "Infinity", inf),
+        ("float32 x", "-Infinity", -inf),
+        ("int16[] x", [1, 2.0], [1, 2]),
+        ("int16[] x", b"\1\2", [1, 2]),
+        ("uint64[2] x", ["1", 2], [1, 2]),
+        ("float64[] x", [1, "Infinity"], [1.0, inf]),
+        ("float32[] x", ["-Infinity", 2], [-inf, 2.0]),
+        ("uint8[] x", [1.0, 2], "AQI="),
+        ("time x", {"secs": 5.0, "nsecs": 7.0}, {"secs": 5, "nsecs": 7}),
+        ("geometry_msgs/Point[] x", [{"x": "Infinity"}], [{"x": inf, "y": 0.0, "z": 0.0}]),
+    ],
+)
+def test_numbers_may_be_spelled_as_javascript_and_matlab_do(
+    line: str, given: object, data: object
+) -> None:
+    definition = parse_message(line, "my_msgs", "Mine")
+    assert LENIENT.of_definition(definition).validate({"x": given}) == {"x": data}
+    with pytest.raises(InvalidMessage):  # Python programs have all kinds of numbers.
+        VALIDATORS.of_definition(definition).validate({"x": given})
+
+
+def test_nan_may_be_a_string() -> None:
+    for name in ("Float64", "Float32"):
+        assert isnan(LENIENT.of(f"std_msgs/{name}").validate({"data": "NaN"})["data"])
+
+
+@pytest.mark.parametrize(
+    ("line", "given", "place"),
+    [
+        ("int32 x", "5", "x"),
+        ("int32 x", 5.5, "x"),
+        ("int32 x", nan, "x"),
+        ("int32 x", True, "x"),
+        ("uint8 x", 256.0, "x"),
+        ("int64 x", "9223372036854775808", "x"),
+        ("int64 x", "5.0", "x"),
+        ("int64 x", " 5", "x"),
+        ("uint64 x", "-1", "x"),
+        ("float64 x", "nan", "x"),
+        ("float64 x", "5", "x"),
+        ("bool x", 1.0, "x"),
+        ("string x", 5.0, "x"),
+        ("int16[] x", [1.0, "2"], r"x\[1\]"),
+        ("float64[] x", ["Infinity", "high"], r"x\[1\]"),
+    ],
+)
+def test_other_spellings_are_refused_all_the_same(line: str, given: object, place: str) -> None:
+    definition = parse_message(line, "my_msgs", "Mine")
+    with pytest.raises(InvalidMessage, match=place):
+        LENIENT.of_definition(definition).validate({"x": given})
+
+
 @pytest.mark.parametrize("brackets", ["[]", "[<=1000]"])
-def test_a_list_of_large_messages_is_bounded(brackets: str) -> None:
-    """Else each ``{}`` of three bytes would become a megabyte of defaults."""
+def test_defaults_in_a_list_are_bounded(brackets: str) -> None:
+    """Otherwise each ``{}`` of three bytes would become a megabyte of defaults."""
     interfaces = Interfaces()
     text = f"Large{brackets} all\n{'=' * 80}\nMSG: my_msgs/Large\nfloat64[50000] numbers\n"
     interfaces.learn("my_msgs/Many", text)
-    most = interfaces.most_elements("my_msgs/Large")
-    validator = Validators(interfaces, lambda: 0).of("my_msgs/Many")
-    assert len(validator.validate({"all": [{}] * most})["all"]) == most < 1000
-    with pytest.raises(InvalidMessage, match=rf"it has {most + 1} elements, not at most {most}"):
-        validator.validate({"all": [{}] * (most + 1)})
+    validate = Validators(interfaces, lambda: 0).of("my_msgs/Many").validate
+    given = {"numbers": [0.5] * 50_000}
+    assert validate({"all": [given, {}]})["all"][0] == given
+    with pytest.raises(InvalidMessage, match="leaves 100000 values to their defaults"):
+        validate({"all": [{}, {}]})
+
+
+def test_defaults_are_bounded_by_what_a_message_has() -> None:
+    validate = VALIDATORS.of("visualization_msgs/MarkerArray").validate
+    points = [{"x": 1.0}] * 100_000
+    some = validate({"markers": [{"points": points[:30_000]}]})
+    assert len(some["markers"][0]["points"]) == 30_000
+    with pytest.raises(InvalidMessage, match=r"leaves 2000\d\d values to their defaults"):
+        validate({"markers": [{"points": points}]})
+    full = [{"x": 1.0, "y": 2.0, "z": 3.0}] * 100_000
+    assert validate({"markers": [{"points": full}]})["markers"][0]["points"] == full
+
+
+def test_too_many_defaults_are_refused_before_they_are_made() -> None:
+    validate = VALIDATORS.of("tf2_msgs/TFMessage").validate
+    message: dict[str, Any] = {"transforms": [{}] * 320_000}
+    tracemalloc.start()
+    with pytest.raises(InvalidMessage, match="the limit for a message with 1 values is 65536"):
+        validate(message)
+    assert tracemalloc.get_traced_memory()[1] < 100_000
+    tracemalloc.stop()
 
 
 @pytest.mark.parametrize("line", ["float64[4000000] x", "uint8[4000000] x", "time[4000000] x"])

@@ -154,7 +154,7 @@ async def test_who_waits_for_a_turn_hears_of_the_time_and_of_the_end(
             await answer
 
 
-@pytest.mark.parametrize("values", [None, {"sum": "3"}, {"total": 3}, "3"])
+@pytest.mark.parametrize("values", [None, {"sum": "three"}, {"total": 3}, "3"])
 async def test_an_answer_that_does_not_fit_is_a_failure(
     session: FakeSession, calls: Calls, values: Any
 ) -> None:

@@ -238,7 +238,7 @@ class Types:
         self._strict = strict
         self._codecs = Codecs(
             interfaces,
-            Validators(interfaces, now),
+            Validators(interfaces, now, lenient=True),
             CborEncoders(interfaces),
             Serializers(interfaces),
         )
