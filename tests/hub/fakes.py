@@ -133,7 +133,7 @@ class FakeHub:
         """Whether the graph is empty."""
         graph = self.graph
         is_empty = not (graph.nodes or graph.topics or graph.services or graph.actions)
-        return is_empty and not self.rosbridge.groups
+        return is_empty and not (self.rosbridge.groups or self.rosbridge.servers)
 
 
 class Client:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import count
+from typing import TYPE_CHECKING
 
 from fibws import names
 from fibws.errors import LimitReached
@@ -15,6 +16,9 @@ from fibws.hub.rosbridge.encodings import text_frame, text_frames
 from fibws.hub.rosbridge.statuses import Statuses
 from fibws.hub.rosbridge.subscription import Groups
 from fibws.hub.settings import Settings
+
+if TYPE_CHECKING:
+    from fibws.hub.rosbridge.services import Services
 
 
 def check_room(taken: int, limit: int, what: str) -> None:
@@ -29,6 +33,7 @@ class Client:
 
     Attributes:
         groups: the groups of subscriptions of the hub.
+        servers: the clients of the hub that serve services, by their secrets.
         serialized: whether the connection speaks ``fibws.v1``.
         numbers: for ids that the hub makes up.
     """
@@ -36,6 +41,7 @@ class Client:
     node: str
     graph: Graph
     groups: Groups
+    servers: dict[str, Services]
     queue: SendQueue
     clock: Clock
     settings: Settings

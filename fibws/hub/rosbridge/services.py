@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import secrets
 from math import inf
 from typing import Any, NamedTuple
 
-from fibws.errors import FibwsError, InvalidMessage
+from fibws.errors import FibwsError, InvalidMessage, NotAllowed
 from fibws.hub.delivery.clock import Timer
 from fibws.hub.graph.service import Call, Service
 from fibws.hub.rosbridge.client import Client, check_room
@@ -22,6 +23,8 @@ from fibws.protocol.operations import (
 
 LONGEST_TIMEOUT = 86400.0
 """Seconds that a call may ask for: a day."""
+SECRET_BYTES = 8
+"""Random bytes in the ids of a server's calls."""
 
 
 class WaitingCall(NamedTuple):
@@ -150,12 +153,19 @@ class ServedService(NamedTuple):
 
 
 class Services:
-    """One client's services, and the calls that it is to respond to; a `ServiceServer`."""
+    """One client's services, and the calls that it is to respond to; a `ServiceServer`.
 
-    __slots__ = ("_calls", "_client", "_served")
+    As with the real server, a response may come on another connection than the call went out on:
+    rosbridgecpp opens one for each operation. Whoever names the call's id, and may provide the
+    service, responds to it. Ids hold a secret of the server's, so that nobody else can name them.
+    """
+
+    __slots__ = ("_calls", "_client", "_secret", "_served")
 
     def __init__(self, client: Client) -> None:
         self._client = client
+        self._secret = secrets.token_hex(SECRET_BYTES)
+        """Finds the server by the ids of its calls."""
         self._served: dict[str, ServedService] = {}
         """By the service's name."""
         self._calls: dict[Id, Call] = {}
@@ -178,6 +188,7 @@ class Services:
             check_room(len(self._served), limit, "advertisements")
         service = self._client.graph.serve(name, request.type, request.definition, self)
         self._served[name] = ServedService(service, request.service, bool(request.headers))
+        self._client.servers[self._secret] = self
         statuses, type_ = self._client.statuses, service.type
         if type_.arguments is None:
             text = f"{name}: calls of type {type_.name} are not checked"
@@ -200,7 +211,8 @@ class Services:
     def handle(self, call: Call) -> None:
         """Pass a call to the client."""
         served = self._served[call.service.name]
-        call.id = f"service_request:{served.spelling}:{next(self._client.numbers)}"
+        number = next(self._client.numbers)
+        call.id = f"service_request:{served.spelling}:{self._secret}-{number}"
         fields = {
             "op": "call_service",
             "id": call.id,
@@ -220,8 +232,9 @@ class Services:
 
         Raises:
             InvalidMessage: it does not fit the type; the caller was told so, too.
+            NotAllowed: the call went to another client, and this one may not provide the service.
         """
-        call = self._pop_call(response)
+        call = self._server_of(response.id)._pop_call(response)
         if call is None:
             # It may have come too late.
             self._client.statuses.info(
@@ -245,8 +258,12 @@ class Services:
 
     def fail_malformed_response(self, id_: object, text: str, code: str) -> None:
         """Fail the call whose service_response was malformed."""
-        if isinstance(id_, str) and id_ in self._calls:
-            self._fail(id_, text, code)
+        try:
+            server = self._server_of(id_)
+        except NotAllowed:
+            return
+        if isinstance(id_, str) and id_ in server._calls:
+            server._fail(id_, text, code)
 
     def cancel(self, call: Call) -> None:
         """Forget a call, which needs no response any more."""
@@ -266,6 +283,7 @@ class Services:
         for served in self._served.values():
             self._client.graph.remove_service(served.service)
         self._served.clear()
+        self._client.servers.pop(self._secret, None)
         for id_, call in list(self._calls.items()):
             text = f"service [{call.service.name}] unavailable: {self.node} has left"
             self._fail(id_, text, "server_lost")
@@ -281,6 +299,21 @@ class Services:
             response.id, "service_response: result is false, but there are values: taken for true"
         )
         return True
+
+    def _server_of(self, id_: object) -> Services:
+        """Return the server whose call has an id: another client's, or else this one.
+
+        Raises:
+            NotAllowed: it is another client's, and this one may not provide the service.
+        """
+        if not isinstance(id_, str) or id_ in self._calls:
+            return self
+        server = self._client.servers.get(id_.rpartition(":")[2].partition("-")[0])
+        call = server._calls.get(id_) if server is not None else None
+        if server is None or call is None:
+            return self
+        self._client.graph.check_allowed(self.node, "provide", call.service.name)
+        return server
 
     def _pop_call(self, response: ServiceResponse) -> Call | None:
         if response.id is not None:

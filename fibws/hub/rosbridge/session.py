@@ -69,6 +69,8 @@ class Rosbridge:
         self.clock = clock
         self.settings = settings
         self.groups: Groups = {}
+        self.servers: dict[str, Services] = {}
+        """The clients that serve services, by the secrets in the ids of their calls."""
 
     def open(self, opening: Opening, *, serialized: bool = False) -> Session:
         """Return a new session.
@@ -112,6 +114,7 @@ class Session:
             self.node,
             graph,
             rosbridge.groups,
+            rosbridge.servers,
             queue,
             rosbridge.clock,
             rosbridge.settings,

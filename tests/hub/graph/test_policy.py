@@ -15,6 +15,7 @@ from fibws.protocol.serialized import publish_head
 
 from ..fakes import ADD, FIBONACCI, INT32, NANOSECONDS, Client, FakeHub, number
 from ..rosapi.rosapi_client import RosapiClient
+from ..rosbridge import service_clients
 from .recorder import Recorder
 
 
@@ -134,6 +135,22 @@ def test_a_forbidden_server_does_not_displace_the_present_one() -> None:
     assert [each["code"] for each in guest.receive()] == ["not_allowed", "not_allowed"]
     assert hub.graph.services["/add"].node == hub.graph.actions["/fib"].node == "/member"
     assert member.receive() == []
+
+
+@pytest.mark.parametrize("fields", [{"result": True, "values": {"sum": 9}}, {"result": 1}])
+def test_a_client_that_may_not_provide_a_service_cannot_respond_for_its_server(
+    fields: dict[str, Any],
+) -> None:
+    hub = FakeHub(policy=Forbid(("/guest", "provide", "/add")))
+    provider, caller = service_clients.adder(hub), hub.client()
+    guest = hub.client("/guest")
+    service_clients.call_add(caller)
+    asked = service_clients.received_call(provider)
+    guest.send("service_response", service="/add", id=asked, **fields)
+    assert len(guest.receive_statuses()) == 1
+    assert caller.receive() == []
+    service_clients.respond(provider, asked)
+    assert service_clients.received_sums(caller) == [3]
 
 
 def test_a_forbidden_call_does_not_reveal_whether_the_service_exists() -> None:

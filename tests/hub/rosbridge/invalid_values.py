@@ -158,7 +158,7 @@ VALID: dict[str, dict[str, Any]] = {
     "unadvertise_service": {"service": "/t"},
     "service_response": {
         "service": "/mine",
-        "id": "service_request:/mine:1",
+        "id": "service_request:/mine:secret-1",
         "values": {"sum": 1},
         "result": True,
     },

@@ -26,16 +26,11 @@ from .service_clients import (
 def test_call_reaches_the_server_and_its_response_the_caller() -> None:
     _, provider, caller = adder_and_caller()
     call_add(caller, 1, 2, id="x")
-    assert provider.receive() == [
-        {
-            "op": "call_service",
-            "id": "service_request:/add:1",
-            "service": "/add",
-            "args": {"a": 1, "b": 2},
-        }
-    ]
+    asked = provider.receive_one("call_service")
+    id_ = asked.pop("id")
+    assert asked == {"op": "call_service", "service": "/add", "args": {"a": 1, "b": 2}}
     assert caller.receive() == []
-    respond(provider, "service_request:/add:1", 3)
+    respond(provider, id_, 3)
     assert caller.receive() == [
         {
             "op": "service_response",
@@ -157,7 +152,7 @@ def test_each_client_keeps_its_spelling_of_a_service(advertised: str, called: st
     call_add(caller, service=called)
     asked = provider.receive_one("call_service")
     assert asked["service"] == advertised
-    assert asked["id"] == f"service_request:{advertised}:1"
+    assert asked["id"].startswith(f"service_request:{advertised}:")
     respond(provider, asked["id"], service=advertised)
     assert caller.receive_one("service_response")["service"] == called
 

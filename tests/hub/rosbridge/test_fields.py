@@ -21,6 +21,12 @@ FIELDS = [(op, field) for op, model in OPERATIONS.items() for field in model.mod
 PLAIN = [(op, field) for op, field in FIELDS if field != "op"]
 
 
+@pytest.fixture(autouse=True)
+def known_secret(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let the ids of calls be those of `VALID`."""
+    monkeypatch.setattr("fibws.hub.rosbridge.services.secrets.token_hex", lambda size: "secret")
+
+
 class Company:
     """A client that sends invalid operations, and two that communicate meanwhile."""
 

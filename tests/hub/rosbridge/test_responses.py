@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from ..fakes import Client, FakeHub
+from ..fakes import ADD, Client, FakeHub
 from .service_clients import (
     adder,
     adder_and_caller,
@@ -188,16 +188,95 @@ def test_second_response_to_a_call_is_ignored() -> None:
     assert provider.receive() == []
 
 
-def test_client_cannot_answer_calls_of_other_servers() -> None:
+# Responses on another connection than the server's, as rosbridgecpp sends them.
+
+
+@pytest.mark.parametrize("is_served_there", [False, True])
+def test_response_may_come_on_another_connection(is_served_there: bool) -> None:
     hub, provider, caller = adder_and_caller()
-    stranger = hub.client()
+    other = hub.client()
+    if is_served_there:
+        other.send("advertise_service", service="/other", type=ADD)
+    for id_ in "ab":
+        call_add(caller, id=id_)
+    first, second = received_calls(provider)
+    respond(other, second, 2)
+    assert caller.receive_one("service_response")["id"] == "b"
+    assert len(provider.kept["calls to answer"]) == 1
+    respond(provider, first)
+    assert received_sums(caller) == [3]
+    other.leaves()
+    call_add(caller)
+    respond(provider, received_call(provider))
+    assert received_sums(caller) == [3]
+
+
+def test_failure_may_come_on_another_connection() -> None:
+    hub, provider, caller = adder_and_caller()
+    call_add(caller)
+    fields = {"service": "/add", "id": received_call(provider), "values": "out of paper"}
+    hub.client().send("service_response", **fields, result=False)
+    assert received_failure(caller) == "out of paper"
+
+
+@pytest.mark.parametrize("fields", [{"result": True, "values": {"sum": "3"}}, {"result": 1}])
+def test_invalid_response_on_another_connection_fails_the_call(fields: dict[str, Any]) -> None:
+    hub, provider, caller = adder_and_caller()
+    other = hub.client()
+    call_add(caller)
+    other.send("service_response", service="/add", id=received_call(provider), **fields)
+    text = received_failure(caller)
+    assert other.receive_statuses() == [f"service_response: {text}"]
+    assert provider.receive() == []
+    assert not provider.kept["calls to answer"]
+
+
+def test_call_fails_when_its_server_leaves_before_the_other_connection_responds() -> None:
+    hub, provider, caller = adder_and_caller()
+    other = hub.client()
     call_add(caller)
     asked = received_call(provider)
-    for id_ in (asked, None):
+    provider.leaves()
+    assert received_failure(caller) == "service [/add] unavailable: /adder has left"
+    respond(other, asked)
+    assert caller.receive() == other.receive() == []
+    for client in (caller, other):
+        client.leaves()
+    assert hub.empty
+
+
+def test_response_on_another_connection_without_the_calls_id_changes_nothing() -> None:
+    hub, provider, caller = adder_and_caller()
+    stranger = adder(hub, "/stranger", "/other")
+    call_add(caller)
+    asked = received_call(provider)
+    call_add(caller, service="/other")
+    own = received_call(stranger)
+    for id_ in (
+        None,
+        "service_request:/add:1",
+        own.replace("other", "add"),
+        asked.replace("-", "0-"),
+    ):
         stranger.send("service_response", service="/add", id=id_, result=True, values={"sum": 9})
-    assert caller.receive() == stranger.receive() == []
+        stranger.send("service_response", service="/add", id=id_, values={"sum": 9})
+    heard = stranger.receive()
+    assert all(each["op"] == "status" for each in heard)
+    assert caller.receive() == []
     respond(provider, asked)
-    assert received_sums(caller) == [3]
+    respond(stranger, own)
+    assert received_sums(caller) == [3, 3]
+
+
+def test_ids_of_calls_cannot_be_guessed_from_those_of_another_hub_or_server() -> None:
+    secrets = set()
+    for node in ("/a", "/b"):
+        hub = FakeHub()
+        for service in ("/add", "/other"):
+            provider = adder(hub, node, service)
+            call_add(hub.client(), service=service)
+            secrets.add(received_call(provider).rpartition(":")[2])
+    assert len(secrets) == 4
 
 
 @pytest.mark.parametrize(
