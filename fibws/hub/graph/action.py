@@ -57,15 +57,21 @@ class ActionClient(Protocol):
         """Take a goal's end: its result, or the reason if there is a ``code``; both are JSON."""
 
 
+class Goals(dict[bytes, "Goal"]):
+    """The goals of an action's name that have not ended, by their UUIDs."""
+
+    __slots__ = ("__weakref__",)
+
+
 @dataclass(slots=True, eq=False)
 class Action:
-    """One action of the graph."""
+    """One action of the graph, as its server has advertised it."""
 
     name: str
     type: ActionType
     server: ActionServer
-    goals: dict[bytes, Goal] = field(default_factory=dict)
-    """Its goals that have not ended, by their UUIDs."""
+    goals: Goals = field(default_factory=Goals)
+    """Its goals that have not ended, and those of earlier advertisements of its name."""
 
     @property
     def node(self) -> str:

@@ -12,6 +12,7 @@ import logging
 from collections.abc import Callable, Iterable
 from itertools import count
 from typing import Any, Literal, Protocol, TypeAlias
+from weakref import WeakValueDictionary
 
 from fibws.errors import (
     CallFailed,
@@ -25,6 +26,7 @@ from fibws.hub.graph.action import (
     ActionClient,
     ActionServer,
     Goal,
+    Goals,
     cancel_goals,
     cancel_service,
 )
@@ -115,7 +117,9 @@ class Graph:
         """Another number whenever something but the parameters has changed."""
         self._types = Types(interfaces, now, strict=strict_types)
         self._clients = 0
-        self._goals = count(1)
+        self._goals: WeakValueDictionary[str, Goals] = WeakValueDictionary()
+        """The goals of each action's name, while it has a server or goals that have not ended."""
+        self._goal_numbers = count(1)
         self._topic_numbers = count(1)
 
     def check_allowed(self, node: str, verb: Verb, name: str) -> None:
@@ -360,14 +364,16 @@ class Graph:
     ) -> Action:
         """Let a client serve an action; otherwise as `serve`.
 
-        Its goals can be cancelled by a service beside it, too, as in ROS 2.
+        Goals of earlier advertisements of the name go on at their servers. All can be cancelled by
+        a service beside the action, too, as in ROS 2.
         """
         self.check_allowed(server.node, "provide", name)
         action_type = self._types.action(self.interfaces.canonical(type_), definition)
         older = self.actions.get(name)
         if older is not None:
             self.remove_action(older)
-        action = self.actions[name] = Action(name, action_type, server)
+        goals = self._goals.setdefault(name, Goals())
+        action = self.actions[name] = Action(name, action_type, server, goals)
         self.serve_internally(
             cancel_service(action.name),
             CANCEL_GOAL,
@@ -396,7 +402,7 @@ class Graph:
         if wanted != action.type.name:
             text = f"Action {name} is of type {action.type.name}, not {wanted}"
             raise CallFailed(text, "type_conflict")
-        uuid = next(self._goals).to_bytes(16, "big")
+        uuid = next(self._goal_numbers).to_bytes(16, "big")
         return Goal(action, args, client, uuid, self.now())
 
     def remove_action(self, action: Action) -> None:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from itertools import product
 from typing import Any
 
 import pytest
 
-from ..fakes import FIBONACCI, FakeHub
+from ..fakes import FIBONACCI, Client, FakeHub
 from .action_clients import (
     received_goal,
     received_goals,
@@ -149,6 +150,56 @@ def test_client_may_serve_its_action_again_under_another_spelling() -> None:
     send_result(pursuer, before)
     send_result(pursuer, sent["id"])
     assert [each["id"] for each in client.receive()] == ["before", "after"]
+
+
+@pytest.mark.parametrize("by", ["service", "operation"])
+def test_goals_go_on_and_can_be_cancelled_whoever_serves_the_action_then(by: str) -> None:
+    for later in product(("a serves", "a ends", "b serves", "b ends"), repeat=3):
+        events = ("a serves", *later)
+        hub = FakeHub()
+        client, servers = hub.client("/client"), {name: hub.client(f"/{name}") for name in "ab"}
+        goals: dict[str, dict[str, int]] = {"a": {}, "b": {}}
+        """The goals that each server has: their ids there, and at the client."""
+        current = None
+        for number, event in enumerate(events):
+            name, _, verb = event.partition(" ")
+            if verb == "serves":
+                servers[name].send("advertise_action", action="/fib", type=FIBONACCI)
+                current = name
+            else:
+                servers[name].send("unadvertise_action", action="/fib")
+                if name == current:
+                    assert received_ids(client, "action_result") == set(goals[name].values())
+                    goals[name].clear()
+                    current = None
+            if current is not None:
+                send_goal(client, id=number)
+                [id_] = received_ids(servers[current], "send_action_goal")
+                goals[current][id_] = number
+        running = {id_ for each in goals.values() for id_ in each.values()}
+        if by == "operation":
+            for id_ in running:
+                client.send("cancel_action_goal", action="/fib", id=id_)
+        elif current is not None:
+            client.send("call_service", service=CANCEL_GOAL, args={})
+            values = client.receive_one("service_response")["values"]
+            assert (values["return_code"], len(values["goals_canceling"])) == (0, len(running))
+        for name, each in servers.items():
+            is_cancelled = by == "operation" or current is not None
+            expected = goals[name].keys() if is_cancelled else set()
+            assert received_ids(each, "cancel_action_goal") == expected, events
+            for id_ in goals[name]:
+                send_result(each, id_, status=5)
+        assert received_ids(client, "action_result") == running, events
+        assert client.forgotten
+        for each in (client, *servers.values()):
+            each.leaves()
+        assert hub.empty
+
+
+def received_ids(client: Client, op: str) -> set[Any]:
+    """Return the ids of the operations of one name; others may have come, too."""
+    return {each["id"] for each in client.receive() if each["op"] == op}
 
 
 @pytest.mark.parametrize("again", [False, True])

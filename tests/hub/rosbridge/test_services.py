@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import product
 from typing import Any
 
 import pytest
@@ -237,6 +238,38 @@ def test_service_may_be_advertised_again_under_another_spelling() -> None:
     provider.send("unadvertise_service", service="/add")
     assert received_failure(caller) == "Service /add was unadvertised"
     assert hub.graph.services == {}
+
+
+def test_calls_are_answered_by_the_servers_that_have_them_whoever_serves_then() -> None:
+    for later in product(("a serves", "a ends", "b serves", "b ends"), repeat=3):
+        events = ("a serves", *later)
+        hub = FakeHub()
+        caller, servers = hub.client("/caller"), {name: hub.client(f"/{name}") for name in "ab"}
+        calls: dict[str, dict[str, int]] = {"a": {}, "b": {}}
+        """The calls that each server has: their ids there, and at the caller."""
+        current = None
+        for number, event in enumerate(events):
+            name, _, verb = event.partition(" ")
+            if verb == "serves":
+                servers[name].send("advertise_service", service="/add", type=ADD)
+                current = name
+            else:
+                servers[name].send("unadvertise_service", service="/add")
+                if name == current:
+                    failed = {each["id"] for each in caller.receive() if not each["result"]}
+                    assert failed == set(calls[name].values())
+                    calls[name].clear()
+                    current = None
+            if current is not None:
+                call_add(caller, id=number)
+                [asked] = [each for each in servers[current].receive() if "args" in each]
+                calls[current][asked["id"]] = number
+        for name, each in servers.items():
+            for id_, number in calls[name].items():
+                respond(each, id_, number)
+                response = caller.receive_one("service_response")
+                assert (response["id"], response["values"]) == (number, {"sum": number}), events
+        assert caller.forgotten
 
 
 def test_services_of_the_hub_cannot_be_taken_over() -> None:
