@@ -274,6 +274,8 @@ class Session:
         prefix = f"{operation}: " if operation in REQUESTS else ""
         self._statuses.error(id_, f"{prefix}{text}", fault, code)
         match operation:
+            case "advertise":
+                self.topics.refuse_advertise(fields, text, code)
             case "call_service":
                 self.calls.refuse(fields, text, code)
             case "service_response":

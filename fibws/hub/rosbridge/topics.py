@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from contextlib import suppress
+from dataclasses import dataclass
 from typing import Any
 
 from fibws.errors import (
     FibwsError,
     InvalidMessage,
+    InvalidName,
     LimitReached,
     OperationError,
     UnknownPublisher,
@@ -15,6 +18,7 @@ from fibws.errors import (
 from fibws.hub.delivery.clock import Timer
 from fibws.hub.graph.peers import PeerWatch
 from fibws.hub.graph.topic import Quota, Source, Topic
+from fibws.hub.log_text import is_power_of_ten
 from fibws.hub.rosbridge.client import Client, check_room
 from fibws.hub.rosbridge.encodings import COMPRESSIONS, text_frame
 from fibws.hub.rosbridge.subscription import MAX_REGISTRATIONS, Subscription
@@ -39,6 +43,15 @@ PENDING_COST = 300
 """Bytes that a pending message counts for besides its text, to bound floods of small ones."""
 
 
+@dataclass(slots=True)
+class RefusedAdvertise:
+    """Why the hub refused a client's advertise, and how many messages it has dropped since then."""
+
+    text: str
+    code: str
+    dropped: int = 0
+
+
 class Topics:
     """One client's publishers and subscriptions."""
 
@@ -49,6 +62,7 @@ class Topics:
         "_latch_quota",
         "_numbered",
         "_pending",
+        "_refused",
         "sources",
         "subscriptions",
     )
@@ -58,6 +72,8 @@ class Topics:
         self._latch_quota: Quota | None = None
         self._grace_ends = client.clock.time() + GRACE
         self._pending: PendingPublishes | None = None
+        self._refused: dict[str, RefusedAdvertise] = {}
+        """By the topics' global names, until they are advertised or unadvertised."""
         self.sources: dict[str, Source] = {}
         """By the spelling of the topic's name that the client used."""
         self._advertisements: dict[Source, dict[Id, int | None]] = {}
@@ -92,6 +108,7 @@ class Topics:
             known.topic.watching_sinks.check_room(known, request.id)
         source = self._register(request, request.type, request.definition, request.md5sum)
         self._count_advertisement(source, request)
+        self._refused.pop(source.topic.name, None)
         if request.headers is not None:
             source.set_headers(request.headers)
         name, type_ = source.topic.name, source.type
@@ -103,10 +120,33 @@ class Topics:
         self._watch(request, topic.watching_sinks, source, topic.subscribers())
         self._publish_pending(topic)
 
+    def refuse_advertise(self, fields: dict[str, Any], text: str, code: str) -> None:
+        """Drop the topic's messages, those that wait included, until it is advertised.
+
+        Args:
+            fields: of the operation that was refused.
+            text: the reason.
+        """
+        spelling = fields.get("topic")
+        if not isinstance(spelling, str) or spelling in self.sources:
+            return
+        try:
+            topic = self._client.resolve(spelling)
+        except InvalidName:
+            return
+        if len(self._refused) >= self._client.settings.max_advertisements:
+            del self._refused[next(iter(self._refused))]
+        self._refused[topic] = RefusedAdvertise(text, code)
+        if self._pending is not None:
+            for request in self._pending.take(topic):
+                self._drop(topic, request)
+
     def unadvertise(self, request: Unadvertise) -> None:
         """Take back an advertisement; the source goes with the last."""
         source = self.sources.get(request.topic)
         if source is None:
+            with suppress(InvalidName):
+                self._refused.pop(self._client.resolve(request.topic), None)
             return
         source.topic.watching_sinks.cancel(source, request.id)
         advertisements = self._advertisements.get(source, {})
@@ -134,6 +174,9 @@ class Topics:
         source = self.sources.get(request.topic)
         if source is None:
             topic = self._topic(request.topic)
+            if topic.name in self._refused:
+                self._drop(topic.name, request)
+                return
             if topic.type is None and self._wait(topic, request):
                 return
             self._publish_pending(topic)
@@ -145,6 +188,16 @@ class Topics:
         source.publish(request.msg, to=to)
         if self._client.statuses.wants_info:
             self.report_defaults(source, request.msg, request.id)
+
+    def _drop(self, topic: str, request: Publish) -> None:
+        """Drop a message whose advertise was refused; report the 1st, the 10th, the 100th ..."""
+        refused = self._refused[topic]
+        refused.dropped += 1
+        if is_power_of_ten(refused.dropped):
+            text = f"publish: {topic} could not be advertised: {refused.text}"
+            self._client.statuses.error(
+                request.id, f"{text} (messages dropped: {refused.dropped})", code=refused.code
+            )
 
     def _advertise_by_publishing(self, request: Publish) -> Source:
         topic = self._topic(request.topic)

@@ -11,7 +11,7 @@ from fibws.hub.rosbridge.session import MAX_OBJECTS
 from fibws.hub.rosbridge.topics import GRACE, MOST_PENDING_BYTES
 from fibws.protocol.operations import Publish, encode
 
-from ..fakes import INT32, STRING, FakeHub, number, talker_and_listener
+from ..fakes import INT32, STRING, Client, FakeHub, number, talker_and_listener
 
 CANNOT = "publish: Cannot infer topic type for topic /fib as it is not yet advertised"
 
@@ -58,6 +58,109 @@ def test_messages_do_not_wait_after_the_grace_period() -> None:
     client.send("publish", "/fib", msg=number(1))
     assert client.receive_statuses() == [CANNOT]
     assert hub.clock.timers == 0
+
+
+# Messages of a topic whose advertise was refused.
+
+REFUSALS: list[tuple[str, dict[str, Any], str]] = [
+    ("/float", {"type": INT32}, "already established with type std_msgs/Float64"),
+    ("/fib", {"type": "std_msgs/Int33"}, "did you mean std_msgs/Int32?"),
+    ("/fib", {"type": "my_msgs/Fib"}, "Unable to load the manifest for package my_msgs"),
+    ("/fib", {"type": "my_msgs/Fib", "definition": "int33 x"}, "int33"),
+    ("/fib", {}, "Expected a type field but none was found."),
+    ("/one_too_many", {"type": INT32}, "limit 1"),
+]
+
+
+def hub_that_refuses() -> tuple[FakeHub, Client]:
+    """Return a hub with a topic /float, and a client to whom it refuses `REFUSALS`."""
+    hub = FakeHub(strict_types=True, max_advertisements=1)
+    hub.client("/other").send("advertise", "/float", type="std_msgs/Float64")
+    return hub, hub.client("/talker")
+
+
+@pytest.mark.parametrize(("topic", "fields", "reason"), REFUSALS)
+@pytest.mark.parametrize("is_new", [True, False])
+def test_messages_of_a_refused_topic_are_refused_at_once_with_its_reason(
+    is_new: bool, topic: str, fields: dict[str, Any], reason: str
+) -> None:
+    hub, client = hub_that_refuses()
+    if not is_new:
+        hub.clock.advance(2 * GRACE)
+    if topic == "/one_too_many":
+        client.send("advertise", "/first", type=INT32)
+    client.send("advertise", topic, **fields)
+    [refusal] = client.receive_statuses()
+    assert refusal.startswith("advertise: ")
+    assert reason in refusal
+    for id_ in range(1000):
+        client.send("publish", topic, msg=number(1), id=id_)
+    heard = client.receive()
+    assert [each["id"] for each in heard] == [0, 9, 99, 999]
+    for count, each in zip((1, 10, 100, 1000), heard, strict=True):
+        why = refusal.removeprefix("advertise: ")
+        text = f"publish: {topic} could not be advertised: {why} (messages dropped: {count})"
+        assert (each["level"], each["msg"]) == ("error", text)
+    hub.clock.advance(2 * GRACE)
+    assert client.receive() == []
+    assert "/talker" not in hub.graph.topic(topic).sources
+
+
+@pytest.mark.parametrize("spelling", ["/fib", "fib"])
+def test_waiting_messages_of_a_refused_topic_are_refused_with_it(spelling: str) -> None:
+    hub, client = hub_that_refuses()
+    for _ in range(3):
+        client.send("publish", spelling, msg=number(1))
+    client.send("publish", "/other", msg=number(2))
+    client.send("advertise", "/fib", type="std_msgs/Int33")
+    told = [text.partition(":")[0] for text in client.receive_statuses()]
+    assert sorted(told) == ["advertise", "publish"]
+    client.send("advertise", "/other", type=INT32)
+    hub.clock.advance(2 * GRACE)
+    assert client.receive() == []
+    assert list(client.session.topics.sources) == ["/other"]
+
+
+def test_refused_topic_can_be_published_once_it_is_advertised() -> None:
+    hub, client = hub_that_refuses()
+    listener = hub.client()
+    listener.send("subscribe", "/fib")
+    for type_ in ("std_msgs/Int33", INT32):
+        client.send("advertise", "/fib", type=type_)
+        client.send("publish", "/fib", msg=number(1))
+    assert len(client.receive_statuses()) == 2
+    assert listener.receive_numbers("/fib") == [1]
+
+
+def test_refused_topic_is_as_any_other_once_it_is_unadvertised() -> None:
+    hub, client = hub_that_refuses()
+    client.send("advertise", "/float", type=INT32)
+    client.send("unadvertise", "float")
+    client.send("publish", "/float", msg={"data": 0.5})
+    assert len(client.receive_statuses()) == 1
+    assert "/talker" in hub.graph.topics["/float"].sources
+    client.send("unadvertise", "not a name")
+    assert client.receive() == []
+
+
+def test_refused_advertise_does_not_stop_a_publisher_that_the_client_has() -> None:
+    hub = FakeHub()
+    talker, listener = talker_and_listener(hub)
+    talker.send("advertise", "/fib", type=STRING, id="again")
+    talker.send("publish", "/fib", msg=number(1))
+    assert len(talker.receive_statuses()) == 1
+    assert listener.receive_numbers("/fib") == [1]
+
+
+def test_number_of_remembered_refusals_is_limited() -> None:
+    _, client = hub_that_refuses()
+    for name in ("/a", "/b", "/c"):
+        client.send("advertise", name, type="std_msgs/Int33")
+    assert len(client.receive_statuses()) == 3
+    client.send("publish", "/c", msg=number(1))
+    [text] = client.receive_statuses()
+    assert "did you mean std_msgs/Int32?" in text
+    assert len(client.session.topics._refused) == 1
 
 
 @pytest.mark.parametrize("how", ["advertise", "subscribe", "publish"])
