@@ -202,9 +202,10 @@ class Actions:
 
         It may be this one, by advertising again.
         """
-        if self._client.graph.actions[action.name].server is not self:
+        newer = self._client.graph.actions[action.name]
+        if newer.server is not self:
             self._served.pop(action.name, None)
-            self._client.statuses.warning(None, f"{action.name} has another server now")
+            self._client.statuses.displaced(action.name, newer.node)
 
     def feedback(self, feedback: ActionFeedback) -> None:
         """Take the client's feedback; raises `InvalidMessage`."""

@@ -274,9 +274,10 @@ class Services:
 
         It may be this one, by advertising again.
         """
-        if self._client.graph.services[service.name].server is not self:
+        newer = self._client.graph.services[service.name]
+        if newer.server is not self:
             self._served.pop(service.name, None)
-            self._client.statuses.warning(None, f"{service.name} has another provider now")
+            self._client.statuses.displaced(service.name, newer.node)
 
     def leave(self) -> None:
         """Take all services back; calls that wait for a response fail."""

@@ -22,12 +22,22 @@ class Statuses:
         codes: whether errors are sent with their codes, as on connections of ``fibws.v1``.
     """
 
-    __slots__ = ("_codes", "_errors", "_faults", "_level", "_node", "_queue", "wants_info")
+    __slots__ = (
+        "_codes",
+        "_displaced",
+        "_errors",
+        "_faults",
+        "_level",
+        "_node",
+        "_queue",
+        "wants_info",
+    )
 
     def __init__(self, node: str, queue: SendQueue, *, codes: bool) -> None:
         self._node = node
         self._queue = queue
         self._codes = codes
+        self._displaced = 0
         self._errors = 0
         self._faults = 0
         self.set_level("error")
@@ -64,6 +74,20 @@ class Statuses:
         """Report that an operation was done in another way than the client meant."""
         self._send("warning", id_, text)
 
+    def displaced(self, name: str, node: str) -> None:
+        """Report that another node serves a service or an action of the client now.
+
+        It is a warning that clients get at the default level, too, and that is logged.
+        """
+        text = f"{name} has another server now: {node}"
+        self._displaced += 1
+        if is_power_of_ten(self._displaced):
+            logger.warning(
+                "%s: %s (loss %d of this client)", self._node, printable(text), self._displaced
+            )
+        if self._level:
+            self._put("warning", None, text)
+
     def unchecked(self, id_: object, text: str) -> None:
         """Report that something's messages are not checked, to the log as well."""
         self._errors += 1
@@ -77,10 +101,13 @@ class Statuses:
 
     def _send(self, level: Level, id_: object, text: str, code: str | None = None) -> None:
         if _VERBOSITY[level] <= self._level:
-            status = Status(
-                id=legal_id(id_),
-                level=level,
-                msg=shortened(text),
-                code=code if self._codes else None,
-            )
-            self._queue.reply(text_frame(encode(status)))
+            self._put(level, id_, text, code)
+
+    def _put(self, level: Level, id_: object, text: str, code: str | None = None) -> None:
+        status = Status(
+            id=legal_id(id_),
+            level=level,
+            msg=shortened(text),
+            code=code if self._codes else None,
+        )
+        self._queue.reply(text_frame(encode(status)))

@@ -106,11 +106,10 @@ def test_server_may_bring_the_definition() -> None:
 
 def test_newer_server_takes_the_action_over() -> None:
     hub, older, client = server_and_client()
-    older.send("set_level", level="warning")
     send_goal(client, id="old", feedback=True)
     before = received_goal(older)
     newer = server(hub, "/newer")
-    assert older.receive_statuses("warning") == ["/fib has another server now"]
+    assert older.receive_statuses("warning") == ["/fib has another server now: /newer"]
     assert hub.graph.actions["/fib"].node == "/newer"
     send_goal(client, id="new")
     after = received_goal(newer)

@@ -167,7 +167,7 @@ def test_call_with_invalid_headers_is_refused() -> None:
 def test_newer_server_takes_the_service_over() -> None:
     hub, older, caller = adder_and_caller()
     newer = adder(hub, "/newer")
-    assert older.receive() == []
+    assert len(older.receive_statuses("warning")) == 1
     assert hub.graph.services["/add"].node == "/newer"
     call_add(caller)
     assert older.receive() == []
@@ -175,12 +175,31 @@ def test_newer_server_takes_the_service_over() -> None:
     assert received_sums(caller) == [3]
 
 
-def test_older_server_is_warned_at_level_warning() -> None:
+@pytest.mark.parametrize("level", [None, "error", "warning", "none"])
+def test_older_server_and_the_log_are_warned(
+    level: str | None, caplog: pytest.LogCaptureFixture
+) -> None:
     hub, older, _ = adder_and_caller()
-    older.send("set_level", level="warning")
+    if level is not None:
+        older.send("set_level", level=level)
     adder(hub, "/newer")
-    assert older.receive_statuses("warning") == ["/add has another provider now"]
+    text = "/add has another server now: /newer"
+    assert older.receive_statuses("warning") == ([text] if level != "none" else [])
     assert list(older.session.providing()) == []
+    [record] = caplog.records
+    assert record.levelname == "WARNING"
+    assert record.getMessage().startswith(f"/adder: {text}")
+
+
+def test_two_servers_that_displace_each_other_do_not_fill_the_log(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    hub = FakeHub()
+    servers = hub.client("/a"), hub.client("/b")
+    for each in 100 * servers:
+        each.send("advertise_service", service="/add", type=ADD)
+    assert len(caplog.records) == 3 + 2
+    assert [len(each.receive_statuses("warning")) for each in servers] == [100, 99]
 
 
 @pytest.mark.parametrize("fate", ["answers", "is late", "leaves"])
