@@ -47,7 +47,8 @@ async def broadcast(node: fibws.Node, type_: str, rate: float, on_overflow: str)
             a, b = b, a + b
         except (fibws.InvalidMessage, fibws.OperationRejected) as fault:
             full = isinstance(fault, fibws.InvalidMessage)
-            reason = f"{a} does not fit a {numbers.type}" if full else str(fault)
+            # The node has logged the hub's reason.
+            reason = f"{a} does not fit a {numbers.type}" if full else f"{numbers.type} was refused"
             next_type = following(fault, numbers.type, type_, on_overflow)
             if next_type is None:
                 node.log.warning("%s: the series ends.", reason)

@@ -194,7 +194,7 @@ class Node:
     ) -> Publisher[M, P]:
         """Advertise a topic and return its publisher.
 
-        If the hub refuses, the next publish raises OperationRejected.
+        If the hub refuses, this is logged, and the next publish raises OperationRejected.
 
         Args:
             topic: its name.

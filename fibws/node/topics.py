@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from itertools import count
 from typing import Any, TypeVar
 
@@ -68,7 +69,7 @@ class Topics(OperationHandler):
         Args:
             topic: the topic's global name.
             codec: the codec of its messages.
-            refused: is called if the hub refuses the topic.
+            refused: is called if the hub refuses the topic; without it, that is logged.
         """
         self._session.check()
         operation = Advertise(
@@ -82,7 +83,12 @@ class Topics(OperationHandler):
             peers=peers or None,
         )
         publisher: Publisher[M, ...] = Publisher(
-            self._session, operation, next(self._numbers), codec, self._unadvertise, refused
+            self._session,
+            operation,
+            next(self._numbers),
+            codec,
+            self._unadvertise,
+            refused or partial(self._log_refusal, topic),
         )
         self._publishers[publisher.id] = publisher
         self._session.send(publisher.registration())
@@ -217,6 +223,10 @@ class Topics(OperationHandler):
             if subscription.offer(message, header):
                 self._session.give_readers_a_turn()
         return bool(readers)
+
+    def _log_refusal(self, topic: str, error: NodeError) -> None:
+        # Its publisher may not publish for a long time, or never again.
+        self._session.log.error("The hub refused the publisher of %s: %s", topic, error)
 
     def _unadvertise(self, publisher: Publisher[Any, ...]) -> None:
         if self._publishers.pop(publisher.id, None) is not None:

@@ -205,6 +205,16 @@ async def test_refusal_ends_its_publisher_alone(session: FakeSession, topics: To
     assert refusals == [refused.fault]
 
 
+async def test_refusal_of_a_publisher_is_logged_unless_its_owner_is_called(
+    session: FakeSession, topics: Topics, lines: Lines
+) -> None:
+    refusals: list[NodeError] = []
+    for refused in (None, refusals.append):
+        publisher = advertise(topics, "/a", refused=refused)
+        hears(session, "status", level="error", id=publisher.id, msg="no room")
+    assert lines.seen() == ["The hub refused the publisher of /a: no room"]
+
+
 async def test_refusal_ends_its_subscription_alone(session: FakeSession, topics: Topics) -> None:
     refusals: list[OperationRejected] = []
     refused = subscribe(topics, "/a", refused=refusals.append)

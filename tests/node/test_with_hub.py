@@ -13,6 +13,7 @@ from conftest import StartHub
 from rospy.msg import AnyMsg
 
 import fibws
+from fibws.errors import CallRefused
 from fibws.hub import Hub, Settings
 from fibws.msg.fibws_msgs import PublisherInfo, SubscriptionStatistics
 from fibws.msg.geometry_msgs import Twist, Vector3
@@ -263,6 +264,57 @@ async def test_failures_come_with_their_texts(real_hub: Hub) -> None:
         assert caught.value.service == "/fail"
         with pytest.raises(fibws.UnknownService, match=r"^Service /nothing does not exist$"):
             await node.call("nothing", Trigger)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "Service /other does not exist",
+        "Service /refuse did not answer within 60 s",
+        "service [/refuse] unavailable: /node has left",
+    ],
+)
+async def test_text_of_a_server_is_not_taken_for_an_error_of_the_hub(
+    real_hub: Hub, text: str
+) -> None:
+    async with fibws.Node("node", hub=real_hub.url) as node:
+
+        def refuse(request: object) -> dict[str, object]:
+            raise CallRefused(text)
+
+        await node.service("refuse", Trigger, refuse)
+        with pytest.raises(fibws.ServiceError) as raised:
+            await node.call("refuse", Trigger)
+        assert type(raised.value) is fibws.ServiceError
+        assert (raised.value.code, raised.value.text) == ("server_failed", text)
+
+
+async def test_node_that_loses_a_service_or_an_action_logs_a_warning(real_hub: Hub) -> None:
+    url = real_hub.url
+    async with fibws.Node("older", hub=url) as older, fibws.Node("newer", hub=url) as newer:
+        lines = Lines(older.log)
+        for node in (older, newer):
+            await node.service("/add", AddTwoInts, add)
+            await node.call("/add", AddTwoInts, {"a": 1, "b": 2})
+        assert await lines.next() == "The hub: /add has another server now: /newer"
+        for node in (older, newer):
+            await node.action_server(
+                "/fib", "example_interfaces/Fibonacci", lambda goal: None, over="operations"
+            )
+        assert await lines.next() == "The hub: /fib has another server now: /newer"
+
+
+async def test_refused_publisher_is_logged_though_it_publishes_nothing_more(real_hub: Hub) -> None:
+    async with fibws.Node("node", hub=real_hub.url) as node:
+        lines = Lines(node.log)
+        await node.advertise("/numbers", Int32)
+        refused = await node.advertise("/numbers", Float64)
+        line = await lines.next()
+        assert line.startswith("The hub refused the publisher of /numbers: ")
+        assert "already established with type std_msgs/Int32" in line
+        with pytest.raises(fibws.OperationRejected, match="already established"):
+            await refused.publish(0.5)
+        assert lines.seen() == []
 
 
 async def test_a_call_whose_provider_leaves_fails_at_once(real_hub: Hub) -> None:

@@ -152,9 +152,8 @@ async def test_while_others_need_the_old_type_it_starts_over_instead(
             heard = [(await anext(numbers)).data for _ in range(16)]
         assert heard == [*INT8, 144, 233, 0, 1]
     assert ": on with std_msgs/UInt16.\n" in await program.error_line()
-    refusal = await program.error_line()
-    assert "already established with type std_msgs/UInt8" in refusal
-    assert refusal.endswith(": the series starts over with std_msgs/UInt8.\n")
+    assert "already established with type std_msgs/UInt8" in await program.error_line()
+    assert (await program.error_line()).endswith(": the series starts over with std_msgs/UInt8.\n")
 
 
 async def test_another_type_on_the_topic_ends_it_with_the_reason(hub: Hub, start: Start) -> None:

@@ -220,7 +220,7 @@ class Publication:
             self._publisher.close()
 
     async def _watch(self, publisher: fibws.Publisher[Any, ...]) -> None:
-        """Report subscribers that come and leave to the listeners; log a refusal of the hub."""
+        """Report subscribers that come and leave to the listeners; stop if the hub refuses."""
         async for names in publisher.peers.changes():
             before, self._peers = self._peers, names
             for name in before:
@@ -230,10 +230,7 @@ class Publication:
                 if name not in before:
                     self._events.put(partial(self._report, name, len(names)))
         if publisher.fault is not None:
-            from rospy import logerr
-
-            self._outgoing = None
-            logerr(f"unable to publish on {self.resolved_name}: {publisher.fault}")
+            self._outgoing = None  # The node has logged why.
 
     def _report(self, new: str | None, count: int) -> None:
         """Call the listeners.
