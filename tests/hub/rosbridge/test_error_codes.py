@@ -203,6 +203,10 @@ RESPONSES: dict[str, tuple[str, Provoke]] = {
         "server_failed",
         called(respond(result=False, values="no", code="timeout")),
     ),
+    "server's text is the hub's own for an unknown service": (
+        "server_failed",
+        called(respond(result=False, values="Service /add does not exist", code="unknown_service")),
+    ),
     "unfitting response": (
         "invalid_message",
         called(respond(result=True, values={"sum": "three"})),

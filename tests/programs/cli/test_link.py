@@ -175,6 +175,22 @@ def test_error_of_a_failed_call_depends_on_the_code(code: object, error: type[Ex
     assert raised.type is error
 
 
+def test_text_of_a_server_is_not_taken_for_an_error_of_the_hub(hub: HubThread, link: Link) -> None:
+    call = {"op": "call_service", "id": "c", "service": "/s"}
+    with Link("server", hub.url) as server, Link("caller", hub.url) as caller:
+        server.send({"op": "advertise_service", "service": "/s", "type": "std_srvs/Empty"})
+        server.call("/rosapi/get_time")
+        caller.send(call)
+        asked = server.receive(20)
+        assert asked is not None
+        text = "Service /s does not exist"
+        reply = {"op": "service_response", "service": "/s", "id": asked["id"]}
+        server.send({**reply, "result": False, "values": text, "code": "unknown_service"})
+        response = caller.receive(20)
+    assert response is not None
+    assert (response["values"], response["code"]) == (text, "server_failed")
+
+
 def test_refusal_is_an_operation_until_it_is_checked(link: Link) -> None:
     link.send({"op": "advertise", "topic": "/x", "type": "std_msgs/Strin"})
     refusal = link.receive(20)

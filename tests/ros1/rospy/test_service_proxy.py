@@ -13,7 +13,7 @@ from rospy.service import ServiceException
 from rospy.service_proxy import ServiceProxy, wait_for_service
 
 import fibws
-from fibws.errors import HubLost, ServiceError, ServiceLost
+from fibws.errors import CallRefused, HubLost, ServiceError, ServiceLost
 from ros1.rospy.programs import world
 
 NODE = "import rospy; rospy.init_node('caller')\n"
@@ -29,6 +29,8 @@ async def serve(node: fibws.Node) -> None:
             raise ValueError(f"no {request.a}")
         if request.a == 14:
             raise ValueError("request from [/me]: md5sums do not match: [1] vs. [2]")
+        if request.a == 15:
+            raise CallRefused("Service /add does not exist")
         return int(request.a + request.b)
 
     await node.service("add", "rospy_tutorials/AddTwoInts", add, headers=True)
@@ -48,7 +50,7 @@ add = rospy.ServiceProxy("add", AddTwoInts, persistent=True)
 add.wait_for_service(timeout=60)
 print(add(1, 2).sum, add(a=3).sum, add.call(AddTwoIntsRequest(4, 5)).sum, add().sum)
 print(add()._connection_header["service"])
-for arguments in ((13, 0), (14, 0), ("one", 2), (AddTwoIntsRequest,), (1, 2, 3)):
+for arguments in ((13, 0), (14, 0), (15, 0), ("one", 2), (AddTwoIntsRequest,), (1, 2, 3)):
     try:
         print(add(*arguments))
     except Exception as fault:
@@ -67,6 +69,8 @@ for call in (lambda: rospy.ServiceProxy("none", AddTwoInts)(1, 2), lambda: add(1
             "b'error processing request: no 13'",
             "ServiceException service [/add] responded with an error: b'error processing request: "
             "request from [/me]: md5sums do not match: [1] vs. [2]'",
+            "ServiceException service [/add] responded with an error: "
+            "b'Service /add does not exist'",
             "SerializationError field a must be an integer type",
             "TypeError request object is not a valid request message instance",
             "TypeError Invalid number of arguments, args should be ['a', 'b'] args are(1, 2, 3)",
