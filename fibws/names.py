@@ -63,9 +63,17 @@ def join(namespace: str, name: str) -> str:
     return f"{namespace.rstrip('/')}/{name}"
 
 
-def anonymous(name: str, *, pid: int, milliseconds: int) -> str:
-    """A node name that no other node has, formed as rospy's: ``name_<pid>_<ms since 1970>``."""
-    return f"{name}_{pid}_{milliseconds}"
+def anonymous(name: str, *, pid: int, random: bytes) -> str:
+    """Return a node name that no other node has, of rospy's form: ``name_<pid>_<13 digits>``.
+
+    rospy's digits are the milliseconds since 1970. Nodes in containers, which start together and
+    have equal pids, would get equal names from these.
+
+    Args:
+        random: at least 8 random bytes.
+    """
+    digits = 10**12 + int.from_bytes(random) % (9 * 10**12)
+    return f"{name}_{pid}_{digits}"
 
 
 @dataclass(frozen=True, slots=True)

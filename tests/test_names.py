@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import re
+
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from fibws import names
@@ -91,8 +94,18 @@ def test_a_joined_name_is_in_its_namespace(namespace: str, name: str) -> None:
     assert names.join("/", name) == f"/{name}"
 
 
-def test_an_anonymous_name_ends_in_process_and_time() -> None:
-    assert names.anonymous("talker", pid=42, milliseconds=1700) == "talker_42_1700"
+@given(st.binary(min_size=8, max_size=8))
+@example(bytes(8))
+@example(b"\xff" * 8)
+def test_anonymous_name_has_the_form_of_rospys(random: bytes) -> None:
+    name = names.anonymous("talker", pid=42, random=random)
+    assert re.fullmatch(r"talker_42_[1-9]\d{12}", name)
+    assert names.check_base(name) == name
+
+
+def test_nodes_of_equal_pids_get_different_anonymous_names() -> None:
+    made = {names.anonymous("talker", pid=1, random=os.urandom(8)) for _ in range(1000)}
+    assert len(made) == 1000
 
 
 @pytest.mark.parametrize("spelling", ["/a/b", "a/b", "/a/b/", "a/b/"])

@@ -68,7 +68,7 @@ class Link:
     def __init__(self, tool: str, hub: str | None = None) -> None:
         self.url = address.hub_url(hub)
         self.namespace = names.check_namespace(os.environ.get("ROS_NAMESPACE", "/"))
-        name = names.anonymous(f"fibws_{tool}", pid=os.getpid(), milliseconds=_milliseconds())
+        name = names.anonymous(f"fibws_{tool}", pid=os.getpid(), random=os.urandom(8))
         self.node = names.resolve(name)
         """The tool's global node name."""
         self._operations: deque[Operation] = deque()
@@ -383,7 +383,3 @@ class Values(dict[str, Any]):
 
 def _json(value: object) -> bytes:
     return json.dumps(value).encode()
-
-
-def _milliseconds() -> int:
-    return time.time_ns() // 1_000_000

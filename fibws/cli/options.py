@@ -29,7 +29,7 @@ def node(
         arguments: how the help writes the arguments that are no remappings, which the command gets
             as ``arguments``; else there may be none.
     """
-    default = f"{default_name}_<pid>_<ms>" if anonymous else default_name
+    default = f"{default_name}_<pid>_<number>" if anonymous else default_name
 
     def decorate(command: Callable[..., None]) -> Callable[..., None]:
         @wraps(command)

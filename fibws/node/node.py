@@ -63,7 +63,7 @@ class Identity:
         if remapping.node_name is not None:
             name = remapping.node_name
         elif anonymous:
-            name = names.anonymous(name, pid=os.getpid(), milliseconds=time.time_ns() // 1_000_000)
+            name = names.anonymous(name, pid=os.getpid(), random=os.urandom(8))
         namespace = names.check_namespace(
             remapping.namespace or namespace or os.environ.get("ROS_NAMESPACE", "/")
         )

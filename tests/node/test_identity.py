@@ -40,6 +40,14 @@ def test_an_anonymous_name_is_formed_as_rospy_forms_it() -> None:
     assert re.fullmatch(rf"/talker_{os.getpid()}_\d{{13}}", name)
 
 
+def test_nodes_that_start_in_one_millisecond_with_equal_pids_have_different_names(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("time.time_ns", lambda: 1_795_305_600_123_000_000)
+    monkeypatch.setattr("os.getpid", lambda: 1)
+    assert choose("talker", anonymous=True).name != choose("talker", anonymous=True).name
+
+
 def test_the_command_line_goes_before_all_else(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("ROS_NAMESPACE", "leg")
     identity = choose("listener", "__name:=ear", "__ns:=/robot", anonymous=True, namespace="/arm")

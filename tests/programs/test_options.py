@@ -32,5 +32,5 @@ def test_wrong_arguments_are_explained(arguments: list[str], fault: str) -> None
 
 def test_what_was_not_chosen_is_told_in_the_help() -> None:
     result = CliRunner().invoke(command, ["--help"])
-    assert "fibonacci_broadcaster_<pid>_<ms>" in result.stdout
+    assert "fibonacci_broadcaster_<pid>_<number>" in result.stdout
     assert "$FIBWS_HUB" in result.stdout

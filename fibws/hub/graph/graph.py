@@ -9,6 +9,7 @@ A topic is kept while it is used, so that a client which makes up thousands of n
 from __future__ import annotations
 
 import logging
+import secrets
 from collections.abc import Callable, Iterable
 from itertools import count
 from typing import Any, Literal, Protocol, TypeAlias
@@ -160,7 +161,8 @@ class Graph:
     def _new_name(self) -> str:
         while True:
             self._clients += 1
-            name = f"/client_{self._clients}"
+            # Random digits: a name from before the hub's restart must not be another client's now.
+            name = f"/client_{self._clients}_{secrets.token_hex(3)}"
             if name not in self.nodes:
                 return name
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from typing import Any
 
 import pytest
 
+from fibws import names
 from fibws.errors import (
     DefinitionMismatch,
     InvalidTypeName,
@@ -62,20 +64,36 @@ def subscribe(graph: Graph, name: str, type_: str | None = None, **options: Any)
 
 def test_a_node_without_a_name_gets_one() -> None:
     graph = new_graph()
-    assert [graph.enter(Node(), None) for _ in range(3)] == ["/client_1", "/client_2", "/client_3"]
+    for number in (1, 2, 3):
+        name = graph.enter(Node(), None)
+        assert re.fullmatch(rf"/client_{number}_[0-9a-f]{{6}}", name)
+        assert names.check(name) == name
 
 
 def test_generated_names_are_not_used_again() -> None:
     graph, node = new_graph(), Node()
-    graph.leave(node, graph.enter(node, None))
-    assert graph.enter(Node(), None) == "/client_2"
+    first = graph.enter(node, None)
+    graph.leave(node, first)
+    assert graph.enter(Node(), None) != first
 
 
-def test_a_generated_name_is_not_one_that_is_taken() -> None:
+def test_a_generated_name_is_not_one_that_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("fibws.hub.graph.graph.secrets.token_hex", lambda size: "9f3c2a")
     graph, node = new_graph(), Node()
-    graph.enter(node, "/client_1")
-    assert graph.enter(Node(), None) != "/client_1"
+    graph.enter(node, "/client_1_9f3c2a")
+    assert graph.enter(Node(), None) == "/client_2_9f3c2a"
     assert node.times_replaced == 0
+
+
+def test_a_name_that_a_client_chooses_is_not_a_generated_one_by_accident() -> None:
+    graph, nodes = new_graph(), [Node() for _ in range(3)]
+    for node in nodes:
+        graph.enter(node, None)
+    before_the_restart = new_graph()
+    for number in (1, 2, 3):
+        graph.enter(Node(), f"/client_{number}")
+        graph.enter(Node(), before_the_restart.enter(Node(), None))
+    assert [node.times_replaced for node in nodes] == [0, 0, 0]
 
 
 def test_a_node_gets_the_name_that_it_asked_for() -> None:

@@ -70,7 +70,7 @@ def test_refused_subscription_does_not_change_the_others() -> None:
 
 def test_clients_without_a_name_get_different_names() -> None:
     hub = FakeHub()
-    assert [hub.client().session.node for _ in range(2)] == ["/client_1", "/client_2"]
+    assert len({hub.client().session.node for _ in range(3)}) == 3
 
 
 def test_newer_node_of_the_same_name_closes_the_older() -> None:

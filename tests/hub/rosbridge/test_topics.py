@@ -188,13 +188,19 @@ def test_message_for_an_invalid_node_name_is_refused(
         ("/talker", "/fib", "/fib"),
         ("/talker", "~fib", "/talker/fib"),
         ("/robot/arm", "~pid/gain", "/robot/arm/pid/gain"),
-        (None, "~fib", "/client_1/fib"),
     ],
 )
-def test_names_resolve_under_the_clients_node(node: str | None, spelling: str, name: str) -> None:
+def test_names_resolve_under_the_clients_node(node: str, spelling: str, name: str) -> None:
     hub = FakeHub()
     hub.client(node).send("advertise", spelling, type=INT32)
     assert list(hub.graph.topics) == [name]
+
+
+def test_private_names_resolve_under_a_name_that_the_hub_made_up() -> None:
+    hub = FakeHub()
+    client = hub.client()
+    client.send("advertise", "~fib", type=INT32)
+    assert list(hub.graph.topics) == [f"{client.session.node}/fib"]
 
 
 def test_each_subscriber_gets_its_own_spelling() -> None:

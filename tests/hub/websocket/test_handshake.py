@@ -209,12 +209,13 @@ class TestHandshake:
 
     async def test_hub_gives_an_unused_name(self, hub: Hub) -> None:
         async with (
-            connected(hub.port, "/?node=/client_1") as known,
+            connected(hub.port, "/?node=/client_2") as known,
             connected(hub.port) as nameless,
+            connected(hub.port, "/?node=/client_1") as late,
         ):
-            await nameless.is_processed()
-            await known.is_processed()
-            assert len(nodes(hub)) == 2
+            for client in (nameless, known, late):
+                await client.is_processed()
+            assert len(nodes(hub)) == 3
 
 
 class TestPlainHttp:

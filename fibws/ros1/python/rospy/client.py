@@ -6,7 +6,6 @@ import logging
 import os
 import re
 import sys
-import time
 import warnings
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
@@ -205,6 +204,7 @@ def get_published_topics(namespace: str = "/") -> list[list[str]]:
 
 def _named(name: str, anonymous: bool) -> str:
     """What the node is called, with no namespace."""
+    from fibws.names import anonymous as anonymous_name
     from fibws.names import check_base
 
     if remapped := names.get_mappings().get("__name"):
@@ -212,7 +212,7 @@ def _named(name: str, anonymous: bool) -> str:
     if not is_legal_base_name(name):
         name = _mended(name)
     if anonymous:
-        name = f"{name}_{os.getpid()}_{int(time.time() * 1000)}"
+        name = anonymous_name(name, pid=os.getpid(), random=os.urandom(8))
     return check_base(name)
 
 
