@@ -214,6 +214,7 @@ class Client:
         quota = session.topics._latch_quota
         return {
             "sources": session.topics.sources,
+            "spellings of sources": session.topics._spellings,
             "numbered sources": session.topics._numbered,
             "advertisements": session.topics._advertisements,
             "subscriptions": session.topics.subscriptions,

@@ -63,6 +63,7 @@ class Topics:
         "_numbered",
         "_pending",
         "_refused",
+        "_spellings",
         "sources",
         "subscriptions",
     )
@@ -76,6 +77,8 @@ class Topics:
         """By the topics' global names, until they are advertised or unadvertised."""
         self.sources: dict[str, Source] = {}
         """By the spelling of the topic's name that the client used."""
+        self._spellings: dict[Source, list[str]] = {}
+        """The keys of each source in `sources`."""
         self._advertisements: dict[Source, dict[Id, int | None]] = {}
         """The ids that each source is advertised under, with its numbers in binary frames."""
         self._numbered: dict[int, Source] = {}
@@ -155,9 +158,8 @@ class Topics:
         if advertisements:
             return
         self._advertisements.pop(source, None)
-        for spelling, other in list(self.sources.items()):
-            if other is source:
-                del self.sources[spelling]
+        for spelling in self._spellings.pop(source):
+            del self.sources[spelling]
         self._client.graph.remove_source(source)
 
     def report_defaults(self, source: Source, msg: object, id_: Any) -> None:
@@ -244,7 +246,9 @@ class Topics:
             quota=self._latch_quota,
             md5sum=md5sum,
         )
-        self.sources[request.topic] = source
+        if self.sources.get(request.topic) is not source:
+            self.sources[request.topic] = source
+            self._spellings.setdefault(source, []).append(request.topic)
         return source
 
     def _count_advertisement(self, source: Source, request: Advertise) -> None:
@@ -322,8 +326,9 @@ class Topics:
         """Take everything back."""
         if self._pending is not None:
             self._pending.close()
-        for source in dict.fromkeys(self.sources.values()):
+        for source in self._spellings:
             self._client.graph.remove_source(source)
+        self._spellings.clear()
         self.sources.clear()
         self._advertisements.clear()
         self._numbered.clear()
