@@ -13,6 +13,7 @@ from bench.codecs import codecs
 from bench.encodings import encodings
 from bench.fanout import fanout
 from bench.flood import flood
+from bench.growth import growth
 from bench.idle import idle
 from bench.isolation import isolation
 from bench.latency import latency
@@ -42,6 +43,7 @@ SCENARIOS = {
     "rosapi": rosapi,
     "page": page,
     "subscriptions": subscriptions,
+    "growth": growth,
     "rospy": rospy,
     "robots": robots.robots,
     "nodes": nodes,
