@@ -161,12 +161,14 @@ class Hub:
 
     def _dropped_by_topic(self, node: str) -> dict[str, int]:
         """Return the messages that were dropped for one node, by the topics' global names."""
-        dropped: dict[str, int] = {}
-        for name, topic in self.graph.topics.items():
-            for sink in topic.sinks_of(node):
-                if count := sink.report().dropped:
-                    dropped[name] = dropped.get(name, 0) + count
-        return dropped
+        known = self.graph.nodes.get(node)
+        topics = map(self.graph.topics.get, known.subscribing()) if known is not None else ()
+        dropped = {
+            topic.name: sum(sink.report().dropped for sink in topic.sinks_of(node))
+            for topic in topics
+            if topic is not None
+        }
+        return {name: count for name, count in dropped.items() if count}
 
     def _warn_if_public(self) -> None:
         address = self._server.sockets[0].getsockname()[0]

@@ -221,9 +221,11 @@ class Client:
             "latched bytes": range(quota.used if quota else 0),
             "services": session.services._served,
             "calls to answer": session.services._calls,
+            "calls to answer by service": session.services._calls_of,
             "calls": session.calls._waiting,
             "actions": session.actions._served,
             "goals to execute": session.actions._goals,
+            "goals to execute by action": session.actions._goals_of,
             "goals": session.goals._sent,
             "ids of goals": session.goals._by_id,
         }

@@ -103,8 +103,9 @@ class Topic:
         self._holding: dict[Sink, None] = {}
         """The sinks that were subscribed with a type."""
         self._by_node: dict[str, list[Sink]] = {}
-        self._receivers: tuple[Receiver, ...] = ()
-        """A tuple, since a sink may leave, or bring another one, while it is given a message."""
+        self._receivers: tuple[Receiver, ...] | None = ()
+        """A tuple, since a sink may leave, or bring another one, while it is given a message; None
+        until the next message if the receivers have changed."""
         self._uses: dict[Receiver, int] = {}
         """How many sinks share each receiver."""
 
@@ -194,7 +195,10 @@ class Topic:
 
     def deliver(self, publication: Publication) -> None:
         """Give a message to all sinks."""
-        for receiver in self._receivers:
+        receivers = self._receivers
+        if receivers is None:
+            receivers = self._receivers = tuple(self._uses)
+        for receiver in receivers:
             try:
                 receiver.receive(publication)
             except Exception:
@@ -219,7 +223,7 @@ class Topic:
             self._uses[receiver] = uses
         else:
             del self._uses[receiver]
-        self._receivers = tuple(self._uses)
+        self._receivers = None
 
 
 class Source:

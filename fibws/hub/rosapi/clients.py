@@ -51,17 +51,22 @@ class ConnectedClients:
         self._clock = clock
         self._clients: dict[Client, int] = {}
         """Each with the nanoseconds since 1970 when it connected, the oldest first."""
+        self._by_name: dict[str, Client] = {}
+        """The newest of each name: a client that was replaced may still be here."""
         self._timer: Timer | None = None
         self._published = -math.inf  # The first need not wait.
 
     def connected(self, client: Client, since: int) -> None:
         """Add a client, which connected so many nanoseconds after 1970."""
         self._clients[client] = since
+        self._by_name[client.name] = client
         self._changed()
 
     def disconnected(self, client: Client) -> None:
         """Remove a client; nothing happens if it is not there."""
         if self._clients.pop(client, None) is not None:
+            if self._by_name.get(client.name) is client:
+                del self._by_name[client.name]
             self._changed()
 
     def __iter__(self) -> Iterator[tuple[Client, int]]:
@@ -70,9 +75,7 @@ class ConnectedClients:
 
     def find(self, node: str) -> Client | None:
         """Return the client that is a node; None for unknown nodes and the hub's own."""
-        named = (client for client in reversed(self._clients) if client.name == node)
-        # A client that was replaced may still be here.
-        return next(named, None)
+        return self._by_name.get(node)
 
     def close(self) -> None:
         """Publish no more."""

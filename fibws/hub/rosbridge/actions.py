@@ -129,7 +129,7 @@ class Goals:
 class Actions:
     """One client's actions, and the goals that it executes; an `ActionServer`."""
 
-    __slots__ = ("_client", "_goals", "_served")
+    __slots__ = ("_client", "_goals", "_goals_of", "_served")
 
     def __init__(self, client: Client) -> None:
         self._client = client
@@ -137,6 +137,8 @@ class Actions:
         """By the action's name, with the spelling of it that the client knows."""
         self._goals: dict[Id, tuple[Goal, str]] = {}
         """By the ids that the client was given, with its spelling of the action's name."""
+        self._goals_of: dict[str, dict[Id, Goal]] = {}
+        """The same by the actions' names."""
 
     @property
     def node(self) -> str:
@@ -166,9 +168,8 @@ class Actions:
         action, _ = self._served.pop(self._client.resolve(request.action), (None, ""))
         if action is not None:
             self._client.graph.remove_action(action)
-            for goal, _ in list(self._goals.values()):
-                if goal.action.name == action.name:
-                    goal.fail(f"Action {action.name} was unadvertised", "server_lost")
+            for goal in list(self._goals_of.get(action.name, {}).values()):
+                goal.fail(f"Action {action.name} was unadvertised", "server_lost")
 
     def execute(self, goal: Goal) -> None:
         """Pass a goal to the client."""
@@ -184,6 +185,7 @@ class Actions:
         )
         if self._client.forward_request(encode(request)):
             self._goals[goal.id] = (goal, spelling)
+            self._goals_of.setdefault(action.name, {})[goal.id] = goal
         else:
             text = f"Action {action.name} is unavailable: {self.node} reads too slowly"
             goal.fail(text, "server_busy")
@@ -195,7 +197,11 @@ class Actions:
 
     def forget(self, goal: Goal) -> None:
         """Forget a goal that has ended."""
-        self._goals.pop(goal.id, None)
+        if self._goals.pop(goal.id, None) is not None:
+            goals = self._goals_of[goal.action.name]
+            del goals[goal.id]
+            if not goals:
+                del self._goals_of[goal.action.name]
 
     def displaced(self, action: Action) -> None:
         """Take note that another server has an action; the goals that this one has go on.

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import secrets
+from collections import OrderedDict
+from heapq import heapify, heappop, heappush
+from itertools import count
 from math import inf
 from typing import Any, NamedTuple
 
@@ -25,6 +28,8 @@ LONGEST_TIMEOUT = 86400.0
 """Seconds that a call may ask for: a day."""
 SECRET_BYTES = 8
 """Random bytes in the ids of a server's calls."""
+MOST_ENDED = 8
+"""Deadlines of ended calls that are kept however few calls wait."""
 
 
 class WaitingCall(NamedTuple):
@@ -39,11 +44,15 @@ class WaitingCall(NamedTuple):
 class Calls:
     """One client's calls until their responses; whatever becomes of a call, there is one."""
 
-    __slots__ = ("_client", "_due", "_timer", "_waiting")
+    __slots__ = ("_client", "_deadlines", "_due", "_numbers", "_timer", "_waiting")
 
     def __init__(self, client: Client) -> None:
         self._client = client
         self._waiting: dict[Call, WaitingCall] = {}
+        self._deadlines: list[tuple[float, int, Call]] = []
+        """A heap, in which calls that have ended stay for a while."""
+        self._numbers = count()
+        """For calls of equal deadlines."""
         self._timer: Timer | None = None
         """One for all calls; it is due no later than the first of them."""
         self._due = 0.0
@@ -74,6 +83,7 @@ class Calls:
         for call in list(self._waiting):
             call.abandon()
         self._waiting.clear()
+        self._deadlines.clear()
         if self._timer is not None:
             self._timer.cancel()
             self._timer = None
@@ -86,7 +96,8 @@ class Calls:
         )
         call.due = client.clock.time() + waiting.timeout
         self._waiting[call] = waiting
-        self._watch(call.due)
+        if call.due < inf:
+            self._add_deadline(call)
         try:
             call.start()
         except Exception:
@@ -118,26 +129,38 @@ class Calls:
             return self._client.settings.service_timeout or inf
         return min(request.timeout, LONGEST_TIMEOUT)
 
+    def _add_deadline(self, call: Call) -> None:
+        if len(self._deadlines) > 2 * len(self._waiting) + MOST_ENDED:
+            self._deadlines = [each for each in self._deadlines if each[2] in self._waiting]
+            heapify(self._deadlines)
+        heappush(self._deadlines, (call.due, next(self._numbers), call))
+        self._watch(call.due)
+
     def _watch(self, due: float) -> None:
         """Make sure that the timer is due when a call is."""
         if self._timer is not None:
             if self._due <= due:
                 return
             self._timer.cancel()
-            self._timer = None
-        if due < inf:
-            clock = self._client.clock
-            self._due = due
-            self._timer = clock.call_later(due - clock.time(), self._time_out)
+        clock = self._client.clock
+        self._due = due
+        self._timer = clock.call_later(due - clock.time(), self._time_out)
 
     def _time_out(self) -> None:
         """Fail the calls that are overdue."""
         self._timer = None
-        overdue = [call for call in self._waiting if call.due <= self._due]
-        later = (call.due for call in self._waiting if call.due > self._due)
-        self._watch(min(later, default=inf))
+        deadlines, overdue = self._deadlines, []
+        # The timer may be a little early or late.
+        now = max(self._due, self._client.clock.time())
+        while deadlines and (deadlines[0][0] <= now or deadlines[0][2] not in self._waiting):
+            _, _, call = heappop(deadlines)
+            overdue.append(call)
+        if deadlines:
+            self._watch(deadlines[0][0])
         for call in overdue:
-            call.time_out(self._waiting[call].timeout)
+            waiting = self._waiting.get(call)
+            if waiting is not None:
+                call.time_out(waiting.timeout)
 
 
 class ServedService(NamedTuple):
@@ -160,7 +183,7 @@ class Services:
     service, responds to it. Ids hold a secret of the server's, so that nobody else can name them.
     """
 
-    __slots__ = ("_calls", "_client", "_secret", "_served")
+    __slots__ = ("_calls", "_calls_of", "_client", "_secret", "_served")
 
     def __init__(self, client: Client) -> None:
         self._client = client
@@ -170,6 +193,8 @@ class Services:
         """By the service's name."""
         self._calls: dict[Id, Call] = {}
         """The calls that wait for the client, by the ids that it was given."""
+        self._calls_of: dict[str, OrderedDict[Id, Call]] = {}
+        """The same by the services' names, the oldest first."""
 
     @property
     def node(self) -> str:
@@ -204,9 +229,8 @@ class Services:
         if served is not None:
             service = served.service
             self._client.graph.remove_service(service)
-            for id_, call in list(self._calls.items()):
-                if call.service.name == service.name:
-                    self._fail(id_, f"Service {service.name} was unadvertised", "server_lost")
+            for id_ in list(self._calls_of.get(service.name, ())):
+                self._fail(id_, f"Service {service.name} was unadvertised", "server_lost")
 
     def handle(self, call: Call) -> None:
         """Pass a call to the client."""
@@ -223,6 +247,7 @@ class Services:
             fields["header"] = {"callerid": call.caller, **(call.headers or {})}
         if self._client.forward_request(encode_fields(fields)):
             self._calls[call.id] = call
+            self._calls_of.setdefault(call.service.name, OrderedDict())[call.id] = call
         else:
             text = f"service [{call.service.name}] unavailable: {self.node} reads too slowly"
             call.fail(text, "server_busy")
@@ -267,7 +292,7 @@ class Services:
 
     def cancel(self, call: Call) -> None:
         """Forget a call, which needs no response any more."""
-        self._calls.pop(call.id, None)
+        self._pop(call.id)
 
     def displaced(self, service: Service) -> None:
         """Take note that another server has the service; calls that wait may still be answered.
@@ -318,13 +343,21 @@ class Services:
 
     def _pop_call(self, response: ServiceResponse) -> Call | None:
         if response.id is not None:
-            return self._calls.pop(response.id, None)
+            return self._pop(response.id)
         # A client that sends no id responds in the order of the calls.
-        name = self._client.resolve(response.service)
-        for id_, call in self._calls.items():
-            if call.service.name == name:
-                return self._calls.pop(id_)
-        return None
+        calls = self._calls_of.get(self._client.resolve(response.service))
+        return self._pop(next(iter(calls))) if calls else None
+
+    def _pop(self, id_: Id) -> Call | None:
+        call = self._calls.pop(id_, None)
+        if call is not None:
+            calls = self._calls_of[call.service.name]
+            del calls[id_]
+            if not calls:
+                del self._calls_of[call.service.name]
+        return call
 
     def _fail(self, id_: Id, text: str, code: str) -> None:
-        self._calls.pop(id_).fail(text, code)
+        call = self._pop(id_)
+        if call is not None:
+            call.fail(text, code)

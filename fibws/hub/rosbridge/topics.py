@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass
+from itertools import chain, count
+from operator import itemgetter
 from typing import Any
 
 from fibws.errors import (
@@ -368,7 +370,9 @@ class PendingPublishes:
         self._topics = topics
         self._clock = topics._client.clock
         self._end = topics._grace_ends
-        self._waiting: list[tuple[str, Publish]] = []
+        self._waiting: dict[str, list[tuple[int, Publish]]] = {}
+        """By topic; all are numbered in the order in which they came."""
+        self._numbers = count()
         self._size = 0
         self._timer: Timer | None = None
 
@@ -378,7 +382,7 @@ class PendingPublishes:
         size = _size(message)
         if now >= self._end or self._size + size > MOST_PENDING_BYTES:
             return False
-        self._waiting.append((topic, message))
+        self._waiting.setdefault(topic, []).append((next(self._numbers), message))
         self._size += size
         if self._timer is None:
             self._timer = self._clock.call_later(self._end - now, self._give_up)
@@ -386,10 +390,8 @@ class PendingPublishes:
 
     def take(self, topic: str) -> list[Publish]:
         """Remove and return the messages of a topic."""
-        taken = [message for name, message in self._waiting if name == topic]
-        if taken:
-            self._waiting = [each for each in self._waiting if each[0] != topic]
-            self._size -= sum(map(_size, taken))
+        taken = [message for _, message in self._waiting.pop(topic, ())]
+        self._size -= sum(map(_size, taken))
         return taken
 
     def close(self) -> None:
@@ -399,8 +401,8 @@ class PendingPublishes:
             self._timer.cancel()
 
     def _give_up(self) -> None:
-        late, self._waiting = self._waiting, []
-        for _, message in late:
+        late, self._waiting = self._waiting, {}
+        for _, message in sorted(chain(*late.values()), key=itemgetter(0)):
             self._topics._publish_late(message)
 
 
