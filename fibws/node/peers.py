@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections import deque
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Iterable
 
 MOST_CHANGES = 1000
 """Most changes that wait for one slow reader; then the oldest are dropped."""
@@ -67,6 +67,15 @@ class Peers:
             for waiting in self._readers:
                 waiting.append(names)
             self._news.set()
+
+    def change(self, removed: Iterable[str], added: Iterable[str]) -> None:
+        """Remove peers, and then add others, or some of those."""
+        left, joined = set(removed), set(added)
+        before = self._names or []
+        remaining = [name for name in before if name not in left] if left else before
+        if left & joined:
+            self.update(remaining)
+        self.update(sorted(joined.union(remaining)))
 
     def on_disconnect(self) -> None:
         """Forget the peers: there is no hub."""

@@ -81,6 +81,7 @@ class Topics(OperationHandler):
             definition=codec.definition,
             headers=dict(headers) if headers else None,
             peers=peers or None,
+            peer_changes=peers or None,
         )
         publisher: Publisher[M, ...] = Publisher(
             self._session,
@@ -121,6 +122,7 @@ class Topics(OperationHandler):
             queue_length=queue_size or UNBOUNDED_QUEUE,
             headers=headers or None,
             peers=peers or None,
+            peer_changes=peers or None,
         )
         subscription = Subscription(
             operation, codec, queue_size, self._unsubscribe, self._session.log, refused
@@ -174,8 +176,12 @@ class Topics(OperationHandler):
             case Peers():
                 id_ = str(reply.id)
                 owner = self._publishers.get(id_) or self._subscriptions.get(id_)
-                if owner is not None:
+                if owner is None:
+                    pass
+                elif reply.nodes is not None:
                     owner.peers.update(reply.nodes)
+                else:
+                    owner.peers.change(reply.removed, reply.added)
             case _:
                 return False
         return True

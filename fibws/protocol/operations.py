@@ -56,6 +56,9 @@ class Advertise(Operation):
     client's newest advertisement of the topic that has one counts."""
     peers: Asked = None
     """Whether to report the subscribers by `Peers` (an addition of fibws)."""
+    peer_changes: Asked = None
+    """Whether the client understands changes of the peers; else it is sent them all after each
+    change (an addition of fibws)."""
     publisher: Annotated[int, Field(ge=0, lt=MOST_PUBLISHERS)] | None = None
     """On a connection of ``fibws.v1``: the number that binary frames of this publisher begin with;
     it is free for another topic after ``unadvertise`` (see `protocol.serialized`)."""
@@ -100,6 +103,8 @@ class Subscribe(Operation):
     is then written as 1e999, not null (an addition of fibws)."""
     peers: Asked = None
     """Whether to report the publishers by `Peers` (an addition of fibws)."""
+    peer_changes: Asked = None
+    """As in `Advertise`."""
     definition: str | None = None
     """As in `Advertise`: serialized messages need the type's fields, and the subscriber may be the
     first node that uses the type (an addition of fibws)."""
@@ -275,14 +280,18 @@ class Subscribed(Operation):
 class Peers(Operation):
     """The subscribers of a publisher's topic, or the publishers of a subscriber's.
 
-    The hub sends it after an advertisement or subscription of this id that asks for peers, and
-    after every change. A node is listed once messages reach it. ``nodes`` are sorted and unique.
-    (An addition of fibws.)
+    The hub sends it with all ``nodes`` after an advertisement or subscription of this id that asks
+    for peers, and then with the nodes that were ``removed`` and those that were ``added``: a node
+    in both has left and come back. A client that does not understand changes, or has missed many,
+    is sent all nodes. A node is listed once messages reach it. All lists are sorted and unique;
+    ``topic`` may be absent from changes that have an id. (An addition of fibws.)
     """
 
     op: Literal["peers"] = "peers"
-    topic: str
-    nodes: list[str]
+    topic: str | None = None
+    nodes: list[str] | None = None
+    removed: list[str] = []
+    added: list[str] = []
 
 
 Request = (

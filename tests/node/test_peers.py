@@ -121,3 +121,29 @@ def test_it_knows_whether_the_hub_has_told() -> None:
     assert not peers.told
     peers.update([])
     assert peers.told
+
+
+async def test_changes_are_made_to_the_names_that_are_known() -> None:
+    peers = Peers()
+    reader = await reading(peers)
+    peers.update(["/b", "/d"])
+    peers.change([], ["/a", "/c"])
+    peers.change(["/b", "/unknown"], [])
+    peers.change(["/c"], ["/e"])
+    assert peers.names == ["/a", "/d", "/e"]
+    peers.end()
+    assert await reader == [
+        ["/b", "/d"],
+        ["/a", "/b", "/c", "/d"],
+        ["/a", "/c", "/d"],
+        ["/a", "/d", "/e"],
+    ]
+
+
+async def test_peer_that_left_and_came_back_is_seen_to_do_so() -> None:
+    peers = Peers()
+    reader = await reading(peers)
+    peers.update(["/a", "/b"])
+    peers.change(["/a"], ["/a", "/c"])
+    peers.end()
+    assert await reader == [["/a", "/b"], ["/b"], ["/a", "/b", "/c"]]

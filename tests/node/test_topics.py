@@ -263,8 +263,13 @@ async def test_peers_are_reported_by_the_registrations_id(
     hears(session, "peers", id=first.id, topic="/a", nodes=["/listener"])
     hears(session, "peers", id=subscription.id, topic="/a", nodes=["/talker"])
     hears(session, "peers", id="unknown", topic="/a", nodes=["/nobody"])
+    hears(session, "peers", id="unknown", added=["/nobody"])
     assert [each.peers.names for each in (first, second)] == [["/listener"], []]
     assert subscription.peers.names == ["/talker"]
+    hears(session, "peers", id=first.id, added=["/ear"])
+    assert first.peers.names == ["/ear", "/listener"]
+    hears(session, "peers", id=first.id, removed=["/listener"])
+    assert first.peers.names == ["/ear"]
 
 
 @pytest.mark.parametrize("end", ["disconnect", "close", "refuse", "end"])

@@ -9,6 +9,7 @@ client whose replies alone exceed the limit is overfull, and to be closed.
 from __future__ import annotations
 
 import logging
+from collections import OrderedDict
 from collections.abc import Callable
 from typing import TypeAlias
 
@@ -70,8 +71,8 @@ class SendQueue:
 
     __slots__ = (
         "_broken",
+        "_fresh",
         "_kept",
-        "_latest",
         "_replies",
         "_reply_bytes",
         "_rest",
@@ -111,7 +112,7 @@ class SendQueue:
         """The rest of a large frame that filled the socket, and the frames behind it."""
         self._rest_bytes = 0
         self._replies: list[bytes] = []
-        self._latest: dict[object, bytes] | None = None
+        self._fresh: OrderedDict[Callable[[], bytes], None] | None = None
         self._reply_bytes = 0
         self._kept: FrameQueue[Lane, Frame] | None = None
 
@@ -153,14 +154,16 @@ class SendQueue:
             self._replies.append(frame)
             self._reply_bytes += len(frame)
 
-    def latest(self, key: object, frame: bytes) -> None:
-        """Send a reply, or while paused keep only the newest one of each ``key``."""
-        if not self.paused:
+    def reply_fresh(self, make: Callable[[], bytes]) -> None:
+        """Send the frames that a function makes, now or when a paused client reads again.
+
+        Nothing of them is kept meanwhile, however often this is called.
+        """
+        if self.paused:
+            self._fresh = self._fresh or OrderedDict()
+            self._fresh[make] = None
+        elif frame := make():
             self._send(frame)
-        elif not self.overfull:
-            latest = self._latest = self._latest or {}
-            self._reply_bytes += len(frame) - len(latest.get(key, b""))
-            latest[key] = frame
 
     def keep(self, frame: Frame, lane: Lane) -> None:
         """Keep a message's frame until the client reads again; drop older ones beyond limits."""
@@ -195,9 +198,7 @@ class SendQueue:
                 return
         self.paused = False
         self.frames += self._replies
-        self.frames += (self._latest or {}).values()
         self._replies = []
-        self._latest = None
         self._reply_bytes = 0
         self._refill()
         if self.frames and not self.paused:
@@ -278,7 +279,7 @@ class SendQueue:
         self._write = _discard
         self.frames = []
         self._replies = []
-        self._latest = None
+        self._fresh = None
         self._reply_bytes = 0
         if self._kept is not None:
             self._kept.clear()
@@ -292,12 +293,13 @@ class SendQueue:
     def _refill(self) -> None:
         """Write kept messages in pieces of `CHUNK` until the socket is full or none is left.
 
-        The rest stays in the queue, where newer messages can still take its place.
+        The rest stays in the queue, where newer messages can still take its place. Fresh replies
+        come first, in pieces, too.
         """
-        while self._kept:
+        while self._fresh or self._kept:
             size = 0
-            while self._kept and size < CHUNK:
-                frame, _ = self._kept.pop()
+            while (self._fresh or self._kept) and size < CHUNK:
+                frame = self._pop()
                 self.frames.append(frame)
                 size += len(frame)
             frames, self.frames = self.frames, []
@@ -306,7 +308,17 @@ class SendQueue:
             if self._socket_full:
                 return
             self.paused = False
+        self._fresh = None
         self._kept = None
+
+    def _pop(self) -> Frame:
+        """Remove and return what is to be written next of what is made or kept."""
+        if self._fresh:
+            make, _ = self._fresh.popitem(last=False)
+            return make()
+        assert self._kept is not None
+        frame, _ = self._kept.pop()
+        return frame
 
 
 def _discard(data: Bytes) -> None:
@@ -327,7 +339,14 @@ class Flusher:
     def __init__(self, call_soon: Callable[[Callable[[], None]], object]) -> None:
         self._call_soon = call_soon
         self._due: list[SendQueue] = []
+        self._first: list[Callable[[], None]] = []
         self._bytes = 0
+
+    def call_first(self, callback: Callable[[], None]) -> None:
+        """Call a function once, right before the next flush; what it sends leaves with that."""
+        if not self._due and not self._first:
+            self._call_soon(self.flush)
+        self._first.append(callback)
 
     def add(self, queue: SendQueue) -> None:
         """Flush a queue at the end of the turn; it asks for that once a turn."""
@@ -365,6 +384,12 @@ class Flusher:
 
         Subscribers of the same topics mostly hold equal lists of shared frames: joined once.
         """
+        first, self._first = self._first, []
+        for callback in first:
+            try:
+                callback()
+            except Exception:
+                logger.exception("What was to be sent at the end of a turn failed.")
         due, self._due = self._due, []
         self._bytes = 0
         last: list[Frame] = []

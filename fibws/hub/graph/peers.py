@@ -1,32 +1,96 @@
-"""Peer lists: the nodes at the other end of a topic, for those who asked to be told."""
+"""Peers: the nodes at the other end of a topic, for those who watch them."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from typing import TypeAlias
+from collections.abc import Collection, Iterable
+from functools import cached_property
+from typing import Protocol
 
 from pydantic_core import to_json
 
 from fibws.errors import LimitReached
 
-Tell: TypeAlias = Callable[[bytes], None]
-"""Takes the nodes' names, sorted, as a JSON list."""
-
 MOST_REQUESTS = 10
 """Requests of one owner that may watch: each change is sent to all of them."""
+MOST_CHANGES = 64
+"""Changes that are kept for slow watchers, or twice as many as there are nodes."""
+
+
+class PeerNews:
+    """What is new to a watcher.
+
+    Args:
+        names: those of the nodes that are there.
+        removed: the nodes that have left since the watcher last read; None if that is forgotten.
+        added: the nodes that have joined; those in both lists have left and come back.
+    """
+
+    def __init__(
+        self, names: Iterable[str], removed: Iterable[str] | None, added: Iterable[str] = ()
+    ) -> None:
+        self._names = names
+        self._removed = None if removed is None else set(removed)
+        self._added = set(added)
+
+    def __bool__(self) -> bool:
+        return self._removed is None or bool(self._removed or self._added)
+
+    @cached_property
+    def names(self) -> bytes:
+        """The names of all nodes, sorted, as a JSON list."""
+        return to_json(sorted(self._names))
+
+    @cached_property
+    def names_between(self) -> bytes | None:
+        """The same without the nodes that have left and come back, if there are any."""
+        returned = self._added.intersection(self._removed or ())
+        return to_json(sorted(set(self._names) - returned)) if returned else None
+
+    @cached_property
+    def changes(self) -> tuple[bytes, bytes] | None:
+        """The names removed and those then added, as JSON lists; None if they are forgotten."""
+        if self._removed is None:
+            return None
+        return to_json(sorted(self._removed)), to_json(sorted(self._added))
+
+
+class Watcher(Protocol):
+    """One request to be told the nodes."""
+
+    def changed(self) -> None:
+        """Take note that there is something to `read`; further changes are not announced."""
+
+    def report(self) -> None:
+        """Read the news and send them, unless the client is too slow for that at present."""
 
 
 class PeerWatch:
     """The publishers, or the subscriptions, that watch who is at the other end of their topic.
 
+    A watcher reads all names first, and then what has changed since. The changes that some have
+    yet to read are kept once for all watchers; one that has missed too many reads all names again.
+
     A node must be reported only once messages pass between it and those who watch.
+
+    Args:
+        nodes: their names, which the topic keeps up to date.
     """
 
-    __slots__ = ("_known", "_watching")
+    __slots__ = ("_behind", "_changes", "_news", "_nodes", "_start", "_up_to_date", "_watching")
 
-    def __init__(self) -> None:
-        self._watching: dict[object, dict[object, Tell]] = {}
-        self._known: list[str] = []
+    def __init__(self, nodes: Collection[str]) -> None:
+        self._nodes = nodes
+        self._watching: dict[object, dict[object, Watcher]] = {}
+        """By the owners and the ids of their requests."""
+        self._up_to_date: dict[Watcher, None] = {}
+        self._behind: dict[Watcher, int] = {}
+        """The other watchers, each with the number of the first change that it has not read."""
+        self._changes: list[tuple[str, bool]] = []
+        """Nodes, each with whether it has joined; else it has left."""
+        self._start = 0
+        """The number of the first of these changes."""
+        self._news: dict[int, PeerNews] = {}
+        """The news since each change, for watchers that have read equally much."""
 
     def __bool__(self) -> bool:
         return bool(self._watching)
@@ -39,37 +103,89 @@ class PeerWatch:
                 f"too many requests for the peers of a topic (limit {MOST_REQUESTS})"
             )
 
-    def add(self, owner: object, id_: object, tell: Tell, nodes: Iterable[str]) -> None:
-        """Call ``tell`` with the nodes now, and after each change.
+    def add(self, owner: object, id_: object, watcher: Watcher) -> None:
+        """Have a watcher report the nodes now, and their changes.
 
         Args:
             owner: the publisher or subscription that watches.
             id_: its request; one of the same id replaces the older one.
-            nodes: their names at present.
         """
-        if not self._watching:
-            self._known = sorted(nodes)
-        self._watching.setdefault(owner, {})[id_] = tell
-        tell(to_json(self._known))
+        self.cancel(owner, id_)
+        self._watching.setdefault(owner, {})[id_] = watcher
+        self._behind[watcher] = -1
+        watcher.report()
 
     def cancel(self, owner: object, id_: object) -> None:
         """End one request, if it is there; others of its owner go on."""
         requests = self._watching.get(owner, {})
-        if requests.pop(id_, None) is not None and not requests:
-            del self._watching[owner]
+        watcher = requests.pop(id_, None)
+        if watcher is not None:
+            self._remove(watcher)
+            if not requests:
+                del self._watching[owner]
 
     def forget(self, owner: object) -> None:
         """End all requests of an owner."""
-        self._watching.pop(owner, None)
+        for watcher in self._watching.pop(owner, {}).values():
+            self._remove(watcher)
 
-    def changed(self, nodes: Iterable[str]) -> None:
-        """Tell those who watch, if the nodes are different ones than before."""
-        names = sorted(nodes)
-        if names == self._known:
+    def joined(self, node: str) -> None:
+        """Take note of a node that is there now."""
+        self._change(node, joined=True)
+
+    def left(self, node: str) -> None:
+        """Take note of a node that is not there any more."""
+        self._change(node, joined=False)
+
+    def report(self) -> None:
+        """Have all watchers report what they have not read yet, without waiting any longer."""
+        for watcher in tuple(self._behind):
+            watcher.report()
+
+    def read(self, watcher: Watcher) -> PeerNews | None:
+        """Return what is new to a watcher, if anything; it knows that then."""
+        first = self._behind.pop(watcher, None)
+        if first is None:
+            return None
+        news = self._news.get(first)
+        if news is None:
+            news = self._news[first] = self._since(first)
+        self._up_to_date[watcher] = None
+        self._forget_changes()
+        return news or None
+
+    def _change(self, node: str, *, joined: bool) -> None:
+        if not self._watching:
             return
-        self._known = names
-        text = to_json(names)
-        # A watcher may end its request, or another one, meanwhile.
-        for requests in tuple(self._watching.values()):
-            for tell in tuple(requests.values()):
-                tell(text)
+        if len(self._changes) >= max(MOST_CHANGES, 2 * len(self._nodes)):
+            self._start += len(self._changes)
+            self._changes.clear()
+        number = self._start + len(self._changes)
+        self._changes.append((node, joined))
+        self._news.clear()
+        if self._up_to_date:
+            news_to, self._up_to_date = self._up_to_date, {}
+            self._behind.update(dict.fromkeys(news_to, number))
+            for watcher in news_to:
+                watcher.changed()
+
+    def _since(self, first: int) -> PeerNews:
+        if first < self._start:
+            return PeerNews(self._nodes, None)
+        changes = self._changes[first - self._start :]
+        latest = dict(changes)
+        earliest = dict(reversed(changes))
+        removed = (node for node, joined in earliest.items() if not joined)
+        added = (node for node, joined in latest.items() if joined)
+        return PeerNews(self._nodes, removed, added)
+
+    def _remove(self, watcher: Watcher) -> None:
+        self._up_to_date.pop(watcher, None)
+        self._behind.pop(watcher, None)
+        self._forget_changes()
+
+    def _forget_changes(self) -> None:
+        if not self._behind:
+            self._start += len(self._changes)
+            self._changes.clear()
+            self._news.clear()

@@ -95,17 +95,17 @@ class Topic:
         """The name of the type that it has, or had last."""
         self.sources: dict[str, Source] = {}
         """By their nodes' names."""
-        self.watching_sinks = PeerWatch()
-        """The sources that watch who subscribes."""
-        self.watching_sources = PeerWatch()
+        self.watching_sources = PeerWatch(self.sources)
         """The sinks that watch who publishes."""
         self._sinks: dict[Sink, Receiver] = {}
         self._holding: dict[Sink, None] = {}
         """The sinks that were subscribed with a type."""
         self._by_node: dict[str, list[Sink]] = {}
+        self.watching_sinks = PeerWatch(self._by_node)
+        """The sources that watch who subscribes."""
         self._receivers: tuple[Receiver, ...] | None = ()
         """A tuple, since a sink may leave, or bring another one, while it is given a message; None
-        until the next message if the receivers have changed."""
+        until the next message if they, or the sources that sinks watch, have changed."""
         self._uses: dict[Receiver, int] = {}
         """How many sinks share each receiver."""
 
@@ -145,7 +145,12 @@ class Topic:
         """
         older = self._sinks.get(sink)
         if older is None:
-            self._by_node.setdefault(sink.node, []).append(sink)
+            sinks = self._by_node.get(sink.node)
+            if sinks is None:
+                self._by_node[sink.node] = [sink]
+                self.watching_sinks.joined(sink.node)
+            else:
+                sinks.append(sink)
         if older is not receiver:
             self._sinks[sink] = receiver
             self._use(receiver, 1)
@@ -154,8 +159,6 @@ class Topic:
         self._holding.pop(sink, None)
         if holds_type:
             self._holding[sink] = None
-        if older is None and self.watching_sinks:
-            self.watching_sinks.changed(self._by_node)
 
     def detach(self, sink: Sink) -> None:
         """Remove a sink; nothing happens if it is not there."""
@@ -169,22 +172,20 @@ class Topic:
         others.remove(sink)
         if not others:
             del self._by_node[sink.node]
-        if self.watching_sinks:
-            self.watching_sinks.changed(self._by_node)
+            self.watching_sinks.left(sink.node)
 
     def add(self, source: Source) -> None:
         """Add a source."""
         self.sources[source.node] = source
-        if self.watching_sources:
-            self.watching_sources.changed(self.sources)
+        self.watching_sources.joined(source.node)
+        self._receivers = None
 
     def remove(self, source: Source) -> None:
         """Remove a source."""
         self.watching_sinks.forget(source)
         if self.sources.get(source.node) is source:
             del self.sources[source.node]
-        if self.watching_sources:
-            self.watching_sources.changed(self.sources)
+            self.watching_sources.left(source.node)
 
     def replay(self, sink: Sink) -> None:
         """Give a sink what sources have latched; raises what `Sink.replay` raises."""
@@ -197,7 +198,7 @@ class Topic:
         """Give a message to all sinks."""
         receivers = self._receivers
         if receivers is None:
-            receivers = self._receivers = tuple(self._uses)
+            receivers = self._prepare()
         for receiver in receivers:
             try:
                 receiver.receive(publication)
@@ -207,11 +208,19 @@ class Topic:
 
     def deliver_to(self, node: str, publication: Publication) -> None:
         """Give a message to the sinks of one node."""
+        if self._receivers is None:
+            self._prepare()
         for sink in tuple(self._by_node.get(node, ())):
             try:
                 sink.receive(publication)
             except Exception:
                 logger.exception("%s: a subscriber failed.", self.name)
+
+    def _prepare(self) -> tuple[Receiver, ...]:
+        """Return the receivers; whoever watches a new source is told before its messages."""
+        self.watching_sources.report()
+        self._receivers = tuple(self._uses)
+        return self._receivers
 
     def _use(self, receiver: Receiver, change: int) -> None:
         """Count one sink more or less that shares a receiver."""

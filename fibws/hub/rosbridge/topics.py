@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import chain, count
@@ -22,7 +21,8 @@ from fibws.hub.graph.peers import PeerWatch
 from fibws.hub.graph.topic import Quota, Source, Topic
 from fibws.hub.log_text import is_power_of_ten
 from fibws.hub.rosbridge.client import Client, check_room
-from fibws.hub.rosbridge.encodings import COMPRESSIONS, text_frame
+from fibws.hub.rosbridge.encodings import COMPRESSIONS
+from fibws.hub.rosbridge.peers import PeerReports
 from fibws.hub.rosbridge.subscription import MAX_REGISTRATIONS, Subscription
 from fibws.protocol.operations import (
     Advertise,
@@ -32,7 +32,6 @@ from fibws.protocol.operations import (
     Unadvertise,
     Unsubscribe,
     encode,
-    encode_fields,
 )
 from fibws.protocol.serialized import ROS1, read_publish
 from fibws.protocol.websocket import Payload
@@ -122,7 +121,7 @@ class Topics:
             statuses.unchecked(request.id, f"{name}: messages of type {type_.name} are not checked")
         statuses.info(request.id, f"{self._client.node} publishes {name} ({type_.name})")
         topic = source.topic
-        self._watch(request, topic.watching_sinks, source, topic.subscribers())
+        self._watch(request, topic.watching_sinks, source)
         self._publish_pending(topic)
 
     def refuse_advertise(self, fields: dict[str, Any], text: str, code: str) -> None:
@@ -299,7 +298,7 @@ class Topics:
         self.subscriptions[request.topic] = subscription
         if topic.type is None:
             client.statuses.info(request.id, f"{topic.name} waits for a publisher to have a type")
-        self._watch(request, topic.watching_sources, subscription, topic.sources)
+        self._watch(request, topic.watching_sources, subscription)
         topic.replay(subscription)
 
     def unsubscribe(self, request: Unsubscribe) -> None:
@@ -338,22 +337,12 @@ class Topics:
             subscription.cancel(None)
         self.subscriptions.clear()
 
-    def _watch(
-        self, request: Advertise | Subscribe, peers: PeerWatch, owner: object, nodes: Iterable[str]
-    ) -> None:
-        """Send the client its peers, if a request asks for them."""
-        peers.cancel(owner, request.id)
-        if not request.peers:
-            return
-        fields = {"op": "peers", "id": request.id, "topic": request.topic}
-        before = encode_fields(fields, nodes=b"")[:-1]  # There may be thousands who are told.
-        queue = self._client.queue
-
-        def tell(nodes: bytes) -> None:
-            # Only the newest list is of use, and others must not make the client overfull.
-            queue.latest(tell, text_frame(b"%b%b}" % (before, nodes)))
-
-        peers.add(owner, request.id, tell, nodes)
+    def _watch(self, request: Advertise | Subscribe, peers: PeerWatch, owner: object) -> None:
+        """Send the client its peers from now on, if a request asks for them."""
+        if request.peers:
+            peers.add(owner, request.id, PeerReports(peers, request, self._client.queue))
+        else:
+            peers.cancel(owner, request.id)
 
     def _topic(self, spelling: str) -> Topic:
         return self._client.graph.topic(self._client.resolve(spelling))

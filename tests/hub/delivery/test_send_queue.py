@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable
 
 import pytest
 from hypothesis import strategies as st
@@ -77,34 +78,83 @@ def test_all_frames_of_a_turn_leave_in_order_in_one_write() -> None:
     assert client.turn() == []
 
 
-def test_only_the_latest_frame_of_a_key_is_kept_for_a_slow_client() -> None:
+def test_fresh_replies_are_made_when_a_slow_client_reads_again() -> None:
     client, lane = new_client(max_bytes=100), Lane(1)
-    client.queue.latest("a", b"1")
-    client.queue.latest("a", b"2")
-    assert client.turn() == [b"12"]
+    made = {"a": 0, "b": 0}
+
+    def maker(name: str) -> Callable[[], bytes]:
+        def make() -> bytes:
+            made[name] += 1
+            return f"{name}{made[name]}".encode()
+
+        return make
+
+    a, b = maker("a"), maker("b")
+    client.queue.reply_fresh(a)
+    client.queue.reply_fresh(a)
+    assert client.turn() == [b"a1a2"]
     client.queue.pause()
-    for number in range(100):
-        client.queue.latest("a", b"%d" % number * 5)
-        client.queue.latest("b", b"x" * (80 - number // 2))
+    for _ in range(100):
+        client.queue.reply_fresh(a)
+        client.queue.reply_fresh(b)
     client.queue.put(b"m", lane)
     client.queue.reply(b"r")
-    assert client.queue.kept_bytes == len(b"9999999999") + 31 + len(b"mr")
-    assert not client.queue.overfull
+    assert client.queue.kept_bytes == len(b"mr")
+    assert made == {"a": 2, "b": 0}
     client.queue.resume()
-    assert client.turn() == [b"r9999999999" + b"x" * 31 + b"m"]
-    assert client.queue.kept_bytes == 0
+    assert b"".join(client.turn()) == b"ra3b1m"
     client.queue.pause()
     client.queue.resume()
     assert client.turn() == []
 
 
-def test_latest_frames_count_towards_overfull() -> None:
-    client = new_client(max_bytes=10)
+def test_fresh_reply_may_turn_out_to_be_nothing() -> None:
+    client = new_client()
+    client.queue.reply_fresh(bytes)
+    assert client.turn() == []
     client.queue.pause()
-    client.queue.latest("a", b"x" * 11)
-    assert client.queue.overfull
-    client.queue.latest("b", b"x" * 11)
-    assert client.queue.kept_bytes == 11
+    client.queue.reply_fresh(bytes)
+    client.queue.resume()
+    assert b"".join(client.turn()) == b""
+
+
+def test_fresh_replies_are_made_as_the_client_takes_them() -> None:
+    client, made = new_client(), []
+
+    def maker(number: int) -> Callable[[], bytes]:
+        def make() -> bytes:
+            made.append(number)
+            return b"x" * CHUNK
+
+        return make
+
+    client.queue.pause()
+    for number in range(3):
+        client.queue.reply_fresh(maker(number))
+    for number in range(3):
+        client.room = CHUNK
+        client.queue.resume()
+        assert made == [*range(number + 1)]
+    assert len(b"".join(client.turn())) == 3 * CHUNK
+
+
+def test_functions_are_called_before_the_frames_of_a_turn_are_written() -> None:
+    client = new_client()
+    client.queue.reply(b"1")
+    client.queue.flusher.call_first(lambda: client.queue.reply(b"2"))
+    assert client.turn() == [b"12"]
+    client.queue.flusher.call_first(lambda: client.queue.reply(b"3"))
+    assert b"".join([*client.turn(), *client.turn()]) == b"3"
+
+
+def test_failing_function_before_a_flush_keeps_nothing_from_being_written(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    client = new_client()
+    client.queue.reply(b"1")
+    client.queue.flusher.call_first(lambda: 1 // 0)  # type: ignore[arg-type]
+    assert client.turn() == [b"1"]
+    assert "ZeroDivisionError" in caplog.text
 
 
 def test_each_turn_has_its_own_write() -> None:
@@ -446,7 +496,7 @@ def test_replies_overtake_the_rest_of_the_kept_messages() -> None:
     client.room = CHUNK
     client.queue.resume()
     client.queue.reply(b"reply")
-    client.queue.latest("key", b"latest")
+    client.queue.reply_fresh(lambda: b"latest")
     client.queue.resume()
     assert b"".join(client.turn()) == b"1" * CHUNK + b"replylatest" + b"2" * CHUNK
 
@@ -546,7 +596,7 @@ def test_everything_else_comes_behind_a_half_written_frame() -> None:
     client, frame = half_written()
     client.queue.put(b"message", Lane(1))
     client.queue.reply(b"reply")
-    client.queue.latest("key", b"latest")
+    client.queue.reply_fresh(lambda: b"latest")
     client.room = math.inf
     client.queue.resume()
     assert b"".join(client.turn()) == frame[4 + WRITE_SIZE :] + b"replylatestmessage"

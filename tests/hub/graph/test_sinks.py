@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from struct import pack
 from typing import Any
 
@@ -12,7 +11,9 @@ from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.topic import Source, Topic
 from fibws.hub.graph.types import CheckedType
+from fibws.hub.rosbridge.peers import PeerReports
 from fibws.interfaces import Interfaces
+from fibws.protocol.operations import Subscribe
 from fibws.protocol.serialized import publish_head
 
 from ..fakes import INT32, NANOSECONDS, FakeHub, number, talker_and_listener
@@ -322,14 +323,18 @@ def test_publishers_that_watch_their_peers_see_sinks_come_and_go() -> None:
 
 def test_a_sink_may_watch_the_publishers() -> None:
     hub = FakeHub()
-    recorder, lists = Recorder(), list[bytes]()
+    recorder = Recorder()
     topic = hub.graph.topic("/fib")
     hub.graph.subscribe(topic, recorder)
-    topic.watching_sources.add(recorder, "1", lists.append, topic.sources)
+    client = hub.client("/watcher")
+    request = Subscribe(id="1", topic="/fib")
+    reports = PeerReports(topic.watching_sources, request, client.queue)
+    topic.watching_sources.add(recorder, "1", reports)
     talker = hub.client("/talker")
     talker.send("advertise", "/fib", type=INT32)
+    assert [each["nodes"] for each in client.receive()] == [[], ["/talker"]]
     talker.leaves()
-    assert [json.loads(each) for each in lists] == [[], ["/talker"], []]
+    assert client.receive_one("peers")["nodes"] == []
     hub.graph.unsubscribe(topic, recorder)
     assert not topic.watching_sources
 

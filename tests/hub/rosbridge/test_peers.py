@@ -60,12 +60,66 @@ def test_each_change_of_the_peers_is_sent(op: str, other: str) -> None:
     client = asks(hub, op)
     assert told(client) == [[]]
     second = joins(hub, other, "/b2")
+    assert told(client) == [["/b2"]]
     first = joins(hub, other, "/b1")
+    assert told(client) == [["/b1", "/b2"]]
     joins(hub, op, "/of the same side")
     joins(hub, other, "/elsewhere", "/other")
+    assert told(client) == []
     first.leaves()
+    assert told(client) == [["/b2"]]
     second.send(f"un{other}", "/a")
-    assert told(client) == [["/b2"], ["/b1", "/b2"], ["/b2"], []]
+    assert told(client) == [[]]
+
+
+@pytest.mark.parametrize(("op", "other"), SIDES.items())
+def test_client_that_understands_changes_is_sent_those(op: str, other: str) -> None:
+    hub = FakeHub()
+    third = joins(hub, other, "/b3")
+    client = asks(hub, op, peer_changes=True)
+    report = {"op": "peers", "id": "asked"}
+    assert client.receive() == [{**report, "topic": "/a", "nodes": ["/b3"]}]
+    first, _ = joins(hub, other, "/b1"), joins(hub, other, "/b2")
+    assert client.receive() == [{**report, "added": ["/b1", "/b2"]}]
+    first.leaves()
+    third.leaves()
+    assert client.receive() == [{**report, "removed": ["/b1", "/b3"]}]
+    joins(hub, other, "/b2")
+    assert client.receive() == [{**report, "removed": ["/b2"], "added": ["/b2"]}]
+    client.leaves()
+    client = asks(hub, op, id=None, peer_changes=True)
+    joins(hub, other, "/b3")
+    assert [(each["topic"], "id" in each) for each in client.receive()] == [("/a", False)] * 2
+
+
+@pytest.mark.parametrize(("op", "other"), SIDES.items())
+def test_changes_of_one_turn_are_one_report(op: str, other: str) -> None:
+    hub = FakeHub()
+    whole, changes = asks(hub, op, "/whole"), asks(hub, op, "/changes", peer_changes=True)
+    for client in (whole, changes):
+        client.receive()
+    nodes = [f"/b{number}" for number in range(10)]
+    passing = joins(hub, other, "/passing")
+    for node in nodes:
+        joins(hub, other, node)
+    passing.leaves()
+    assert told(whole) == [nodes]
+    assert changes.receive_one("peers")["added"] == nodes
+
+
+def test_four_hundred_nodes_on_tf_take_less_than_20_megabytes() -> None:
+    hub, size = FakeHub(), 0
+    clients: list[Client] = []
+    for count in range(400):
+        client = hub.client(f"/robot_{count}/robot_state_publisher")
+        clients.append(client)
+        for op in SIDES:
+            client.send(op, "/tf", type=INT32, id=f"{op}:/tf:1", peers=True, peer_changes=True)
+            hub.clock.turn()
+        for each in clients:
+            size += sum(map(len, each.writes))
+            each.writes.clear()
+    assert size < 20_000_000
 
 
 @pytest.mark.parametrize(("op", "other"), SIDES.items())
@@ -87,8 +141,9 @@ def test_replaced_node_is_removed_before_the_newer_is_added(op: str, other: str)
     hub = FakeHub()
     client = asks(hub, op)
     joins(hub, other, "/b")
+    assert told(client) == [[], ["/b"]]
     joins(hub, other, "/b")
-    assert told(client) == [[], ["/b"], [], ["/b"]]
+    assert told(client) == [[], ["/b"]]
 
 
 @pytest.mark.parametrize(("op", "other"), SIDES.items())
@@ -98,8 +153,8 @@ def test_node_may_be_its_own_peer(op: str, other: str) -> None:
     client.send(other, "/a", type=INT32, peers=True, id="other")
     assert [(each["id"], each["nodes"]) for each in client.receive()] == [
         ("asked", []),
-        ("asked", ["/asking"]),
         ("other", ["/asking"]),
+        ("asked", ["/asking"]),
     ]
     client.leaves()
     assert hub.empty
@@ -161,6 +216,32 @@ def test_publisher_without_advertise_is_a_peer() -> None:
     client = asks(hub, "subscribe")
     hub.client("/b").send("publish", "/a", msg=number(1))
     assert [each.get("nodes") for each in client.receive()] == [[], ["/b"], None]
+
+
+def test_subscriber_learns_of_a_publisher_before_its_message_for_one_node() -> None:
+    hub = FakeHub()
+    client = asks(hub, "subscribe", peer_changes=True)
+    talker = hub.client("/talker")
+    talker.send("advertise", "/a", type=INT32)
+    talker.send("publish", "/a", msg=number(1), to="/asking")
+    assert [each.get("added") for each in client.receive()] == [None, ["/talker"], None]
+
+
+def test_slow_client_gets_one_change_or_only_the_newest_peers() -> None:
+    hub = FakeHub(max_queued_bytes=1000)
+    client = asks(hub, "advertise", peer_changes=True)
+    client.receive()
+    for many in (False, True):
+        client.queue.pause()
+        others = [joins(hub, "subscribe", f"/b{name % 7}") for name in range(500 if many else 10)]
+        assert client.queue.kept_bytes == 0
+        client.queue.resume()
+        nodes = [f"/b{name}" for name in range(7)]
+        report = client.receive_one("peers")
+        assert report.get("nodes" if many else "added") == nodes
+        for other in others:
+            other.leaves()
+        assert client.receive_one("peers")["removed"] == nodes
 
 
 def test_slow_client_gets_only_the_newest_peers() -> None:

@@ -222,13 +222,11 @@ class Publication:
     async def _watch(self, publisher: fibws.Publisher[Any, ...]) -> None:
         """Report subscribers that come and leave to the listeners; stop if the hub refuses."""
         async for names in publisher.peers.changes():
-            before, self._peers = self._peers, names
-            for name in before:
-                if name not in names:
-                    self._events.put(partial(self._report, None, len(names)))
-            for name in names:
-                if name not in before:
-                    self._events.put(partial(self._report, name, len(names)))
+            before, self._peers = set(self._peers), names
+            for _ in before.difference(names):
+                self._events.put(partial(self._report, None, len(names)))
+            for name in sorted(set(names) - before):
+                self._events.put(partial(self._report, name, len(names)))
         if publisher.fault is not None:
             self._outgoing = None  # The node has logged why.
 
