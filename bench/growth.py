@@ -14,7 +14,7 @@ from bench.measure import BenchError, Plan
 from bench.report import Report
 from bench.servers import Server, running
 
-FIRST, QUICK_FIRST = 250, 50
+FIRST, QUICK_FIRST = 250, 25
 """The smallest number of clients, topics, and so on; the others are its doubles."""
 DOUBLINGS = 3
 LIMIT_GROWTH = 2.0
@@ -27,6 +27,11 @@ IDS_OPERATION = "subscribe to one topic again"
 """It may grow, as the ids are few, and has no limit."""
 MESSAGES, DELIVERIES = 500, 40_000
 TIMEOUTS_PER_SECOND = 2000
+WATCHERS_SHARE = 5
+"""Fewer nodes watch each other: there are as many reports as pairs of them."""
+NODES, QUICK_NODES = 400, 50
+NODE = "fleet/robot_state_publisher"
+LIMIT_TRAFFIC_MB = 20.0
 IDS = 12
 """The smallest number of subscriptions of one client to one topic, of which it may have 100."""
 OPTIONS = [f"--max-{what}=100000" for what in ("advertisements", "subscriptions", "calls", "goals")]
@@ -304,6 +309,26 @@ def lookups(meter: Meter) -> None:
                 perform(caller, "call_service", arguments, service=f"/rosapi/{what}")
 
 
+def peers(meter: Meter) -> None:
+    """Have nodes publish and subscribe to one topic that all of them watch."""
+    with meter.clients(meter.n // WATCHERS_SHARE, "node") as nodes:
+        with meter.measured("report of one node to another", len(nodes) ** 2):
+            _join(nodes)
+
+
+def _join(nodes: Sequence[Client]) -> int:
+    """Join a topic one after the other; return the bytes that all receive."""
+    common = {"topic": TOPIC, "id": f"peers:{TOPIC}:1", "peers": True, "peer_changes": True}
+    frames = operation("advertise", type=TYPE, **common) + operation("subscribe", **common)
+    messages = []
+    for node in nodes:
+        node.send(frames)
+        messages += node.settle()
+    for node in nodes:
+        messages += node.settle()
+    return sum(map(len, messages))
+
+
 DIMENSIONS = (
     idle_clients,
     topics,
@@ -318,6 +343,7 @@ DIMENSIONS = (
     goals,
     parameters,
     lookups,
+    peers,
 )
 
 
@@ -340,6 +366,26 @@ def growth(plan: Plan, report: Report) -> None:
             ("operation", *(f"{times} N" for times in multiples), "growth", "limit"),
             [_row(hub, what, by_size, report) for what, by_size in costs.items()],
         )
+        _measure_traffic(hub, QUICK_NODES if plan.quick else NODES, report)
+
+
+def _measure_traffic(hub: str, count: int, report: Report) -> None:
+    with (
+        on_load_cpu(),
+        running(hub) as server,
+        crowd(server.port, count, NODE) as nodes,
+    ):
+        cpu = server.cpu_seconds
+        megabytes = _join(nodes) / 1e6
+        cpu = server.cpu_seconds - cpu
+    verdict = report.check(hub, f"{count} nodes join a topic", megabytes, LIMIT_TRAFFIC_MB, " MB")
+    report.record("peers", server=hub, nodes=count, megabytes=megabytes, cpu_seconds=cpu)
+    report.table(
+        f"{count} nodes join a topic one after the other as publishers and subscribers, "
+        "and watch its nodes",
+        ("server", "traffic, MB", "CPU of the hub, s", "limit"),
+        [(hub, f"{megabytes:.1f}", f"{cpu:.2f}", verdict)],
+    )
 
 
 def _costs(hub: str, n: int, times: int, rep: int) -> dict[str, float]:
