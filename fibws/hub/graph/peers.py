@@ -92,8 +92,8 @@ class PeerWatch:
         self._news: dict[int, PeerNews] = {}
         """The news since each change, for watchers that have read equally much."""
 
-    def __bool__(self) -> bool:
-        return bool(self._watching)
+    def __len__(self) -> int:
+        return len(self._up_to_date) + len(self._behind)
 
     def check_room(self, owner: object, id_: object) -> None:
         """Raise `LimitReached` if one more request of the owner would be too many."""

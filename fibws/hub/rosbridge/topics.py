@@ -340,7 +340,9 @@ class Topics:
     def _watch(self, request: Advertise | Subscribe, peers: PeerWatch, owner: object) -> None:
         """Send the client its peers from now on, if a request asks for them."""
         if request.peers:
-            peers.add(owner, request.id, PeerReports(peers, request, self._client.queue))
+            client = self._client
+            reports = PeerReports(peers, request, client.queue, client.clock)
+            peers.add(owner, request.id, reports)
         else:
             peers.cancel(owner, request.id)
 

@@ -328,7 +328,7 @@ def test_a_sink_may_watch_the_publishers() -> None:
     hub.graph.subscribe(topic, recorder)
     client = hub.client("/watcher")
     request = Subscribe(id="1", topic="/fib")
-    reports = PeerReports(topic.watching_sources, request, client.queue)
+    reports = PeerReports(topic.watching_sources, request, client.queue, hub.clock)
     topic.watching_sources.add(recorder, "1", reports)
     talker = hub.client("/talker")
     talker.send("advertise", "/fib", type=INT32)

@@ -107,7 +107,10 @@ def test_changes_of_one_turn_are_one_report(op: str, other: str) -> None:
     assert changes.receive_one("peers")["added"] == nodes
 
 
-def test_four_hundred_nodes_on_tf_take_less_than_20_megabytes() -> None:
+@pytest.mark.parametrize(("seconds", "megabytes"), [(0.02, 14), (1, 20)])
+def test_four_hundred_nodes_on_tf_take_less_than_20_megabytes(
+    seconds: float, megabytes: int
+) -> None:
     hub, size = FakeHub(), 0
     clients: list[Client] = []
     for count in range(400):
@@ -116,10 +119,38 @@ def test_four_hundred_nodes_on_tf_take_less_than_20_megabytes() -> None:
         for op in SIDES:
             client.send(op, "/tf", type=INT32, id=f"{op}:/tf:1", peers=True, peer_changes=True)
             hub.clock.turn()
+            hub.clock.advance(seconds / 2)
+            hub.clock.turn()
         for each in clients:
             size += sum(map(len, each.writes))
             each.writes.clear()
-    assert size < 20_000_000
+    assert size < megabytes * 1_000_000
+
+
+@pytest.mark.parametrize(("op", "other"), SIDES.items())
+def test_many_watchers_are_told_several_changes_at_once(op: str, other: str) -> None:
+    hub = FakeHub()
+    watchers = [asks(hub, op, f"/n{count}", peer_changes=True) for count in range(400)]
+    for watcher in watchers:
+        watcher.receive()
+    for name in ("/b1", "/b2", "/b3"):
+        joins(hub, other, name)
+        hub.clock.turn()
+        hub.clock.advance(0.03)
+    hub.clock.advance(0.03)
+    for watcher in watchers:
+        assert watcher.receive_one("peers")["added"] == ["/b1", "/b2", "/b3"]
+
+
+def test_many_subscribers_learn_of_a_publisher_before_its_messages() -> None:
+    hub = FakeHub()
+    watchers = [asks(hub, "subscribe", f"/n{count}", peer_changes=True) for count in range(100)]
+    for watcher in watchers:
+        watcher.receive()
+    joins(hub, "advertise", "/b").send("publish", "/a", msg=number(1))
+    hub.clock.advance(1)
+    for watcher in watchers:
+        assert [each.get("added") for each in watcher.receive()] == [["/b"], None]
 
 
 @pytest.mark.parametrize(("op", "other"), SIDES.items())
