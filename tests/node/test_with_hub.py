@@ -16,10 +16,12 @@ import fibws
 from fibws.errors import CallRefused
 from fibws.hub import Hub, Settings
 from fibws.msg.fibws_msgs import PublisherInfo, SubscriptionStatistics
-from fibws.msg.geometry_msgs import Twist, Vector3
+from fibws.msg.geometry_msgs import TransformStamped, Twist, Vector3
 from fibws.msg.rosgraph_msgs import Log
 from fibws.msg.sensor_msgs import Image
 from fibws.msg.std_msgs import Float64, Int32, String
+from fibws.msg.tf import tfMessage
+from fibws.msg.tf2_msgs import TFMessage
 from fibws.srv.fibws_msgs import GetGraph, GetStatistics, KillNode, PingNode
 from fibws.srv.rospy_tutorials import AddTwoInts, AddTwoIntsRequest
 from fibws.srv.std_srvs import Trigger
@@ -47,6 +49,18 @@ async def test_one_node_hears_another(real_hub: Hub) -> None:
         assert await anext(speeds) == Twist(linear=Vector3(1.0, 2.0, 3.0))
         talker.log.error("too fast")
         assert (await anext(lines)).msg == "too fast"
+
+
+async def test_types_of_equal_fields_meet(real_hub: Hub) -> None:
+    url = real_hub.url
+    async with fibws.Node("talker", hub=url) as talker, fibws.Node("ear", hub=url) as ear:
+        publisher = await talker.advertise("/tf", TFMessage, latch=True)
+        await publisher.publish([TransformStamped(child_frame_id="arm")])
+        messages = ear.subscribe("/tf", tfMessage)
+        assert await anext(messages) == tfMessage([TransformStamped(child_frame_id="arm")])
+        again = await ear.advertise("/tf", tfMessage)
+        await again.publish()
+        assert await anext(messages) == tfMessage()
 
 
 async def test_every_message_arrives_once_and_in_order(real_hub: Hub) -> None:

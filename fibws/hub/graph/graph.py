@@ -18,6 +18,7 @@ from weakref import WeakValueDictionary
 from fibws.errors import (
     CallFailed,
     DefinitionMismatch,
+    InterfaceError,
     NotAllowed,
     OperationError,
     TypeConflict,
@@ -268,10 +269,17 @@ class Graph:
     def _set_type(
         self, topic: Topic, type_: str, definition: str | None, md5sum: str | None
     ) -> MessageType:
-        """Give a topic its type, and return it."""
+        """Give a topic its type, and return it.
+
+        A topic that is held to a type keeps it when a client names another type with equal fields:
+        as in ROS 1, where the md5 counts when nodes connect.
+        """
         name = self.interfaces.canonical(type_)
         if topic.type is not None and topic.type.name != name and topic.held:
-            raise TypeConflict(topic.name, name, topic.type.name, topic.holder())
+            if not self._is_alike(topic.type, name):
+                raise TypeConflict(topic.name, name, topic.type.name, topic.holder())
+            _check_md5sum(topic.type, md5sum)
+            return topic.type
         if topic.type is None or topic.type.name != name or definition is not None:
             wanted = self._types.message(name, definition)
             _check_md5sum(wanted, md5sum)
@@ -290,6 +298,15 @@ class Graph:
         else:
             _check_md5sum(topic.type, md5sum)
         return topic.type
+
+    def _is_alike(self, type_: MessageType, name: str) -> bool:
+        """Return whether a type and the one of this name are known to have the same fields."""
+        if type_.md5sum is None:
+            return False
+        try:
+            return self._types.message(name).md5sum == type_.md5sum
+        except InterfaceError:
+            return False
 
     def _settle(self, topic: Topic) -> None:
         """Forget what nobody holds any more: the topic, or its type."""

@@ -8,6 +8,9 @@ from fibws.hub.rosbridge.subscription import MAX_REGISTRATIONS
 
 from ..fakes import INT32, STRING, FakeHub, talker_and_listener
 
+TF, TF2 = "tf/tfMessage", "tf2_msgs/TFMessage"
+TF_MD5 = "94810edda583a504dfda3829e70d7eec"
+
 
 @pytest.mark.parametrize("spelling", [INT32, "std_msgs/msg/Int32"])
 @pytest.mark.parametrize("op", ["advertise", "subscribe"])
@@ -29,6 +32,38 @@ def test_a_topic_has_one_type(op: str) -> None:
     assert all(each in status for each in (op, "/fib", STRING, INT32, "/talker"))
     assert not other.session.topics.sources
     assert not other.session.topics.subscriptions
+
+
+@pytest.mark.parametrize("spelling", [TF, "tf/msg/tfMessage"])
+def test_types_of_equal_fields_are_one_on_a_topic(spelling: str) -> None:
+    hub = FakeHub()
+    talker, listener, other = hub.client(), hub.client(), hub.client()
+    talker.send("advertise", "/tf", type=TF2)
+    listener.send("subscribe", "/tf", type=spelling)
+    other.send("advertise", "/tf", type=spelling, md5sum=TF_MD5)
+    for client in (talker, other):
+        client.send("publish", "/tf", msg={"transforms": [{}]})
+    assert len(listener.receive_messages("/tf")) == 2
+    assert talker.receive() == other.receive() == []
+    assert hub.graph.topics["/tf"].type is not None
+    assert hub.graph.topics["/tf"].type.name == TF2
+
+
+def test_a_serialized_subscriber_is_told_the_type_of_the_topic() -> None:
+    hub = FakeHub()
+    talker, listener = hub.client(), hub.client(serialized=True)
+    talker.send("advertise", "/tf", type=TF2)
+    listener.send("subscribe", "/tf", type=TF, md5sum=TF_MD5, compression="ros1")
+    answer = listener.receive_one("subscribed")
+    assert (answer["type"], answer["md5sum"]) == (TF2, TF_MD5)
+
+
+def test_unchecked_types_of_two_names_are_different() -> None:
+    hub = FakeHub()
+    talker, other = hub.client(), hub.client()
+    talker.send("advertise", "/n", type="my_msgs/Number")
+    other.send("advertise", "/n", type="your_msgs/Number")
+    assert "already established with type my_msgs/Number" in other.receive_statuses()[0]
 
 
 def test_a_subscription_with_a_type_holds_the_topic_to_it() -> None:
