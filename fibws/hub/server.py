@@ -79,10 +79,15 @@ class Hub:
             )
         except OSError as error:
             raise HubError(_why_not(host, port, error)) from error
-        self.port = self._server.sockets[0].getsockname()[1]
+        address, self.port = self._server.sockets[0].getsockname()[:2]
         try:
             self._own = OwnNodes(
-                self.graph, loop, host=_reached_at(host), port=self.port, run_id=str(uuid.uuid1())
+                self.graph,
+                loop,
+                host=_reached_at(host),
+                port=self.port,
+                address=address,
+                run_id=str(uuid.uuid1()),
             )
         except FibwsError:  # The parameters may have no room for even the first ones.
             self._server.close()

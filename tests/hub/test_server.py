@@ -47,6 +47,12 @@ class TestListening:
         hub = await start_hub(host=host)
         assert hub.url == f"ws://{shown}:{hub.port}"
 
+    @pytest.mark.parametrize("host", ["127.0.0.1", "0.0.0.0", "::1"])
+    async def test_parameters_say_where_it_listens(self, start_hub: StartHub, host: str) -> None:
+        hub = await start_hub(host=host)
+        actual = hub.graph.parameters.get("/rosbridge_websocket")
+        assert actual == {"actual_port": hub.port, "actual_host": host}
+
     @pytest.mark.parametrize(("host", "warned"), [("0.0.0.0", 1), ("127.0.0.1", 0), ("::1", 0)])
     async def test_listening_on_a_public_address_is_logged_as_a_warning(
         self, start_hub: StartHub, caplog: pytest.LogCaptureFixture, host: str, warned: int

@@ -89,6 +89,9 @@ def test_packages_list_what_they_hold() -> None:
         "std_srvs/Trigger",
     ]
     assert interfaces.actions("example_interfaces") == ["example_interfaces/Fibonacci"]
+    assert interfaces.actions("action_tutorials_interfaces") == [
+        "action_tutorials_interfaces/Fibonacci"
+    ]
     assert "example_interfaces/FibonacciActionGoal" in interfaces.messages("example_interfaces")
 
 

@@ -56,9 +56,10 @@ def test_the_tutorials_types_have_the_published_md5(
         ("turtlesim/Spawn", "0b2d2e872a8e2887d5ed626f2bf2c561"),
         ("turtlesim/TeleportAbsolute", "a130bc60ee6513855dc62ea83fcc5b20"),
         ("turtlesim/TeleportRelative", "9d5c2dcd348ac8f76ce2a4307bd63a13"),
+        ("tf/FrameGraph", "c4af9ac907e58e906eb0b6e3c58478c0"),
     ],
 )
-def test_the_turtles_services_have_the_published_md5(
+def test_services_of_turtlesim_and_tf_have_the_published_md5(
     interfaces: Interfaces, name: str, expected: str
 ) -> None:
     assert interfaces.service_md5(name) == expected

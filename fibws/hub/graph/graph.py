@@ -41,6 +41,8 @@ from fibws.interfaces import Interfaces
 logger = logging.getLogger("fibws.hub")
 
 CANCEL_GOAL = "action_msgs/CancelGoal"
+ROSBRIDGE = "/rosbridge_websocket"
+"""The hub's own node that stands for the real rosbridge server."""
 
 Verb: TypeAlias = Literal["publish", "subscribe", "call", "provide", "get", "set", "list"]
 """The kinds of access that a policy decides on.
@@ -418,11 +420,19 @@ class Graph:
         if action is None:
             raise CallFailed(f"Action {name} does not exist", "unknown_action")
         wanted = self.interfaces.canonical(type_)
-        if wanted != action.type.name:
+        if wanted != action.type.name and not self._is_same_action(action, wanted):
             text = f"Action {name} is of type {action.type.name}, not {wanted}"
             raise CallFailed(text, "type_conflict")
         uuid = next(self._goal_numbers).to_bytes(16, "big")
         return Goal(action, args, client, uuid, self.now())
+
+    def _is_same_action(self, action: Action, type_: str) -> bool:
+        """Return whether an action's type and the one of this name have the same fields."""
+        try:
+            md5sums = self._types.action(type_).md5sums
+        except InterfaceError:
+            return False
+        return md5sums is not None and md5sums == action.type.md5sums
 
     def remove_action(self, action: Action) -> None:
         """Remove an action, unless another server has taken it over."""

@@ -201,7 +201,8 @@ class ServiceType:
 class ActionType:
     """An action's type, which checks its goals, feedback and results.
 
-    ``arguments`` are the goal's fields in order, if they are known.
+    ``arguments`` are the goal's fields in order, and ``md5sums`` stand for the definitions of goal,
+    feedback and result, if they are known.
     """
 
     name: str
@@ -209,6 +210,7 @@ class ActionType:
     feedback: Validate
     result: Validate
     arguments: tuple[str, ...] | None
+    md5sums: tuple[str, str, str] | None
 
     def fill_goal(self, args: object) -> dict[str, Any]:
         """Return the goal that ``args`` stand for; as `ServiceType.fill_request`."""
@@ -298,13 +300,18 @@ class Types:
                 if self._strict:
                     raise
                 relayed = _relayed(name)
-                return ActionType(name, relayed, relayed, relayed, None)
+                return ActionType(name, relayed, relayed, relayed, None, None)
             self._actions[name] = ActionType(
                 name,
                 self._validate(action.goal),
                 self._validate(action.feedback),
                 self._validate(action.result),
                 _fields(action.goal),
+                (
+                    self._interfaces.md5(action.goal.type),
+                    self._interfaces.md5(action.feedback.type),
+                    self._interfaces.md5(action.result.type),
+                ),
             )
         return self._actions[name]
 

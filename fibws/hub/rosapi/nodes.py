@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from fibws.hub.delivery.clock import Clock
-from fibws.hub.graph.graph import Graph
+from fibws.hub.graph.graph import ROSBRIDGE, Graph
 from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.service import Function
 from fibws.hub.graph.topic import SinkReport, Source
@@ -28,7 +28,6 @@ from fibws.hub.rosapi.typedefs import TypeDefs
 ROSOUT = "/rosout"
 """A node, and the topic that it subscribes to."""
 ROSAPI = "/rosapi"
-ROSBRIDGE = "/rosbridge_websocket"
 OWN_NODES = (ROSAPI, ROSBRIDGE, ROSOUT)
 LOG = "rosgraph_msgs/Log"
 
@@ -96,13 +95,16 @@ class OwnNodes:
     Args:
         host: the name or the address by which the hub is reached.
         port: the port that it will listen on.
+        address: the address that it will listen on.
         run_id: a UUID of this run of the hub.
     """
 
-    def __init__(self, graph: Graph, clock: Clock, *, host: str, port: int, run_id: str) -> None:
+    def __init__(
+        self, graph: Graph, clock: Clock, *, host: str, port: int, address: str, run_id: str
+    ) -> None:
         self._graph = graph
         graph.internal.update(OWN_NODES)
-        set_defaults(graph.parameters, run_id=run_id, host=host, port=port)
+        set_defaults(graph.parameters, run_id=run_id, host=host, port=port, address=address)
         self._sources = {topic: self._advertise(topic) for topic in PUBLISHED}
         self.clients = ConnectedClients(
             self._sources["/client_count"], self._sources["/connected_clients"], clock

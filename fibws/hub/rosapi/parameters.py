@@ -13,7 +13,7 @@ from pydantic_core import from_json, to_json
 
 from fibws import names
 from fibws.errors import OperationError, ParameterNotSet, ParametersFull
-from fibws.hub.graph.graph import Graph
+from fibws.hub.graph.graph import ROSBRIDGE, Graph
 from fibws.hub.graph.parameters import Parameters, canonical
 from fibws.hub.graph.service import Function, Response
 
@@ -22,19 +22,25 @@ ROSVERSION = "1.16.0\n"
 """Both end with a newline, as roscore sets them."""
 
 
-def set_defaults(parameters: Parameters, *, run_id: str, host: str, port: int) -> None:
-    """Set the parameters that roscore sets at its start.
+def set_defaults(
+    parameters: Parameters, *, run_id: str, host: str, port: int, address: str
+) -> None:
+    """Set the parameters that roscore and rosbridge_websocket set at their start.
 
     Args:
         run_id: a UUID of this run of the hub.
         host: the name or the address by which the hub is reached.
+        port: the port that it listens on.
+        address: the address that it listens on.
     """
     label = re.sub("[^a-z0-9]", "_", host.lower())
-    address = f"[{host}]" if ":" in host else host
+    uri_host = f"[{host}]" if ":" in host else host
     parameters.set("/run_id", run_id)
     parameters.set("/rosdistro", ROSDISTRO)
     parameters.set("/rosversion", ROSVERSION)
-    parameters.set(f"/roslaunch/uris/host_{label}__{port}", f"http://{address}:{port}/")
+    parameters.set(f"/roslaunch/uris/host_{label}__{port}", f"http://{uri_host}:{port}/")
+    parameters.set(f"{ROSBRIDGE}/actual_port", port)
+    parameters.set(f"{ROSBRIDGE}/actual_host", address)
 
 
 class ParameterServices:

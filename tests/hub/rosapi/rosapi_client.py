@@ -43,7 +43,14 @@ class RosapiClient:
     def __init__(self, node: str = "/caller", **settings: Any) -> None:
         self.hub = FakeHub(**settings)
         self.graph = self.hub.graph
-        self.own = OwnNodes(self.graph, self.hub.clock, host="localhost", port=9090, run_id=RUN_ID)
+        self.own = OwnNodes(
+            self.graph,
+            self.hub.clock,
+            host="localhost",
+            port=9090,
+            address="127.0.0.1",
+            run_id=RUN_ID,
+        )
         self.client = self.hub.client(node)
         self._ports = count(50001)
 

@@ -9,7 +9,14 @@ from fibws.hub.rosapi.parameters import set_defaults
 
 from .rosapi_client import RUN_ID, RosapiClient
 
-DEFAULTS = ["/rosdistro", "/roslaunch/uris/host_localhost__9090", "/rosversion", "/run_id"]
+DEFAULTS = [
+    "/rosbridge_websocket/actual_host",
+    "/rosbridge_websocket/actual_port",
+    "/rosdistro",
+    "/roslaunch/uris/host_localhost__9090",
+    "/rosversion",
+    "/run_id",
+]
 
 
 @pytest.fixture
@@ -186,10 +193,12 @@ def test_get_param_names_lists_values_but_not_namespaces(rosapi: RosapiClient) -
 # The first parameters.
 
 
-def test_the_first_parameters_are_those_of_roscore(rosapi: RosapiClient) -> None:
+def test_the_first_parameters_are_those_of_roscore_and_rosbridge(rosapi: RosapiClient) -> None:
     assert rosapi.call("/rosapi/get_param_names") == {"names": DEFAULTS}
     values = [rosapi.call("/rosapi/get_param", name=name)["value"] for name in DEFAULTS]
     assert values == [
+        '"127.0.0.1"',
+        "9090",
         '"noetic\\n"',
         '"http://localhost:9090/"',
         '"1.16.0\\n"',
@@ -207,5 +216,5 @@ def test_the_first_parameters_are_those_of_roscore(rosapi: RosapiClient) -> None
 )
 def test_the_hubs_address_is_a_parameter(host: str, name: str, uri: str) -> None:
     parameters = Parameters(2**20)
-    set_defaults(parameters, run_id=RUN_ID, host=host, port=9090)
+    set_defaults(parameters, run_id=RUN_ID, host=host, port=9090, address="0.0.0.0")
     assert parameters.get("/roslaunch/uris") == {name: uri}

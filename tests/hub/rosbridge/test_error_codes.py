@@ -297,7 +297,9 @@ RESULTS: dict[str, tuple[str, Provoke]] = {
     "other type": (
         "type_conflict",
         with_action_server(
-            operation("send_action_goal", **goal(action_type="actionlib_tutorials/Fibonacci"))
+            operation(
+                "send_action_goal", **goal(action_type="action_tutorials_interfaces/Fibonacci")
+            )
         ),
     ),
     "unfitting goal": (

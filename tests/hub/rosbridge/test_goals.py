@@ -81,8 +81,13 @@ def test_goal_is_an_object_or_a_list_with_defaults_for_the_rest(args: object, or
     assert pursuer.receive_one("send_action_goal")["args"] == {"order": order}
 
 
-@pytest.mark.parametrize("type_", [FIBONACCI, "example_interfaces/action/Fibonacci"])
-def test_type_may_be_spelled_as_in_ros_1_or_2(type_: str) -> None:
+@pytest.mark.parametrize(
+    "type_",
+    [FIBONACCI, "example_interfaces/action/Fibonacci", "actionlib_tutorials/action/Fibonacci"],
+)
+def test_type_may_be_spelled_as_in_ros_1_or_2_and_be_another_one_of_equal_fields(
+    type_: str,
+) -> None:
     _, pursuer, client = server_and_client()
     send_goal(client, action_type=type_)
     assert pursuer.receive_one("send_action_goal")["action_type"] == FIBONACCI
@@ -96,8 +101,12 @@ def test_type_may_be_spelled_as_in_ros_1_or_2(type_: str) -> None:
         ({"action": "not legal"}, "'not legal' is not a legal name"),
         ({"action": ""}, "'' is not a legal name: it is empty"),
         (
-            {"action_type": "actionlib_tutorials/Fibonacci"},
-            "Action /fib is of type example_interfaces/Fibonacci, not actionlib_tutorials/Fib",
+            {"action_type": "action_tutorials_interfaces/Fibonacci"},
+            "Action /fib is of type example_interfaces/Fibonacci, not action_tutorials_interfaces",
+        ),
+        (
+            {"action_type": "unknown_actions/Fibonacci"},
+            "Action /fib is of type example_interfaces/Fibonacci, not unknown_actions/Fibonacci",
         ),
         ({"action_type": "Fibonacci"}, "Fibonacci is not a valid type string"),
         ({"args": {"order": "5"}}, "requires a int32 for field order, but got a str"),

@@ -320,7 +320,9 @@ async def test_goal_of_another_type_than_the_servers_is_refused(
     server: fibws.Node, client: fibws.Node
 ) -> None:
     await server.action_server("fibonacci", Fibonacci, count, over="operations")
-    other = client.action_client("fibonacci", "example_interfaces/Fibonacci", over="operations")
+    other = client.action_client(
+        "fibonacci", "action_tutorials_interfaces/Fibonacci", over="operations"
+    )
     await other.wait_for_server(timeout=60)
     goal = await other.send({"order": 1})
     with pytest.raises(fibws.ActionError, match="is of type actionlib_tutorials/Fibonacci"):
