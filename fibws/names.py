@@ -17,6 +17,11 @@ _LEGAL = re.compile(r"([A-Za-z]\w*|[~/]\w+)(/\w+)*", re.ASCII)
 _LEGAL_BASE = re.compile(r"[A-Za-z]\w*", re.ASCII)
 
 
+def is_legal(name: str) -> bool:
+    """Whether `check` accepts the name."""
+    return len(name) <= MAX_LENGTH and _LEGAL.fullmatch(name) is not None
+
+
 def check(name: str) -> str:
     """Return ``name`` if it is a legal graph name, else raise `InvalidName`."""
     if not name:
@@ -56,6 +61,33 @@ def resolve(name: str, *, namespace: str = "/", node: str = "/") -> str:
     if name.startswith("~"):
         return join(node, name[1:])
     return join(namespace, name)
+
+
+def resolve_any(name: str, *, namespace: str = "/", node: str = "/") -> str:
+    """The global name that ``name`` stands for; it need not be legal.
+
+    rospy warns of names such as ``/a-b`` and takes them. Empty parts count for nothing, as with
+    rosgraph.names.canonicalize_name: ``/x//y`` and ``/x/y/`` are ``/x/y``.
+
+    Args:
+        name: as in `resolve`.
+        namespace: as in `resolve`.
+        node: as in `resolve`.
+
+    Raises:
+        InvalidName: the name is empty or too long, or has whitespace or control characters, which
+            would confuse terminals and tools.
+    """
+    if is_legal(name) or not name or len(name) > MAX_LENGTH:
+        return resolve(name, namespace=namespace, node=node)
+    if " " in name or not name.isprintable():
+        raise InvalidName(name, "names have no whitespace or control characters")
+    parts = "/".join(filter(None, name.removeprefix("~").split("/")))
+    if not parts:
+        raise InvalidName(name, f"expected a name after {name}")
+    if name.startswith("/"):
+        return f"/{parts}"
+    return join(node if name.startswith("~") else namespace, parts)
 
 
 def join(namespace: str, name: str) -> str:

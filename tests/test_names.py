@@ -31,6 +31,50 @@ def test_an_illegal_name_is_refused(name: str) -> None:
         names.check(name)
 
 
+@pytest.mark.parametrize(
+    ("name", "resolved"),
+    [
+        ("chat", "/robot/chat"),
+        ("~chat", "/robot/arm/chat"),
+        ("~/chat", "/robot/arm/chat"),
+        ("a-b", "/robot/a-b"),
+        ("a/", "/robot/a"),
+        ("//a", "/a"),
+        ("/a//b/", "/a/b"),
+        ("/a.b", "/a.b"),
+        ("/übung", "/übung"),
+        ("1st", "/robot/1st"),
+        ("/" + "a" * 1023, "/" + "a" * 1023),
+    ],
+)
+def test_any_name_is_resolved(name: str, resolved: str) -> None:
+    assert names.resolve_any(name, namespace="/robot", node="/robot/arm") == resolved
+
+
+@pytest.mark.parametrize(
+    "name", ["", "/", "//", "~", "~/", "a b", "a\n", "/a\x1b[0m", "/a\u202eb", "\ud800", "-" * 1025]
+)
+def test_a_name_that_would_confuse_tools_is_refused(name: str) -> None:
+    with pytest.raises(InvalidName):
+        names.resolve_any(name)
+
+
+@given(st.text(max_size=50))
+def test_a_resolved_name_resolves_to_itself(name: str) -> None:
+    try:
+        resolved = names.resolve_any(name, namespace="/robot", node="/robot/arm")
+    except InvalidName:
+        assert not names.is_legal(name)
+    else:
+        assert names.resolve_any(resolved) == resolved
+
+
+@pytest.mark.parametrize("name", LEGAL)
+def test_a_legal_name_is_resolved_as_such(name: str) -> None:
+    assert names.is_legal(name)
+    assert names.resolve_any(name, node="/talker") == names.resolve(name, node="/talker")
+
+
 def test_the_error_about_a_long_name_is_short() -> None:
     with pytest.raises(InvalidName, match="longer than 1024") as caught:
         names.check("a" * 10_000)

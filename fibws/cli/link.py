@@ -97,8 +97,12 @@ class Link:
         return self._stream.fileno()
 
     def resolve(self, name: str) -> str:
-        """Return the global name for a name; raise `InvalidName` if it is invalid."""
-        return names.resolve(name, namespace=self.namespace, node=self.node)
+        """Return the global name for the name of something that may exist.
+
+        Raises:
+            InvalidName: the name is invalid; one that is not legal in ROS may exist all the same.
+        """
+        return names.resolve_any(name, namespace=self.namespace, node=self.node)
 
     def resolve_namespace(self, name: str) -> str:
         """Return the global namespace for a name, which may end in ``/``."""

@@ -8,6 +8,7 @@ from typing import Any, TextIO
 
 import click
 
+from fibws import names
 from fibws.cli import complete, output
 from fibws.cli.input import piped
 from fibws.cli.link import Link
@@ -78,7 +79,8 @@ def command(
     if words and file is not None:
         raise click.UsageError("args conflict with -f setting")
     values = [reading.parse(word) for word in words]
-    publisher = Publisher(link, link.resolve(topic), full_name(type_), latch=latch or rate is None)
+    name = link.resolve(names.check(topic))
+    publisher = Publisher(link, name, full_name(type_), latch=latch or rate is None)
     typedefs = publisher.typedefs
     if values or _has_no_fields(typedefs):
         messages = _of_words(values, typedefs, anew=substitute)

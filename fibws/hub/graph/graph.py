@@ -15,6 +15,7 @@ from itertools import count
 from typing import Any, Literal, Protocol, TypeAlias
 from weakref import WeakValueDictionary
 
+from fibws import names
 from fibws.errors import (
     CallFailed,
     DefinitionMismatch,
@@ -120,6 +121,8 @@ class Graph:
         self.revision = 0
         """Another number whenever something but the parameters has changed."""
         self._types = Types(interfaces, now, strict=strict_types)
+        self._unnamed: set[str] = set()
+        """The names that nodes have which asked for none."""
         self._clients = 0
         self._goals: WeakValueDictionary[str, Goals] = WeakValueDictionary()
         """The goals of each action's name, while it has a server or goals that have not ended."""
@@ -151,6 +154,9 @@ class Graph:
         self.revision += 1
         if name is None:
             name = self._new_name()
+            self._unnamed.add(name)
+        else:
+            self._unnamed.discard(name)
         older = self.nodes.pop(name, None)
         self.nodes[name] = node
         if older is not None:
@@ -173,7 +179,19 @@ class Graph:
         """Remove a node, unless another one has taken its name."""
         if self.nodes.get(name) is node:
             del self.nodes[name]
+            self._unnamed.discard(name)
             self.revision += 1
+
+    def resolve(self, name: str, node: str) -> str:
+        """Return the global name of a topic, a service, an action or a node that a node means.
+
+        The private names of nodes that did not choose their own name are `ROSBRIDGE`'s, as all
+        clients of the real rosbridge server are that one node.
+
+        Raises:
+            InvalidName: as `names.resolve_any`.
+        """
+        return names.resolve_any(name, node=ROSBRIDGE if node in self._unnamed else node)
 
     # Topics.
 

@@ -13,7 +13,6 @@ from typing import Any
 
 from pydantic_core import to_json
 
-from fibws import names
 from fibws.errors import InterfaceError, InvalidName, InvalidTypeName
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.service import Function, Response
@@ -151,7 +150,7 @@ class Introspection:
     def node_details(self, request: dict[str, Any], caller: str) -> Response:
         """Return the topics and services of a node."""
         listed = self._graph.listed
-        name = global_name(request["node"], caller)
+        name = global_name(self._graph, request["node"], caller)
         if name not in self._graph.nodes or not self._graph.may_list(caller, name):
             return {"subscribing": [], "publishing": [], "services": []}
         node = self._graph.nodes[name]
@@ -212,12 +211,12 @@ class Introspection:
 
     def _topic(self, name: str, caller: str) -> Topic | None:
         """Return a topic that the caller may list."""
-        found = global_name(name, caller)
+        found = global_name(self._graph, name, caller)
         return self._graph.topics.get(found) if self._graph.may_list(caller, found) else None
 
     def _service(self, name: str, caller: str) -> str | None:
         """Return the global name of a service that is there and that the caller may list."""
-        found = global_name(name, caller)
+        found = global_name(self._graph, name, caller)
         known = found in self._graph.services and self._graph.may_list(caller, found)
         return found if known else None
 
@@ -248,9 +247,9 @@ def actions_over_topics(topics: Iterable[str]) -> set[str]:
     return servers - {""}
 
 
-def global_name(name: str, caller: str) -> str:
-    """Resolve a name for the caller; return it unchanged if it is not legal."""
+def global_name(graph: Graph, name: str, caller: str) -> str:
+    """Resolve a name for the caller; return it unchanged if it is invalid."""
     try:
-        return names.resolve(name, node=caller)
+        return graph.resolve(name, caller)
     except InvalidName:
         return name

@@ -56,7 +56,7 @@ class Rosnode:
 
     def ping(self, request: dict[str, Any], caller: str) -> Response | Deferred:
         """Return how many seconds a node takes to answer a WebSocket ping."""
-        node = global_name(request["node"], caller)
+        node = global_name(self._graph, request["node"], caller)
         if not self._is_known(node, caller):
             return _ping_failed(_unknown(node))
         client = self._clients.find(node)
@@ -75,7 +75,7 @@ class Rosnode:
 
     def kill(self, request: dict[str, Any], caller: str) -> Response:
         """End a node by closing its connection with a reason, on which fibws's nodes exit."""
-        node = global_name(request["node"], caller)
+        node = global_name(self._graph, request["node"], caller)
         if not self._is_known(node, caller):
             return {"success": False, "message": _unknown(node)}
         client = self._clients.find(node)

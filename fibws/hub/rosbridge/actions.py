@@ -161,6 +161,7 @@ class Actions:
         if type_.arguments is None:
             text = f"{name}: goals of type {type_.name} are not checked"
             statuses.unchecked(request.id, text)
+        self._client.check_legal(request.id, request.action, name)
         statuses.info(request.id, f"{self.node} serves {name} ({type_.name})")
 
     def unadvertise(self, request: UnadvertiseAction) -> None:

@@ -16,6 +16,7 @@ from fibws.hub.rosbridge.encodings import text_frame, text_frames
 from fibws.hub.rosbridge.statuses import Statuses
 from fibws.hub.rosbridge.subscription import Groups
 from fibws.hub.settings import Settings
+from fibws.protocol.operations import Id
 
 if TYPE_CHECKING:
     from fibws.hub.rosbridge.services import Services
@@ -51,7 +52,21 @@ class Client:
 
     def resolve(self, spelling: str) -> str:
         """Return the global name that the client means; raise `InvalidName`."""
-        return names.resolve(spelling, node=self.node)
+        return self.graph.resolve(spelling, self.node)
+
+    def check_legal(self, id_: Id, spelling: str, name: str) -> None:
+        """Warn the client if the name that it has registered is not a legal one.
+
+        Args:
+            id_: the operation's.
+            name: the global name.
+        """
+        if not names.is_legal(spelling):
+            self.statuses.warning(
+                id_,
+                f"{name}: {spelling!r} is not a legal ROS graph name. "
+                "This may cause problems with other ROS tools",
+            )
 
     def reply(self, text: bytes, fragment_size: int | None = None) -> None:
         """Send a text that may not be dropped, in pieces if it is longer than that."""

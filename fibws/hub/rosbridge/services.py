@@ -9,7 +9,7 @@ from itertools import count
 from math import inf
 from typing import Any, NamedTuple
 
-from fibws.errors import FibwsError, InvalidMessage, NotAllowed
+from fibws.errors import FibwsError, InvalidMessage, InvalidName, NotAllowed
 from fibws.hub.delivery.clock import Timer
 from fibws.hub.graph.service import Call, Service
 from fibws.hub.rosbridge.client import Client, check_room
@@ -208,6 +208,8 @@ class Services:
     def advertise(self, request: AdvertiseService) -> None:
         """Serve a service; an older server is displaced."""
         name = self._client.resolve(request.service)
+        if "#" in name:
+            raise InvalidName(request.service, "in calls, an id follows the #")
         if name not in self._served:
             limit = self._client.settings.max_advertisements
             check_room(len(self._served), limit, "advertisements")
@@ -218,6 +220,7 @@ class Services:
         if type_.arguments is None:
             text = f"{name}: calls of type {type_.name} are not checked"
             statuses.unchecked(request.id, text)
+        self._client.check_legal(request.id, request.service, name)
         statuses.info(request.id, f"{self.node} provides {name} ({type_.name})")
 
     def unadvertise(self, request: UnadvertiseService) -> None:

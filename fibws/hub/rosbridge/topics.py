@@ -119,6 +119,7 @@ class Topics:
         statuses = self._client.statuses
         if not type_.checked:
             statuses.unchecked(request.id, f"{name}: messages of type {type_.name} are not checked")
+        self._client.check_legal(request.id, request.topic, name)
         statuses.info(request.id, f"{self._client.node} publishes {name} ({type_.name})")
         topic = source.topic
         self._watch(request, topic.watching_sinks, source)
@@ -208,7 +209,9 @@ class Topics:
             raise OperationError(
                 f"Cannot infer topic type for topic {request.topic} as it is not yet advertised"
             )
-        return self._register(request, topic.type.name, None, None)
+        source = self._register(request, topic.type.name, None, None)
+        self._client.check_legal(request.id, request.topic, topic.name)
+        return source
 
     def _wait(self, topic: Topic, request: Publish) -> bool:
         """Keep a message until its topic has a type, if there is time and room for that."""
@@ -296,6 +299,7 @@ class Topics:
             request = self._with_known_compression(request, topic)
         subscription.request(request)
         self.subscriptions[request.topic] = subscription
+        client.check_legal(request.id, request.topic, topic.name)
         if topic.type is None:
             client.statuses.info(request.id, f"{topic.name} waits for a publisher to have a type")
         self._watch(request, topic.watching_sources, subscription)

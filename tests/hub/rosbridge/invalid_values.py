@@ -75,7 +75,7 @@ class Kind:
         return re.compile(self.refusal.format(field))
 
 
-NAME = Kind(set(), "no junk is a name", Kind.refusal + "|is not a legal name")
+NAME = Kind({"wide characters"}, "names need not be legal", Kind.refusal + "|is not a legal name")
 KINDS = {
     "id": Kind(
         (ABSENT | NUMBERS | TEXTS | BOOLEANS) - {"long text"},
@@ -95,7 +95,7 @@ KINDS = {
     "publisher": Kind(ABSENT | {"five", "zero", "minus zero"}, "it is optional"),
     "md5sum": Kind(ABSENT, "it is optional", NAME.refusal + "|md5sum"),
     "code": Kind(ABSENT | TEXTS, "only the hub's own codes matter"),
-    "to": Kind(ABSENT, "it is optional", NAME.refusal),
+    "to": Kind(ABSENT | NAME.takes, "it is optional", NAME.refusal),
     "feedback": Kind(ABSENT | BOOLEANS, "it is optional"),
     "result": Kind(BOOLEANS, "either may be"),
     "queue_size": Kind(ABSENT | INTEGERS, "any integer is a length"),
@@ -121,6 +121,7 @@ KINDS = {
 
 ECHO = Kind(TEXTS, "the id alone counts, the name is only repeated")
 HEADERS = Kind(ABSENT | {"empty object"}, "it is optional")
+KNOWN = Kind(set(), "nobody serves it", NAME.refusal + "|does not exist")
 UNKNOWN = Kind(TEXTS, "what was never there may be taken back")
 EXCEPTIONS = {
     ("advertise", "definition"): Kind(
@@ -128,10 +129,14 @@ EXCEPTIONS = {
     ),
     ("advertise", "headers"): HEADERS,
     ("call_service", "headers"): HEADERS,
+    ("call_service", "service"): KNOWN,
+    ("send_action_goal", "action"): KNOWN,
     ("unadvertise", "topic"): UNKNOWN,
     ("unsubscribe", "topic"): UNKNOWN,
     ("subscribe", "type"): Kind(ABSENT, "it is optional", KINDS["type"].refusal),
-    ("unadvertise_service", "service"): Kind(ABSENT, "ros-sharp sends none", NAME.refusal),
+    ("unadvertise_service", "service"): Kind(
+        ABSENT | NAME.takes, "ros-sharp sends none", NAME.refusal
+    ),
     ("service_response", "service"): ECHO,
     ("cancel_action_goal", "action"): ECHO,
     ("action_feedback", "action"): ECHO,

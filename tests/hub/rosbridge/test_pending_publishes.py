@@ -233,7 +233,7 @@ def test_message_whose_topic_is_known_does_not_wait() -> None:
     assert listener.receive_numbers("/fib") == [1]
 
 
-@pytest.mark.parametrize("name", ["", "no name", "/a/"])
+@pytest.mark.parametrize("name", ["", "no name", "/"])
 def test_invalid_name_is_refused_at_once(name: str) -> None:
     hub = FakeHub()
     client = hub.client()

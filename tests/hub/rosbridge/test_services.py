@@ -66,7 +66,7 @@ def test_advertise_service_is_acknowledged_at_level_info() -> None:
         ({"type": None}, "Expected a type field but none was found."),
         ({"service": None}, "Expected a service field but none was found."),
         ({"service": "a b"}, "'a b' is not a legal name"),
-        ({"service": "/add#77"}, "'/add#77' is not a legal name"),
+        ({"service": "/add#77"}, "'/add#77' is not a legal name: in calls, an id follows the #"),
         ({"definition": "int33 x\n---\n", "type": "my_srvs/Do"}, "int33"),
     ],
 )

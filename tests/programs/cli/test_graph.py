@@ -84,6 +84,6 @@ def test_what_cannot_show_lines_gets_ascii(hub: HubThread, chatter: Link) -> Non
 
 
 def test_a_namespace_that_is_no_name_is_told(run: Run) -> None:
-    result = run("graph", "3x")
+    result = run("graph", "a b")
     assert result.exit_code == 1
-    assert result.output.startswith("Error: '3x' is not a legal name")
+    assert result.output.startswith("Error: 'a b' is not a legal name")

@@ -46,6 +46,16 @@ def test_options_choose_what_is_printed(
     assert run("topic", "echo", "-n", "1", *options).output == printed
 
 
+@pytest.mark.parametrize("name", ["/a-b", "/übung/x.y"])
+def test_a_topic_whose_name_is_not_legal_is_shown(run: Run, publish: Publish, name: str) -> None:
+    publish(name, "std_msgs/Int32", {"data": 8})
+    assert run("topic", "echo", "-n", "1", name).output == "data: 8\n---\n"
+    assert run("topic", "echo", "-n", "1", f"{name}/data").output == "8\n---\n"
+    assert run("topic", "type", name).output == "std_msgs/Int32\n"
+    assert "Type: std_msgs/Int32" in run("topic", "info", name).output
+    assert name in run("topic", "list").output.splitlines()
+
+
 def test_json_is_a_message_a_line(run: Run, publish: Publish) -> None:
     publish("/curve", "std_msgs/Int32MultiArray", CURVE)
     assert json.loads(run("topic", "echo", "--json", "-n", "1", "/curve").output) == CURVE

@@ -134,6 +134,7 @@ def test_a_message_with_no_fields_needs_no_values(run: Run) -> None:
         (["/x", "std_msgs/Int32", "3000000000"], 1, "for field data"),
         (["/rosout", "std_msgs/Int32", "1"], 1, "already established with type"),
         (["/x y", "std_msgs/Int32", "1"], 1, "is not a legal name"),
+        (["/x-y", "std_msgs/Int32", "1"], 1, "is not a legal name"),
         (["/x", "std_msgs/Int32", "{dta: 1}"], 2, "No field name [dta]: did you mean data?"),
         (["/x", "std_msgs/Int32", "{"], 2, "This is no YAML"),
         (["/x", "std_msgs/Int32", "1", "-r", "0"], 2, "0.0 is not in the range"),
