@@ -24,6 +24,7 @@ from fibws.hub.settings import Settings
 from fibws.hub.websocket.connection import Connection, Shared
 from fibws.hub.websocket.endpoint import Endpoints
 from fibws.hub.websocket.http import HttpRequests, read_files
+from fibws.hub.websocket.turns import Turns
 from fibws.interfaces import Interfaces
 from fibws.protocol.serialized import SUBPROTOCOL
 from fibws.protocol.websocket import SHUTDOWN
@@ -97,12 +98,14 @@ class Hub:
         self.endpoints.add(partial(rosbridge.open, serialized=True), subprotocol=SUBPROTOCOL)
         requests = HttpRequests(self.settings, read_files(), OWN_NODES)
         requests.add("/healthz", lambda: to_json(self.health()), "application/json")
+        flusher = Flusher(loop.call_soon)
         self._shared = Shared(
             settings=self.settings,
             http=requests,
             endpoints=self.endpoints,
             loop=loop,
-            flusher=Flusher(loop.call_soon),
+            flusher=flusher,
+            turns=Turns(loop.call_later, flusher.flush),
             observer=self,
         )
         self._warn_if_public()

@@ -32,6 +32,9 @@ AHEAD: Final = 1024 * 1024
 """Bytes allocated for a large message at first; more follow as it arrives, up to four times what
 has arrived. A peer that announces 60 MB and sends nothing must not make the hub allocate them."""
 
+PIECE: Final = 1024
+"""Most bytes that are passed on at once when the library reads everything."""
+
 B = TypeVar("B", bytes, memoryview)
 
 Payload: TypeAlias = bytes | bytearray
@@ -121,12 +124,15 @@ class FrameParser:
         on_other: takes the bytes of all other frames, in order; after an error all that follow.
         max_size: most bytes of a message; a longer one is left to the library.
         masked: whether frames must be masked, as those of clients are.
-        turn: most frames that one call of `receive` or `resume` passes on; then it pauses.
+        turn: frames that one call of `receive` or `resume` passes on; then it asks ``go_on``.
+        go_on: takes how many frames the call has passed on so far, and returns how many more it
+            may; 0 pauses.
     """
 
     __slots__ = (
         "_filled",
         "_given_up",
+        "_go_on",
         "_key",
         "_key_size",
         "_large",
@@ -156,6 +162,7 @@ class FrameParser:
         max_size: int,
         masked: bool,
         turn: int = sys.maxsize,
+        go_on: Callable[[int], int] = lambda passed: 0,
     ) -> None:
         self._on_text = on_text
         self._on_binary = on_binary
@@ -180,6 +187,7 @@ class FrameParser:
         self.in_large = False
         """Whether a large message is being read."""
         self._turn = turn
+        self._go_on = go_on
         self.fragmented = False
         """Whether a fragmented message has begun, within which no other message may come."""
         self.paused = False
@@ -202,7 +210,9 @@ class FrameParser:
         """Take note that ``size`` bytes were read into `buffer`."""
         self._filled += size
         if self._filled == self._length:
-            self._finish_large()
+            self.in_large = False
+            if not self.paused:
+                self._finish_large()
         elif self._filled == len(self._view):
             self._grow()
 
@@ -210,6 +220,9 @@ class FrameParser:
         """Take what the socket gave, however it cuts the frames."""
         if self._large is not None:
             data = self._fill(data)
+            if self._large is not None:  # It is not complete, or kept until `resume`.
+                self._tail += data
+                return
         if self._tail:
             self._tail += data
             self.missing -= len(data)
@@ -218,16 +231,22 @@ class FrameParser:
             data = bytes(self._tail)
             self._tail = bytearray()
             self.missing = 0
-        start, end, left = 0, len(data), self._turn
+        start, end = 0, len(data)
+        passed, left = self._turn, self._turn
         while start < end:
-            if not left or self.paused:
-                self.paused = True
+            if not left and not self.paused:
+                left = self._go_on(passed)
+                passed += left
+                self.paused = not left
+            if self.paused:
                 self._tail += memoryview(data)[start:]
                 return
             left -= 1
             if self._given_up:
-                self._on_other(data[start:])
-                return
+                stop = min(end, start + PIECE)
+                self._on_other(data[start:stop])
+                start = stop
+                continue
             if self._through:
                 stop = min(end, start + self._through)
                 self._through -= stop - start
@@ -313,11 +332,13 @@ class FrameParser:
     def _fill(self, data: bytes) -> bytes:
         """Take the next bytes of a large message; return those behind it."""
         start = 0
-        while self._large is not None and start < len(data):
+        while self.in_large and start < len(data):
             size = min(len(self._view) - self._filled, len(data) - start)
             self._view[self._filled : self._filled + size] = data[start : start + size]
             start += size
             self.filled(size)
+        if self._large is not None and not self.in_large and not self.paused:
+            self._finish_large()
         return data[start:]
 
     def _grow(self) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 import struct
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import pytest
 from websockets.client import ClientProtocol
@@ -92,12 +92,25 @@ class ParserReader(Reader):
 
     Args:
         turn: messages that the parser passes on before it pauses.
+        go_on: that of `FrameParser`.
     """
 
-    def __init__(self, masked: bool, max_size: int, turn: int = 10**9) -> None:
+    def __init__(
+        self,
+        masked: bool,
+        max_size: int,
+        turn: int = 10**9,
+        go_on: Callable[[int], int] = lambda passed: 0,
+    ) -> None:
         super().__init__(masked, max_size)
         self.parser = FrameParser(
-            self.text, self.binary, self.feed, max_size=max_size, masked=masked, turn=turn
+            self.text,
+            self.binary,
+            self.feed,
+            max_size=max_size,
+            masked=masked,
+            turn=turn,
+            go_on=go_on,
         )
 
     def text(self, payload: Payload) -> None:
@@ -108,6 +121,12 @@ class ParserReader(Reader):
 
     def receive(self, data: bytes) -> None:
         """Take what the socket gave, partly into the parser's own buffer."""
+        self.receive_within_turn(data)
+        while self.parser.paused:
+            self.parser.resume()
+
+    def receive_within_turn(self, data: bytes) -> None:
+        """Do the same, without going on where the parser pauses."""
         while data:
             if not self.parser.in_large:
                 self.parser.receive(data)
@@ -118,8 +137,6 @@ class ParserReader(Reader):
                 buffer[:size] = data[:size]
                 self.parser.filled(size)
                 data = data[size:]
-            while self.parser.paused:
-                self.parser.resume()
 
     def fragmented(self, yes: bool) -> None:
         self.parser.fragmented = yes
@@ -172,6 +189,48 @@ def test_random_streams_with_large_messages_are_read_alike(masked: bool, seed: i
                 reader.receive(chunk)
             reader.end()
         assert parsed.outcome() == alone.outcome()
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_random_streams_are_read_alike_in_turns_of_any_length(masked: bool, seed: int) -> None:
+    chance = random.Random(seed)
+    with_large = seed >= 3
+    max_size = 3 * LARGE if with_large else MAX_SIZE
+    pauses = 0
+    for number in range(20 if with_large else 200):
+        frames = [*_frames(chance, masked)]
+        if with_large:
+            frames += [
+                _frame(chance, 0x2, bytes(chance.choice(LARGE_SIZES)), masked) for _ in range(3)
+            ]
+            chance.shuffle(frames)
+        stream = b"".join(frames)
+        alone = Reader(masked, max_size)
+        parsed = ParserReader(
+            masked,
+            max_size,
+            turn=chance.choice((1, 2)),
+            go_on=lambda passed: chance.choice((0, 0, 1, passed)),
+        )
+        sizes = (1000, LARGE, len(stream)) if with_large else (1, 10, 100, 1000)
+        for chunk in _cut(chance, stream, sizes):
+            alone.receive(chunk)
+            if chance.random() < 0.2:
+                parsed.parser.pause()
+            was_paused = parsed.parser.paused
+            before = len(parsed.messages), len(parsed.controls)
+            parsed.receive_within_turn(chunk)
+            if was_paused:
+                assert (len(parsed.messages), len(parsed.controls)) == before
+            pauses += parsed.parser.paused
+            if parsed.parser.paused and chance.random() < 0.7:
+                parsed.parser.resume()
+        alone.end()
+        while parsed.parser.paused:
+            parsed.parser.resume()
+        parsed.end()
+        assert parsed.outcome() == alone.outcome(), (seed, number)
+    assert pauses > 20
 
 
 LARGE_SIZES = (LARGE - 1, LARGE, LARGE + 1, 3 * LARGE, 3 * LARGE + 1)

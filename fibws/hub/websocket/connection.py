@@ -1,8 +1,9 @@
 """A client's connection: bytes in, messages to its endpoint, frames out.
 
 An asyncio protocol around websockets' sans-I/O `ServerProtocol`. A message is handled within the
-callback that read it; a connection has no task and no timer, only `Connection.sweep`, which the
-server calls for all connections once a second.
+callback that read it, or in the client's next turn if it sends much at once (`Turns`). A connection
+has no task and no timer, only `Connection.sweep`, which the server calls for all connections once a
+second.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import logging
 import socket
 import sys
 from dataclasses import dataclass, field
+from time import perf_counter
 from typing import Protocol, cast
 
 from websockets.frames import Frame, Opcode
@@ -27,6 +29,7 @@ from fibws.hub.settings import KIB, Settings
 from fibws.hub.websocket.endpoint import Endpoint, Endpoints, Opening
 from fibws.hub.websocket.http import HttpRequests, node_name
 from fibws.hub.websocket.keepalive import Keepalive
+from fibws.hub.websocket.turns import TURN, Turns
 from fibws.protocol.websocket import (
     FRAGMENTS,
     INVALID_UTF8,
@@ -62,6 +65,7 @@ class Shared:
     endpoints: Endpoints
     loop: asyncio.AbstractEventLoop
     flusher: Flusher
+    turns: Turns
     observer: Observer
     small: memoryview = field(default_factory=lambda: memoryview(bytearray(16 * KIB)))
     medium: memoryview = field(default_factory=lambda: memoryview(bytearray(256 * KIB)))
@@ -92,6 +96,7 @@ class Connection(asyncio.BufferedProtocol):
 
     __slots__ = (
         "_binary",
+        "_busy",
         "_fragments",
         "_head",
         "_keepalive",
@@ -103,6 +108,7 @@ class Connection(asyncio.BufferedProtocol):
         "_reported_at",
         "_shared",
         "_transport",
+        "_waiting",
         "address",
         "endpoint",
         "peer",
@@ -121,6 +127,10 @@ class Connection(asyncio.BufferedProtocol):
         self._head: bytes | None = b""
         """The last bytes of a request that is not complete yet; None after the handshake."""
         self._parser: FrameParser
+        self._busy = False
+        """Whether there was more to read than fits a turn, lately."""
+        self._waiting = False
+        """Whether the connection waits for its turn, and its socket is not read."""
         self._fragments: list[bytes] = []
         self._binary = False
         self._pong_bytes = 0
@@ -164,20 +174,28 @@ class Connection(asyncio.BufferedProtocol):
         return self._shared.small
 
     def buffer_updated(self, nbytes: int) -> None:
-        shared = self._shared
-        if self._head is None and self._parser.in_large:
-            self._parser.filled(nbytes)
-        else:
-            buffer = self.get_buffer(nbytes)
-            data = bytes(buffer[:nbytes])
-            if nbytes == len(buffer):
-                # There is more: let the other connections have their turn first.
-                self._transport.pause_reading()
-                shared.loop.call_soon(self._resume_reading)
-            if self._head is None:
-                self._parser.receive(data)
+        turns = self._shared.turns
+        turns.began = began = perf_counter()
+        full = False
+        if self._head is None:
+            parser = self._parser
+            if self._busy and turns.is_spent():
+                parser.pause()
+            if parser.in_large:
+                parser.filled(nbytes)
             else:
-                self._shake_hands(data)
+                buffer = self.get_buffer(nbytes)
+                full = nbytes == len(buffer)
+                parser.receive(bytes(buffer[:nbytes]))
+            held = parser.paused
+        else:
+            buffer = self._shared.small
+            full = nbytes == len(buffer)
+            self._shake_hands(bytes(buffer[:nbytes]))
+            held = self._is_held()
+        self._busy = full or held or perf_counter() - began >= TURN
+        if self._busy:
+            self._wait()
         if self.endpoint is not None and self.queue.paused and self.queue.overfull:
             self._fail(OVERFULL)
 
@@ -208,8 +226,31 @@ class Connection(asyncio.BufferedProtocol):
         if self.endpoint is not None:
             self.queue.resume()
 
-    def _resume_reading(self) -> None:
+    # Turns.
+
+    def _is_held(self) -> bool:
+        """Return whether frames that were read wait for the next turn."""
+        return self._head is None and self._parser.paused
+
+    def _wait(self) -> None:
+        """Let the others have their turn first; read nothing meanwhile."""
         if not self._transport.is_closing():
+            self._waiting = True
+            self._transport.pause_reading()
+            self._shared.turns.wait(self)
+
+    def take_turn(self) -> None:
+        """Handle what was read already; if that is all, read on."""
+        self._waiting = False
+        if self._transport.is_closing():
+            return
+        if self._is_held():
+            self._parser.resume()
+            if self.endpoint is not None and self.queue.paused and self.queue.overfull:
+                self._fail(OVERFULL)
+        if self._is_held():
+            self._wait()
+        elif not self._transport.is_closing():
             self._transport.resume_reading()
 
     # The handshake.
@@ -235,6 +276,8 @@ class Connection(asyncio.BufferedProtocol):
             self._feed,
             max_size=settings.max_message_size,
             masked=True,
+            turn=1,
+            go_on=self._shared.turns.go_on,
         )
         if not settings.fast_framing:
             self._parser.give_up()
@@ -396,6 +439,9 @@ class Connection(asyncio.BufferedProtocol):
             late: seconds by which the sweep itself is late.
         """
         self._keepalive.excuse(late)
+        if self._busy:
+            self._keepalive.behind(now)
+            self._busy = self._waiting
         if self.endpoint is not None:
             self._report_drops(now)
             if self.queue.overfull:

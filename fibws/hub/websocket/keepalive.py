@@ -46,6 +46,11 @@ class Keepalive:
         """Take note that the client has answered a ping."""
         self._pong_due = None
 
+    def behind(self, now: float) -> None:
+        """Take note that not all that the client has sent was read: a pong may be in the rest."""
+        if self._pong_due is not None:
+            self._pong_due = now + self._settings.ping_timeout
+
     def paused(self, now: float, unsent: int) -> None:
         """Take note that the socket takes no more; ``unsent`` bytes wait in the transport."""
         self._paused_since = now

@@ -102,3 +102,11 @@ def test_busy_hub_extends_the_deadlines() -> None:
     liveness.excuse(5)
     assert liveness.verdict(6.5, 0) is None
     assert liveness.verdict(7.5, 0) is SILENT
+
+
+def test_client_of_which_not_all_is_read_is_alive() -> None:
+    liveness = opened()
+    assert liveness.verdict(20, unsent=0) == "ping"
+    liveness.behind(24)
+    assert liveness.verdict(29, unsent=0) is None
+    assert liveness.verdict(29.1, unsent=0) is SILENT
