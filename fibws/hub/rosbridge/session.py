@@ -199,6 +199,7 @@ class Session:
 
     def leave(self) -> None:
         """Take the client's registrations back; the second time nothing happens."""
+        self._reassembly = None
         with ExitStack() as stack:  # Whatever fails of this, the rest is done.
             stack.callback(self._client.graph.leave, self, self.node)
             for part in (self._actions, self._goals, self._services, self._calls, self.topics):

@@ -71,6 +71,10 @@ class Shared:
     medium: memoryview = field(default_factory=lambda: memoryview(bytearray(256 * KIB)))
 
 
+_ENDED = ServerProtocol()
+"""Stands in for the library's part of all connections that are lost."""
+_ENDED.state = State.CLOSED
+
 READ_SIZE = 512 * KIB
 """Most bytes of a large message that are read at once."""
 
@@ -211,9 +215,10 @@ class Connection(asyncio.BufferedProtocol):
             self._leave()
         finally:
             self._shared.observer.lost(self)
-        if self.endpoint is not None:
-            self._report_drops(float("inf"))
-            logger.info("%s has left.", self.endpoint.node)
+            if self.endpoint is not None:
+                self._report_drops(float("inf"))
+                logger.info("%s has left.", self.endpoint.node)
+            self._release()
 
     def pause_writing(self) -> None:
         self._keepalive.paused(self._shared.loop.time(), self._transport.get_write_buffer_size())
@@ -428,6 +433,19 @@ class Connection(asyncio.BufferedProtocol):
             self.endpoint.leave()
             self.queue.flush()
             self.queue.close()
+
+    def _release(self) -> None:
+        """Free what the client has sent in part, and all else.
+
+        Otherwise megabytes would be kept until the cyclic garbage collector comes: the parser, the
+        endpoint and the library's protocol refer back to the connection, or to themselves.
+        """
+        if self._head is None:
+            del self._parser
+        self._fragments = []
+        self.endpoint = None
+        protocol, self._protocol = self._protocol, _ENDED
+        vars(protocol).clear()
 
     # Once a second.
 
