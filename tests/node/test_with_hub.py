@@ -110,6 +110,30 @@ async def test_the_users_own_type_reaches_a_hub_that_does_not_know_it(
         assert (await anext(heard)).apples == 255
 
 
+async def test_wait_for_message_loses_no_message_of_another_subscription(real_hub: Hub) -> None:
+    count = 990
+    async with (
+        fibws.Node("talker", hub=real_hub.url) as talker,
+        fibws.Node("ear", hub=real_hub.url) as ear,
+        asyncio.timeout(60),
+    ):
+        numbers = ear.subscribe("numbers", Int32, queue_size=None)
+        first = asyncio.create_task(ear.wait_for_message("numbers", Int32))
+        await ear.graph.nodes()  # Both subscriptions have reached the hub.
+        publisher = await talker.advertise("numbers", Int32)
+        (queue,) = (each.queue for each in real_hub._connections if each.name == "/ear")
+        queue.pause()  # As if the node did not read.
+        for number in range(count):
+            await publisher.publish(number)
+        await talker.graph.nodes()
+        queue.resume()
+        heard = [(await anext(numbers)).data]
+        while heard[-1] != count - 1:
+            heard.append((await anext(numbers)).data)
+        assert heard == [*range(count)]
+        assert (await first).data == 0
+
+
 async def test_a_second_node_of_the_name_ends_the_first(real_hub: Hub) -> None:
     async with fibws.Node("talker", hub=real_hub.url) as first:
         async with fibws.Node("talker", hub=real_hub.url):

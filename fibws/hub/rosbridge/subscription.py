@@ -280,14 +280,18 @@ class Subscription:
     def _join(self, group: Group | None, requests: dict[Id, Subscribe]) -> None:
         """Move to a group, with the throttle and the limit that the requests come to.
 
-        They are merged as in rosbridge's subscribe.py.
+        The lowest throttle_rate and the highest queue_length count, as rosbridge's specification
+        says. A request that names no queue_length asks for the default where no throttle does.
         """
         period, queue_length = 0.0, 0
         if requests:
             asked = requests.values()
             period = min(max(0, request.throttle_rate) for request in asked) / 1000
-            queue_length = min(max(0, request.queue_length) for request in asked)
-            self.lane.limit = queue_length or self._default
+            queue_length = max(max(0, request.queue_length) for request in asked)
+            self.lane.limit = max(
+                request.queue_length if request.queue_length > 0 else self._default
+                for request in asked
+            )
         throttled_by = (period, queue_length)
         if group is self._group and throttled_by == self._throttled_by:
             return

@@ -125,17 +125,37 @@ def test_queue_has_the_requested_length(asked: int, limit: int) -> None:
     assert subscribed(queue_length=asked).report.queue_length == limit
 
 
-def test_shortest_queue_of_several_requests_counts() -> None:
+def test_longest_queue_of_several_requests_counts() -> None:
     subscriber = Subscriber()
-    for id_, length in enumerate((5, 2, 7)):
+    for id_, length in enumerate((5, 7, 2)):
         subscriber.request(id_, queue_length=length)
-    assert subscriber.report.queue_length == 2
+    assert subscriber.report.queue_length == 7
+    subscriber.cancel(1)
+    assert subscriber.report.queue_length == 5
 
 
-def test_request_without_a_queue_length_gives_all_the_default() -> None:
-    subscriber = subscribed(queue_length=5)
+@pytest.mark.parametrize(("length", "limit"), [(5, DEFAULT), (DEFAULT + 1, DEFAULT + 1)])
+def test_request_without_a_queue_length_asks_for_the_default(length: int, limit: int) -> None:
+    subscriber = subscribed(queue_length=length)
     subscriber.request("other")
-    assert subscriber.report.queue_length == DEFAULT
+    assert subscriber.report.queue_length == limit
+
+
+def test_short_queue_of_one_request_loses_no_message_of_another() -> None:
+    subscriber = subscribed(queue_length=10)
+    subscriber.request("other", queue_length=1)
+    subscriber.client.queue.pause()
+    subscriber.publish(*range(10))
+    subscriber.client.queue.resume()
+    assert subscriber.received() == list(range(10))
+
+
+def test_longest_throttle_queue_of_several_requests_counts() -> None:
+    subscriber = Subscriber()
+    for id_, length in enumerate((0, 2, 1)):
+        subscriber.request(id_, throttle_rate=300, queue_length=length)
+    subscriber.publish(1, 2, 3, 4)
+    assert subscriber.received(after=10) == [1, 3, 4]
 
 
 def test_slow_client_keeps_the_newest_messages_of_each_subscription() -> None:
