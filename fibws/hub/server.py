@@ -8,6 +8,7 @@ import ipaddress
 import logging
 import time
 import uuid
+from collections.abc import Callable
 from functools import partial
 from types import TracebackType
 from typing import Self
@@ -18,6 +19,7 @@ from fibws import __version__
 from fibws.errors import FibwsError, HubError
 from fibws.hub.delivery.send_queue import Flusher
 from fibws.hub.graph.graph import Graph, Policy
+from fibws.hub.graph.topic import SinkReport
 from fibws.hub.rosapi.nodes import OWN_NODES, OwnNodes
 from fibws.hub.rosbridge.session import Rosbridge
 from fibws.hub.settings import Settings
@@ -160,23 +162,26 @@ class Hub:
                     "address": each.peer,
                     "kept_bytes": each.queue.kept_bytes,
                     "dropped": each.queue.dropped,
-                    "dropped_by_topic": self._dropped_by_topic(each.name),
+                    "dropped_by_topic": self._by_topic(each.name, lambda report: report.dropped),
+                    "throttled_by_topic": self._by_topic(
+                        each.name, lambda report: report.throttled
+                    ),
                 }
                 for each in open_
                 if each.queue.dropped
             ],
         }
 
-    def _dropped_by_topic(self, node: str) -> dict[str, int]:
-        """Return the messages that were dropped for one node, by the topics' global names."""
+    def _by_topic(self, node: str, count: Callable[[SinkReport], int]) -> dict[str, int]:
+        """Return what one node's subscriptions come to, by the topics' global names."""
         known = self.graph.nodes.get(node)
         topics = map(self.graph.topics.get, known.subscribing()) if known is not None else ()
-        dropped = {
-            topic.name: sum(sink.report().dropped for sink in topic.sinks_of(node))
+        counts = {
+            topic.name: sum(count(sink.report()) for sink in topic.sinks_of(node))
             for topic in topics
             if topic is not None
         }
-        return {name: count for name, count in dropped.items() if count}
+        return {name: number for name, number in counts.items() if number}
 
     def _warn_if_public(self) -> None:
         address = self._server.sockets[0].getsockname()[0]

@@ -111,6 +111,7 @@ class SubscriptionStatistics(ros.Message):
     node: str = ""
     messages: int = 0
     dropped: int = 0
+    throttled: int = 0
 
 
 @dataclass(slots=True, eq=False, repr=False)

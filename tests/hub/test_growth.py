@@ -241,7 +241,7 @@ def test_health_of_a_slow_client_takes_the_same_however_many_topics() -> None:
 
         def perform() -> None:
             for _ in range(count):
-                assert hub._dropped_by_topic("/slow") == {"/name_0": 2}
+                assert hub._by_topic("/slow", lambda report: report.dropped) == {"/name_0": 2}
 
         return perform
 

@@ -2,28 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from typing import Generic, Protocol, TypeVar
+from collections.abc import Callable
+from typing import Generic, TypeVar
 
 from fibws.hub.delivery.clock import Clock
-from fibws.hub.delivery.send_queue import Flusher, Frame, SendQueue
+from fibws.hub.delivery.cohort import Cohort, M, Throttling
+from fibws.hub.delivery.send_queue import Flusher, Frame
 from fibws.hub.delivery.throttle import Throttle
-from fibws.protocol.frame_queue import Lane
 
 T = TypeVar("T")
 """The kind of publications."""
-M = TypeVar("M", bound="Member")
-"""The kind of subscriptions."""
-
-
-class Member(Protocol):
-    """A subscription in a group."""
-
-    queue: SendQueue
-    """Its client's."""
-    lane: Lane
-    throttle: Throttle | None
-    """None while every message is sent at once."""
 
 
 class FanOut(Generic[T, M]):
@@ -34,83 +22,102 @@ class FanOut(Generic[T, M]):
         flusher: that of the members' send queues.
     """
 
-    __slots__ = (
-        "_clock",
-        "_direct",
-        "_flusher",
-        "_sent",
-        "_sharing",
-        "_since",
-        "_throttled",
-        "encode",
-    )
+    __slots__ = ("_clock", "_direct", "_flusher", "_offered", "_throttles", "encode")
 
     def __init__(self, encode: Callable[[T], Frame], flusher: Flusher, clock: Clock) -> None:
         self.encode = encode
         self._flusher = flusher
         self._clock = clock
-        self._sent = 0
-        """Messages sent to all direct members since the group exists."""
-        self._since: dict[M, int] = {}
-        """Direct members, with what `_sent` was when they came."""
-        self._direct: dict[SendQueue, Lane] = {}
-        self._sharing: dict[SendQueue, list[M]] = {}
-        """Further direct members of the same clients, which get each frame once."""
-        self._throttled: dict[M, Throttle] = {}
+        self._direct: Cohort[M] = Cohort()
+        """The members without a throttle."""
+        self._throttles: dict[Throttling | M, Throttle[M]] = {}
+        """One for all members that are throttled alike, and those of members for which other frames
+        wait than for the others."""
+        self._offered = 0
+        """Messages that throttles were given, or did not want."""
 
     def __len__(self) -> int:
-        return len(self._since) + len(self._throttled)
+        return len(self._direct) + sum(map(len, self._throttles.values()))
 
-    def members(self) -> Iterable[M]:
+    def members(self) -> list[M]:
         """Return all members."""
-        return [*self._since, *self._throttled]
+        throttles = self._throttles.values()
+        return [*self._direct.members(), *(each for one in throttles for each in one.members())]
 
     def add(self, member: M) -> None:
         """Add a member that is in no group."""
-        if member.throttle is None:
-            self._since[member] = self._sent
-            if member.queue in self._direct:
-                self._sharing.setdefault(member.queue, []).append(member)
-            else:
-                self._direct[member.queue] = member.lane
-        else:
-            self._throttled[member] = member.throttle
-
-    def remove(self, member: M) -> int:
-        """Remove a member; return how many messages it was sent, except by its throttle."""
-        sent = self.sent_to(member)
-        if self._since.pop(member, None) is not None:
-            self._remove_direct(member)
-        self._throttled.pop(member, None)
-        return sent
-
-    def _remove_direct(self, member: M) -> None:
-        sharing = self._sharing.get(member.queue)
-        if sharing is None:
-            del self._direct[member.queue]
+        throttling = member.throttling
+        if throttling is None:
+            self._direct.add(member)
             return
-        if member in sharing:
-            sharing.remove(member)
-        else:
-            self._direct[member.queue] = sharing.pop(0).lane
-        if not sharing:
-            del self._sharing[member.queue]
+        throttle = self._throttles.get(throttling)
+        if throttle is None:
+            throttle = Throttle(throttling, self._flusher.broadcast, self._clock)
+            self._throttles[throttling] = throttle
+        throttle.add(member)
+        member.throttled += member.sent - self._offered
+
+    def remove(self, member: M) -> None:
+        """Remove a member."""
+        if member.throttling is None:
+            self._direct.remove(member)
+            return
+        key = self._throttle_key(member.throttling, member)
+        throttle = self._throttles[key]
+        throttle.remove(member)
+        member.throttled += self._offered - member.sent
+        if not throttle:
+            del self._throttles[key]
 
     def sent_to(self, member: M) -> int:
-        """Return how many messages a member was sent, except by its throttle."""
-        return self._sent - self._since.get(member, self._sent)
+        """Return how many messages a member was sent."""
+        return member.sent if member.cohort is None else member.cohort.sent_to(member)
 
     def send(self, publication: T) -> None:
         """Send a publication to every member; raises what ``encode`` raises."""
         frame: Frame | None = None
-        if self._direct:
+        direct = self._direct
+        if direct.targets:
             frame = self.encode(publication)
-            self._sent += 1
-            self._flusher.broadcast(frame, self._direct)
-        if self._throttled:
+            direct.sent += 1
+            self._flusher.broadcast(frame, direct.targets)
+        if self._throttles:
             now = self._clock.time()
-            wanting = [each for each in self._throttled.values() if each.wants(now)]
-            if wanting:
-                frame = self.encode(publication) if frame is None else frame
-                for throttle in wanting:
+            for throttle in self._throttles.values():
+                if throttle.wants_from <= now:
+                    if frame is None:
+                        frame = self.encode(publication)
                     throttle.offer(frame, now)
+            self._offered += 1
+
+    def send_to(self, member: M, frame: Frame) -> None:
+        """Send a frame to one member alone, now, later or never."""
+        throttling = member.throttling
+        if throttling is None:
+            self.send_now(member, frame)
+            return
+        member.throttled += 1
+        throttle = self._throttles[self._throttle_key(throttling, member)]
+        now = self._clock.time()
+        if not throttle.offer_to(member, frame, now):
+            if len(throttle) > 1:
+                throttle = self._throttles[member] = throttle.split(member)
+            throttle.offer(frame, now)
+
+    def send_now(self, member: M, frame: Frame) -> None:
+        """Send a frame to one member alone, whatever its throttle."""
+        member.sent += 1
+        if member.throttling is not None:
+            member.throttled += 1
+        member.queue.put(frame, member.lane)
+
+    def throttled_for(self, member: M) -> int:
+        """Return how many messages a member's throttles have left out."""
+        if member.throttling is None or member.cohort is None:
+            return member.throttled
+        throttle = self._throttles[self._throttle_key(member.throttling, member)]
+        offered = member.throttled + self._offered
+        return offered - self.sent_to(member) - throttle.waiting_for(member)
+
+    def _throttle_key(self, throttling: Throttling, member: M) -> Throttling | M:
+        return member if member in self._throttles else throttling

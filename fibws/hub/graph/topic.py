@@ -35,6 +35,8 @@ class SinkReport(NamedTuple):
     """Messages that it was sent."""
     dropped: int = 0
     """Messages that it was sent and that were dropped, since it was too slow."""
+    throttled: int = 0
+    """Messages that its throttle_rate left out."""
 
 
 class Receiver(Protocol):

@@ -83,4 +83,9 @@ class Statistics:
 
 def _subscription(sink: Sink) -> dict[str, Any]:
     report = sink.report()
-    return {"node": sink.node, "messages": report.messages, "dropped": report.dropped}
+    return {
+        "node": sink.node,
+        "messages": report.messages,
+        "dropped": report.dropped,
+        "throttled": report.throttled,
+    }

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from fibws.errors import LimitReached, OperationError
 from fibws.hub.delivery.clock import Clock
+from fibws.hub.delivery.cohort import Cohort, Throttling
 from fibws.hub.delivery.fan_out import FanOut
 from fibws.hub.delivery.send_queue import Flusher, Frame, SendQueue
-from fibws.hub.delivery.throttle import Throttle
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.topic import SinkReport, Topic
@@ -71,12 +71,11 @@ class Group(FanOut[Publication, "Subscription"]):
         self._others[self._key] = self
         super().add(member)
 
-    def remove(self, member: Subscription) -> int:
-        """Remove a subscription; return how many messages it was sent, except by its throttle."""
-        sent = super().remove(member)
+    def remove(self, member: Subscription) -> None:
+        """Remove a subscription."""
+        super().remove(member)
         if not self:
             del self._others[self._key]
-        return sent
 
 
 GroupKey = tuple[Topic, str, Encoding]
@@ -104,16 +103,17 @@ class Subscription:
         "_group",
         "_groups",
         "_reported_text",
-        "_sent",
         "_statuses",
-        "_throttled_by",
+        "cohort",
         "encoding",
         "lane",
         "node",
         "queue",
         "requests",
+        "sent",
         "spelling",
-        "throttle",
+        "throttled",
+        "throttling",
         "topic",
     )
 
@@ -135,14 +135,15 @@ class Subscription:
         self.spelling = spelling
         self.queue = queue
         self.lane = Lane(queue_length)
-        self.throttle: Throttle | None = None
+        self.throttling: Throttling | None = None
+        self.cohort: Cohort[Subscription] | None = None
+        self.sent = 0
+        self.throttled = 0
         self.requests: dict[Id, Subscribe] = {}
         self.encoding = PLAIN
         self._graph = graph
         self._groups = groups
         self._group: Group | None = None
-        self._sent = 0
-        """Messages that it was sent, except those that its present group counts."""
         self._clock = clock
         self._statuses = statuses
         self._complained = False
@@ -150,7 +151,6 @@ class Subscription:
         """The type that the client was told."""
         self._reported_text = False
         self._default = queue_length
-        self._throttled_by = (0.0, 0)
 
     # As a sink.
 
@@ -159,7 +159,7 @@ class Subscription:
         if self._group is not None:
             self.answer(publication.type)
             try:
-                self._offer(self._group.frame(publication))
+                self._group.send_to(self, self._group.frame(publication))
             except OperationError as fault:
                 self.refuse(fault)
                 return
@@ -170,7 +170,7 @@ class Subscription:
         """Take a latched message, whatever the throttle; raises `OperationError`."""
         if self._group is not None:
             self.answer(publication.type)
-            self._send(self._group.frame(publication))
+            self._group.send_now(self, self._group.frame(publication))
             if publication.has_invalid_text:
                 self.report_invalid_text()
 
@@ -179,10 +179,11 @@ class Subscription:
         group = self._group
         return SinkReport(
             queue_length=self.lane.limit,
-            throttle_rate=self._throttled_by[0] * 1000,
+            throttle_rate=self.throttling.period * 1000 if self.throttling is not None else 0,
             encoding=self.encoding.compression,
-            messages=self._sent + (group.sent_to(self) if group is not None else 0),
+            messages=group.sent_to(self) if group is not None else self.sent,
             dropped=self.lane.dropped,
+            throttled=group.throttled_for(self) if group is not None else self.throttled,
         )
 
     # As the client's requests.
@@ -292,29 +293,15 @@ class Subscription:
                 request.queue_length if request.queue_length > 0 else self._default
                 for request in asked
             )
-        throttled_by = (period, queue_length)
-        if group is self._group and throttled_by == self._throttled_by:
+        throttling = Throttling(period, queue_length) if period else None
+        if group is self._group and throttling == self.throttling:
             return
         if self._group is not None:
-            self._sent += self._group.remove(self)
-        if throttled_by != self._throttled_by:
-            self._throttled_by = throttled_by
-            if self.throttle is not None:
-                self.throttle.cancel()
-                self.throttle = None
-            if period:
-                self.throttle = Throttle(
-                    self._send, self._clock, self.queue, period=period, queue_length=queue_length
-                )
+            self._group.remove(self)
+        self.throttling = throttling
         self._group = group
         if group is not None:
             group.add(self)
-
-    def _offer(self, frame: Frame) -> None:
-        if self.throttle is None:
-            self._send(frame)
-        else:
-            self.throttle.offer(frame, self._clock.time())
 
     def _send_subscribed(self, request: Subscribe, type_: MessageType) -> None:
         answer = Subscribed(
@@ -325,7 +312,3 @@ class Subscription:
             md5sum=type_.md5sum or "",
         )
         self.queue.reply(text_frame(encode(answer)))
-
-    def _send(self, frame: Frame) -> None:
-        self._sent += 1
-        self.queue.put(frame, self.lane)

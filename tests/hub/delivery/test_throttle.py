@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
-import pytest
+import sys
+from collections import deque
+from types import FrameType
 
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fibws.hub.delivery.cohort import Cohort, Throttling
+from fibws.hub.delivery.fan_out import FanOut
 from fibws.hub.delivery.send_queue import Flusher, Frame, SendQueue
 from fibws.hub.delivery.throttle import Throttle
+from fibws.protocol.frame_queue import Lane
 
 from ..fakes import FakeClock
 
 
 class Throttled:
-    """A throttle, and the frames that it lets pass."""
+    """A throttle with one member, and the frames that it lets pass."""
 
     def __init__(
         self,
@@ -24,16 +33,15 @@ class Throttled:
         self.clock = clock or FakeClock()
         self.queue = queue or send_queue(self.clock)
         self.sent: list[tuple[float, bytes]] = []
-        self.throttle = Throttle(
-            self._send,
-            self.clock,
-            self.queue,
-            period=period,
-            queue_length=queue_length,
+        self.member = Subscriber(self.queue)
+        self.throttle: Throttle[Subscriber] = Throttle(
+            Throttling(period, queue_length), self._broadcast, self.clock
         )
+        self.throttle.add(self.member)
 
-    def _send(self, frame: Frame) -> None:
+    def _broadcast(self, frame: Frame, targets: dict[SendQueue, Lane]) -> None:
         assert isinstance(frame, bytes)
+        assert targets == {self.queue: self.member.lane}
         self.sent.append((round(self.clock.time(), 6), frame))
 
     @property
@@ -46,6 +54,17 @@ class Throttled:
 
     def offer_frame(self, frame: bytes) -> None:
         self.throttle.offer(frame, self.clock.time())
+
+
+class Subscriber:
+    """A `Member` of a throttle."""
+
+    def __init__(self, queue: SendQueue, throttling: Throttling | None = None) -> None:
+        self.queue = queue
+        self.lane = Lane(1)
+        self.throttling = throttling
+        self.cohort: Cohort[Subscriber] | None = None
+        self.sent = self.throttled = 0
 
 
 def send_queue(clock: FakeClock) -> SendQueue:
@@ -103,19 +122,19 @@ def test_a_late_timer_does_not_let_messages_pass_too_fast() -> None:
     assert throttled.sent[2:] == [(1.3, b"2"), (1.6, b"3")]
 
 
-def test_nothing_is_sent_after_cancel() -> None:
+def test_nothing_is_sent_to_a_member_that_was_removed() -> None:
     throttled = Throttled(queue_length=5)
     for number in range(3):
         throttled.offer(number, at=0)
-    throttled.throttle.cancel()
+    throttled.throttle.remove(throttled.member)
     throttled.clock.advance(10)
     assert throttled.frames == [0]
     assert throttled.clock.timers == 0
 
 
-def test_a_throttle_without_a_timer_can_be_cancelled() -> None:
+def test_a_member_can_be_removed_before_any_message() -> None:
     throttled = Throttled(queue_length=5)
-    throttled.throttle.cancel()
+    throttled.throttle.remove(throttled.member)
     assert throttled.sent == []
 
 
@@ -140,7 +159,7 @@ def test_frames_are_wanted_when_they_would_be_sent_now_or_later() -> None:
         wanted = []
         for number, moment in enumerate([0, 0.1, 0.3]):
             throttled.clock.advance_to(moment)
-            wanted.append(throttled.throttle.wants(moment))
+            wanted.append(throttled.throttle.wants_from <= moment)
             throttled.offer(number, at=moment)
         assert wanted == expected
 
@@ -209,10 +228,214 @@ def test_a_frame_larger_than_the_limit_waits_alone() -> None:
     assert throttled.queue.throttled_bytes == 0
 
 
-def test_a_cancelled_throttle_frees_its_bytes() -> None:
+def test_a_throttle_without_members_frees_its_bytes() -> None:
     throttled = Throttled(queue_length=10)
     for number in range(5):
         throttled.offer(number, at=0)
     assert throttled.queue.throttled_bytes == 4
-    throttled.throttle.cancel()
+    throttled.throttle.remove(throttled.member)
     assert throttled.queue.throttled_bytes == 0
+
+
+# Many members.
+
+
+def calls_of_a_message(members: int, queue_length: int) -> int:
+    """Count the calls of Python functions for a message to throttled members that are not due."""
+    many = Many(Throttling(1000, queue_length))
+    for _ in range(members):
+        many.join()
+    for _ in range(5):
+        many.group.send(1)
+    calls = 0
+
+    def count(frame: FrameType, event: str, arg: object) -> None:
+        nonlocal calls
+        calls += event in ("call", "c_call")
+
+    sys.setprofile(count)
+    try:
+        many.group.send(1)
+    finally:
+        sys.setprofile(None)
+    return calls
+
+
+@pytest.mark.parametrize("queue_length", [0, 1, 3])
+def test_members_that_are_not_due_cost_a_message_nothing(queue_length: int) -> None:
+    assert calls_of_a_message(100, queue_length) == calls_of_a_message(1, queue_length)
+
+
+def waiting(many: Many) -> list[int]:
+    """The bytes that are counted for each member's client."""
+    return [member.queue.throttled_bytes for member in many.members()]
+
+
+def test_frames_that_wait_for_many_are_counted_for_one_client_that_has_room() -> None:
+    many = Many(Throttling(1, 5))
+    members = [many.join() for _ in range(3)]
+    for _ in range(4):  # The first one does not wait.
+        many.send()
+    assert sorted(waiting(many)) == [0, 0, 3]
+    [payer] = [each for each in members if each.queue.throttled_bytes]
+    payer.queue.throttled_bytes += payer.queue.max_bytes
+    many.send()
+    payer.queue.throttled_bytes -= payer.queue.max_bytes
+    assert payer.queue.throttled_bytes == 0
+    assert sorted(waiting(many)) == [0, 0, 4]
+    [payer] = [each for each in members if each.queue.throttled_bytes]
+    many.leave(payer)
+    assert sorted(waiting(many)) == [0, 4]
+    many.advance(10)
+    many.check()
+    assert waiting(many) == [0, 0]
+
+
+def test_the_oldest_frame_is_dropped_for_those_who_wait_for_it_if_no_client_has_room() -> None:
+    many = Many(Throttling(1, 5))
+    first = many.join()
+    many.send()
+    many.advance(0.5)
+    second = many.join()
+    for _ in range(3):  # The second one is sent the first of these at once.
+        many.send()
+    for member in (first, second):
+        member.queue.throttled_bytes += member.queue.max_bytes - 2
+    many.group.send(9)
+    assert (first.lane.dropped, second.lane.dropped) == (2, 1)
+    assert (first.queue.dropped, second.queue.dropped) == (2, 1)
+    assert [many.group.throttled_for(each) for each in (first, second)] == [0, 0]
+    many.advance(10)
+    assert [number for _, number in many.sent[first]] == [1, 4, 9]
+    assert [number for _, number in many.sent[second]] == [2, 4, 9]
+
+
+class Single:
+    """What a throttle with one member does, as simply as possible."""
+
+    def __init__(self, throttling: Throttling) -> None:
+        self.throttling = throttling
+        self.waiting: deque[int] = deque()
+        self.due = 0.0
+        self.sent: list[tuple[float, int]] = []
+        self.throttled = 0
+
+    def advance_to(self, now: float) -> None:
+        while self.waiting and self.due <= now:
+            self._send(self.due, self.waiting.popleft())
+
+    def offer(self, number: int, now: float) -> None:
+        self.advance_to(now)
+        if not self.waiting and self.due <= now:
+            self._send(now, number)
+            return
+        self.waiting.append(number)
+        while len(self.waiting) > self.throttling.queue_length:
+            self.waiting.popleft()
+            self.throttled += 1
+
+    def _send(self, now: float, number: int) -> None:
+        self.sent.append((now, number))
+        self.due = now + self.throttling.period
+
+
+class Many:
+    """A group of throttled members, and what each of them should be sent."""
+
+    def __init__(self, throttling: Throttling) -> None:
+        self.throttling = throttling
+        self.clock = FakeClock()
+        self.flusher = Flusher(self.clock.call_soon)
+        self.group: FanOut[int, Subscriber] = FanOut(
+            lambda number: b"%d" % number, self.flusher, self.clock
+        )
+        self.numbers = 0
+        self.models: dict[Subscriber, Single] = {}
+        self.sent: dict[Subscriber, list[tuple[float, int]]] = {}
+
+    def join(self) -> Subscriber:
+        sent: list[tuple[float, int]] = []
+        queue = SendQueue(
+            lambda data: sent.append((self.clock.time(), int(bytes(data)))),
+            print,
+            self.flusher,
+            max_bytes=10**6,
+        )
+        member = Subscriber(queue, self.throttling)
+        self.group.add(member)
+        self.models[member] = Single(self.throttling)
+        self.sent[member] = sent
+        return member
+
+    def advance(self, seconds: float) -> None:
+        # In small steps, so that what timers send leaves at its time.
+        for _ in range(round(seconds / STEP)):
+            self.clock.advance(STEP)
+            self.clock.turn()
+
+    def send(self, to: Subscriber | None = None) -> None:
+        self.numbers += 1
+        now = self.clock.time()
+        if to is None:
+            self.group.send(self.numbers)
+        else:
+            self.group.send_to(to, b"%d" % self.numbers)
+        self.clock.turn()
+        for member in self.members() if to is None else [to]:
+            self.models[member].offer(self.numbers, now)
+
+    def members(self) -> list[Subscriber]:
+        return self.group.members()
+
+    def check(self) -> None:
+        for member, model in self.models.items():
+            model.advance_to(self.clock.time())
+            assert self.sent[member] == model.sent
+            assert self.group.sent_to(member) == len(model.sent)
+            assert self.group.throttled_for(member) == model.throttled
+        assert len(self.group) == len(self.members())
+
+    def leave(self, member: Subscriber) -> None:
+        self.group.remove(member)
+        model = self.models.pop(member)
+        assert self.sent.pop(member) == model.sent
+        assert member.sent == len(model.sent)
+        assert member.throttled == model.throttled + len(model.waiting)
+        assert member.queue.throttled_bytes == 0
+
+
+STEP = 1 / 16
+"""Seconds between two events; floats hold its multiples exactly."""
+
+
+@given(
+    period=st.sampled_from([1, 2, 5]),
+    queue_length=st.sampled_from([0, 1, 3]),
+    events=st.lists(
+        st.tuples(
+            st.sampled_from(["send", "send", "send", "join", "leave", "send_to"]),
+            st.integers(0, 6),
+            st.sampled_from([0, 0, 1, 2, 3, 7]),
+        ),
+        max_size=60,
+    ),
+)
+def test_each_of_many_members_gets_what_it_would_get_alone(
+    period: int, queue_length: int, events: list[tuple[str, int, int]]
+) -> None:
+    many = Many(Throttling(period * STEP, queue_length))
+    members = [many.join(), many.join()]
+    for event, which, steps in events:
+        if event == "send":
+            many.send()
+        elif event == "join":
+            members.append(many.join())
+        elif members and event == "leave":
+            many.leave(members.pop(which % len(members)))
+        elif members:
+            many.send(to=members[which % len(members)])
+        many.advance(steps * STEP)
+        many.check()
+    for member in members:
+        many.leave(member)
+    assert (len(many.group), many.clock.timers) == (0, 0)

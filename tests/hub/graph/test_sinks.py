@@ -359,7 +359,7 @@ def test_rosapi_lists_a_sink_as_a_subscriber() -> None:
         {"node": "/recorder", "queue_length": 7, "throttle_rate": 0, "compression": "ros1"}
     ]
     assert entry("/rosapi/statistics", "topic")["subscriptions"] == [
-        {"node": "/recorder", "messages": 1, "dropped": 2}
+        {"node": "/recorder", "messages": 1, "dropped": 2, "throttled": 0}
     ]
     talker.leaves()
     assert rosapi.call("/rosapi/topic_type", topic="/fib") == {"type": INT32}

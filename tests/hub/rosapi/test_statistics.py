@@ -276,12 +276,23 @@ def test_messages_dropped_for_a_slow_client_are_counted(rosapi: RosapiClient) ->
     slow.queue.pause()
     client.send_text(TEXT * 5)
     assert topic(rosapi)["subscriptions"] == [
-        {"node": "/listener", "messages": 5, "dropped": 3},
-        {"node": "/quick", "messages": 5, "dropped": 0},
+        {"node": "/listener", "messages": 5, "dropped": 3, "throttled": 0},
+        {"node": "/quick", "messages": 5, "dropped": 0, "throttled": 0},
     ]
     assert len(quick.receive()) == 5
     slow.queue.resume()
     assert len(slow.receive()) == 2
+
+
+def test_messages_left_out_by_a_throttle_are_counted_and_not_as_dropped(
+    rosapi: RosapiClient,
+) -> None:
+    client = talker(rosapi)
+    listener(rosapi, throttle_rate=1000)
+    client.send_text(TEXT * 5)
+    assert topic(rosapi)["subscriptions"] == [
+        {"node": "/listener", "messages": 1, "dropped": 0, "throttled": 4}
+    ]
 
 
 # Clients.

@@ -272,6 +272,58 @@ def test_report_counts_messages_across_throttles_and_encodings() -> None:
     assert subscriber.report.messages == 4
 
 
+@pytest.mark.parametrize(("queue_length", "left_out"), [(0, 4), (1, 3), (3, 1)])
+def test_messages_left_out_by_the_throttle_are_counted(queue_length: int, left_out: int) -> None:
+    subscriber = subscribed(throttle_rate=300, queue_length=queue_length)
+    subscriber.publish(1, 2, 3, 4, 5)
+    assert subscriber.report.throttled == left_out
+    received = subscriber.received(after=10)
+    report = subscriber.report
+    assert (report.messages, report.throttled, report.dropped) == (len(received), left_out, 0)
+    assert len(received) == 5 - left_out
+
+
+def test_throttled_messages_are_counted_across_throttles_and_encodings() -> None:
+    subscriber = subscribed(throttle_rate=300)
+    subscriber.publish(1, 2)
+    assert subscriber.report.throttled == 1
+    subscriber.request(throttle_rate=200, queue_length=1)
+    subscriber.publish(1, 2, 3)  # One is sent, and one waits.
+    assert subscriber.report.throttled == 2
+    subscriber.request(compression="cbor")
+    subscriber.publish(1, 2)
+    assert subscriber.report.throttled == 3
+    subscriber.request(throttle_rate=300)
+    subscriber.publish(1, 2)
+    assert (subscriber.report.messages, subscriber.report.throttled) == (5, 4)
+
+
+def test_messages_for_one_node_and_latched_ones_count_once() -> None:
+    subscriber = Subscriber()
+    subscriber.talker.send("unadvertise", "/fib")
+    subscriber.talker.send("advertise", "/fib", type=INT32, latch=True)
+    subscriber.publish(0)
+    subscriber.request(throttle_rate=300, queue_length=1)
+    for _ in range(4):  # One is sent, one waits, and two are left out.
+        subscriber.talker.send("publish", "/fib", msg=number(1), to="/listener")
+    report = subscriber.report
+    assert (report.messages, report.throttled) == (2, 2)
+    subscriber.publish(2, 3)
+    assert subscriber.received(after=10) == [0, 1, 3]
+    assert (subscriber.report.messages, subscriber.report.throttled) == (3, 4)
+
+
+def test_throttled_messages_that_exceed_the_byte_limit_count_as_dropped() -> None:
+    subscriber = Subscriber(max_queued_bytes=200)
+    subscriber.request(throttle_rate=300, queue_length=100)
+    subscriber.publish(*range(11))
+    report = subscriber.report
+    assert 0 < report.dropped == subscriber.client.queue.dropped
+    assert subscriber.client.queue.kept_bytes <= 200
+    assert len(subscriber.received(after=100)) == 11 - report.dropped
+    assert (subscriber.report.throttled, subscriber.report.messages) == (0, 11 - report.dropped)
+
+
 def test_topic_keeps_its_type_while_a_request_names_one() -> None:
     hub = FakeHub()
     client = hub.client()

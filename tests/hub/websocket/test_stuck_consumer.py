@@ -245,6 +245,24 @@ class TestStuckConsumer:
             assert slow._transport.get_write_buffer_size() + slow.queue.kept_bytes < limit + 3 * MIB
             stuck.reset()
 
+    async def test_dropped_and_throttled_messages_are_shown_by_topic(
+        self, start_hub: StartHub
+    ) -> None:
+        hub = await start_hub()
+        async with connected(hub.port, "/?node=/slow") as slow, connected(hub.port) as talker:
+            await slow.subscribes("/short", "std_msgs/String", queue_length=1)
+            await slow.subscribes("/calm", "std_msgs/String", throttle_rate=1_000_000)
+            for topic in ("/short", "/calm"):
+                await talker.advertises(topic, "std_msgs/String")
+            (connection,) = [each for each in hub._connections if each.name == "/slow"]
+            connection.queue.pause()
+            for _ in range(5):
+                await talker.send(publish("/short", "x"), publish("/calm", "x"))
+            await talker.is_processed()
+            (shown,) = await _slow_clients(hub)
+            assert shown["dropped_by_topic"] == {"/short": 4}
+            assert shown["throttled_by_topic"] == {"/calm": 4}
+
     async def test_dropped_messages_still_count_after_the_client_left(
         self, start_hub: StartHub
     ) -> None:
