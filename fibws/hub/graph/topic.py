@@ -190,11 +190,18 @@ class Topic:
             self.watching_sources.left(source.node)
 
     def replay(self, sink: Sink) -> None:
-        """Give a sink what sources have latched; raises what `Sink.replay` raises."""
+        """Give a sink what sources have latched; raises what `Sink.replay` raises at last."""
+        failure: Exception | None = None
         for source in tuple(self.sources.values()):  # A sink may advertise here.
-            publication = source.recall()
-            if publication is not None:
-                sink.replay(publication)
+            try:
+                publication = source.recall()
+                if publication is not None:
+                    sink.replay(publication)
+            except Exception as error:
+                # One message that fails must not hide those of the other sources.
+                failure = error
+        if failure is not None:
+            raise failure
 
     def deliver(self, publication: Publication) -> None:
         """Give a message to all sinks."""

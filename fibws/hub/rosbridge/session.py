@@ -21,7 +21,7 @@ from fibws.hub.graph.graph import Graph
 from fibws.hub.rosbridge.actions import Actions, Goals
 from fibws.hub.rosbridge.client import Client
 from fibws.hub.rosbridge.services import Calls, Services
-from fibws.hub.rosbridge.statuses import Statuses
+from fibws.hub.rosbridge.statuses import INTERNAL_ERROR, Statuses
 from fibws.hub.rosbridge.subscription import Groups
 from fibws.hub.rosbridge.topics import Topics
 from fibws.hub.settings import Settings
@@ -54,7 +54,6 @@ from fibws.protocol.websocket import REPLACED, Payload
 
 MAX_OBJECTS = 1000
 """Operations in one text: a megabyte of ``{}{}{}`` would keep all others waiting."""
-INTERNAL_ERROR = "this failed in the hub; see its log"
 
 
 class Rosbridge:

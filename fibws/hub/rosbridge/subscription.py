@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import logging
+from collections.abc import Iterable
+
 from fibws.errors import LimitReached, OperationError
 from fibws.hub.delivery.clock import Clock
 from fibws.hub.delivery.cohort import Cohort, Throttling
@@ -11,11 +14,14 @@ from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.topic import SinkReport, Topic
 from fibws.hub.graph.types import MessageType
+from fibws.hub.log_text import is_power_of_ten
 from fibws.hub.rosbridge.encodings import PLAIN, EncodeFrame, Encoding, text_frame
-from fibws.hub.rosbridge.statuses import Statuses
+from fibws.hub.rosbridge.statuses import INTERNAL_ERROR, Statuses
 from fibws.protocol.frame_queue import Lane
 from fibws.protocol.operations import Id, Subscribe, Subscribed, encode
 from fibws.protocol.serialized import ROS1
+
+logger = logging.getLogger("fibws.hub")
 
 MAX_REGISTRATIONS = 100
 """Ids under which one client may subscribe to one topic, or advertise it."""
@@ -29,7 +35,7 @@ class Group(FanOut[Publication, "Subscription"]):
         others: all groups of the hub, of which this is one while it has members.
     """
 
-    __slots__ = ("_key", "_others", "_type")
+    __slots__ = ("_failures", "_key", "_others", "_type")
 
     def __init__(
         self,
@@ -42,6 +48,7 @@ class Group(FanOut[Publication, "Subscription"]):
         super().__init__(encode, flusher, clock)
         self._key = key
         self._others = others
+        self._failures = 0
         self._type: MessageType | None = None
         """Of the last message; clients of serialized ones must know it before."""
 
@@ -53,14 +60,31 @@ class Group(FanOut[Publication, "Subscription"]):
                 member.answer(publication.type)
         try:
             self.send(publication)
-        except OperationError as fault:
-            # It cannot be encoded so. Whoever asked for that before the type was known is told.
-            for member in self.members():
-                member.refuse(fault)
+        except Exception as fault:
+            self.fail(fault, self.members())
             return
         if publication.has_invalid_text:
             for member in self.members():
                 member.report_invalid_text()
+
+    def fail(self, fault: Exception, members: Iterable[Subscription]) -> None:
+        """Report that a message cannot be encoded, to those who asked for it.
+
+        Some asked before the type was known; any other exception is the hub's own failure.
+        """
+        if not isinstance(fault, OperationError):
+            self._failures += 1
+            if is_power_of_ten(self._failures):
+                topic, _, encoding = self._key
+                logger.error(
+                    "%s cannot be encoded (compression %s, failure %d)",
+                    topic.name,
+                    encoding.compression,
+                    self._failures,
+                    exc_info=fault,
+                )
+        for member in members:
+            member.refuse(fault)
 
     def frame(self, publication: Publication) -> Frame:
         """Return the frame of a message that not all subscriptions get, made once for those."""
@@ -160,8 +184,8 @@ class Subscription:
             self.answer(publication.type)
             try:
                 self._group.send_to(self, self._group.frame(publication))
-            except OperationError as fault:
-                self.refuse(fault)
+            except Exception as fault:
+                self._group.fail(fault, [self])
                 return
             if publication.has_invalid_text:
                 self.report_invalid_text()
@@ -229,7 +253,7 @@ class Subscription:
             if request.compression == ROS1:
                 self._send_subscribed(request, type_)
 
-    def refuse(self, fault: OperationError) -> None:
+    def refuse(self, fault: Exception) -> None:
         """Report, once, that messages cannot be encoded as the client asked."""
         if not self._complained:
             self._complained = True
@@ -238,7 +262,10 @@ class Subscription:
                 (each.id for each in self.requests.values() if each.compression == compression),
                 None,
             )
-            self._statuses.error(id_, f"subscribe: {fault}", code=fault.code)
+            text, code = INTERNAL_ERROR, "internal_error"
+            if isinstance(fault, OperationError):
+                text, code = str(fault), fault.code
+            self._statuses.error(id_, f"subscribe: {text}", code=code)
 
     def report_invalid_text(self) -> None:
         """Report, once, that a string was changed since it is not UTF-8."""

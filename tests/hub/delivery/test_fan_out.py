@@ -11,6 +11,7 @@ import pytest
 from fibws.hub.delivery.cohort import Cohort, Throttling
 from fibws.hub.delivery.fan_out import FanOut
 from fibws.hub.delivery.send_queue import Bytes, Flusher, SendQueue
+from fibws.hub.graph.publication import Publication
 from fibws.protocol.frame_queue import Lane
 
 from ..fakes import INT32, Client, FakeClock, FakeHub, number
@@ -306,3 +307,51 @@ def test_a_message_for_one_node_that_cannot_be_encoded_is_reported_to_it(hub: Fa
     assert status["id"] == "s"
     assert "definition of my_msgs/Thing" in status["msg"]
     assert talker.receive() == []
+
+
+# Encodings that fail.
+
+
+@pytest.fixture
+def broken_cbor(monkeypatch: pytest.MonkeyPatch) -> None:
+    def cbor(self: Publication) -> bytes:
+        raise MemoryError("injected")
+
+    monkeypatch.setattr(Publication, "cbor", cbor)
+
+
+@pytest.mark.usefixtures("broken_cbor")
+@pytest.mark.parametrize("to", [None, "/listener"])
+@pytest.mark.parametrize("throttle_rate", [0, 1000])
+def test_an_encoding_that_fails_in_the_hub_is_reported_to_its_subscribers_alone(
+    hub: FakeHub,
+    talker: Client,
+    to: str | None,
+    throttle_rate: int,
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    listener, other = hub.client("/listener", serialized=True), hub.client("/other")
+    options = {"compression": "cbor", "throttle_rate": throttle_rate}
+    listener.send("subscribe", "/a", id="mine", **options)
+    listener.send("subscribe", "a")
+    other.send("subscribe", "/a")
+    for value in range(3):
+        talker.send("publish", "/a", msg=number(value), to=to)
+    status, *messages = listener.receive()
+    assert (status["level"], status["id"]) == ("error", "mine")
+    assert status["code"] == "internal_error"
+    assert [each["msg"]["data"] for each in messages] == [0, 1, 2]
+    assert other.receive_numbers("/a") == ([0, 1, 2] if to is None else [])
+    assert talker.receive() == []
+    assert [each.message for each in caplog.records if each.exc_info] == [
+        "/a cannot be encoded (compression cbor, failure 1)"
+    ]
+
+
+@pytest.mark.usefixtures("broken_cbor")
+def test_an_encoding_that_fails_in_the_hub_at_subscribing_is_reported(hub: FakeHub) -> None:
+    talker, listener = hub.client(), hub.client()
+    talker.send("advertise", "/a", type=INT32, latch=True)
+    talker.send("publish", "/a", msg=number(1))
+    listener.send("subscribe", "/a", id="mine", compression="cbor")
+    assert listener.receive_one("status")["id"] == "mine"

@@ -234,6 +234,25 @@ def test_the_latched_messages_of_all_sources_are_replayed() -> None:
     assert [each.values()["data"] for each in late.replayed] == [0, 2]
 
 
+def test_a_latched_message_that_fails_does_not_hide_those_of_other_sources() -> None:
+    graph, topic, source = topic_and_source(latch=True)
+    other = graph.advertise(topic, "/other", INT32, latch=True)
+    for value, each in enumerate((source, other)):
+        each.publish({"data": value})
+
+    class Picky(Recorder):
+        def replay(self, publication: Publication) -> None:
+            if publication.values()["data"] == 0:
+                raise KeyError("injected")
+            super().replay(publication)
+
+    late = Picky()
+    graph.subscribe(topic, late)
+    with pytest.raises(KeyError, match="injected"):
+        topic.replay(late)
+    assert [each.values()["data"] for each in late.replayed] == [1]
+
+
 def test_a_latched_message_goes_with_its_source() -> None:
     graph, topic, source = topic_and_source(latch=True)
     late = Recorder()
