@@ -17,7 +17,7 @@ from pydantic_core import to_json
 
 from fibws import __version__
 from fibws.errors import FibwsError, HubError
-from fibws.hub.delivery.send_queue import Flusher
+from fibws.hub.delivery.send_queue import CHUNK, MOST_UNWRITTEN, Flusher
 from fibws.hub.graph.graph import Graph, Policy
 from fibws.hub.graph.topic import SinkReport
 from fibws.hub.rosapi.nodes import OWN_NODES, OwnNodes
@@ -100,7 +100,7 @@ class Hub:
         self.endpoints.add(partial(rosbridge.open, serialized=True), subprotocol=SUBPROTOCOL)
         requests = HttpRequests(self.settings, read_files(), OWN_NODES)
         requests.add("/healthz", lambda: to_json(self.health()), "application/json")
-        flusher = Flusher(loop.call_soon)
+        flusher = Flusher(loop.call_soon, max_unwritten=_max_unwritten(self.settings))
         self._shared = Shared(
             settings=self.settings,
             http=requests,
@@ -234,6 +234,11 @@ class Hub:
 def _reached_at(host: str) -> str:
     """Return the address by which programs on this machine reach a hub that listens there."""
     return {"0.0.0.0": "127.0.0.1", "::": "::1", "": "127.0.0.1"}.get(host, host)
+
+
+def _max_unwritten(settings: Settings) -> int:
+    """Return the bytes that may be written to one client at once before it can count as slow."""
+    return max(CHUNK, min(MOST_UNWRITTEN, settings.max_queued_bytes))
 
 
 def _why_not(host: str, port: int, error: OSError) -> str:

@@ -9,8 +9,8 @@ client whose replies alone exceed the limit is overfull, and to be closed.
 from __future__ import annotations
 
 import logging
-from collections import OrderedDict
-from collections.abc import Callable
+from collections import OrderedDict, deque
+from collections.abc import Callable, Iterable
 from typing import TypeAlias
 
 from fibws.protocol.frame_queue import FrameQueue, Lane
@@ -27,8 +27,8 @@ has been given can no longer be dropped for something newer."""
 LARGE = 2**16
 """Bytes of a frame that is written by itself rather than copied to join it with others."""
 WRITE_SIZE = 2**18
-"""Bytes of a large frame that are written at once: what the socket does not take of them is copied
-by the transport, the rest waits in the frame, which all its recipients share."""
+"""Most bytes that are written at once: what the socket does not take of them is copied by the
+transport, the rest waits in the frames, which all their recipients share."""
 
 
 class LargeFrame:
@@ -78,6 +78,7 @@ class SendQueue:
         "_rest",
         "_rest_bytes",
         "_socket_full",
+        "_unwritten",
         "_write",
         "dropped",
         "flusher",
@@ -108,10 +109,12 @@ class SendQueue:
         self._write = write
         self._broken = broken
         self._socket_full = False
-        self._rest: list[Frame | memoryview] = []
-        """The rest of a large frame that filled the socket, and the frames behind it."""
+        self._rest: deque[Frame | memoryview] = deque()
+        """The rest of what filled the socket, and the frames behind it."""
         self._rest_bytes = 0
-        self._replies: list[bytes] = []
+        self._unwritten = 0
+        """Bytes of `frames` while paused."""
+        self._replies: deque[bytes] = deque()
         self._fresh: OrderedDict[Callable[[], bytes], None] | None = None
         self._reply_bytes = 0
         self._kept: FrameQueue[Lane, Frame] | None = None
@@ -120,7 +123,8 @@ class SendQueue:
     def kept_bytes(self) -> int:
         """Bytes that are kept until the client reads, or until a throttle lets them pass."""
         messages = self._kept.size if self._kept is not None else 0
-        return messages + self._reply_bytes + self._rest_bytes + self.throttled_bytes
+        started = self._unwritten + self._rest_bytes
+        return messages + self._reply_bytes + started + self.throttled_bytes
 
     @property
     def exceeded(self) -> bool:
@@ -153,6 +157,7 @@ class SendQueue:
         elif not self.overfull:
             self._replies.append(frame)
             self._reply_bytes += len(frame)
+            self._make_room()
 
     def reply_fresh(self, make: Callable[[], bytes]) -> None:
         """Send the frames that a function makes, now or when a paused client reads again.
@@ -175,7 +180,12 @@ class SendQueue:
         self.dropped += kept.trim(lane, max(1, lane.limit))
         while self.exceeded and len(lane.waiting) > 1:
             self.dropped += kept.trim(lane, len(lane.waiting) - 1)
-        while self.exceeded and len(kept) > 1:
+        self._make_room()
+
+    def _make_room(self) -> None:
+        """Drop the oldest messages while more is kept than allowed, all but the newest one."""
+        kept = self._kept
+        while kept and len(kept) > 1 and self.exceeded:
             _, oldest = next(iter(kept))
             assert oldest is not None
             self.dropped += kept.trim(oldest, len(oldest.waiting) - 1)
@@ -188,6 +198,7 @@ class SendQueue:
     def pause(self) -> None:
         """Keep frames from now on: the client's socket takes no more."""
         self.paused = self._socket_full = True
+        self._unwritten = sum(map(len, self.frames))
 
     def resume(self) -> None:
         """Write what was kept, replies first: the client's socket takes data again."""
@@ -197,9 +208,7 @@ class SendQueue:
             if self._socket_full:
                 return
         self.paused = False
-        self.frames += self._replies
-        self._replies = []
-        self._reply_bytes = 0
+        self._unwritten = 0
         self._refill()
         if self.frames and not self.paused:
             self.flusher.add(self)
@@ -218,38 +227,36 @@ class SendQueue:
             # uvloop raises where asyncio does not; the publisher must not pay for it.
             self.cut_off()
 
-    def write_all(self, frames: list[Frame]) -> None:
-        """Write frames in order, the large ones in pieces that are not copied."""
-        self._write_pieces(list(frames))
-
-    def _write_pieces(self, pieces: list[Frame | memoryview]) -> None:
-        """Write pieces until the socket is full; keep the rest, which may not be dropped."""
-        small: list[bytes] = []
-        for number, piece in enumerate(pieces):
-            if isinstance(piece, bytes):
-                small.append(piece)
-                continue
-            if isinstance(piece, LargeFrame):
-                small.append(piece.head)
-                piece = piece.body
-            if small:
-                self.write(b"".join(small))
-                small = []
-            while piece and not self._socket_full:
-                self.write(piece[:WRITE_SIZE])
-                piece = piece[WRITE_SIZE:]
-            if self._socket_full:
-                self._rest = [piece, *pieces[number + 1 :]] if piece else pieces[number + 1 :]
-                self._rest_bytes = sum(map(len, self._rest))
-                self.paused = True
-                return
-        if small:
-            self.write(b"".join(small))
+    def write_all(self, frames: Iterable[Frame]) -> None:
+        """Write frames in order, in pieces that the socket takes; the rest may not be dropped."""
+        self._rest += frames
+        self._rest_bytes = sum(map(len, self._rest))
+        self._write_rest()
 
     def _write_rest(self) -> None:
-        rest, self._rest = self._rest, []
-        self._rest_bytes = 0
-        self._write_pieces(rest)
+        """Write until the socket is full: small frames together, large ones without a copy."""
+        rest = self._rest
+        while rest and not self._socket_full:
+            small: list[bytes] = []
+            size = 0
+            while rest and isinstance(frame := rest[0], bytes) and size + len(frame) <= WRITE_SIZE:
+                small.append(frame)
+                size += len(frame)
+                rest.popleft()
+            if rest and isinstance(large := rest[0], LargeFrame):
+                small.append(large.head)
+                rest[0] = large.body
+            if small:
+                data: Bytes = b"".join(small)
+            else:
+                piece = memoryview(rest.popleft())  # type: ignore[arg-type]  # No large frame.
+                data = piece[:WRITE_SIZE]
+                if len(piece) > WRITE_SIZE:
+                    rest.appendleft(piece[WRITE_SIZE:])
+            self._rest_bytes -= len(data)
+            self.write(data)
+        if rest:
+            self.paused = True
 
     def write_control(self, data: bytes) -> None:
         """Write a control frame at once, or behind the large frame that is half written."""
@@ -260,17 +267,21 @@ class SendQueue:
                 behind += 1
             self._rest.insert(behind, memoryview(data))
             self._rest_bytes += len(data)
+            self._make_room()
         else:
             self.write(data)
 
     def cut_off(self) -> None:
         """Drop the connection, which cannot be written to."""
+        self._rest.clear()
         self.close()
         self._broken()
 
     def close(self) -> None:
         """Write nothing more, and keep nothing; a frame that is half written is completed."""
-        rest, self._rest, self._rest_bytes = self._rest, [], 0
+        rest = list(self._rest)
+        self._rest.clear()
+        self._rest_bytes = 0
         for piece in rest:
             if isinstance(piece, LargeFrame):
                 self.write(piece.head)
@@ -278,7 +289,8 @@ class SendQueue:
             self.write(piece)
         self._write = _discard
         self.frames = []
-        self._replies = []
+        self._unwritten = 0
+        self._replies.clear()
         self._fresh = None
         self._reply_bytes = 0
         if self._kept is not None:
@@ -291,15 +303,14 @@ class SendQueue:
         self.flusher.count(len(frame))
 
     def _refill(self) -> None:
-        """Write kept messages in pieces of `CHUNK` until the socket is full or none is left.
+        """Write what was kept in pieces of `CHUNK` until the socket is full or nothing is left.
 
-        The rest stays in the queue, where newer messages can still take its place. Fresh replies
-        come first, in pieces, too.
+        The rest stays in the queue, where newer messages can still take its place. Replies come
+        first.
         """
-        while self._fresh or self._kept:
+        while self._replies or self._fresh or self._kept:
             size = 0
-            while (self._fresh or self._kept) and size < CHUNK:
-                frame = self._pop()
+            while size < CHUNK and (frame := self._pop()) is not None:
                 self.frames.append(frame)
                 size += len(frame)
             frames, self.frames = self.frames, []
@@ -311,14 +322,19 @@ class SendQueue:
         self._fresh = None
         self._kept = None
 
-    def _pop(self) -> Frame:
-        """Remove and return what is to be written next of what is made or kept."""
+    def _pop(self) -> Frame | None:
+        """Remove and return what is to be written next; None if nothing is."""
+        if self._replies:
+            reply = self._replies.popleft()
+            self._reply_bytes -= len(reply)
+            return reply
         if self._fresh:
             make, _ = self._fresh.popitem(last=False)
             return make()
-        assert self._kept is not None
-        frame, _ = self._kept.pop()
-        return frame
+        if self._kept:
+            frame, _ = self._kept.pop()
+            return frame
+        return None
 
 
 def _discard(data: Bytes) -> None:
@@ -334,10 +350,17 @@ class Flusher:
 
     Args:
         call_soon: calls a function at the end of the turn.
+        max_unwritten: most bytes that may wait for that in all queues together.
     """
 
-    def __init__(self, call_soon: Callable[[Callable[[], None]], object]) -> None:
+    def __init__(
+        self,
+        call_soon: Callable[[Callable[[], None]], object],
+        *,
+        max_unwritten: int = MOST_UNWRITTEN,
+    ) -> None:
         self._call_soon = call_soon
+        self._max_unwritten = max_unwritten
         self._due: list[SendQueue] = []
         self._first: list[Callable[[], None]] = []
         self._bytes = 0
@@ -357,7 +380,7 @@ class Flusher:
     def count(self, size: int) -> None:
         """Count bytes that were put into queues."""
         self._bytes += size
-        if self._bytes > MOST_UNWRITTEN:
+        if self._bytes > self._max_unwritten:
             self.flush()
 
     def broadcast(self, frame: Frame, targets: dict[SendQueue, Lane]) -> None:
@@ -376,7 +399,7 @@ class Flusher:
                 self._due.append(queue)
             queue.frames.append(frame)
         self._bytes += len(frame) * len(targets)
-        if self._bytes > MOST_UNWRITTEN:
+        if self._bytes > self._max_unwritten:
             self.flush()
 
     def flush(self) -> None:
@@ -393,6 +416,7 @@ class Flusher:
         due, self._due = self._due, []
         self._bytes = 0
         last: list[Frame] = []
+        pieces: list[Frame] = []
         joined = b""
         for queue in due:
             if queue.paused:
@@ -400,13 +424,15 @@ class Flusher:
             frames, queue.frames = queue.frames, []
             try:
                 if frames != last:
-                    last = frames
+                    last = pieces = frames
                     lone = frames[0] if len(frames) == 1 else None
                     joined = lone if isinstance(lone, bytes) else _joined(frames)
+                    if len(joined) > WRITE_SIZE:
+                        pieces, joined = [joined], b""
                 if joined:
                     queue.write(joined)
                 else:
-                    queue.write_all(frames)
+                    queue.write_all(pieces)
             except Exception:
                 # One client that cannot be written to must not silence those behind it.
                 logger.exception("A client is cut off: it could not be written to.")

@@ -222,8 +222,8 @@ class Throttle(Generic[M]):
             change -= len(self._pop())
         if change:
             self._count(change)
-            if change > 0:
-                self._make_room()
+        if change > 0 or (self._payer is not None and self._payer.paused):
+            self._make_room()
 
     def _make_room(self) -> None:
         """Find a client that has room for the frames that wait, or drop the oldest.

@@ -512,6 +512,22 @@ def test_a_socket_that_fails_while_kept_messages_are_written_is_cut_off() -> Non
     assert client.turn() == []
 
 
+def test_kept_replies_leave_one_chunk_at_a_time() -> None:
+    client, size = new_client(max_bytes=10 * CHUNK), CHUNK // 4
+    client.queue.pause()
+    for number in range(12):
+        client.queue.reply(b"%03d" % number + bytes(size - 3))
+    for expected, left in (([0, 1, 2, 3], 8), ([4, 5, 6, 7], 4)):
+        client.room = CHUNK
+        client.queue.resume()
+        assert numbers(client.turn(), size) == expected
+        assert client.queue.kept_bytes == left * size
+    client.queue.reply(b"012" + bytes(size - 3))
+    client.room = math.inf
+    client.queue.resume()
+    assert numbers(client.turn(), size) == [8, 9, 10, 11, 12]
+
+
 # Large frames.
 
 
@@ -539,6 +555,37 @@ def test_a_large_frame_is_written_without_a_copy() -> None:
     assert writes == [b"12head", body, b"3head", body, b"4"]
     assert all(isinstance(writes[each], memoryview) for each in (1, 3))
     assert all(memoryview(writes[each]).obj is body for each in (1, 3))
+
+
+@pytest.mark.parametrize("shared", [True, False])
+def test_many_small_frames_are_written_in_pieces_as_the_socket_takes_them(shared: bool) -> None:
+    client, lane = new_client(max_bytes=10 * WRITE_SIZE), Lane(1)
+    frames = [b"%07d\n" % number for number in range(WRITE_SIZE // 2)]
+    for frame in frames:
+        client.queue.put(frame, lane)
+    client.room = WRITE_SIZE
+    if not shared:
+        client.queue.flush()
+    written = b"".join(client.turn())
+    assert len(written) == WRITE_SIZE
+    assert client.queue.paused
+    assert client.queue.kept_bytes == 3 * WRITE_SIZE
+    while client.queue.kept_bytes:
+        client.room = WRITE_SIZE if client.queue.kept_bytes > WRITE_SIZE else math.inf
+        client.queue.resume()
+        writes = client.turn()
+        assert max(map(len, writes)) <= WRITE_SIZE
+        written += b"".join(writes)
+    assert written == b"".join(frames)
+
+
+def test_one_large_piece_of_bytes_is_written_without_a_copy() -> None:
+    client, text = new_client(), bytes(3 * WRITE_SIZE)
+    client.queue.reply(text)
+    client.room = WRITE_SIZE
+    [write] = client.turn()
+    assert memoryview(write).obj is text
+    assert client.queue.kept_bytes == 2 * WRITE_SIZE
 
 
 def test_a_large_frame_is_shared_by_all_clients() -> None:
@@ -717,6 +764,12 @@ class LargeFrameMachine(RuleBasedStateMachine):
     def turn(self) -> None:
         self.written += b"".join(self.client.turn())
 
+    @invariant()
+    def only_one_message_may_exceed_the_limit(self) -> None:
+        queue = self.client.queue
+        if queue.exceeded:
+            assert sum(len(lane.waiting) for lane in self.lanes_) <= 1
+
 
 TestLargeFrameMachine = LargeFrameMachine.TestCase
 
@@ -745,6 +798,40 @@ def test_frames_that_wait_for_a_throttle_count_as_kept() -> None:
     assert client.queue.exceeded
     assert client.queue.kept_bytes == 101
     assert not client.queue.overfull
+
+
+def test_replies_make_messages_leave_the_limit() -> None:
+    client, lane = new_client(max_bytes=100), Lane(100)
+    client.queue.pause()
+    for _ in range(10):
+        client.queue.put(b"x" * 10, lane)
+    client.queue.reply(b"r" * 30)
+    client.queue.reply(b"s" * 20)
+    assert client.queue.kept_bytes == 100
+    assert (lane.dropped, client.queue.dropped) == (5, 5)
+
+
+def test_frames_that_were_sent_in_the_turn_of_a_pause_count_as_kept() -> None:
+    client, lane = new_client(max_bytes=100), Lane(100)
+    client.queue.put(b"x" * 60, lane)
+    client.queue.pause()
+    for _ in range(10):
+        client.queue.put(b"y" * 10, lane)
+    assert client.queue.kept_bytes == 100
+    client.queue.resume()
+    assert client.turn() == [b"x" * 60 + b"y" * 40]
+    assert client.queue.kept_bytes == 0
+
+
+def test_the_limit_of_unwritten_bytes_can_be_lower() -> None:
+    clock = FakeClock()
+    client = FakeClient(clock, Flusher(clock.call_soon, max_unwritten=20), max_bytes=20)
+    lane = Lane(100)
+    client.room = 10
+    for number in range(10):
+        client.queue.put(b"%d" % number * 10, lane)
+    assert client.queue.kept_bytes <= 20
+    assert client.queue.dropped
 
 
 # Any order of events.
@@ -795,8 +882,7 @@ class SendQueueMachine(RuleBasedStateMachine):
             self._count(lane) > self.known[lane].limit or self._bytes() > self.MAX_BYTES
         ):
             self._drop(lane)
-        while len(self.kept) > 1 and self._bytes() > self.MAX_BYTES:
-            self._drop(self.kept[0][0])
+        self._make_room()
 
     @rule(size=st.integers(0, 25))
     def reply(self, size: int) -> None:
@@ -806,6 +892,7 @@ class SendQueueMachine(RuleBasedStateMachine):
             self.due.append(frame)
         elif sum(map(len, self.replies)) <= self.MAX_BYTES:
             self.replies.append(frame)
+            self._make_room()
 
     @rule()
     def pause(self) -> None:
@@ -818,10 +905,10 @@ class SendQueueMachine(RuleBasedStateMachine):
         self.client.queue.resume()
         self.client.room = math.inf
         self.paused = False
-        self.due += self.replies
-        self.replies = []
-        while self.kept and not self.paused:
+        while (self.replies or self.kept) and not self.paused:
             chunk = b""
+            while self.replies and len(chunk) < self.CHUNK:
+                chunk += self.replies.pop(0)
             while self.kept and len(chunk) < self.CHUNK:
                 chunk += self.kept.pop(0)[1]
             chunk = b"".join(self.due) + chunk
@@ -864,7 +951,12 @@ class SendQueueMachine(RuleBasedStateMachine):
         return sum(each == lane for each, _ in self.kept)
 
     def _bytes(self) -> int:
-        return sum(map(len, self.replies)) + sum(len(frame) for _, frame in self.kept)
+        due = self.due if self.paused else []
+        return sum(map(len, due + self.replies)) + sum(len(frame) for _, frame in self.kept)
+
+    def _make_room(self) -> None:
+        while len(self.kept) > 1 and self._bytes() > self.MAX_BYTES:
+            self._drop(self.kept[0][0])
 
     def _drop(self, lane: int) -> None:
         del self.kept[[each for each, _ in self.kept].index(lane)]

@@ -215,6 +215,17 @@ def test_frames_that_wait_in_the_send_queue_leave_less_room_for_those_of_throttl
     assert throttled.frames == [0, 4]
 
 
+def test_frames_of_throttles_make_room_for_replies() -> None:
+    throttled = Throttled(queue_length=4)
+    for _ in range(5):
+        throttled.offer_frame(bytes(200))
+    assert throttled.queue.throttled_bytes == 800
+    throttled.queue.pause()
+    throttled.queue.reply(bytes(500))
+    throttled.offer_frame(bytes(200))
+    assert throttled.queue.kept_bytes == 900
+
+
 def test_a_frame_larger_than_the_limit_waits_alone() -> None:
     throttled = Throttled(queue_length=10)
     large = bytes(5000)

@@ -13,7 +13,7 @@ import pytest
 from conftest import StartHub
 
 from fibws.hub import Hub
-from fibws.hub.delivery.send_queue import MOST_UNWRITTEN
+from fibws.hub.delivery.send_queue import MOST_UNWRITTEN, WRITE_SIZE
 from fibws.hub.rosbridge.session import MAX_OBJECTS, Session
 from fibws.hub.settings import KIB, MIB
 
@@ -243,6 +243,56 @@ class TestStuckConsumer:
             await until(lambda: _requests(hub, "/stuck") == 90)
             (slow,) = [each for each in hub._connections if each.name == "/stuck"]
             assert slow._transport.get_write_buffer_size() + slow.queue.kept_bytes < limit + 3 * MIB
+            stuck.reset()
+
+    async def test_a_slow_reader_gets_fresh_messages(self, start_hub: StartHub) -> None:
+        """It reads a tenth of what is offered; at 10 MB/s that is two seconds old at most."""
+        hub = await start_hub()
+        size, at_once, rounds = 10_000, 100, 40
+        filler = "x" * size
+        ages: list[int] = []
+        async with (
+            connected(hub.port, "/?node=/slow", receive_buffer=64 * KIB) as slow,
+            connected(hub.port) as talker,
+        ):
+            await slow.subscribes("/t", "std_msgs/String", queue_length=1000)
+            await talker.advertises("/t", "std_msgs/String")
+            for end in range(at_once, (rounds + 1) * at_once, at_once):
+                await talker.send(
+                    *(publish("/t", f"{number} {filler}") for number in range(end - at_once, end))
+                )
+                await talker.is_processed()
+                heard = numbers(await slow.receive_data(at_once // 10))
+                assert heard == sorted(heard)
+                ages += [(end - number) * size for number in heard]
+            (queue,) = [each.queue for each in hub._connections if each.name == "/slow"]
+            assert queue.kept_bytes <= hub.settings.max_queued_bytes
+        assert max(ages) <= 20_000_000
+
+    @pytest.mark.parametrize("size", [100, 300_000])
+    async def test_a_stuck_client_is_kept_no_more_than_the_limit(
+        self, start_hub: StartHub, size: int
+    ) -> None:
+        limit = 512 * KIB
+        hub = await start_hub(max_queued_bytes=limit)
+        async with (
+            connected(hub.port, "/?node=/stuck", receive_buffer=4 * KIB) as stuck,
+            connected(hub.port) as talker,
+        ):
+            await stuck.subscribes("/t", "std_msgs/String", queue_length=10**6)
+            await stuck.subscribes(
+                "t", "std_msgs/String", queue_length=10**6, throttle_rate=1_000_000
+            )
+            await talker.advertises("/t", "std_msgs/String")
+            (slow,) = [each for each in hub._connections if each.name == "/stuck"]
+            for _ in range(5):
+                message = {"op": "publish", "topic": "/t", "msg": {"data": "x" * size}}
+                count = min(MAX_OBJECTS, 4 * MIB // size)
+                await talker.send(frame(TEXT, json.dumps(message).encode() * count))
+                await stuck.send_operation("call_service", service="/rosapi/topics")
+                await talker.is_processed()
+                assert slow.queue.kept_bytes <= limit + size + KIB
+                assert slow._transport.get_write_buffer_size() <= WRITE_SIZE + 64 * KIB + size
             stuck.reset()
 
     async def test_dropped_and_throttled_messages_are_shown_by_topic(
