@@ -75,10 +75,7 @@ def array_schema(
         return core_schema.no_info_after_validator_function(
             _round_all, _list_of(floats, field.array)
         )
-    elements = _list_of(element, field.array)
-    if lenient and field.type in builtin.INTEGERS:
-        return _before(_bytes_as_list, elements)
-    return elements
+    return _list_of(element, field.array)
 
 
 def time_schema(
@@ -186,11 +183,6 @@ def _number(value: Any) -> Any:
 
 
 _NAMED_FLOATS: Final = {name: float(name) for name in ("NaN", "Infinity", "-Infinity")}
-
-
-def _bytes_as_list(value: Any) -> Any:
-    """Return a list for bytes, which a typed array of uint8 in CBOR is."""
-    return list(value) if type(value) is bytes else value
 
 
 def _round(value: float) -> float:

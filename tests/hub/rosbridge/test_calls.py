@@ -77,8 +77,8 @@ def test_arguments_may_be_left_out() -> None:
 @pytest.mark.parametrize(
     ("args", "fault"),
     [
-        ({"a": "1"}, "requires a int64 for field a, but got a str"),
-        (["1"], "requires a int64 for field a, but got a str"),
+        ({"a": "one"}, "requires a int64 for field a, but got a str"),
+        (["one"], "requires a int64 for field a, but got a str"),
         ({"a": 1.5}, "requires a int64 for field a, but got a float"),
         ({"b": True}, "requires a int64 for field b, but got a bool"),
         ({"b": 2**63}, "9223372036854775808 is not in"),

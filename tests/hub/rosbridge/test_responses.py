@@ -219,7 +219,7 @@ def test_failure_may_come_on_another_connection() -> None:
     assert received_failure(caller) == "out of paper"
 
 
-@pytest.mark.parametrize("fields", [{"result": True, "values": {"sum": "3"}}, {"result": 1}])
+@pytest.mark.parametrize("fields", [{"result": True, "values": {"sum": "three"}}, {"result": 1}])
 def test_invalid_response_on_another_connection_fails_the_call(fields: dict[str, Any]) -> None:
     hub, provider, caller = adder_and_caller()
     other = hub.client()

@@ -207,13 +207,6 @@ def test_names_resolve_under_the_clients_node(node: str | None, spelling: str, n
     assert list(hub.graph.topics) == [name]
 
 
-def test_private_names_resolve_under_a_name_that_the_hub_made_up() -> None:
-    hub = FakeHub()
-    client = hub.client()
-    client.send("advertise", "~fib", type=INT32)
-    assert list(hub.graph.topics) == [f"{client.session.node}/fib"]
-
-
 def test_each_subscriber_gets_its_own_spelling() -> None:
     hub = FakeHub()
     talker, listener = talker_and_listener(hub)
