@@ -5,6 +5,7 @@ FibwsError
 ├── InterfaceError         something is wrong with a type
 │   ├── DefinitionError        a .msg, .srv or .action text that does not parse
 │   ├── InvalidTypeName        not of the form package/Type
+│   ├── DefinitionLimit        clients brought as many definitions as the hub keeps
 │   ├── UnknownType            the package is known, the type is not
 │   └── UnknownPackage         the package is unknown
 ├── InvalidMessage         a message that does not fit its type
@@ -104,6 +105,12 @@ class InvalidTypeName(InterfaceError, ValueError):
     def __init__(self, name: str) -> None:
         self.name = name
         super().__init__(f"{name} is not a valid type string")
+
+
+class DefinitionLimit(InterfaceError):
+    """Clients brought as many definitions as the hub keeps; the text says which limit it is."""
+
+    code = "limit_reached"
 
 
 class UnknownType(InterfaceError, LookupError):
@@ -227,9 +234,13 @@ class UnknownDefinition(OperationError):
 
     code = "unknown_definition"
 
-    def __init__(self, type_: str) -> None:
+    def __init__(self, type_: str, fault: str = "") -> None:
         self.type = type_
-        super().__init__(f"serialized messages need the definition of {type_}, which is unknown")
+        self.fault = fault
+        super().__init__(
+            f"serialized messages need the definition of {type_}, which is unknown"
+            f"{': ' if fault else ''}{fault}"
+        )
 
 
 class UnknownPublisher(OperationError):

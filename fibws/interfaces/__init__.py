@@ -1,7 +1,8 @@
 """ROS types: their definitions, validation and serialization of messages, and Python classes.
 
     folders ─ package ─> text of .msg, .srv, .action ─ parser ─> definition
-    folders, client_definitions ─ catalogue, with resolver ─> Interfaces: all types by name
+    folders ─ catalogue, with resolver ─> Interfaces: all installed types by name
+    text from a client ─ client_definitions ─> the same for types that clients brought
     Interfaces ─ fingerprint ─> md5
     Interfaces ─ full_text ─> the text of a type with its nested types, as clients send it
     Interfaces ─ validators, with schema ─> dicts from JSON, complete and valid

@@ -1,70 +1,32 @@
-"""All types: standard types, those in the user's folders, and those that clients sent."""
+"""Types by name: standard types and those in the user's folders."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Protocol
 
 from fibws.errors import InvalidTypeName, UnknownPackage
 from fibws.interfaces import fingerprint, full_text
-from fibws.interfaces.client_definitions import ClientDefinitions
 from fibws.interfaces.definition import ActionDefinition, MessageDefinition, ServiceDefinition
 from fibws.interfaces.folders import STANDARD as STANDARD
 from fibws.interfaces.folders import Folders
 from fibws.interfaces.package import Kind
-from fibws.interfaces.resolver import Resolver
+from fibws.interfaces.resolver import Resolver, Size
 
 _TYPE_NAME = re.compile(r"([A-Za-z]\w{0,99})(?:/(?:msg|srv|action))?/([A-Za-z]\w{0,99})", re.ASCII)
 
 
-class Source(Protocol):
-    """Where definitions are looked up by their names, ``package/Name``."""
+class Definitions:
+    """Definitions by the names of their types, each checked when first asked for.
 
-    def find_message(self, name: str) -> MessageDefinition | None:
-        """The message of that name, if it is known here."""
-
-    def find_service(self, name: str) -> ServiceDefinition | None:
-        """The service of that name, if it is known here."""
-
-    def find_action(self, name: str) -> ActionDefinition | None:
-        """The action of that name, if it is known here."""
-
-    def names(self, kind: Kind, package: str) -> Iterable[str]:
-        """The types of one kind in a package as ``package/Name``."""
-
-
-class Interfaces:
-    """All types by name, each read when first asked for.
-
-    Args:
-        folders: the user's own; each holds packages side by side, or is one. Of two packages of
-            one name the later one counts, and each of them before the standard one.
-
-    Raises:
-        InterfaceError: there is no such folder.
+    Subclasses say where they come from.
     """
 
-    def __init__(self, folders: Iterable[Path] = ()) -> None:
-        self._folders = Folders()
-        self._client_definitions = ClientDefinitions()
-        # Definitions that clients sent come first: they remain when a folder is added.
-        self._sources: tuple[Source, ...] = (self._client_definitions, self._folders)
-        self._forget()
-        for folder in folders:
-            self.add_folder(folder)
+    def __init__(self) -> None:
+        self._clear()
 
-    def add_folder(self, folder: Path) -> None:
-        """Add the types of one more folder, unless it is known.
-
-        Raises:
-            InterfaceError: there is no such folder.
-        """
-        if self._folders.add(folder):
-            self._forget()
-
-    def _forget(self) -> None:
+    def _clear(self) -> None:
         self._resolver = Resolver(self._find_message)
         self._services: dict[str, ServiceDefinition] = {}
         self._md5s: dict[str, str] = {}
@@ -94,14 +56,19 @@ class Interfaces:
         """How many values a message of only defaults has, at least 1; raises as `message` does."""
         return max(1, self._resolver.size(self.message(name).type).values)
 
+    def size(self, definition: MessageDefinition) -> Size:
+        """How large a message is; it may be a service's request. Raises as `message` does."""
+        return self._resolver.check(definition)
+
+    def has_floats(self, definition: MessageDefinition) -> bool:
+        """Whether messages may hold floats; as `size`."""
+        return self.size(definition).has_floats
+
     def service(self, name: str) -> ServiceDefinition:
         """The service of that name; raises as `message` does."""
         name = self.canonical(name)
         if name not in self._services:
-            found = (source.find_service(name) for source in self._sources)
-            service = next(filter(None, found), None)
-            if service is None:
-                raise self._folders.unknown("srv", name)
+            service = self._find_service(name)
             self._resolver.check(service.request)
             self._resolver.check(service.response)
             self._services[name] = service
@@ -109,21 +76,74 @@ class Interfaces:
 
     def action(self, name: str) -> ActionDefinition:
         """The action of that name; raises as `message` does."""
-        name = self.canonical(name)
-        action = next(filter(None, (each.find_action(name) for each in self._sources)), None)
-        if action is None:
-            raise self._folders.unknown("action", name)
+        action = self._find_action(self.canonical(name))
         for message in action.messages():
             self.message(message.type)
         return action
 
-    def has_floats(self, definition: MessageDefinition) -> bool:
-        """Whether messages may hold floats; the definition may be that of a service's request."""
-        return self._resolver.check(definition).has_floats
+    def md5(self, name: str) -> str:
+        """The md5 of a message, as ROS 1 computes it; raises as `message` does."""
+        definition, md5s = self.message(name), self._md5s
+        if definition.type not in md5s:
+            md5s[definition.type] = fingerprint.message_md5(definition, self.message, md5s)
+        return md5s[definition.type]
+
+    def service_md5(self, name: str) -> str:
+        """The md5 of a service, as ROS 1 computes it; raises as `message` does."""
+        return fingerprint.service_md5(self.service(name), self.message, self._md5s)
+
+    def full_text(self, name: str) -> str:
+        """The text of a message and of all types in it, as genmsg writes it for other programs."""
+        return full_text.write_message(self.message(name), self.message)
+
+    def service_text(self, name: str) -> str:
+        """The text of a service and of all types in it, as clients send it."""
+        return full_text.write_service(self.service(name), self.message)
+
+    def action_text(self, name: str) -> str:
+        """The text of an action and of all types in it, as clients send it."""
+        return full_text.write_action(self.action(name), self.message)
+
+    def _find_message(self, name: str) -> MessageDefinition:
+        """The definition of a message; types nested in it may be unknown."""
+        raise NotImplementedError
+
+    def _find_service(self, name: str) -> ServiceDefinition:
+        raise NotImplementedError
+
+    def _find_action(self, name: str) -> ActionDefinition:
+        raise NotImplementedError
+
+
+class Interfaces(Definitions):
+    """The types of the standard packages and of the user's, each read when first asked for.
+
+    Args:
+        folders: the user's own; each holds packages side by side, or is one. Of two packages of
+            one name the later one counts, and each of them before the standard one.
+
+    Raises:
+        InterfaceError: there is no such folder.
+    """
+
+    def __init__(self, folders: Iterable[Path] = ()) -> None:
+        self._folders = Folders()
+        super().__init__()
+        for folder in folders:
+            self.add_folder(folder)
+
+    def add_folder(self, folder: Path) -> None:
+        """Add the types of one more folder, unless it is known.
+
+        Raises:
+            InterfaceError: there is no such folder.
+        """
+        if self._folders.add(folder):
+            self._clear()
 
     def packages(self) -> list[str]:
         """The names of all packages, sorted."""
-        return sorted({*self._folders.packages(), *self._client_definitions.packages()})
+        return sorted(self._folders.packages())
 
     def is_users(self, package: str) -> bool:
         """Whether the package is in one of the user's folders."""
@@ -147,62 +167,24 @@ class Interfaces:
 
     def types(self, package: str, kind: Kind) -> list[str]:
         """The package's types of one kind, sorted; raises as `messages` does."""
-        if package not in self._folders.packages() and package not in self.packages():
+        if package not in self._folders.packages():
             raise UnknownPackage(package)
-        return sorted({name for source in self._sources for name in source.names(kind, package)})
-
-    def md5(self, name: str) -> str:
-        """The md5 of a message, as ROS 1 computes it; raises as `message` does."""
-        definition, md5s = self.message(name), self._md5s
-        if definition.type not in md5s:
-            md5s[definition.type] = fingerprint.message_md5(definition, self.message, md5s)
-        return md5s[definition.type]
-
-    def service_md5(self, name: str) -> str:
-        """The md5 of a service, as ROS 1 computes it; raises as `message` does."""
-        return fingerprint.service_md5(self.service(name), self.message, self._md5s)
-
-    def full_text(self, name: str) -> str:
-        """The text of a message and of all types in it, as genmsg writes it for other programs."""
-        return full_text.write_message(self.message(name), self.message)
-
-    def service_text(self, name: str) -> str:
-        """The text of a service and of all types in it, as `learn_service` takes it."""
-        return full_text.write_service(self.service(name), self.message)
-
-    def action_text(self, name: str) -> str:
-        """The text of an action and of all types in it, as `learn_action` takes it."""
-        return full_text.write_action(self.action(name), self.message)
-
-    def learn(self, name: str, text: str) -> MessageDefinition:
-        """Add a definition that a client sent, and its dependencies: all or nothing.
-
-        Args:
-            name: the type's.
-            text: its own text, with nested types that are not known here behind it as in
-                `full_text`.
-
-        Raises:
-            InvalidTypeName: the name is invalid.
-            DefinitionError: a text is wrong, or a type is already defined differently.
-            InterfaceError: a limit is exceeded.
-        """
-        self._client_definitions.learn_message(self.canonical(name), text, self)
-        return self.message(name)
-
-    def learn_service(self, name: str, text: str) -> ServiceDefinition:
-        """Add a service that a client sent; as `learn`."""
-        self._client_definitions.learn_service(self.canonical(name), text, self)
-        return self.service(name)
-
-    def learn_action(self, name: str, text: str) -> ActionDefinition:
-        """Add an action that a client sent, with its messages; as `learn`."""
-        self._client_definitions.learn_action(self.canonical(name), text, self)
-        return self.action(name)
+        return sorted(set(self._folders.names(kind, package)))
 
     def _find_message(self, name: str) -> MessageDefinition:
-        """The definition of a message; types nested in it may be unknown."""
-        found = next(filter(None, (each.find_message(name) for each in self._sources)), None)
+        found = self._folders.find_message(name)
         if found is None:
             raise self._folders.unknown("msg", name)
+        return found
+
+    def _find_service(self, name: str) -> ServiceDefinition:
+        found = self._folders.find_service(name)
+        if found is None:
+            raise self._folders.unknown("srv", name)
+        return found
+
+    def _find_action(self, name: str) -> ActionDefinition:
+        found = self._folders.find_action(name)
+        if found is None:
+            raise self._folders.unknown("action", name)
         return found

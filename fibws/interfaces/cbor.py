@@ -16,7 +16,7 @@ from typing import Any, Final, TypeAlias
 import cbor2
 
 from fibws.interfaces import base64text, builtin
-from fibws.interfaces.catalogue import Interfaces
+from fibws.interfaces.catalogue import Definitions
 from fibws.interfaces.definition import Field, MessageDefinition
 
 _Convert: TypeAlias = Callable[[Any], Any]
@@ -40,13 +40,13 @@ TYPED_ARRAYS: Final = {
 class CborEncoders:
     """The encoders of all types, each made when first asked for."""
 
-    def __init__(self, interfaces: Interfaces) -> None:
+    def __init__(self, interfaces: Definitions) -> None:
         self._interfaces = interfaces
         self._by_name: dict[str, CborEncoder] = {}
         self._converters: dict[str, _Convert | None] = {}
 
     def of(self, name: str) -> CborEncoder:
-        """The encoder of a message type; raises as `Interfaces.message` does."""
+        """The encoder of a message type; raises as `Definitions.message` does."""
         if name not in self._by_name:
             definition = self._interfaces.message(name)
             self._by_name[name] = CborEncoder(definition.type, self._nested(definition.type))

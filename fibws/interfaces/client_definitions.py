@@ -1,220 +1,391 @@
-"""The definitions that clients send, and limits for them."""
+"""The definitions that clients bring, kept while they are used, and limits for them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from typing import Protocol
+from collections.abc import Callable, Hashable, Iterator, Mapping
+from itertools import islice
+from typing import NamedTuple, TypeAlias
 
-from fibws.errors import DefinitionError, InterfaceError, UnknownPackage, UnknownType
+from fibws.errors import (
+    DefinitionError,
+    DefinitionLimit,
+    InterfaceError,
+    UnknownPackage,
+    UnknownType,
+)
 from fibws.interfaces import full_text
+from fibws.interfaces.catalogue import Definitions, Interfaces
 from fibws.interfaces.definition import ActionDefinition, MessageDefinition, ServiceDefinition
 from fibws.interfaces.fingerprint import message_md5
 from fibws.interfaces.package import Kind
-from fibws.interfaces.resolver import Resolver, Size
+from fibws.interfaces.resolver import Resolver
 
-MOST = 1000
-"""How many types clients may send, so that they cannot fill the memory."""
-MOST_TEXT = 2**22
-"""How many characters the texts of all of them may have together."""
-MOST_FIELDS = 80_000
-"""How many fields and constants all of them may have together, those of nested messages counted
-each time: the checks of each field take up to two kilobytes."""
+LONGEST_TEXT = 2**18
+"""How many characters one definition from a client may have."""
 MOST_VALUES = 2**16
 """How many values a message of such a type may have when its fixed arrays are full and the others
 empty: a short definition can declare millions, which are the defaults in every message."""
-LONGEST_TEXT = 2**18
-"""How many characters one definition from a client may have."""
+MOST_HOLDERS = 3
+"""How many users of a definition are named in an error."""
+
+Key: TypeAlias = tuple[Kind, str]
+"""A type: its kind and its name, ``package/Name``."""
 
 
-class Known(Protocol):
-    """The types that are known already; each method raises an error if there is no such type."""
+class Limits(NamedTuple):
+    """Limits for the definitions that are kept.
 
-    def message(self, name: str) -> MessageDefinition:
-        """The message of that name."""
+    ``types`` is their number. ``characters`` are those of all texts. ``fields`` counts fields and
+    constants, those of nested messages each time: the checks of each take up to two kilobytes.
+    """
 
-    def service(self, name: str) -> ServiceDefinition:
-        """The service of that name."""
+    types: int
+    characters: int
+    fields: int
 
-    def action(self, name: str) -> ActionDefinition:
-        """The action of that name."""
+
+PER_CLIENT = Limits(types=1000, characters=2**22, fields=80_000)
+"""What one client may bring, so that it does not use up the room of others."""
+OF_ALL = Limits(types=4000, characters=2**24, fields=320_000)
+"""What all clients may bring together, so that they do not fill the memory."""
+
+
+class ClientDefinition(Definitions):
+    """A type that a client brought, with all that is needed to use it.
+
+    Types nested in it are its own, as far as no folder has them: it can be used as long as somebody
+    holds it, whatever others bring or take away.
+
+    Args:
+        base: the types in folders.
+        key: the type.
+        text: as the client sent it.
+        client: the node that brought it.
+        messages: the messages that no folder has, by name: itself, or those nested in it.
+        service: itself, if it is a service.
+        action: itself, if it is an action.
+    """
+
+    def __init__(
+        self,
+        base: Interfaces,
+        key: Key,
+        text: str,
+        client: str,
+        messages: Mapping[str, MessageDefinition],
+        service: ServiceDefinition | None,
+        action: ActionDefinition | None,
+    ) -> None:
+        super().__init__()
+        self.key = key
+        self.text = text
+        self.client = client
+        self.messages = messages
+        self._base = base
+        self._service = service
+        self._action = action
+        self.fields = dict(self._count_fields())
+        """How many fields and constants each of its types counts for."""
+
+    def _find_message(self, name: str) -> MessageDefinition:
+        return self.messages.get(name) or self._base.message(name)
+
+    def _find_service(self, name: str) -> ServiceDefinition:
+        return self._service if self._service and self.key[1] == name else self._base.service(name)
+
+    def _find_action(self, name: str) -> ActionDefinition:
+        return self._action if self._action and self.key[1] == name else self._base.action(name)
+
+    def _count_fields(self) -> Iterator[tuple[Key, int]]:
+        parts: tuple[MessageDefinition, ...] = ()
+        if self._service is not None:
+            parts = (self._service.request, self._service.response)
+        elif self._action is not None:
+            parts = (self._action.goal, self._action.result, self._action.feedback)
+        if parts:
+            yield self.key, sum(map(self._fields_of, parts))
+        for name, message in self.messages.items():
+            yield ("msg", name), self._fields_of(message)
+
+    def _fields_of(self, definition: MessageDefinition) -> int:
+        size = self.size(definition)
+        if size.values > MOST_VALUES:
+            raise InterfaceError(
+                f"{definition.type} has {size.values} values when its fixed arrays are full, "
+                f"the limit for definitions from clients is {MOST_VALUES}"
+            )
+        return size.fields + len(definition.constants)
+
+
+class Usage:
+    """What definitions take up, of one client or of all."""
+
+    def __init__(self) -> None:
+        self._types: dict[Key, list[int]] = {}
+        """How many definitions have each type, and its fields."""
+        self._characters = 0
+        self._fields = 0
+
+    def __bool__(self) -> bool:
+        return bool(self._types)
+
+    def check_room(self, added: ClientDefinition, limits: Limits, whose: str) -> None:
+        """Raise `DefinitionLimit` if one more definition would exceed the limits.
+
+        Args:
+            whose: whose definitions these are, for the text.
+        """
+        new = [fields for key, fields in added.fields.items() if key not in self._types]
+        for what, count, limit in (
+            ("definitions", len(self._types) + len(new), limits.types),
+            ("characters in definitions", self._characters + len(added.text), limits.characters),
+            ("fields and constants in definitions", self._fields + sum(new), limits.fields),
+        ):
+            if count > limit:
+                raise DefinitionLimit(
+                    f"too many {what} from {whose} to add {added.key[1]} (limit is {limit})"
+                )
+
+    def add(self, added: ClientDefinition) -> None:
+        """Count a definition."""
+        self._characters += len(added.text)
+        for key, fields in added.fields.items():
+            counted = self._types.setdefault(key, [0, fields])
+            if not counted[0]:
+                self._fields += fields
+            counted[0] += 1
+
+    def remove(self, removed: ClientDefinition) -> None:
+        """Count a definition no longer."""
+        self._characters -= len(removed.text)
+        for key in removed.fields:
+            counted = self._types[key]
+            counted[0] -= 1
+            if not counted[0]:
+                self._fields -= counted[1]
+                del self._types[key]
 
 
 class ClientDefinitions:
-    """The definitions that clients sent.
+    """The definitions that clients brought, each kept while somebody holds it.
 
-    A type is added with all other types that its text defines, or nothing is added. Types that are
-    known already must be the same in the text.
+    A type has one definition at a time: that of the folders, or the one that is held.
+
+    Args:
+        base: the types in folders.
     """
 
-    def __init__(self) -> None:
-        self._messages: dict[str, MessageDefinition] = {}
-        self._services: dict[str, ServiceDefinition] = {}
-        self._actions: dict[str, ActionDefinition] = {}
-        self._texts: dict[tuple[Kind, str], str] = {}
-        self._text = 0
-        self._fields = 0
+    def __init__(self, base: Interfaces) -> None:
+        self._base = base
+        self._by_type: dict[Key, list[ClientDefinition]] = {}
+        self._holders: dict[ClientDefinition, dict[Hashable, Callable[[], str]]] = {}
+        self._usage: dict[str, Usage] = {}
+        """By client."""
+        self._usage_of_all = Usage()
+        self._watchers: list[Callable[[str], None]] = []
 
-    def find_message(self, name: str) -> MessageDefinition | None:
-        """The message of that name, if a client sent it."""
-        return self._messages.get(name)
+    def find(self, kind: Kind, name: str) -> ClientDefinition | None:
+        """Return the definition that has a type, ``package/Name``, if clients brought it."""
+        found = self._by_type.get((kind, name))
+        return found[0] if found else None
 
-    def find_service(self, name: str) -> ServiceDefinition | None:
-        """The service of that name, if a client sent it."""
-        return self._services.get(name)
-
-    def find_action(self, name: str) -> ActionDefinition | None:
-        """The action of that name, if a client sent it."""
-        return self._actions.get(name)
-
-    def names(self, kind: Kind, package: str) -> Iterator[str]:
-        """The types of one kind in a package as ``package/Name``."""
-        known: Iterable[str]
-        match kind:
-            case "msg":
-                known = self._messages
-            case "srv":
-                known = self._services
-            case "action":
-                known = self._actions
-        return (name for name in known if name.startswith(f"{package}/"))
-
-    def packages(self) -> Iterator[str]:
-        """The packages that the types belong to."""
-        for names in (self._messages, self._services, self._actions):
-            yield from (name.partition("/")[0] for name in names)
-
-    def learn_message(self, name: str, text: str, known: Known) -> None:
-        """Add a message.
-
-        Args:
-            name: ``package/Name``.
-            text: its full text, which may leave out nested types that are known.
-            known: the types that are known already, these among them.
+    def known(self, kind: Kind, name: str) -> Definitions:
+        """Return where a type is looked up: in a client's definition, or in the folders.
 
         Raises:
-            DefinitionError: a text is wrong, or a type is already defined differently.
-            InterfaceError: a limit is exceeded.
+            InvalidTypeName: the name is invalid.
         """
-        if self._texts.get(("msg", name)) == text:
-            return
-        _check_length(name, text)
-        drafts = _Drafts(known, full_text.read_message(text, name))
-        self._make_room("msg", name, text, drafts)
-        self._messages.update(drafts.unknown)
+        return self.find(kind, Interfaces.canonical(name)) or self._base
 
-    def learn_service(self, name: str, text: str, known: Known) -> None:
-        """Add a service; arguments and errors as with `learn_message`."""
-        if self._texts.get(("srv", name)) == text:
-            return
-        _check_length(name, text)
-        service, nested = full_text.read_service(text, name)
-        drafts = _Drafts(known, nested)
-        parts = (service.request, service.response)
-        for part in parts:
-            drafts.check(part)
-        services = {}
-        try:
-            existing = known.service(name)
-        except (UnknownType, UnknownPackage):
-            services[name] = service
-        else:
-            drafts.compare(service.request, existing.request)
-            drafts.compare(service.response, existing.response)
-        self._make_room("srv", name, text, drafts, parts if services else ())
-        self._messages.update(drafts.unknown)
-        self._services.update(services)
+    def message(self, name: str) -> MessageDefinition:
+        """The message of that name; raises as `Interfaces.message` does."""
+        return self.known("msg", name).message(name)
 
-    def learn_action(self, name: str, text: str, known: Known) -> None:
-        """Add an action and its seven messages; as `learn_message`."""
-        if self._texts.get(("action", name)) == text:
-            return
-        _check_length(name, text)
-        action, nested = full_text.read_action(text, name)
-        # Parts come first, so that an error names a part and not a message that contains it.
-        made = {message.type: message for message in reversed(action.messages())}
-        drafts = _Drafts(known, nested | made)
-        actions = {}
-        try:
-            known.action(name)
-        except (UnknownType, UnknownPackage):
-            actions[name] = action
-        parts = (action.goal, action.result, action.feedback)
-        self._make_room("action", name, text, drafts, parts if actions else ())
-        self._messages.update(drafts.unknown)
-        self._actions.update(actions)
+    def service(self, name: str) -> ServiceDefinition:
+        """The service of that name; raises as `Interfaces.message` does."""
+        return self.known("srv", name).service(name)
 
-    def _make_room(
-        self,
-        kind: Kind,
-        name: str,
-        text: str,
-        drafts: _Drafts,
-        parts: tuple[MessageDefinition, ...] = (),
+    def full_text(self, name: str) -> str:
+        """The full text of a message; as `Interfaces.full_text`."""
+        return self.known("msg", name).full_text(name)
+
+    def watch(self, forgotten: Callable[[str], None]) -> None:
+        """Have a function called with the name of each type that is forgotten."""
+        self._watchers.append(forgotten)
+
+    def read(self, kind: Kind, name: str, text: str, client: str) -> ClientDefinition | None:
+        """Return the definition that a client sent, or None if the folders have the type.
+
+        It is kept, and known to others, only once it is held.
+
+        Args:
+            kind: what the type is.
+            name: ``package/Name``.
+            text: its own text, with nested types that are not known here behind it as in
+                `full_text`.
+            client: the client's node.
+
+        Raises:
+            DefinitionError: the text is wrong, or a type is known here with other fields.
+            DefinitionLimit: it would be one too many.
+            InterfaceError: it is too large.
+        """
+        for known in self._by_type.get((kind, name), ()):
+            if known.key == (kind, name) and known.text == text:
+                return known
+        if len(text) > LONGEST_TEXT:
+            raise InterfaceError(
+                f"The definition of {name} is too long (limit is {LONGEST_TEXT} characters)"
+            )
+        draft = _Draft(self, kind, name, text)
+        if draft.is_known:
+            return self.find(kind, name)
+        definition = ClientDefinition(
+            self._base, (kind, name), text, client, draft.messages(), draft.service, draft.action
+        )
+        usage = self._usage.get(client, Usage())
+        usage.check_room(definition, PER_CLIENT, client or "one client")
+        self._usage_of_all.check_room(definition, OF_ALL, "all clients")
+        return definition
+
+    def hold(
+        self, definition: ClientDefinition, holder: Hashable, describe: Callable[[], str]
     ) -> None:
-        """Count what a text defines; ``parts`` are those of a new service or action."""
-        additions = len(drafts.unknown) + bool(parts)
-        if not additions:
-            return
-        fields = 0
-        for definition in (*drafts.unknown.values(), *parts):
-            size = drafts.check(definition)
-            fields += size.fields + len(definition.constants)
-            if size.values > MOST_VALUES:
-                raise InterfaceError(
-                    f"{definition.type} has {size.values} values when its fixed arrays are full, "
-                    f"the limit for definitions from clients is {MOST_VALUES}"
-                )
-        if len(self._messages) + len(self._services) + len(self._actions) + additions > MOST:
-            raise InterfaceError(
-                f"too many definitions from clients to add {name} (limit is {MOST})"
-            )
-        if self._text + len(text) > MOST_TEXT:
-            raise InterfaceError(
-                f"definitions from clients are too long to add {name} "
-                f"(limit is {MOST_TEXT} characters in total)"
-            )
-        if self._fields + fields > MOST_FIELDS:
-            raise InterfaceError(
-                f"too many fields and constants in definitions from clients to add {name} "
-                f"(limit is {MOST_FIELDS} in total, with those of nested messages)"
-            )
-        self._text += len(text)
-        self._fields += fields
-        self._texts[kind, name] = text
+        """Keep a definition until the holder releases it.
+
+        Args:
+            definition: as `read` or `find` gave it.
+            holder: what uses it.
+            describe: gives the holder's name for errors.
+        """
+        if definition not in self._holders:
+            self._holders[definition] = {}
+            self._usage.setdefault(definition.client, Usage()).add(definition)
+            self._usage_of_all.add(definition)
+            for key in definition.fields:
+                self._by_type.setdefault(key, []).append(definition)
+        self._holders[definition][holder] = describe
+
+    def release(self, definition: ClientDefinition, holder: Hashable) -> bool:
+        """Let a holder use a definition no longer; return whether that was the last one.
+
+        The types that no other definition has are forgotten then.
+        """
+        holders = self._holders.get(definition, {})
+        if holders.pop(holder, None) is None or holders:
+            return False
+        del self._holders[definition]
+        usage = self._usage[definition.client]
+        usage.remove(definition)
+        if not usage:
+            del self._usage[definition.client]
+        self._usage_of_all.remove(definition)
+        for key in definition.fields:
+            others = self._by_type[key]
+            others.remove(definition)
+            if not others:
+                del self._by_type[key]
+                for forgotten in self._watchers:
+                    forgotten(key[1])
+        return True
+
+    def holders(self, kind: Kind, name: str) -> str:
+        """Return who uses a type, for errors; it is empty for a type of the folders."""
+        holders = [
+            describe
+            for definition in self._by_type.get((kind, name), ())
+            for describe in self._holders[definition].values()
+        ]
+        named = ", ".join(describe() for describe in islice(holders, MOST_HOLDERS))
+        more = len(holders) - MOST_HOLDERS
+        return f"{named} and {more} more" if more > 0 else named
 
 
-class _Drafts:
-    """The messages that a text defines, compared to those that are known already."""
+class _Draft:
+    """What a text defines, compared to the types that are known.
 
-    def __init__(self, known: Known, drafts: dict[str, MessageDefinition]) -> None:
-        self._known = known.message
-        self._resolver = Resolver(lambda name: drafts.get(name) or known.message(name))
+    Raises:
+        DefinitionError: the text is wrong, or a type is known with other fields.
+    """
+
+    def __init__(self, known: ClientDefinitions, kind: Kind, name: str, text: str) -> None:
+        self.service: ServiceDefinition | None = None
+        self.action: ActionDefinition | None = None
+        self.is_known = False
+        """Whether the type is known with the same fields."""
+        self._known = known
         self._known_md5s: dict[str, str] = {}
         self._md5s: dict[str, str] = {}
-        self.unknown: dict[str, MessageDefinition] = {}
+        self._unknown: dict[str, MessageDefinition] = {}
+        self._resolver = Resolver(self._find)
+        match kind:
+            case "msg":
+                self._compare_all(full_text.read_message(text, name))
+                self.is_known = name not in self._unknown
+            case "srv":
+                self.service, nested = full_text.read_service(text, name)
+                self._compare_all(nested)
+                self._compare_service(self.service)
+            case "action":
+                self.action, nested = full_text.read_action(text, name)
+                # Parts come first, so that an error names a part and not a message with it.
+                made = {message.type: message for message in reversed(self.action.messages())}
+                self._compare_all(nested | made)
+                self._compare_action(self.action)
+
+    def messages(self) -> dict[str, MessageDefinition]:
+        """Return the messages that no folder has: those of the text, and known ones in them."""
+        found = dict(self._unknown)
+        names = list(self._resolver.known)
+        for name in names:  # It grows: a known type may have others in it than its draft.
+            client = self._known.find("msg", name)
+            if client is not None and name not in found:
+                message = found[name] = client.messages[name]
+                names.extend(field.type for field in message.fields if field.is_nested)
+        return found
+
+    def _find(self, name: str) -> MessageDefinition:
+        return self._drafts.get(name) or self._known.message(name)
+
+    def _compare_all(self, drafts: dict[str, MessageDefinition]) -> None:
+        self._drafts = drafts
         for draft in drafts.values():
             self._resolver.message(draft.type)
             try:
-                existing = known.message(draft.type)
+                known = self._known.message(draft.type)
             except (UnknownType, UnknownPackage):
-                self.unknown[draft.type] = draft
+                self._unknown[draft.type] = draft
             else:
-                self.compare(draft, existing)
+                self._compare(draft, known, "msg", draft.type)
 
-    def check(self, draft: MessageDefinition) -> Size:
-        """Check that all nested types exist; return the size of the message."""
-        return self._resolver.check(draft)
+    def _compare_service(self, service: ServiceDefinition) -> None:
+        parts = (service.request, service.response)
+        for part in parts:
+            self._resolver.check(part)
+        try:
+            known = self._known.service(service.type)
+        except (UnknownType, UnknownPackage):
+            return
+        self.is_known = True
+        for part, other in zip(parts, (known.request, known.response), strict=True):
+            self._compare(part, other, "srv", service.type)
 
-    def compare(self, draft: MessageDefinition, known: MessageDefinition) -> None:
-        """Check that both have the same fields."""
-        md5 = message_md5(known, self._known, self._known_md5s)
-        if message_md5(draft, self._resolver.message, self._md5s) != md5:
-            fault = f"{draft.type} is known here with other fields (md5 {md5})"
-            raise DefinitionError(draft.source, 1, draft.text[:200], fault)
+    def _compare_action(self, action: ActionDefinition) -> None:
+        try:
+            self._known.known("action", action.type).action(action.type)
+        except (UnknownType, UnknownPackage):
+            return
+        self.is_known = True  # Its messages have been compared.
 
-
-def _check_length(name: str, text: str) -> None:
-    if len(text) > LONGEST_TEXT:
-        raise InterfaceError(
-            f"The definition of {name} is too long (limit is {LONGEST_TEXT} characters)"
-        )
+    def _compare(
+        self, draft: MessageDefinition, known: MessageDefinition, kind: Kind, name: str
+    ) -> None:
+        """Check that both have the same fields; they are, or belong to, the type of that name."""
+        md5 = message_md5(known, self._known.message, self._known_md5s)
+        if message_md5(draft, self._resolver.message, self._md5s) == md5:
+            return
+        fault = f"{draft.type} is known here with other fields (md5 {md5})"
+        holders = self._known.holders(kind, name)
+        if holders:
+            fault = f"{fault}, in use by {holders}"
+        raise DefinitionError(draft.source, 1, draft.text[:200], fault)

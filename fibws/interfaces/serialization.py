@@ -18,7 +18,7 @@ from typing import Any, Final, Generic, TypeAlias, TypeVar
 
 from fibws.errors import InvalidMessage
 from fibws.interfaces import builtin
-from fibws.interfaces.catalogue import Interfaces
+from fibws.interfaces.catalogue import Definitions, Interfaces
 from fibws.interfaces.definition import Field, MessageDefinition
 from fibws.interfaces.message import Message, ObjectStyle
 from fibws.interfaces.serialization_code import (
@@ -47,7 +47,7 @@ _DIAGNOSED: Final = 100_000
 class Serializers:
     """The serializers of all types, each made when first asked for."""
 
-    def __init__(self, interfaces: Interfaces) -> None:
+    def __init__(self, interfaces: Definitions) -> None:
         self.interfaces = interfaces
         self._by_name: dict[str, Serializer] = {}
 

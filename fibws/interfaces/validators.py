@@ -16,7 +16,7 @@ from pydantic_core import SchemaValidator, ValidationError, core_schema
 
 from fibws.errors import InvalidMessage
 from fibws.interfaces import builtin
-from fibws.interfaces.catalogue import Interfaces
+from fibws.interfaces.catalogue import Definitions
 from fibws.interfaces.definition import Array, Field, MessageDefinition
 from fibws.interfaces.schema import array_schema, scalar_schema, time_schema, zero_time
 from fibws.interfaces.validation_errors import MOST_EXPLAINED, explain
@@ -36,7 +36,7 @@ class Validators:
     """
 
     def __init__(
-        self, interfaces: Interfaces, now: Callable[[], int], *, lenient: bool = False
+        self, interfaces: Definitions, now: Callable[[], int], *, lenient: bool = False
     ) -> None:
         self._interfaces = interfaces
         self._schemas = _Schemas(interfaces, now, lenient=False)
@@ -44,7 +44,7 @@ class Validators:
         self._by_name: dict[str, MessageValidator] = {}
 
     def of(self, name: str) -> MessageValidator:
-        """The validator of a message type; raises as `Interfaces.message` does."""
+        """The validator of a message type; raises as `Definitions.message` does."""
         found = self._by_name.get(name)
         if found is None:
             definition = self._interfaces.message(name)
@@ -64,23 +64,20 @@ class _Schemas:
         lenient: as in `schema.scalar_schema`.
     """
 
-    def __init__(self, interfaces: Interfaces, now: Callable[[], int], *, lenient: bool) -> None:
+    def __init__(self, interfaces: Definitions, now: Callable[[], int], *, lenient: bool) -> None:
+        # Not a method: schemas must not keep each other alive when a definition is forgotten.
+        now_parts = partial(_now_parts, now)
         self._interfaces = interfaces
-        self._now = now
         self._lenient = lenient
         self._by_type: dict[str, core_schema.CoreSchema] = {
-            "time": time_schema("time", base=zero_time, now=self._now_parts, lenient=lenient),
+            "time": time_schema("time", base=zero_time, now=now_parts, lenient=lenient),
             "duration": time_schema("duration", base=zero_time, now=None, lenient=lenient),
         }
         self._fields: dict[tuple[str, Array | None], core_schema.CoreSchema] = {}
         self._stamp = core_schema.with_default_schema(
-            time_schema("time", base=self._now_parts, now=self._now_parts, lenient=lenient),
-            default_factory=self._now_parts,
+            time_schema("time", base=now_parts, now=now_parts, lenient=lenient),
+            default_factory=now_parts,
         )
-
-    def _now_parts(self) -> dict[str, int]:
-        secs, nsecs = divmod(self._now(), 1_000_000_000)
-        return {"secs": secs, "nsecs": nsecs}
 
     def message(self, definition: MessageDefinition) -> core_schema.CoreSchema:
         """The schema of an object in which all fields are optional, and no others are allowed."""
@@ -122,6 +119,11 @@ class _Schemas:
         return self._by_type[field.type]
 
 
+def _now_parts(now: Callable[[], int]) -> dict[str, int]:
+    secs, nsecs = divmod(now(), 1_000_000_000)
+    return {"secs": secs, "nsecs": nsecs}
+
+
 class _Nested(NamedTuple):
     """A field in which there are arrays of messages: such an array, or a message with some in it.
 
@@ -152,7 +154,7 @@ class MessageValidator:
         definition: MessageDefinition,
         schemas: _Schemas,
         lenient: _Schemas | None,
-        interfaces: Interfaces,
+        interfaces: Definitions,
     ) -> None:
         self.definition = definition
         self.type = definition.type

@@ -120,14 +120,6 @@ def test_a_type_unlike_any_other_is_only_unknown() -> None:
         Interfaces().action("std_srvs/Empty")
 
 
-def test_a_type_that_a_client_brought_is_not_told_to_others() -> None:
-    interfaces = Interfaces()
-    interfaces.learn("std_msgs/Stringg", "int8 x")
-    with pytest.raises(UnknownType) as caught:
-        interfaces.message("std_msgs/Stringgg")
-    assert caught.value.nearest == "std_msgs/String"
-
-
 def test_an_unknown_package_is_another_error() -> None:
     with pytest.raises(UnknownPackage, match="package nobodys_msgs"):
         Interfaces().message("nobodys_msgs/Mine")

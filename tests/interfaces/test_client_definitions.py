@@ -2,29 +2,218 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
 
-from fibws.errors import DefinitionError, InterfaceError, UnknownPackage, UnknownType
+from fibws.errors import (
+    DefinitionError,
+    DefinitionLimit,
+    InterfaceError,
+    UnknownPackage,
+    UnknownType,
+)
 from fibws.interfaces import Interfaces, client_definitions, full_text
-from fibws.interfaces.definition import Field
+from fibws.interfaces.catalogue import Definitions
+from fibws.interfaces.client_definitions import ClientDefinitions, Limits
+from fibws.interfaces.definition import (
+    ActionDefinition,
+    Field,
+    MessageDefinition,
+    ServiceDefinition,
+)
+from fibws.interfaces.package import Kind
 
 SEPARATOR = "=" * 80
 POINT = f"{SEPARATOR}\nMSG: new_msgs/Point\nint32 x\n"
 
 
+class Keeper(ClientDefinitions):
+    """Definitions of clients, each held from when it is brought."""
+
+    def __init__(self, folders: Iterable[Path] = ()) -> None:
+        self.interfaces = Interfaces(folders)
+        super().__init__(self.interfaces)
+
+    def bring(self, kind: Kind, name: str, text: str, client: str = "/client") -> Definitions:
+        """Hold a definition as its client; return where its type is looked up."""
+        definition = self.read(kind, Interfaces.canonical(name), text, client)
+        if definition is not None:
+            self.hold(definition, (client, kind, name), lambda: f"{client} ({name})")
+        return definition or self.interfaces
+
+    def drop(self, kind: Kind, name: str, client: str = "/client") -> bool:
+        """Release what was brought; return whether it is forgotten."""
+        definition = self.find(kind, name)
+        return definition is not None and self.release(definition, (client, kind, name))
+
+    def learn(self, name: str, text: str) -> MessageDefinition:
+        return self.bring("msg", name, text).message(name)
+
+    def learn_service(self, name: str, text: str) -> ServiceDefinition:
+        return self.bring("srv", name, text).service(name)
+
+    def learn_action(self, name: str, text: str) -> ActionDefinition:
+        return self.bring("action", name, text).action(name)
+
+    def names(self) -> list[str]:
+        """Return all types that clients brought, sorted."""
+        return sorted(name for _, name in self._by_type)
+
+
+def limit(monkeypatch: pytest.MonkeyPatch, name: str = "PER_CLIENT", **limits: int) -> None:
+    """Change limits of one client, or of all."""
+    changed: Limits = getattr(client_definitions, name)._replace(**limits)
+    monkeypatch.setattr(client_definitions, name, changed)
+
+
 def test_a_client_may_bring_a_type() -> None:
-    interfaces = Interfaces()
+    interfaces = Keeper()
     text = f"Inner inner\nHeader h\n{SEPARATOR}\nMSG: new_msgs/Inner\nint32 x\n"
     assert interfaces.learn("new_msgs/msg/Outer", text).type == "new_msgs/Outer"
     assert interfaces.message("new_msgs/Inner").fields == (Field("x", "int32"),)
-    assert "new_msgs" in interfaces.packages()
-    assert interfaces.messages("new_msgs") == ["new_msgs/Inner", "new_msgs/Outer"]
+    assert interfaces.names() == ["new_msgs/Inner", "new_msgs/Outer"]
+
+
+def test_a_type_is_known_to_others_only_while_it_is_held() -> None:
+    definitions = ClientDefinitions(Interfaces())
+    text = f"Point point\n{POINT}"
+    definition = definitions.read("msg", "new_msgs/Outer", text, "/client")
+    assert definition is not None
+    with pytest.raises(UnknownPackage):
+        definitions.message("new_msgs/Outer")
+    for holder in ("first", "second"):
+        definitions.hold(definition, holder, lambda: "")
+    assert definitions.message("new_msgs/Point") is definition.message("new_msgs/Point")
+    assert definitions.read("msg", "new_msgs/Outer", text, "/other") is definition
+    assert not definitions.release(definition, "first")
+    assert not definitions.release(definition, "first")
+    assert definitions.find("msg", "new_msgs/Outer") is definition
+    assert definitions.release(definition, "second")
+    assert definitions.find("msg", "new_msgs/Outer") is None
+    assert definitions.find("msg", "new_msgs/Point") is None
+    with pytest.raises(UnknownPackage):
+        definitions.full_text("new_msgs/Outer")
+
+
+def test_a_forgotten_type_may_come_back_with_other_fields() -> None:
+    definitions = Keeper()
+    texts: dict[Kind, str] = {"msg": "{} x", "srv": "{} x\n---", "action": "{} x\n---\n---"}
+    for kind, text in texts.items():
+        for number in ("int8", "int16"):
+            definitions.bring(kind, "new_msgs/Mine", text.format(number))
+            assert definitions.drop(kind, "new_msgs/Mine")
+    assert definitions.names() == []
+
+
+def test_a_type_whose_definition_is_forgotten_goes_on_where_it_is_used() -> None:
+    definitions = Keeper()
+    older = definitions.bring("msg", "new_msgs/Outer", f"Point point\n{POINT}")
+    definitions.drop("msg", "new_msgs/Outer")
+    definitions.learn("new_msgs/Outer", "float64 x")
+    definitions.learn("new_msgs/Point", "float64 x")
+    assert older.message("new_msgs/Outer").fields[0].type == "new_msgs/Point"
+    assert older.message("new_msgs/Point").fields == (Field("x", "int32"),)
+    assert older.size(older.message("new_msgs/Outer")).fields == 2
+
+
+def test_a_type_keeps_the_types_in_it_that_another_client_brought() -> None:
+    definitions = Keeper()
+    definitions.bring("msg", "new_msgs/Point", "int32 x", "/first")
+    outer = definitions.bring("msg", "new_msgs/Outer", "Point[] points", "/second")
+    definitions.drop("msg", "new_msgs/Point", "/first")
+    assert definitions.names() == ["new_msgs/Outer", "new_msgs/Point"]
+    assert definitions.message("new_msgs/Point") is outer.message("new_msgs/Point")
+    with pytest.raises(DefinitionError, match=r"in use by /second \(new_msgs/Outer\)"):
+        definitions.learn("new_msgs/Point", "int64 x")
+    definitions.drop("msg", "new_msgs/Outer", "/second")
+    assert definitions.names() == []
+
+
+def test_a_known_type_in_a_new_one_brings_its_own_nested_types() -> None:
+    """Equal md5s do not mean that the types in a type have equal names."""
+    definitions = Keeper()
+    inner = f"{SEPARATOR}\nMSG: new_msgs/Inner\n"
+    definitions.learn("new_msgs/First", f"Inner i\n{inner}Point p\n{POINT}")
+    other = f"{SEPARATOR}\nMSG: new_msgs/Other\nint32 x\n"
+    second = definitions.bring("msg", "new_msgs/Second", f"Inner i\n{inner}Other p\n{other}")
+    definitions.drop("msg", "new_msgs/First")
+    assert second.message("new_msgs/Inner").fields[0].type == "new_msgs/Point"
+    assert definitions.message("new_msgs/Point").fields == (Field("x", "int32"),)
+
+
+def test_watchers_are_told_of_types_that_are_forgotten() -> None:
+    definitions, forgotten = Keeper(), list[str]()
+    definitions.watch(forgotten.append)
+    definitions.bring("srv", "new_msgs/Ask", f"Point at\n---\n{POINT}")
+    definitions.learn("new_msgs/Outer", f"Point at\n{POINT}")
+    definitions.drop("srv", "new_msgs/Ask")
+    assert forgotten == ["new_msgs/Ask"]
+    definitions.drop("msg", "new_msgs/Outer")
+    assert sorted(forgotten[1:]) == ["new_msgs/Outer", "new_msgs/Point"]
+
+
+def test_an_error_names_those_who_use_a_type() -> None:
+    definitions = Keeper()
+    for number in range(5):
+        definitions.bring("msg", "new_msgs/Mine", "int32 x", f"/client{number}")
+    with pytest.raises(DefinitionError) as caught:
+        definitions.learn("new_msgs/Mine", "int64 x")
+    used = ", ".join(f"/client{number} (new_msgs/Mine)" for number in range(3))
+    assert f"), in use by {used} and 2 more" in str(caught.value)
+    with pytest.raises(DefinitionError) as caught:
+        definitions.learn("std_msgs/Int32", "int64 x")
+    assert "in use" not in str(caught.value)
+
+
+def test_standard_types_are_never_brought() -> None:
+    definitions = Keeper()
+    assert definitions.read("msg", "std_msgs/Int32", "int32 data", "/client") is None
+    nested = f"std_msgs/Int32 x\n{SEPARATOR}\nMSG: std_msgs/Int32\nint32 data"
+    definitions.learn("new_msgs/Mine", nested)
+    assert definitions.names() == ["new_msgs/Mine"]
+    assert definitions.drop("msg", "new_msgs/Mine")
+    assert definitions.message("std_msgs/Int32") is definitions.interfaces.message("std_msgs/Int32")
+
+
+def test_a_client_does_not_use_up_the_room_of_others(monkeypatch: pytest.MonkeyPatch) -> None:
+    definitions = Keeper()
+    limit(monkeypatch, types=2)
+    limit(monkeypatch, "OF_ALL", types=3)
+    for name in ("One", "Two"):
+        definitions.bring("msg", f"new_msgs/{name}", "int32 x", "/greedy")
+    with pytest.raises(DefinitionLimit, match=r"from /greedy to add new_msgs/More \(limit is 2\)"):
+        definitions.bring("msg", "new_msgs/More", "int32 x", "/greedy")
+    definitions.bring("msg", "new_msgs/One", "int32 x", "/other")
+    definitions.bring("msg", "new_msgs/Three", "int32 x", "/other")
+    with pytest.raises(DefinitionLimit, match=r"from all clients to add .*limit is 3"):
+        definitions.bring("msg", "new_msgs/Four", "int32 x", "/third")
+    definitions.drop("msg", "new_msgs/Two", "/greedy")
+    definitions.bring("msg", "new_msgs/Four", "int32 x", "/third")
+
+
+def test_the_limits_count_characters(monkeypatch: pytest.MonkeyPatch) -> None:
+    definitions = Keeper()
+    limit(monkeypatch, characters=20)
+    definitions.learn("new_msgs/One", "int32 x # one")
+    with pytest.raises(DefinitionLimit, match="characters in definitions from /client"):
+        definitions.learn("new_msgs/Two", "int32 x # two")
+    definitions.drop("msg", "new_msgs/One")
+    definitions.learn("new_msgs/Two", "int32 x # two")
+
+
+def test_a_type_in_several_definitions_counts_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    definitions = Keeper()
+    limit(monkeypatch, types=3, fields=5)
+    for name in ("One", "Two"):
+        definitions.learn(f"new_msgs/{name}", f"Point point\n{POINT}")
+    definitions.drop("msg", "new_msgs/One")
+    definitions.learn("new_msgs/Three", f"Point point\n{POINT}")
 
 
 def test_who_brings_a_type_says_nothing_of_the_others_of_its_package() -> None:
-    interfaces = Interfaces()
+    interfaces = Keeper()
     interfaces.learn("new_msgs/Mine", "int32 x")
     with pytest.raises(UnknownPackage):
         interfaces.message("new_msgs/Mien")
@@ -32,15 +221,8 @@ def test_who_brings_a_type_says_nothing_of_the_others_of_its_package() -> None:
         interfaces.message("std_msgs/Sting")
 
 
-def test_what_was_learned_outlives_a_new_folder(tmp_path: Path) -> None:
-    interfaces = Interfaces()
-    interfaces.learn("new_msgs/Mine", "int32 x")
-    interfaces.add_folder(tmp_path)
-    assert interfaces.message("new_msgs/Mine").fields == (Field("x", "int32"),)
-
-
 def test_every_standard_type_may_be_brought_again() -> None:
-    interfaces, same = Interfaces(), Interfaces()
+    interfaces, same = Interfaces(), Keeper()
     for package in interfaces.packages():
         for name in interfaces.messages(package):
             assert same.learn(name, interfaces.full_text(name)) == interfaces.message(name)
@@ -48,7 +230,7 @@ def test_every_standard_type_may_be_brought_again() -> None:
 
 @pytest.mark.parametrize("name", ["std_msgs/Int32", "new_msgs/Outer"])
 def test_a_type_cannot_be_brought_with_other_fields(name: str) -> None:
-    interfaces = Interfaces()
+    interfaces = Keeper()
     text = f"std_msgs/Int32 data\n{SEPARATOR}\nMSG: std_msgs/Int32\nint64 data"
     with pytest.raises(DefinitionError, match="is known here with other fields"):
         interfaces.learn(name, text)
@@ -63,15 +245,15 @@ def test_a_type_cannot_be_brought_with_other_fields(name: str) -> None:
     ],
 )
 def test_a_wrong_definition_teaches_nothing(text: str, fault: str) -> None:
-    interfaces = Interfaces()
+    interfaces = Keeper()
     with pytest.raises(DefinitionError, match=fault):
         interfaces.learn("new_msgs/Outer", text)
-    assert "new_msgs" not in interfaces.packages()
+    assert interfaces.names() == []
 
 
 def test_clients_can_bring_only_so_much(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(client_definitions, "MOST", 1)
-    interfaces = Interfaces()
+    limit(monkeypatch, types=1)
+    interfaces = Keeper()
     with pytest.raises(InterfaceError, match="limit is 262144 characters"):
         interfaces.learn("new_msgs/Long", "#" * 300_000)
     interfaces.learn("new_msgs/One", "int32 x")
@@ -81,36 +263,32 @@ def test_clients_can_bring_only_so_much(monkeypatch: pytest.MonkeyPatch) -> None
 
 
 def test_a_client_may_bring_a_service() -> None:
-    interfaces = Interfaces()
+    interfaces = Keeper()
     service = interfaces.learn_service("new_msgs/srv/Ask", f"Point at\n---\nPoint[] all\n{POINT}")
     assert service is interfaces.service("new_msgs/Ask")
     assert service.request.fields == (Field("at", "new_msgs/Point"),)
     assert interfaces.message("new_msgs/Point").fields == (Field("x", "int32"),)
-    assert interfaces.services("new_msgs") == ["new_msgs/Ask"]
-    assert interfaces.messages("new_msgs") == ["new_msgs/Point"]
-    assert "new_msgs" in interfaces.packages()
+    assert interfaces.names() == ["new_msgs/Ask", "new_msgs/Point"]
 
 
 def test_a_client_may_bring_an_action() -> None:
-    interfaces = Interfaces()
+    interfaces = Keeper()
     action = interfaces.learn_action("new_msgs/action/Go", f"Point to\n---\n---\nPoint at\n{POINT}")
-    assert action is interfaces.action("new_msgs/Go")
+    assert interfaces.known("action", "new_msgs/Go").action("new_msgs/Go") is action
     assert action.goal.fields == (Field("to", "new_msgs/Point"),)
     assert interfaces.message("new_msgs/GoActionGoal").fields[2].type == "new_msgs/GoGoal"
-    assert interfaces.actions("new_msgs") == ["new_msgs/Go"]
-    assert len(interfaces.messages("new_msgs")) == 8
-    assert "new_msgs" in interfaces.packages()
+    assert len(interfaces.names()) == 9
 
 
 def test_a_service_may_be_brought_without_what_is_known() -> None:
-    interfaces = Interfaces()
+    interfaces = Keeper()
     interfaces.learn_service("new_msgs/Ask", "std_msgs/Header header\n---")
     interfaces.learn_service("std_srvs/Again", "---")
-    assert interfaces.services("std_srvs")[0] == "std_srvs/Again"
+    assert interfaces.names() == ["new_msgs/Ask", "std_srvs/Again"]
 
 
 def test_every_standard_service_and_action_may_be_brought_again() -> None:
-    interfaces, same = Interfaces(), Interfaces()
+    interfaces, same = Interfaces(), Keeper()
     for package in interfaces.packages():
         for name in interfaces.services(package):
             known = interfaces.service(name)
@@ -129,18 +307,18 @@ def test_what_a_node_sends_of_its_own_package_is_all_that_is_needed(tmp_path: Pa
     }.items():
         (package / name).parent.mkdir(parents=True, exist_ok=True)
         (package / name).write_text(text, "utf-8")
-    mine, hubs = Interfaces([tmp_path]), Interfaces()
-    hubs.learn("my_msgs/Outer", mine.full_text("my_msgs/Outer"))
-    assert hubs.md5("my_msgs/Outer") == mine.md5("my_msgs/Outer")
-    hubs = Interfaces()
-    hubs.learn_service("my_msgs/Ask", mine.service_text("my_msgs/Ask"))
-    assert hubs.service_md5("my_msgs/Ask") == mine.service_md5("my_msgs/Ask")
-    hubs.learn_action("my_msgs/Go", mine.action_text("my_msgs/Go"))
-    assert hubs.md5("my_msgs/GoAction") == mine.md5("my_msgs/GoAction")
+    mine, hubs = Interfaces([tmp_path]), Keeper()
+    brought = hubs.bring("msg", "my_msgs/Outer", mine.full_text("my_msgs/Outer"))
+    assert brought.md5("my_msgs/Outer") == mine.md5("my_msgs/Outer")
+    hubs = Keeper()
+    brought = hubs.bring("srv", "my_msgs/Ask", mine.service_text("my_msgs/Ask"))
+    assert brought.service_md5("my_msgs/Ask") == mine.service_md5("my_msgs/Ask")
+    brought = hubs.bring("action", "my_msgs/Go", mine.action_text("my_msgs/Go"))
+    assert brought.md5("my_msgs/GoAction") == mine.md5("my_msgs/GoAction")
 
 
 def test_a_service_cannot_be_brought_with_other_fields() -> None:
-    interfaces = Interfaces()
+    interfaces = Keeper()
     with pytest.raises(DefinitionError, match="std_srvs/SetBoolResponse is known here with other"):
         interfaces.learn_service("std_srvs/SetBool", "bool data\n---\nbool success")
     # All fields of both sides together are the same.
@@ -152,7 +330,7 @@ def test_a_service_cannot_be_brought_with_other_fields() -> None:
 
 
 def test_an_action_cannot_be_brought_with_other_fields() -> None:
-    interfaces = Interfaces()
+    interfaces = Keeper()
     with pytest.raises(DefinitionError, match="actionlib/TwoIntsResult is known here"):
         interfaces.learn_action("actionlib/TwoInts", "int64 a\nint64 b\n---\nint8 sum\n---")
     interfaces.learn("new_msgs/GoGoal", "int32 x")
@@ -164,13 +342,13 @@ def test_an_action_cannot_be_brought_with_other_fields() -> None:
 
 
 def test_a_nested_type_cannot_be_brought_with_other_fields() -> None:
-    interfaces = Interfaces()
+    interfaces = Keeper()
     other = f"{SEPARATOR}\nMSG: std_msgs/Int32\nint64 data"
     with pytest.raises(DefinitionError, match="std_msgs/Int32 is known here with other"):
         interfaces.learn_service("new_msgs/Ask", f"std_msgs/Int32 x\n---\n{other}")
     with pytest.raises(DefinitionError, match="std_msgs/Int32 is known here with other"):
         interfaces.learn_action("new_msgs/Go", f"std_msgs/Int32 x\n---\n---\n{other}")
-    assert "new_msgs" not in interfaces.packages()
+    assert interfaces.names() == []
 
 
 @pytest.mark.parametrize(
@@ -184,30 +362,30 @@ def test_a_nested_type_cannot_be_brought_with_other_fields() -> None:
     ],
 )
 def test_a_wrong_service_or_action_teaches_nothing(text: str, fault: str) -> None:
-    interfaces = Interfaces()
+    interfaces = Keeper()
     with pytest.raises(DefinitionError, match=fault):
         interfaces.learn_service("new_msgs/Ask", text)
     one_more = fault.replace("1 lines", "2 lines").replace("got 0", "got 1").replace("e 3", "e 4")
     with pytest.raises(DefinitionError, match=one_more):
         interfaces.learn_action("new_msgs/Go", f"---\n{text}")
-    assert "new_msgs" not in interfaces.packages()
+    assert interfaces.names() == []
 
 
 def test_services_and_actions_count_among_what_clients_bring(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    interfaces = Interfaces()
-    monkeypatch.setattr(client_definitions, "MOST", 2)
+    interfaces = Keeper()
+    limit(monkeypatch, types=2)
     interfaces.learn_service("new_msgs/Ask", f"Point p\n---\n{POINT}")
     for _ in range(2):
         interfaces.learn_service("new_msgs/Ask", f"Point p\n---\n{POINT}")
         with pytest.raises(InterfaceError, match="to add new_msgs/Tell "):
             interfaces.learn_service("new_msgs/Tell", "---")
-    monkeypatch.setattr(client_definitions, "MOST", 9)
+    limit(monkeypatch, types=9)
     with pytest.raises(InterfaceError, match="to add new_msgs/Go "):
         interfaces.learn_action("new_msgs/Go", "---\n---")
-    assert interfaces.messages("new_msgs") == ["new_msgs/Point"]
-    monkeypatch.setattr(client_definitions, "MOST", 10)
+    assert interfaces.names() == ["new_msgs/Ask", "new_msgs/Point"]
+    limit(monkeypatch, types=10)
     for _ in range(2):
         interfaces.learn_action("new_msgs/Go", "---\n---")
     for learn in (interfaces.learn_service, interfaces.learn_action):
@@ -215,18 +393,9 @@ def test_services_and_actions_count_among_what_clients_bring(
             learn("new_msgs/Long", "#" * 300_000)
 
 
-def test_learned_services_and_actions_outlive_a_new_folder(tmp_path: Path) -> None:
-    interfaces = Interfaces()
-    interfaces.learn_service("new_msgs/Ask", "int32 x\n---")
-    interfaces.learn_action("new_msgs/Go", "int32 x\n---\n---")
-    interfaces.add_folder(tmp_path)
-    assert interfaces.service("new_msgs/Ask").request.fields == (Field("x", "int32"),)
-    assert interfaces.action("new_msgs/Go").goal.fields == (Field("x", "int32"),)
-
-
 @pytest.mark.parametrize("line", ["float64[65537] x", "Big[2] x", "Big x\nbool y"])
 def test_a_client_cannot_bring_long_fixed_arrays(line: str) -> None:
-    interfaces = Interfaces()
+    interfaces = Keeper()
     big = f"{SEPARATOR}\nMSG: new_msgs/Big\nuint8[65536] data"
     with pytest.raises(InterfaceError, match=r"new_msgs/\w+ has \d+ values .* 65536$"):
         interfaces.learn("new_msgs/Long", f"{line}\n{big}")
@@ -234,25 +403,24 @@ def test_a_client_cannot_bring_long_fixed_arrays(line: str) -> None:
         interfaces.learn_service("new_msgs/Ask", f"---\n{line}\n{big}")
     with pytest.raises(InterfaceError, match=r"65536$"):
         interfaces.learn_action("new_msgs/Go", f"---\n---\n{line}\n{big}")
-    assert "new_msgs" not in interfaces.packages()
+    assert interfaces.names() == []
     interfaces.learn("new_msgs/Fits", f"Big[] x\n{big}")
 
 
 def test_the_users_own_types_may_have_longer_ones(tmp_path: Path) -> None:
     (tmp_path / "my_msgs" / "msg").mkdir(parents=True)
     (tmp_path / "my_msgs" / "msg" / "Long.msg").write_text("uint8[4000000] x")
-    interfaces = Interfaces([tmp_path])
-    assert interfaces.learn("my_msgs/Long", "uint8[4000000] x") == interfaces.message(
-        "my_msgs/Long"
-    )
+    interfaces = Keeper([tmp_path])
+    assert interfaces.learn("my_msgs/Long", "uint8[4000000] x").fields[0].array
+    assert interfaces.names() == []
 
 
 def test_all_that_clients_bring_has_only_so_many_fields(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(client_definitions, "MOST_FIELDS", 10)
-    interfaces = Interfaces()
+    limit(monkeypatch, fields=10)
+    interfaces = Keeper()
     interfaces.learn("new_msgs/Three", "int8 x\nint8 Y=1\nint8 z")
     interfaces.learn("new_msgs/Four", "Three three\nint8 x")
-    with pytest.raises(InterfaceError, match=r"fields and constants .*limit is 10 "):
+    with pytest.raises(InterfaceError, match=r"fields and constants .*limit is 10"):
         interfaces.learn("new_msgs/More", "Four four")
     with pytest.raises(InterfaceError, match="to add new_msgs/Ask "):
         interfaces.learn_service("new_msgs/Ask", "Four four\n---")
@@ -264,7 +432,7 @@ def test_all_that_clients_bring_has_only_so_many_fields(monkeypatch: pytest.Monk
 
 
 def test_what_is_brought_again_is_not_read_again(monkeypatch: pytest.MonkeyPatch) -> None:
-    interfaces = Interfaces()
+    interfaces = Keeper()
     brought = {
         interfaces.learn: ("read_message", "int8 x"),
         interfaces.learn_service: ("read_service", "int8 x\n---"),

@@ -8,6 +8,7 @@ import pytest
 
 from fibws.errors import DefinitionError
 from fibws.interfaces import Interfaces
+from fibws.interfaces.client_definitions import ClientDefinitions
 from fibws.interfaces.definition import Field
 from fibws.interfaces.full_text import read_action, read_message, read_service
 
@@ -42,11 +43,12 @@ def test_the_full_text_of_a_flat_type_is_its_text() -> None:
 
 
 def test_two_types_of_one_name_are_told_apart() -> None:
-    interfaces = Interfaces()
-    interfaces.learn("my_msgs/Pose", "int8 x")
     own = " Pose[2] a # Pose b\nPose b\ngeometry_msgs/Pose c\nString d"
-    interfaces.learn("my_msgs/Poses", f"{own}\n{SEPARATOR}\nMSG: my_msgs/String\nint8 x")
-    text = interfaces.full_text("my_msgs/Poses")
+    nested = [f"{SEPARATOR}\nMSG: my_msgs/{name}\nint8 x" for name in ("Pose", "String")]
+    brought = "\n".join([own, *nested])
+    definition = ClientDefinitions(STANDARD).read("msg", "my_msgs/Poses", brought, "/client")
+    assert definition is not None
+    text = definition.full_text("my_msgs/Poses")
     assert text.split(f"\n{SEPARATOR}\n")[0] == (
         " my_msgs/Pose[2] a # Pose b\nmy_msgs/Pose b\ngeometry_msgs/Pose c\nString d"
     )

@@ -13,6 +13,7 @@ from pydantic_core import from_json, to_json
 
 from fibws.errors import InvalidMessage, UnknownType
 from fibws.interfaces import Interfaces, Validators
+from fibws.interfaces.client_definitions import ClientDefinitions
 from fibws.interfaces.parser import parse_message
 
 NOW = {"secs": 1_700_000_000, "nsecs": 123_456_789}
@@ -361,10 +362,10 @@ def test_other_spellings_are_refused_all_the_same(line: str, given: object, plac
 @pytest.mark.parametrize("brackets", ["[]", "[<=1000]"])
 def test_defaults_in_a_list_are_bounded(brackets: str) -> None:
     """Otherwise each ``{}`` of three bytes would become a megabyte of defaults."""
-    interfaces = Interfaces()
     text = f"Large{brackets} all\n{'=' * 80}\nMSG: my_msgs/Large\nfloat64[50000] numbers\n"
-    interfaces.learn("my_msgs/Many", text)
-    validate = Validators(interfaces, lambda: 0).of("my_msgs/Many").validate
+    definition = ClientDefinitions(Interfaces()).read("msg", "my_msgs/Many", text, "/client")
+    assert definition is not None
+    validate = Validators(definition, lambda: 0).of("my_msgs/Many").validate
     given = {"numbers": [0.5] * 50_000}
     assert validate({"all": [given, {}]})["all"][0] == given
     with pytest.raises(InvalidMessage, match="leaves 100000 values to their defaults"):

@@ -116,11 +116,12 @@ class Graph:
         self.policy: Policy = policy or AllowAll()
         self.internal: set[str] = set()
         """The hub's own nodes, for which the policy is not asked."""
-        self.interfaces = interfaces
         self.now = now
         self.revision = 0
         """Another number whenever something but the parameters has changed."""
         self._types = Types(interfaces, now, strict=strict_types)
+        self.definitions = self._types.definitions
+        """The definitions of all types: the installed ones, and those that clients brought."""
         self._unnamed: set[str] = set()
         """The names that nodes have which asked for none."""
         self._clients = 0
@@ -208,6 +209,7 @@ class Graph:
         *,
         latch: bool = False,
         quota: Quota | None = None,
+        serialized: bool = False,
         md5sum: str | None = None,
     ) -> Source:
         """Return the node's source on a topic; the first call decides ``latch``.
@@ -215,16 +217,21 @@ class Graph:
         Args:
             definition: the text of the type, if the client brought one.
             quota: bounds the node's latched messages; None bounds nothing.
+            serialized: whether the node publishes messages in ROS 1's serialization.
             md5sum: the md5 of the type as the client knows it.
 
         Raises:
             NotAllowed: the policy forbids it.
             TypeConflict: the topic has another type, and nodes that hold it to that.
             DefinitionMismatch: the md5 is another one.
+            UnknownDefinition: messages are serialized, but there is no room for the definition.
             InterfaceError: the type's name is not valid, or its package does not have it.
         """
         self.check_allowed(node, "publish", topic.name)
-        message_type = self._set_type(topic, type_, definition, md5sum)
+        message_type = self._set_type(topic, type_, definition, md5sum, node)
+        if serialized and message_type.fault:
+            self._settle(topic)
+            message_type.check_known()
         source = topic.sources.get(node)
         if source is None:
             source = Source(
@@ -249,6 +256,7 @@ class Graph:
         *,
         receiver: Receiver | None = None,
         holds_type: bool | None = None,
+        needs_definition: bool = False,
         serialized: bool = False,
         definition: str | None = None,
         md5sum: str | None = None,
@@ -260,6 +268,8 @@ class Graph:
             receiver: takes the messages for the sink; see `Topic.attach`.
             holds_type: whether the topic keeps its type while the sink is there; None for when it
                 names one.
+            needs_definition: whether the topic keeps the definition of its type, too, and not only
+                the name.
             serialized: whether the sink needs messages in ROS 1's serialization.
             definition: the text of the type, if the client brought one.
             md5sum: the md5 of the type as the client knows it.
@@ -271,11 +281,16 @@ class Graph:
         self.check_allowed(sink.node, "subscribe", topic.name)
         try:
             if type_ is not None:
-                self._set_type(topic, type_, definition, md5sum)
+                self._set_type(topic, type_, definition, md5sum, sink.node)
             if serialized and topic.type is not None:
                 topic.type.check_known()
             holds = type_ is not None if holds_type is None else holds_type
-            topic.attach(sink, sink if receiver is None else receiver, holds_type=holds)
+            topic.attach(
+                sink,
+                sink if receiver is None else receiver,
+                holds_type=holds,
+                needs_definition=needs_definition,
+            )
             self.topics[topic.name] = topic
         finally:
             # It may have failed, or replace a request that named the type.
@@ -287,55 +302,78 @@ class Graph:
         self._settle(topic)
 
     def _set_type(
-        self, topic: Topic, type_: str, definition: str | None, md5sum: str | None
+        self, topic: Topic, type_: str, definition: str | None, md5sum: str | None, node: str
     ) -> MessageType:
-        """Give a topic its type, and return it.
+        """Give a topic the type that a node names, and return the one that it has then.
 
-        A topic that is held to a type keeps it when a client names another type with equal fields:
+        A topic that is held to a type keeps it when a node names another type with equal fields:
         as in ROS 1, where the md5 counts when nodes connect.
         """
-        name = self.interfaces.canonical(type_)
-        if topic.type is not None and topic.type.name != name and topic.held:
-            if not self._is_alike(topic.type, name):
-                raise TypeConflict(topic.name, name, topic.type.name, topic.holder())
-            _check_md5sum(topic.type, md5sum)
-            return topic.type
-        if topic.type is None or topic.type.name != name or definition is not None:
-            wanted = self._types.message(name, definition)
-            _check_md5sum(wanted, md5sum)
-            self.revision += 1
-            if topic.type is None or topic.type.name != name:
-                topic.type = wanted
-                if topic.last_type not in (None, name):
-                    # Messages of both types may be on their way to one client.
-                    topic.number = next(self._topic_numbers)
-                topic.last_type = name
-            elif wanted.checked and not topic.type.checked:
-                # Somebody has brought the definition: it is for those who came before, too.
-                topic.type = wanted
-                for source in topic.sources.values():
-                    source.type = wanted
+        name = Interfaces.canonical(type_)
+        present = topic.type
+        if present is None or not topic.held:
+            wanted = self._types.message(name, definition, node)
+        elif present.name != name:
+            if not self._is_alike(present, name, definition, node):
+                raise TypeConflict(topic.name, name, present.name, topic.holder())
+            wanted = present
         else:
-            _check_md5sum(topic.type, md5sum)
-        return topic.type
+            wanted = self._update(present, definition, node)
+        _check_md5sum(wanted, md5sum)
+        if wanted is not present:
+            self._change_type(topic, wanted)
+        return wanted
 
-    def _is_alike(self, type_: MessageType, name: str) -> bool:
+    def _is_alike(self, type_: MessageType, name: str, definition: str | None, node: str) -> bool:
         """Return whether a type and the one of this name are known to have the same fields."""
         if type_.md5sum is None:
             return False
         try:
-            return self._types.message(name).md5sum == type_.md5sum
+            return self._types.message(name, definition, node).md5sum == type_.md5sum
         except InterfaceError:
             return False
 
-    def _settle(self, topic: Topic) -> None:
-        """Forget what nobody holds any more: the topic, or its type."""
+    def _update(self, type_: MessageType, definition: str | None, node: str) -> MessageType:
+        """Return a type that is held, or one in its place if its fields have become known."""
+        if definition is None and type_.checked:
+            return type_
+        try:
+            found = self._types.message(type_.name, definition, node)
+        except InterfaceError:
+            if definition is None:
+                return type_
+            raise
+        if type_.checked:
+            return type_
+        return found if found.checked or found.fault else type_
+
+    def _change_type(self, topic: Topic, type_: MessageType | None) -> None:
+        """Set a topic's type, or None, with what is kept because of it."""
         self.revision += 1
-        if topic.idle:
-            if self.topics.get(topic.name) is topic:
-                del self.topics[topic.name]
-        elif topic.type is not None and not topic.held:
-            topic.type = None
+        older, topic.type = topic.type, type_
+        if type_ is not None and type_.checked:
+            sort = (type_.name, type_.md5sum)
+            if topic.last_type not in (None, sort):
+                # Messages of both types may be on their way to one client.
+                topic.number = next(self._topic_numbers)
+            topic.last_type = sort
+            for source in topic.sources.values():
+                source.type = type_
+        if older is not None:
+            self._types.release(older, topic)
+        if type_ is not None:
+            self._types.hold(type_, topic, lambda: f"{topic.holder()} ({topic.name})")
+
+    def _settle(self, topic: Topic) -> None:
+        """Forget what nobody holds any more: the topic, its type, or the definition of that."""
+        self.revision += 1
+        if topic.idle and self.topics.get(topic.name) is topic:
+            del self.topics[topic.name]
+        if topic.type is None or topic.needs_definition:
+            return
+        type_ = self._types.without_definition(topic.type) if topic.held else None
+        if type_ is not topic.type:
+            self._change_type(topic, type_)
 
     # Services.
 
@@ -350,7 +388,7 @@ class Graph:
             InterfaceError: the type's name is not valid, or its package does not have it.
         """
         self.check_allowed(server.node, "provide", name)
-        service_type = self._types.service(self.interfaces.canonical(type_), definition)
+        service_type = self._types.service(Interfaces.canonical(type_), definition, server.node)
         older = self.services.get(name)
         if older is not None and isinstance(older.server, InternalServer):
             raise OperationError(f"Service {name} is the hub's own ({older.node})")
@@ -363,8 +401,10 @@ class Graph:
     def _serve(self, service: Service) -> Service:
         older = self.services.get(service.name)
         self.services[service.name] = service
+        self._types.hold(service.type, service, lambda: f"{service.node} ({service.name})")
         self.revision += 1
         if older is not None:
+            self._types.release(older.type, older)
             older.server.displaced(older)
         return service
 
@@ -372,6 +412,7 @@ class Graph:
         """Remove a service, unless another server has taken it over."""
         if self.services.get(service.name) is service:
             del self.services[service.name]
+            self._types.release(service.type, service)
             self.revision += 1
 
     def call(
@@ -407,12 +448,13 @@ class Graph:
         a service beside the action, too, as in ROS 2.
         """
         self.check_allowed(server.node, "provide", name)
-        action_type = self._types.action(self.interfaces.canonical(type_), definition)
+        action_type = self._types.action(Interfaces.canonical(type_), definition, server.node)
         older = self.actions.get(name)
         if older is not None:
             self.remove_action(older)
         goals = self._goals.setdefault(name, Goals())
         action = self.actions[name] = Action(name, action_type, server, goals)
+        self._types.hold(action_type, action, lambda: f"{action.node} ({name})")
         self.serve_internally(
             cancel_service(action.name),
             CANCEL_GOAL,
@@ -437,7 +479,7 @@ class Graph:
         action = self.actions.get(name)
         if action is None:
             raise CallFailed(f"Action {name} does not exist", "unknown_action")
-        wanted = self.interfaces.canonical(type_)
+        wanted = Interfaces.canonical(type_)
         if wanted != action.type.name and not self._is_same_action(action, wanted):
             text = f"Action {name} is of type {action.type.name}, not {wanted}"
             raise CallFailed(text, "type_conflict")
@@ -456,6 +498,7 @@ class Graph:
         """Remove an action, unless another server has taken it over."""
         if self.actions.get(action.name) is action:
             del self.actions[action.name]
+            self._types.release(action.type, action)
             self.services.pop(cancel_service(action.name), None)
             self.revision += 1
 

@@ -93,15 +93,15 @@ class Topic:
         self.name = name
         self.number = number
         self.type: MessageType | None = None
-        self.last_type: str | None = None
-        """The name of the type that it has, or had last."""
+        self.last_type: tuple[str, str | None] | None = None
+        """The name and the md5 of the type that it has, or had last, if its fields were known."""
         self.sources: dict[str, Source] = {}
         """By their nodes' names."""
         self.watching_sources = PeerWatch(self.sources)
         """The sinks that watch who publishes."""
         self._sinks: dict[Sink, Receiver] = {}
-        self._holding: dict[Sink, None] = {}
-        """The sinks that were subscribed with a type."""
+        self._holding: dict[Sink, bool] = {}
+        """The sinks that were subscribed with a type, and whether they need its definition."""
         self._by_node: dict[str, list[Sink]] = {}
         self.watching_sinks = PeerWatch(self._by_node)
         """The sources that watch who subscribes."""
@@ -121,6 +121,11 @@ class Topic:
         """Whether somebody holds the topic to its type."""
         return bool(self.sources or self._holding)
 
+    @property
+    def needs_definition(self) -> bool:
+        """Whether somebody needs the definition of its type, and not only the name."""
+        return bool(self.sources) or any(self._holding.values())
+
     def holder(self) -> str:
         """Return one of the nodes that hold the topic to its type; it must be `held`."""
         return next(iter(self.sources), None) or next(iter(self._holding)).node
@@ -137,13 +142,16 @@ class Topic:
         """Return the nodes of all sinks, each once."""
         return self._by_node.keys()
 
-    def attach(self, sink: Sink, receiver: Receiver, *, holds_type: bool) -> None:
+    def attach(
+        self, sink: Sink, receiver: Receiver, *, holds_type: bool, needs_definition: bool = False
+    ) -> None:
         """Add a sink, or change how it is subscribed.
 
         Args:
             receiver: takes its messages: the sink itself, or a group that it shares with others,
                 which gets each message once for all of them.
             holds_type: whether the topic keeps its type while the sink is there.
+            needs_definition: whether it keeps the definition of that, too.
         """
         older = self._sinks.get(sink)
         if older is None:
@@ -160,7 +168,7 @@ class Topic:
                 self._use(older, -1)
         self._holding.pop(sink, None)
         if holds_type:
-            self._holding[sink] = None
+            self._holding[sink] = needs_definition
 
     def detach(self, sink: Sink) -> None:
         """Remove a sink; nothing happens if it is not there."""

@@ -5,16 +5,25 @@ A type of a package that nobody has defined is unchecked: its messages are relay
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NoReturn, Protocol, TypeAlias
 
 import cbor2
 
-from fibws.errors import InvalidMessage, UnknownDefinition, UnknownPackage
+from fibws.errors import (
+    DefinitionLimit,
+    InterfaceError,
+    InvalidMessage,
+    UnknownDefinition,
+    UnknownPackage,
+)
 from fibws.interfaces import Interfaces, MessageDefinition, Validators, base64text
+from fibws.interfaces.catalogue import Definitions
 from fibws.interfaces.cbor import CborEncoders
+from fibws.interfaces.client_definitions import ClientDefinition, ClientDefinitions
+from fibws.interfaces.package import Kind
 from fibws.interfaces.serialization import Serializer, Serializers
 
 _SCALARS = frozenset({str, int, float, bool, type(None)})
@@ -32,9 +41,15 @@ class MessageType(Protocol):
     """``package/Type``."""
     checked: bool
     """Whether the fields are known, so that messages are checked."""
+    fault: str
+    """Why a definition that a client brought was not taken, if one did."""
     sequenced: bool
     """Whether publishers count their messages in ``header.seq``, as rospy's do."""
     validate: Validate
+
+    @property
+    def codecs(self) -> Codecs | None:
+        """The codecs of its definition, if the fields are known."""
 
     @property
     def has_floats(self) -> bool:
@@ -79,23 +94,24 @@ class CheckedType:
     """
 
     checked = True
+    fault = ""
 
     def __init__(self, name: str, codecs: Codecs) -> None:
         validator = codecs.validators.of(name)
+        self.codecs = codecs
         self.name = validator.type
         self.validate: Validate = validator.validate
         self.missing = validator.missing
         self.sequenced = validator.has_sequenced_header
-        self._codecs = codecs
 
     @cached_property
     def md5sum(self) -> str | None:
-        return self._codecs.interfaces.md5(self.name)
+        return self.codecs.definitions.md5(self.name)
 
     @cached_property
     def has_floats(self) -> bool:
-        interfaces = self._codecs.interfaces
-        return interfaces.has_floats(interfaces.message(self.name))
+        definitions = self.codecs.definitions
+        return definitions.has_floats(definitions.message(self.name))
 
     @cached_property
     def check(self) -> Callable[[Buffer], None]:
@@ -107,11 +123,11 @@ class CheckedType:
 
     @cached_property
     def cbor(self) -> Callable[[dict[str, Any]], bytes]:
-        return self._codecs.cbor.of(self.name).encode
+        return self.codecs.cbor.of(self.name).encode
 
     @cached_property
     def _serializer(self) -> Serializer:
-        return self._codecs.serializers.of(self.name)
+        return self.codecs.serializers.of(self.name)
 
     def cbor_of(self, data: Buffer) -> tuple[bytes, bool]:
         """Return checked bytes as CBOR, and whether a string in them was not UTF-8."""
@@ -132,15 +148,22 @@ class CheckedType:
 
 
 class UncheckedType:
-    """A type whose fields nobody has defined: its messages are relayed as they come."""
+    """A type whose fields are unknown: its messages are relayed as they come.
+
+    Args:
+        name: ``package/Type``.
+        fault: why a definition that a client brought was not taken, if one did.
+    """
 
     checked = False
+    codecs: Codecs | None = None
     sequenced = False
     has_floats = True
     md5sum: str | None = None
 
-    def __init__(self, name: str) -> None:
+    def __init__(self, name: str, fault: str = "") -> None:
         self.name = name
+        self.fault = fault
         self.validate: Validate = _relayed(name)
 
     def missing(self, msg: dict[str, Any]) -> list[str]:
@@ -153,7 +176,7 @@ class UncheckedType:
 
     def check_known(self) -> NoReturn:
         """Raise `UnknownDefinition`."""
-        raise UnknownDefinition(self.name)
+        raise UnknownDefinition(self.name, self.fault)
 
     def check(self, data: Buffer) -> NoReturn:
         """Raise `UnknownDefinition`."""
@@ -176,15 +199,18 @@ class UncheckedType:
 class ServiceType:
     """A service's type, which checks its requests and responses.
 
-    ``arguments`` are the request's fields in order, and ``md5sum`` stands for the definition, if
-    they are known.
+    ``arguments`` are the request's fields in order, ``md5sum`` stands for the definition, and
+    ``codecs`` are those of the definition, if they are known. ``fault`` says why a definition that
+    the client brought was not taken.
     """
 
     name: str
     request: Validate
     response: Validate
-    arguments: tuple[str, ...] | None
-    md5sum: str | None
+    arguments: tuple[str, ...] | None = None
+    md5sum: str | None = None
+    codecs: Codecs | None = None
+    fault: str = ""
 
     def fill_request(self, args: object) -> dict[str, Any]:
         """Return the request that ``args`` stand for: an object, or a list of fields in order.
@@ -202,33 +228,88 @@ class ActionType:
     """An action's type, which checks its goals, feedback and results.
 
     ``arguments`` are the goal's fields in order, and ``md5sums`` stand for the definitions of goal,
-    feedback and result, if they are known.
+    feedback and result, if they are known. ``codecs`` and ``fault`` are as of `ServiceType`.
     """
 
     name: str
     goal: Validate
     feedback: Validate
     result: Validate
-    arguments: tuple[str, ...] | None
-    md5sums: tuple[str, str, str] | None
+    arguments: tuple[str, ...] | None = None
+    md5sums: tuple[str, str, str] | None = None
+    codecs: Codecs | None = None
+    fault: str = ""
 
     def fill_goal(self, args: object) -> dict[str, Any]:
         """Return the goal that ``args`` stand for; as `ServiceType.fill_request`."""
         return self.goal(_by_name(args, self.arguments, self.name))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Codecs:
-    """The validators and encoders of all known types."""
+AnyType: TypeAlias = MessageType | ServiceType | ActionType
+"""The type of a topic, a service or an action."""
 
-    interfaces: Interfaces
-    validators: Validators
-    cbor: CborEncoders
-    serializers: Serializers
+
+class Codecs:
+    """The types of some definitions, with validators and encoders, each made when first asked for.
+
+    Args:
+        definitions: those of the folders, or one that a client brought.
+        now: gives the nanoseconds since 1970, for messages that ask for the time.
+    """
+
+    def __init__(self, definitions: Definitions, now: Callable[[], int]) -> None:
+        self.definitions = definitions
+        self.validators = Validators(definitions, now, lenient=True)
+        self.cbor = CborEncoders(definitions)
+        self.serializers = Serializers(definitions)
+        self._messages: dict[str, CheckedType] = {}
+        self._services: dict[str, ServiceType] = {}
+        self._actions: dict[str, ActionType] = {}
+
+    def message(self, name: str) -> CheckedType:
+        """Return the type of a topic; raises `InterfaceError` if it is unknown."""
+        if name not in self._messages:
+            self._messages[name] = CheckedType(name, self)
+        return self._messages[name]
+
+    def service(self, name: str) -> ServiceType:
+        """Return the type of a service; as `message`."""
+        if name not in self._services:
+            service = self.definitions.service(name)
+            self._services[name] = ServiceType(
+                name,
+                self._validate(service.request),
+                self._validate(service.response),
+                _fields(service.request),
+                self.definitions.service_md5(name),
+                self,
+            )
+        return self._services[name]
+
+    def action(self, name: str) -> ActionType:
+        """Return the type of an action; as `message`."""
+        if name not in self._actions:
+            action, md5 = self.definitions.action(name), self.definitions.md5
+            self._actions[name] = ActionType(
+                name,
+                self._validate(action.goal),
+                self._validate(action.feedback),
+                self._validate(action.result),
+                _fields(action.goal),
+                (md5(action.goal.type), md5(action.feedback.type), md5(action.result.type)),
+                self,
+            )
+        return self._actions[name]
+
+    def _validate(self, definition: MessageDefinition) -> Validate:
+        return self.validators.of_definition(definition).validate
 
 
 class Types:
     """All types of one hub, each made when first asked for.
+
+    Those that clients brought are kept while something of the graph holds them. Whoever has one of
+    these types may go on using it after that: each brings the definitions that it needs.
 
     Args:
         now: gives the nanoseconds since 1970, for messages that ask for the time.
@@ -236,87 +317,85 @@ class Types:
     """
 
     def __init__(self, interfaces: Interfaces, now: Callable[[], int], *, strict: bool) -> None:
-        self._interfaces = interfaces
+        self.definitions = ClientDefinitions(interfaces)
+        self._now = now
         self._strict = strict
-        self._codecs = Codecs(
-            interfaces,
-            Validators(interfaces, now, lenient=True),
-            CborEncoders(interfaces),
-            Serializers(interfaces),
-        )
-        self._messages: dict[str, CheckedType] = {}
-        self._services: dict[str, ServiceType] = {}
-        self._actions: dict[str, ActionType] = {}
+        self._installed = Codecs(interfaces, now)
+        self._brought: dict[ClientDefinition, Codecs] = {}
+        """Those of definitions that are held."""
 
-    def message(self, name: str, definition: str | None = None) -> MessageType:
+    def message(self, name: str, definition: str | None = None, client: str = "") -> MessageType:
         """Return the type of a topic.
 
         Args:
             name: ``package/Type``.
             definition: its text, if the client brought one.
+            client: the client's node.
 
         Raises:
             InterfaceError: the definition is wrong, or the type's package does not have it.
         """
-        if definition is not None:
-            self._interfaces.learn(name, definition)
         try:
-            if name not in self._messages:
-                self._messages[name] = CheckedType(name, self._codecs)
-            return self._messages[name]
-        except UnknownPackage:
-            if self._strict:
-                raise
-            return UncheckedType(name)
+            return self._codecs("msg", name, definition, client).message(name)
+        except (UnknownPackage, DefinitionLimit) as error:
+            fault = self._fault(error)
+        return UncheckedType(name, fault)
 
-    def service(self, name: str, definition: str | None = None) -> ServiceType:
+    def service(self, name: str, definition: str | None = None, client: str = "") -> ServiceType:
         """Return the type of a service; arguments and errors as with `message`."""
-        if definition is not None:
-            self._interfaces.learn_service(name, definition)
-        if name not in self._services:
-            try:
-                service = self._interfaces.service(name)
-            except UnknownPackage:
-                if self._strict:
-                    raise
-                return ServiceType(name, _relayed(name), _relayed(name), None, None)
-            self._services[name] = ServiceType(
-                name,
-                self._validate(service.request),
-                self._validate(service.response),
-                _fields(service.request),
-                self._interfaces.service_md5(name),
-            )
-        return self._services[name]
+        try:
+            return self._codecs("srv", name, definition, client).service(name)
+        except (UnknownPackage, DefinitionLimit) as error:
+            fault = self._fault(error)
+        return ServiceType(name, _relayed(name), _relayed(name), fault=fault)
 
-    def action(self, name: str, definition: str | None = None) -> ActionType:
+    def action(self, name: str, definition: str | None = None, client: str = "") -> ActionType:
         """Return the type of an action; arguments and errors as with `message`."""
-        if definition is not None:
-            self._interfaces.learn_action(name, definition)
-        if name not in self._actions:
-            try:
-                action = self._interfaces.action(name)
-            except UnknownPackage:
-                if self._strict:
-                    raise
-                relayed = _relayed(name)
-                return ActionType(name, relayed, relayed, relayed, None, None)
-            self._actions[name] = ActionType(
-                name,
-                self._validate(action.goal),
-                self._validate(action.feedback),
-                self._validate(action.result),
-                _fields(action.goal),
-                (
-                    self._interfaces.md5(action.goal.type),
-                    self._interfaces.md5(action.feedback.type),
-                    self._interfaces.md5(action.result.type),
-                ),
-            )
-        return self._actions[name]
+        try:
+            return self._codecs("action", name, definition, client).action(name)
+        except (UnknownPackage, DefinitionLimit) as error:
+            fault = self._fault(error)
+        relayed = _relayed(name)
+        return ActionType(name, relayed, relayed, relayed, fault=fault)
 
-    def _validate(self, definition: MessageDefinition) -> Validate:
-        return self._codecs.validators.of_definition(definition).validate
+    def without_definition(self, type_: MessageType) -> MessageType:
+        """Return a type as it is once nobody holds the definition that a client brought."""
+        return type_ if self._strict or _brought(type_) is None else UncheckedType(type_.name)
+
+    def hold(self, type_: AnyType, holder: Hashable, describe: Callable[[], str]) -> None:
+        """Keep the definition of a type until its holder releases it; see `ClientDefinitions`."""
+        definition = _brought(type_)
+        if definition is not None and type_.codecs is not None:
+            self.definitions.hold(definition, holder, describe)
+            self._brought[definition] = type_.codecs
+
+    def release(self, type_: AnyType, holder: Hashable) -> None:
+        """Let a holder use the definition of a type no longer; the last one forgets it."""
+        definition = _brought(type_)
+        if definition is not None and self.definitions.release(definition, holder):
+            del self._brought[definition]
+
+    def _codecs(self, kind: Kind, name: str, text: str | None, client: str) -> Codecs:
+        """Return the codecs of a type that the folders or clients have, or this client brings."""
+        if text is None:
+            definition = self.definitions.find(kind, name)
+        else:
+            definition = self.definitions.read(kind, name, text, client)
+        if definition is None:
+            return self._installed
+        return self._brought.get(definition) or Codecs(definition, self._now)
+
+    def _fault(self, error: InterfaceError) -> str:
+        """Return why a type is to be unchecked; raise the error if types are strict."""
+        if self._strict:
+            raise error
+        return str(error) if isinstance(error, DefinitionLimit) else ""
+
+
+def _brought(type_: AnyType) -> ClientDefinition | None:
+    """Return the definition of a type, if a client brought it."""
+    definitions = type_.codecs.definitions if type_.codecs is not None else None
+    return definitions if isinstance(definitions, ClientDefinition) else None
 
 
 def _fields(definition: MessageDefinition) -> tuple[str, ...]:

@@ -97,3 +97,7 @@ class TextCache:
                 self._bytes = len(text)
             self._texts[name] = text
         return text
+
+    def forget(self, name: str) -> None:
+        """Drop the text of a type, if it is cached."""
+        self._bytes -= len(self._texts.pop(name, b""))

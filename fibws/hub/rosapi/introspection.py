@@ -19,6 +19,7 @@ from fibws.hub.graph.service import Function, Response
 from fibws.hub.graph.topic import Topic
 from fibws.hub.log_text import is_power_of_ten
 from fibws.hub.rosapi.cache import ResponseCache, TextCache
+from fibws.interfaces import Interfaces
 
 logger = logging.getLogger("fibws.hub")
 
@@ -42,7 +43,8 @@ class Introspection:
 
     def __init__(self, graph: Graph) -> None:
         self._graph = graph
-        self._full_texts = TextCache(lambda name: to_json(graph.interfaces.full_text(name)))
+        self._full_texts = TextCache(lambda name: to_json(graph.definitions.full_text(name)))
+        graph.definitions.watch(self._full_texts.forget)
         self._cached = ResponseCache(graph).get
         self._times_too_long = 0
 
@@ -230,7 +232,7 @@ class Introspection:
     def _canonical(self, type_: str) -> str | None:
         """Return the type's name as the graph has it, or None if it is not a type's name."""
         try:
-            return self._graph.interfaces.canonical(type_)
+            return Interfaces.canonical(type_)
         except InvalidTypeName:
             return None
 

@@ -168,7 +168,7 @@ class OwnNodes:
             **ParameterServices(graph).services(),
             **Snapshot(graph, OWN_NODES, self.clients).services(),
             **Statistics(graph, self.clients).services(),
-            **TypeDefs(graph.interfaces).services(),
+            **TypeDefs(graph.definitions).services(),
             **self._rosnode.services(),
         }
         for name in OWN_NODES:

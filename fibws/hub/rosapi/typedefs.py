@@ -10,6 +10,7 @@ from pydantic_core import to_json
 from fibws.hub.graph.service import Function
 from fibws.hub.rosapi.cache import TextCache
 from fibws.interfaces import Interfaces, MessageDefinition, builtin
+from fibws.interfaces.client_definitions import ClientDefinitions
 from fibws.interfaces.definition import Field
 
 
@@ -20,11 +21,14 @@ class TypeDefs:
     An unknown type raises `InterfaceError`.
     """
 
-    def __init__(self, interfaces: Interfaces) -> None:
-        self._interfaces = interfaces
-        self._messages = TextCache(lambda name: self._text(interfaces.message(name)))
-        self._requests = TextCache(lambda name: self._text(interfaces.service(name).request))
-        self._responses = TextCache(lambda name: self._text(interfaces.service(name).response))
+    def __init__(self, definitions: Interfaces | ClientDefinitions) -> None:
+        self._definitions = definitions
+        self._messages = TextCache(lambda name: self._text(definitions.message(name)))
+        self._requests = TextCache(lambda name: self._text(definitions.service(name).request))
+        self._responses = TextCache(lambda name: self._text(definitions.service(name).response))
+        if isinstance(definitions, ClientDefinitions):
+            for cache in (self._messages, self._requests, self._responses):
+                definitions.watch(cache.forget)
 
     def services(self) -> dict[str, tuple[str, Function]]:
         """Return all services by their global names, each with its type and what responds."""
@@ -46,15 +50,15 @@ class TypeDefs:
             return _response([_time(name)])
         if name in builtin.NAMES:
             return _response([])
-        return self._messages.get(self._interfaces.canonical(name))
+        return self._messages.get(Interfaces.canonical(name))
 
     def request(self, name: str) -> bytes:
         """Return the definitions of a service's request."""
-        return self._requests.get(self._interfaces.canonical(name))
+        return self._requests.get(Interfaces.canonical(name))
 
     def response(self, name: str) -> bytes:
         """Return the definitions of a service's response."""
-        return self._responses.get(self._interfaces.canonical(name))
+        return self._responses.get(Interfaces.canonical(name))
 
     def _text(self, definition: MessageDefinition) -> bytes:
         return _response(list(self._typedefs(definition, set())))
@@ -66,7 +70,7 @@ class TypeDefs:
                 continue
             seen.add(field.type)
             if field.is_nested:
-                yield from self._typedefs(self._interfaces.message(field.type), seen)
+                yield from self._typedefs(self._definitions.message(field.type), seen)
             elif field.type in builtin.TIMES:
                 yield _time(field.type)
 

@@ -91,12 +91,18 @@ class Statuses:
         if self._level:
             self._put("warning", None, text)
 
-    def unchecked(self, id_: object, text: str) -> None:
-        """Report that something's messages are not checked, to the log as well."""
+    def unchecked(self, id_: object, text: str, fault: str) -> None:
+        """Report that something's messages are not checked, to the log as well.
+
+        Args:
+            id_: the operation's.
+            fault: why the definition that the client brought was not taken, if it brought one.
+        """
         self._errors += 1
         if is_power_of_ten(self._errors):
-            logger.warning("%s: %s: the definition is unknown.", self._node, printable(text))
-        self.warning(id_, text)
+            reason = printable(fault) or "the definition is unknown"
+            logger.warning("%s: %s: %s.", self._node, printable(text), reason)
+        self.warning(id_, f"{text}: {fault}" if fault else text)
 
     def info(self, id_: object, text: str) -> None:
         """Report that an operation was done."""

@@ -288,6 +288,8 @@ class Subscription:
             new.type if new is not None else None,
             receiver=group,
             holds_type=any(each.type is not None for each in requests.values()),
+            needs_definition=encoding.needs_definition
+            or any(map(_names_fields, requests.values())),
             serialized=encoding.needs_definition,
             definition=new.definition if new is not None else None,
             md5sum=new.md5sum if new is not None else None,
@@ -339,3 +341,8 @@ class Subscription:
             md5sum=type_.md5sum or "",
         )
         self.queue.reply(text_frame(encode(answer)))
+
+
+def _names_fields(request: Subscribe) -> bool:
+    """Return whether a request says which fields its type has, and not only what it is called."""
+    return request.definition is not None or request.md5sum is not None

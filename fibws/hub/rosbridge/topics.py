@@ -118,7 +118,8 @@ class Topics:
         name, type_ = source.topic.name, source.type
         statuses = self._client.statuses
         if not type_.checked:
-            statuses.unchecked(request.id, f"{name}: messages of type {type_.name} are not checked")
+            text = f"{name}: messages of type {type_.name} are not checked"
+            statuses.unchecked(request.id, text, type_.fault)
         self._client.check_legal(request.id, request.topic, name)
         statuses.info(request.id, f"{self._client.node} publishes {name} ({type_.name})")
         topic = source.topic
@@ -248,6 +249,7 @@ class Topics:
             definition,
             latch=request.latch,
             quota=self._latch_quota,
+            serialized=isinstance(request, Advertise) and request.publisher is not None,
             md5sum=md5sum,
         )
         if self.sources.get(request.topic) is not source:
@@ -300,6 +302,9 @@ class Topics:
         subscription.request(request)
         self.subscriptions[request.topic] = subscription
         client.check_legal(request.id, request.topic, topic.name)
+        if topic.type is not None and topic.type.fault and request.definition is not None:
+            text = f"{topic.name}: messages of type {topic.type.name} are not checked"
+            client.statuses.unchecked(request.id, text, topic.type.fault)
         if topic.type is None:
             client.statuses.info(request.id, f"{topic.name} waits for a publisher to have a type")
         self._watch(request, topic.watching_sources, subscription)

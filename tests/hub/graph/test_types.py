@@ -3,25 +3,35 @@
 from __future__ import annotations
 
 from struct import pack
-from typing import Any
+from typing import Any, TypeVar
 
 import cbor2
 import pytest
 
 from fibws.errors import (
     DefinitionError,
+    DefinitionLimit,
     InterfaceError,
     InvalidMessage,
     OperationError,
     UnknownPackage,
     UnknownType,
 )
-from fibws.hub.graph.types import Types
-from fibws.interfaces import Interfaces
+from fibws.hub.graph.types import AnyType, Types
+from fibws.interfaces import Interfaces, client_definitions
+from fibws.interfaces.client_definitions import Limits
 
 from ..fakes import ADD, FIBONACCI, INT32, NANOSECONDS
 
+T = TypeVar("T", bound=AnyType)
+
 TYPES = Types(Interfaces(), lambda: NANOSECONDS, strict=False)
+
+
+def held(types: Types, type_: T) -> T:
+    """Hold the definition of a type, and return the type."""
+    types.hold(type_, "holder", lambda: "/node")
+    return type_
 
 
 def new_types(*, strict: bool = False) -> Types:
@@ -117,16 +127,45 @@ def test_an_unchecked_message_must_be_an_object(msg: object) -> None:
 
 def test_a_client_may_bring_the_definition_of_a_message() -> None:
     types = new_types(strict=True)
-    assert types.message("my_msgs/Thing", "int8 one\n").validate({}) == {"one": 0}
-    assert types.message("my_msgs/Thing").checked
+    type_ = types.message("my_msgs/Thing", "int8 one\n")
+    assert type_.validate({}) == {"one": 0}
+    with pytest.raises(UnknownPackage):
+        types.message("my_msgs/Thing")
+    held(types, type_)
+    assert types.message("my_msgs/Thing") is type_
 
 
 def test_an_unknown_type_is_known_once_a_client_brings_its_definition() -> None:
     types = new_types()
     assert not types.message("my_msgs/Thing").checked
-    assert types.message("my_msgs/Thing", "int8 one\n").checked
-    assert types.message("my_msgs/Thing").checked
+    type_ = held(types, types.message("my_msgs/Thing", "int8 one\n"))
+    assert types.message("my_msgs/Thing") is type_
     assert not types.message("my_msgs/Other").checked
+
+
+@pytest.mark.parametrize("strict", [False, True])
+def test_a_type_is_unchecked_without_its_definition_unless_types_are_strict(strict: bool) -> None:
+    types = new_types(strict=strict)
+    type_ = held(types, types.message("my_msgs/Thing", "int8 one\n"))
+    without = types.without_definition(type_)
+    assert (without.name, without.checked) == ("my_msgs/Thing", strict)
+    installed = types.message(INT32)
+    assert types.without_definition(installed) is installed
+
+
+def test_a_type_may_be_used_on_after_its_definition_is_forgotten() -> None:
+    types = new_types()
+    text = f"Point at\n{'=' * 80}\nMSG: my_msgs/Point\nint8 x"
+    older = held(types, types.message("my_msgs/Thing", text))
+    types.release(older, "holder")
+    held(types, types.message("my_msgs/Point", "string x"))
+    assert older.validate({"at": {"x": 1}}) == {"at": {"x": 1}}
+    assert older.missing({"at": {}}) == ["at.x"]
+    assert older.serialize({"at": {"x": 1}}) == b"\1"
+    assert older.cbor_of(b"\1") == (cbor2.dumps({"at": {"x": 1}}), False)
+    assert not older.has_floats
+    with pytest.raises(InvalidMessage, match=r"requires a int8 for field at\.x"):
+        older.validate({"at": {"x": "1"}})
 
 
 # Services.
@@ -179,8 +218,9 @@ def test_an_unknown_service_takes_objects_but_not_lists() -> None:
 def test_a_client_may_bring_the_definition_of_a_service() -> None:
     types = new_types()
     assert types.service("my_srvs/Do").arguments is None
-    assert types.service("my_srvs/Do", "int8 one\n---\n").arguments == ("one",)
-    assert types.service("my_srvs/Do").arguments == ("one",)
+    type_ = held(types, types.service("my_srvs/Do", "int8 one\n---\n"))
+    assert types.service("my_srvs/Do") is type_
+    assert type_.arguments == ("one",)
 
 
 # Actions.
@@ -254,9 +294,30 @@ def test_another_definition_of_a_known_type_is_refused(kind: str) -> None:
     types = new_types()
     with pytest.raises(InterfaceError, match="is known here with other fields"):
         made(types, kind, KNOWN[kind], OTHER[kind])
-    made(types, kind, "my_package/Thing", OTHER[kind])
-    with pytest.raises(InterfaceError, match="is known here with other fields"):
+    held(types, made(types, kind, "my_package/Thing", OTHER[kind]))
+    with pytest.raises(InterfaceError, match=r"is known here with other fields .* by /node"):
         made(types, kind, "my_package/Thing", OTHER[kind].replace("int8", "int16"))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_type_of_another_definition_is_another_one(kind: str) -> None:
+    types = new_types()
+    older = held(types, made(types, kind, "my_package/Thing", OTHER[kind]))
+    types.release(older, "holder")
+    newer = held(types, made(types, kind, "my_package/Thing", OTHER[kind].replace("8", "16")))
+    assert made(types, kind, "my_package/Thing") is newer is not older
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_type_is_unchecked_if_there_is_no_room_for_its_definition(
+    kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(client_definitions, "PER_CLIENT", Limits(0, 0, 0))
+    type_ = made(new_types(), kind, "my_package/Thing", OTHER[kind], "/greedy")
+    assert (type_.codecs, type_.name) == (None, "my_package/Thing")
+    assert "from /greedy to add my_package/Thing (limit is 0)" in type_.fault
+    with pytest.raises(DefinitionLimit, match="limit is 0"):
+        made(new_types(strict=True), kind, "my_package/Thing", OTHER[kind], "/greedy")
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -266,4 +327,5 @@ def test_unknown_type_names_are_not_kept(kind: str) -> None:
         made(types, kind, f"made_up_{number}/Thing")
         with pytest.raises(UnknownType):
             made(types, kind, f"std_msgs/Thing{number}")
-    assert not (types._messages or types._services or types._actions)
+    codecs = types._installed
+    assert not (codecs._messages or codecs._services or codecs._actions)

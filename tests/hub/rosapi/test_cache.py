@@ -158,3 +158,16 @@ def test_all_texts_are_dropped_when_they_exceed_the_limit() -> None:
     for name in "dad":
         texts.get(name)
     assert make.made == ["a", "b", "c", "d", "a"]
+
+
+def test_a_text_that_is_forgotten_is_made_again_and_takes_no_room() -> None:
+    make = MakeText()
+    texts = TextCache(make, max_bytes=20)
+    for name in "aaba":
+        texts.get(name)
+    for _ in range(2):
+        texts.forget("b")
+        texts.forget("unknown")
+    texts.get("c")
+    assert texts.get("a") == b"a         "
+    assert make.made == ["a", "b", "c"]

@@ -164,9 +164,28 @@ def test_texts_beyond_the_limit_are_not_made(
         read.append(name)
         return "much"
 
-    monkeypatch.setattr(rosapi.graph.interfaces, "full_text", much)
+    monkeypatch.setattr(rosapi.graph.definitions, "full_text", much)
     assert set(texts(rosapi).values()) == {""}
     assert read == [OWN_TOPICS["/client_count"]]
+
+
+def test_types_that_clients_bring_are_described_while_they_are_used(rosapi: RosapiClient) -> None:
+    for line in ("int8 x", "int16 x"):
+        client = rosapi.add_client(None)
+        client.send("advertise", "/a", type="my_msgs/Thing", definition=line)
+        ask = f"{line}\n---\n{line}"
+        client.send("advertise_service", service="/b", type="my_msgs/Ask", definition=ask)
+        assert texts(rosapi)["/a"] == line
+        for service, type_ in (
+            ("message_details", "my_msgs/Thing"),
+            ("service_request_details", "my_msgs/Ask"),
+            ("service_response_details", "my_msgs/Ask"),
+        ):
+            [details] = rosapi.call(f"/rosapi/{service}", type=type_)["typedefs"]
+            assert details["fieldtypes"] == [line.removesuffix(" x")]
+        client.leaves()
+        for service in ("message_details", "service_request_details", "service_response_details"):
+            assert "my_msgs" in rosapi.refusal(f"/rosapi/{service}", type="my_msgs/Thing")
 
 
 def test_the_warning_about_texts_left_out_does_not_fill_the_log(
@@ -183,13 +202,13 @@ def test_a_response_is_made_once_for_each_revision(
     rosapi: RosapiClient, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     read: list[str] = []
-    full_text = rosapi.graph.interfaces.full_text
+    full_text = rosapi.graph.definitions.full_text
 
     def counted(name: str) -> str:
         read.append(name)
         return full_text(name)
 
-    monkeypatch.setattr(rosapi.graph.interfaces, "full_text", counted)
+    monkeypatch.setattr(rosapi.graph.definitions, "full_text", counted)
     names = ("topics", "topics_and_raw_types", "services", "nodes", "action_servers")
     servers = [rosapi.graph.services[f"/rosapi/{name}"].server for name in names]
     first = [response(server) for server in servers]
