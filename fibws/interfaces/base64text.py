@@ -7,8 +7,14 @@ it makes of a text counts only where nothing but the RFC's own spelling can have
 from __future__ import annotations
 
 from binascii import Error, a2b_base64, b2a_base64
+from collections.abc import Iterator
+from typing import Final
 
 from pydantic_core import SchemaValidator, core_schema
+
+_SLICE: Final = 2**16
+"""Characters that are decoded together, a multiple of four: they fit the processor's cache, which
+makes it several times faster, and what is made of them on the way takes no memory to speak of."""
 
 _decode = SchemaValidator(
     core_schema.bytes_schema(), core_schema.CoreConfig(val_json_bytes="base64")
@@ -22,12 +28,13 @@ def encode(data: bytes) -> str:
 
 def decode(text: str) -> bytes:
     """The bytes that a text stands for which `encode` could have written."""
-    data: bytes = _decode(b'"%b"' % text.encode())
-    return data
+    if len(text) <= _SLICE:
+        return _decode_slice(text)
+    return b"".join(map(_decode_slice, _slices(text)))
 
 
-def read(text: str) -> tuple[bytes, str]:
-    """The bytes of any text, and the text as `encode` would have it: spare bits are zero.
+def canonical(text: str) -> tuple[str, int]:
+    """Any text as `encode` would have it (spare bits are zero), and the number of its bytes.
 
     Raises:
         ValueError: the text is not base64.
@@ -35,17 +42,25 @@ def read(text: str) -> tuple[bytes, str]:
     if len(text) % 4:
         raise ValueError("its length is not a multiple of four")
     if "-" not in text and "_" not in text:
+        size = len(text) // 4 * 3 - text[-2:].count("=")
         try:
-            data = decode(text)
+            if sum(map(len, map(_decode_slice, _slices(text)))) == size:
+                return text, size
         except ValueError:
             pass
-        else:
-            if len(data) == len(text) // 4 * 3 - text[-2:].count("="):
-                return data, text
     try:
         data = a2b_base64(text, strict_mode=True)
     except Error as error:
         raise ValueError(str(error)) from None
     # Four letters make three bytes; to encode all the others again would take an image's time.
     last = encode(data[len(text) // 4 * 3 - 3 :])
-    return data, text if text.endswith(last) else text[:-4] + last
+    return (text if text.endswith(last) else text[:-4] + last), len(data)
+
+
+def _slices(text: str) -> Iterator[str]:
+    return (text[start : start + _SLICE] for start in range(0, len(text), _SLICE))
+
+
+def _decode_slice(text: str) -> bytes:
+    data: bytes = _decode(b'"%b"' % text.encode())
+    return data

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import keyword
-from base64 import b64decode, b64encode
 from collections.abc import Callable, Mapping
 from dataclasses import Field, dataclass, fields
 from functools import cache, partial
@@ -24,6 +23,7 @@ from typing import (
 
 from typing_extensions import TypeVar
 
+from fibws.interfaces import base64text
 from fibws.interfaces.catalogue import Interfaces
 from fibws.interfaces.definition import MessageDefinition
 from fibws.interfaces.times import Duration, Time
@@ -225,7 +225,7 @@ def _converters(hint: Any) -> tuple[_Convert, _Convert]:
             return _same, _same
         return partial(_write_all, write), partial(_read_all, read)
     if hint is bytes:
-        return _write_bytes, b64decode
+        return _write_bytes, base64text.decode
     if hint is float:
         return _same, _read_float
     if hint in (Time, Duration):
@@ -273,7 +273,7 @@ def _write_bytes(value: Any) -> Any:
     except TypeError:
         return value
     # In other arrays, an element has several bytes.
-    return b64encode(view.tobytes()).decode() if view.format == "B" else value
+    return base64text.encode(view.tobytes()) if view.format == "B" else value
 
 
 def _read_float(value: float | None) -> float:

@@ -141,17 +141,16 @@ def _bytes_reader(element: core_schema.CoreSchema, array: Array) -> Callable[[ob
     def read(value: object) -> str:
         if isinstance(value, str):
             try:
-                data, text = base64text.read(value)
+                text, size = base64text.canonical(value)
             except ValueError as error:
                 raise fault(f"bad base64: {error}") from None
         else:
             is_bytes = isinstance(value, (bytes, bytearray))
             elements: Any = value if is_bytes else numbers.validate_python(value)
-            data = bytes(elements)
-            text = base64text.encode(data)
-        if len(data) < (array.fixed or 0) or (array.size is not None and len(data) > array.size):
+            size, text = len(elements), base64text.encode(bytes(elements))
+        if size < (array.fixed or 0) or (array.size is not None and size > array.size):
             most = "" if array.fixed else "at most "
-            raise fault(f"it has {len(data)} elements, not {most}{array.size}")
+            raise fault(f"it has {size} elements, not {most}{array.size}")
         return text
 
     return read

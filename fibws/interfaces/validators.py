@@ -7,7 +7,6 @@ base64, and NaN is either itself or None, since JSON has null for both.
 
 from __future__ import annotations
 
-from base64 import b64encode
 from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any, NamedTuple
@@ -15,7 +14,7 @@ from typing import Any, NamedTuple
 from pydantic_core import SchemaValidator, ValidationError, core_schema
 
 from fibws.errors import InvalidMessage
-from fibws.interfaces import builtin
+from fibws.interfaces import base64text, builtin
 from fibws.interfaces.catalogue import Definitions
 from fibws.interfaces.definition import Array, Field, MessageDefinition
 from fibws.interfaces.schema import array_schema, scalar_schema, time_schema, zero_time
@@ -300,8 +299,8 @@ def _with_default(field: Field, schema: core_schema.CoreSchema) -> core_schema.C
 
 def _default_bytes(field: Field) -> str:
     if field.default is None:
-        return b64encode(bytes(field.fixed_size)).decode()
-    return b64encode(bytes(map(int, field.default_elements))).decode()
+        return base64text.encode(bytes(field.fixed_size))
+    return base64text.encode(bytes(map(int, field.default_elements)))
 
 
 def _default_list(field: Field) -> list[object]:

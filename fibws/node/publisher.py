@@ -311,10 +311,11 @@ class Publisher(Generic[M, P]):
         """Return a frame's message as rosbridge's operation; nothing if its bytes are invalid."""
         _, node, payload = read_publish(client_payload(frame))
         try:
-            message = exact_json_of(self._codec.write(self._codec.deserialize(payload)))
+            values = self._codec.write(self._codec.deserialize(payload))
         except InvalidMessage as error:
             self._session.log.error("Dropped a message for %s: %s", self.topic, error)
             return b""
+        message = exact_json_of(values, self._codec.has_floats)
         if node is not None:
             return encode_fields({"op": "publish", "topic": self.topic, "to": node}, msg=message)
         return b'{"op":"publish","topic":%b,"msg":%b}' % (json_of(self.topic), message)

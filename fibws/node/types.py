@@ -31,6 +31,7 @@ class MessageCodec(Generic[N]):
         validate: checks a message's JSON values and fills in defaults, or raises `InvalidMessage`.
         md5sum: the md5 of the type; None if the type is `ANY_TYPE`, or has no name of its own.
         definition: the type's text for hubs that may lack it; None for standard types.
+        has_floats: whether a message may hold NaN or infinity.
     """
 
     def __init__(
@@ -40,10 +41,12 @@ class MessageCodec(Generic[N]):
         *,
         md5sum: str | None = None,
         definition: str | None = None,
+        has_floats: bool = True,
     ) -> None:
         self.message_class = message_class
         self.md5sum = md5sum
         self.definition = definition
+        self.has_floats = has_floats
         self._validate = validate
 
     @property
@@ -114,6 +117,7 @@ class SerializedCodec(MessageCodec[Any]):
         self.message_class: type[Any] = bytes
         self.md5sum = md5sum
         self.definition = definition
+        self.has_floats = True
         self._type = type_
         self._interfaces = interfaces
 
@@ -258,6 +262,7 @@ class Types:
             self.validate(name),
             md5sum=self._interfaces.md5(name),
             definition=self.definition(name),
+            has_floats=self._interfaces.has_floats(self._interfaces.message(name)),
         )
 
     def serialized(self, type_: str, md5sum: str | None, definition: str | None) -> SerializedCodec:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from binascii import Error, a2b_base64
 from contextlib import suppress
 
@@ -16,7 +17,7 @@ from fibws.interfaces import base64text
 def test_what_is_encoded_is_read_again(data: bytes) -> None:
     text = base64text.encode(data)
     assert base64text.decode(text) == data
-    assert base64text.read(text) == (data, text)
+    assert base64text.canonical(text) == (text, len(data))
 
 
 @given(st.text(alphabet='AQgw+/=-_\\"u01 \n', max_size=12))
@@ -28,9 +29,9 @@ def test_a_text_is_read_as_binascii_reads_it_strictly(text: str) -> None:
         expected = a2b_base64(text, strict_mode=True)
     if expected is None:
         with pytest.raises(ValueError, match=r"\w"):
-            base64text.read(text)
+            base64text.canonical(text)
     else:
-        assert base64text.read(text) == (expected, base64text.encode(expected))
+        assert base64text.canonical(text) == (base64text.encode(expected), len(expected))
 
 
 @pytest.mark.parametrize(
@@ -38,8 +39,29 @@ def test_a_text_is_read_as_binascii_reads_it_strictly(text: str) -> None:
 )
 def test_other_spellings_are_refused(text: str) -> None:
     with pytest.raises(ValueError, match=r"\w"):
-        base64text.read(text)
+        base64text.canonical(text)
 
 
 def test_spare_bits_are_zero() -> None:
-    assert base64text.read("YR==") == (b"a", "YQ==")
+    assert base64text.canonical("YR==") == ("YQ==", 1)
+
+
+@pytest.mark.parametrize("size", [2**16, 3 * 2**15 - 1, 3 * 2**15, 300_001])
+def test_a_long_text_is_read_as_a_short_one_is(size: int) -> None:
+    data = bytes(range(256)) * (size // 256) + b"x" * (size % 256)
+    text = base64text.encode(data)
+    assert base64text.decode(text) == data
+    assert base64text.canonical(text) == (text, size)
+    for wrong in (f"{text[:65532]}YQ=={text[65536:]}", f"{text[:70_000]}*{text[70_001:]}"):
+        with pytest.raises(ValueError, match=r"\w"):
+            base64text.canonical(wrong)
+
+
+def test_checking_a_long_text_takes_little_memory() -> None:
+    text = base64text.encode(bytes(3_000_000))
+    tracemalloc.start()
+    try:
+        assert base64text.canonical(text) == (text, 3_000_000)
+        assert tracemalloc.get_traced_memory()[1] < len(text) / 4
+    finally:
+        tracemalloc.stop()

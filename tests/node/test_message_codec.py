@@ -95,3 +95,12 @@ def test_what_does_not_fit_in_a_class_made_by_hand_is_refused(types: Types) -> N
 def test_messages_made_by_hand_may_be_in_others(types: Types) -> None:
     written = types.codec(Polygon).write({"points": [Handmade(1, 2), {"z": 3}]})
     assert written == {"points": [{"x": 1.0, "y": 2.0, "z": 0.0}, {"x": 0.0, "y": 0.0, "z": 3.0}]}
+
+
+@pytest.mark.parametrize(
+    ("class_", "has_floats"), [(Point, True), (PointStamped, True), (Header, False)]
+)
+def test_codec_knows_whether_json_may_hold_infinity(
+    types: Types, class_: type[Message], has_floats: bool
+) -> None:
+    assert types.codec(class_).has_floats == has_floats

@@ -5,13 +5,13 @@ As in ROS 2 (action_msgs): a goal is accepted, may send feedback, and ends with 
 
 from __future__ import annotations
 
-from base64 import b64decode, b64encode
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Any, Protocol
 
 from fibws.hub.graph.types import ActionType
+from fibws.interfaces import base64text
 from fibws.interfaces.json_text import json_of
 
 
@@ -156,7 +156,7 @@ def cancel_service(action: str) -> str:
 def cancel_goals(action: Action, request: dict[str, Any]) -> dict[str, Any]:
     """Respond to a call of action_msgs/CancelGoal, whose definition says which goals it means."""
     info = request["goal_info"]
-    uuid = b64decode(info["goal_id"]["uuid"])
+    uuid = base64text.decode(info["goal_id"]["uuid"])
     stamp = info["stamp"]["secs"] * 1_000_000_000 + info["stamp"]["nsecs"]
     chosen = list(_chosen(action, uuid, stamp))
     for goal in chosen:
@@ -179,6 +179,6 @@ def _chosen(action: Action, uuid: bytes, stamp: int) -> Iterator[Goal]:
 def _info(goal: Goal) -> dict[str, Any]:
     secs, nsecs = divmod(goal.accepted, 1_000_000_000)
     return {
-        "goal_id": {"uuid": b64encode(goal.uuid).decode()},
+        "goal_id": {"uuid": base64text.encode(goal.uuid)},
         "stamp": {"secs": secs, "nsecs": nsecs},
     }
