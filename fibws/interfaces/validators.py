@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from functools import partial
+from itertools import islice, repeat
 from typing import Any, NamedTuple
 
 from pydantic_core import SchemaValidator, ValidationError, core_schema
@@ -23,6 +24,11 @@ from fibws.interfaces.validation_errors import MOST_EXPLAINED, explain
 MOST_ABSENT = 2**16
 """Most values that a message may leave to their defaults, besides one for each four that it has: an
 array of 300,000 ``{}`` must not become millions of values."""
+
+MOST_MISSING = 100
+"""Most paths of absent fields that are listed."""
+MOST_SEARCHED = 10_000
+"""Most elements of arrays that are searched for absent fields."""
 
 
 class Validators:
@@ -239,11 +245,13 @@ class MessageValidator:
         return present, absent
 
     def missing(self, msg: dict[str, Any]) -> list[str]:
-        """The fields that a valid message leaves out, such as ``pose.x``."""
-        return list(self._missing(self.definition, msg, ""))
+        """The fields that a valid message leaves out, such as ``pose.x``; ``...`` if more are."""
+        paths = self._missing(self.definition, msg, "", repeat(None, MOST_SEARCHED))
+        found = list(islice(paths, MOST_MISSING + 1))
+        return found if len(found) <= MOST_MISSING else [*found[:MOST_MISSING], "..."]
 
     def _missing(
-        self, definition: MessageDefinition, msg: dict[str, Any], prefix: str
+        self, definition: MessageDefinition, msg: dict[str, Any], prefix: str, left: Iterator[None]
     ) -> Iterator[str]:
         for field in definition.fields:
             path = f"{prefix}{field.name}"
@@ -253,10 +261,11 @@ class MessageValidator:
                 nested = self._interfaces.message(field.type)
                 value = msg[field.name]
                 if field.array is None:
-                    yield from self._missing(nested, value, f"{path}.")
+                    yield from self._missing(nested, value, f"{path}.", left)
                     continue
-                for index, element in enumerate(value):
-                    yield from self._missing(nested, element, f"{path}[{index}].")
+                # `left` comes first: no element is taken once it is used up.
+                for _, (index, element) in zip(left, enumerate(value), strict=False):
+                    yield from self._missing(nested, element, f"{path}[{index}].", left)
 
 
 def _most_values(fields: tuple[_Nested, ...], msg: dict[str, Any]) -> int:

@@ -15,6 +15,7 @@ from fibws.errors import InvalidMessage, UnknownType
 from fibws.interfaces import Interfaces, Validators
 from fibws.interfaces.client_definitions import ClientDefinitions
 from fibws.interfaces.parser import parse_message
+from fibws.interfaces.validators import MOST_MISSING
 
 NOW = {"secs": 1_700_000_000, "nsecs": 123_456_789}
 ZERO = {"secs": 0, "nsecs": 0}
@@ -560,3 +561,15 @@ def test_any_json_is_either_a_message_or_invalid(name: str, msg: object) -> None
     assert list(valid) == [field.name for field in VALIDATORS.of(name).definition.fields]
     again = validate(name, from_json(to_json(valid, inf_nan_mode="null")))
     assert to_json(again, inf_nan_mode="null") == to_json(valid, inf_nan_mode="null")
+
+
+def test_only_the_first_of_many_absent_fields_are_listed() -> None:
+    found = VALIDATORS.of("sensor_msgs/PointCloud").missing({"points": [{}] * 100_000})
+    assert found[:3] == ["header", "points[0].x", "points[0].y"]
+    assert (len(found), found[-1]) == (MOST_MISSING + 1, "...")
+
+
+def test_the_search_for_absent_fields_ends() -> None:
+    points = [{"x": 1, "y": 2, "z": 3}] * 100_000
+    found = VALIDATORS.of("sensor_msgs/PointCloud").missing({"points": [*points, {}]})
+    assert found == ["header", "channels"]

@@ -60,7 +60,10 @@ class MessageType(Protocol):
         """The md5 of the definition, as ROS 1 computes it, if it is known."""
 
     def missing(self, msg: dict[str, Any]) -> list[str]:
-        """Return the fields that a valid message leaves to their defaults: ``pose.x``."""
+        """Return the fields that a valid message leaves to their defaults: ``pose.x``.
+
+        At most 100 are listed; ``...`` stands for the rest.
+        """
 
     def cbor(self, values: dict[str, Any]) -> bytes:
         """Return valid values as CBOR."""
