@@ -7,7 +7,7 @@
     Interfaces ─ full_text ─> the text of a type with its nested types, as clients send it
     Interfaces ─ validators, with schema ─> dicts from JSON, complete and valid
     Interfaces ─ serialization, with serialization_code ─> ROS 1's bytes for dicts and objects
-    Interfaces ─ cbor, json_text ─> valid dicts as CBOR and JSON
+    Interfaces ─ cbor, json_text, long_integers ─> valid dicts as CBOR and JSON
     Interfaces ─ generator, with source ─> Python classes in fibws.msg, .srv and .action
     message, times ─> what these classes are made of
 

@@ -110,6 +110,9 @@ class Subscribe(Operation):
     first node that uses the type (an addition of fibws)."""
     md5sum: str | None = None
     """As in `Advertise`."""
+    int64: Literal["string"] | None = None
+    """Whether all fields of int64 and uint64 are decimal strings in JSON, whatever their values:
+    numbers in JavaScript hold no integers beyond 2**53 (an addition of fibws)."""
 
 
 class Unsubscribe(Operation):

@@ -79,6 +79,7 @@ FROM_CLIENT: list[Request | Reply] = [
     Subscribe(topic="/a"),
     Publish(topic="/a", to="/listener"),
     Subscribe(topic="/a", headers=True, peers=True, peer_changes=True),
+    Subscribe(topic="/a", int64="string"),
     Subscribe(topic="/a", compression="ros1", definition="int32 data\n", md5sum="0" * 32),
     Subscribe(
         id="",

@@ -8,7 +8,7 @@ from typing import Any, TypeVar, cast
 from pydantic_core import from_json, to_json
 
 from fibws.hub.graph.types import Buffer, MessageType
-from fibws.interfaces.json_text import INFINITE, exact_json_of
+from fibws.interfaces.json_text import INFINITE, exact_json_of, json_of
 
 T = TypeVar("T")
 
@@ -94,6 +94,21 @@ class Publication:
         if not self.type.has_floats:
             return self.json()
         return self.cached("exact_json", self._make_exact_json)
+
+    def json_with_strings(self, *, exact: bool) -> bytes:
+        """Return the message as JSON in which 64-bit integers are decimal strings.
+
+        Args:
+            exact: whether infinity is as in `exact_json`.
+        """
+        convert = self.type.long_integers
+        if convert is None:
+            return self.exact_json() if exact else self.json()
+        exact = exact and self.type.has_floats
+        return self.cached(
+            ("json_with_strings", exact),
+            lambda: (exact_json_of if exact else json_of)(convert(self.values())),
+        )
 
     def cbor(self) -> bytes:
         """Return the message as CBOR, with typed arrays."""

@@ -23,6 +23,7 @@ from fibws.interfaces import Interfaces, MessageDefinition, Validators, base64te
 from fibws.interfaces.catalogue import Definitions
 from fibws.interfaces.cbor import CborEncoders
 from fibws.interfaces.client_definitions import ClientDefinition, ClientDefinitions
+from fibws.interfaces.long_integers import Convert, LongIntegers
 from fibws.interfaces.package import Kind
 from fibws.interfaces.serialization import Serializer, Serializers
 
@@ -70,6 +71,10 @@ class MessageType(Protocol):
 
     def cbor_of(self, data: Buffer) -> tuple[bytes, bool]:
         """Return checked bytes as CBOR, and whether a string in them was not UTF-8."""
+
+    @property
+    def long_integers(self) -> Convert | None:
+        """What makes 64-bit integers strings, if it is known that there are any."""
 
     def check_known(self) -> None:
         """Raise `UnknownDefinition` if the fields are unknown, so that nothing is serialized."""
@@ -129,6 +134,10 @@ class CheckedType:
         return self.codecs.cbor.of(self.name).encode
 
     @cached_property
+    def long_integers(self) -> Convert | None:
+        return self.codecs.long_integers.of(self.name)
+
+    @cached_property
     def _serializer(self) -> Serializer:
         return self.codecs.serializers.of(self.name)
 
@@ -162,6 +171,7 @@ class UncheckedType:
     codecs: Codecs | None = None
     sequenced = False
     has_floats = True
+    long_integers: Convert | None = None
     md5sum: str | None = None
 
     def __init__(self, name: str, fault: str = "") -> None:
@@ -265,6 +275,7 @@ class Codecs:
         self.validators = Validators(definitions, now, lenient=True)
         self.cbor = CborEncoders(definitions)
         self.serializers = Serializers(definitions)
+        self.long_integers = LongIntegers(definitions)
         self._messages: dict[str, CheckedType] = {}
         self._services: dict[str, ServiceType] = {}
         self._actions: dict[str, ActionType] = {}

@@ -35,12 +35,14 @@ class Encoding(NamedTuple):
 
     ``compression`` is one of `COMPRESSIONS`, or `ROS1` on connections of ``fibws.v1``.
     ``fragment_size`` is the most characters of a text in one piece. ``headers`` adds connection
-    headers, in JSON and `ROS1` only; JSON then has infinity as a number, too.
+    headers, in JSON and `ROS1` only; JSON then has infinity as a number, too. ``strings`` makes
+    64-bit integers strings, in JSON only.
     """
 
     compression: str = "none"
     fragment_size: int | None = None
     headers: bool = False
+    strings: bool = False
 
     @classmethod
     def merged(cls, requests: Collection[Subscribe]) -> Encoding:
@@ -52,7 +54,8 @@ class Encoding(NamedTuple):
         sizes = [each.fragment_size for each in requests if each.fragment_size is not None]
         is_text = compression in ("png", "none")  # Only texts can be sent in pieces.
         headers = compression in ("none", ROS1) and any(each.headers for each in requests)
-        return cls(compression, min(sizes, default=None) if is_text else None, headers)
+        strings = compression == "none" and any(each.int64 for each in requests)
+        return cls(compression, min(sizes, default=None) if is_text else None, headers, strings)
 
     @property
     def needs_definition(self) -> bool:
@@ -67,7 +70,7 @@ class Encoding(NamedTuple):
             return _cbor(spelling, Publication.cbor)
         if self.compression == "cbor-raw":
             return _cbor(spelling, _raw)
-        if self.compression == "none" and self.fragment_size is None and not self.headers:
+        if self == PLAIN:
             return _json(spelling)
         return _text(spelling, self)
 
@@ -92,7 +95,12 @@ def text_frames(text: bytes, fragment_size: int | None, new_id: Callable[[], str
 
 
 def _is_plain(request: Subscribe) -> bool:
-    return request.compression == "none" and request.fragment_size is None and not request.headers
+    return (
+        request.compression == "none"
+        and request.fragment_size is None
+        and not request.headers
+        and request.int64 is None
+    )
 
 
 def _serialized(topic: Topic, *, headers: bool) -> EncodeFrame:
@@ -126,10 +134,13 @@ def _text(spelling: str, encoding: Encoding) -> EncodeFrame:
     def encode_frame(publication: Publication) -> bytes:
         if encoding.compression == "png":
             text = publication.cached(before, lambda: _png(before, publication))
-        elif encoding.headers:
-            text = b'%b%b,"header":%b}' % (before, publication.exact_json(), publication.header)
         else:
-            text = b"%b%b}" % (before, publication.json())
+            if encoding.strings:
+                message = publication.json_with_strings(exact=encoding.headers)
+            else:
+                message = publication.exact_json() if encoding.headers else publication.json()
+            header = b',"header":%b' % publication.header if encoding.headers else b""
+            text = b"%b%b%b}" % (before, message, header)
         return text_frames(text, encoding.fragment_size, new_id)
 
     return encode_frame

@@ -104,6 +104,7 @@ KINDS = {
     "timeout": Kind(ABSENT | FINITE, "what is not above 0 counts as absent"),
     "fragment_size": Kind(ABSENT | INTEGERS, "what is not above 0 counts as absent"),
     "compression": Kind(ABSENT | TEXTS, "unknown compressions count as none"),
+    "int64": Kind(ABSENT, "there is one spelling"),
     "status": Kind(ABSENT | {"five", "zero", "minus zero"}, "there are those from 0 to 6"),
     "level": Kind(set(), "there are four"),
     "msg": Kind(ABSENT | {"empty object"}, "None stands for the default", "std_msgs/Int32"),

@@ -87,6 +87,11 @@ def reassembled(found: list[tuple[int, bytes]], size: int) -> tuple[bytes, list[
         ([{"headers": True, "fragment_size": 100}, {}], Encoding("none", 100, True)),
         ([{"headers": True, "compression": "png"}], Encoding("png")),
         ([{"headers": True}, {"compression": "cbor"}], Encoding("cbor")),
+        ([{"int64": "string"}, {}], Encoding(strings=True)),
+        ([{"int64": "string"}, {"headers": True}], Encoding(headers=True, strings=True)),
+        ([{"int64": "string", "fragment_size": 9}], Encoding("none", 9, strings=True)),
+        ([{"int64": "string", "compression": "png"}], Encoding("png")),
+        ([{"int64": "string"}, {"compression": "cbor"}], Encoding("cbor")),
     ],
 )
 def test_merged_requests_get_the_strongest_compression_and_smallest_fragments(
