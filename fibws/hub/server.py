@@ -23,6 +23,7 @@ from fibws.hub.graph.topic import SinkReport
 from fibws.hub.rosapi.nodes import OWN_NODES, OwnNodes
 from fibws.hub.rosbridge.session import Rosbridge
 from fibws.hub.settings import Settings
+from fibws.hub.threads import Threads
 from fibws.hub.websocket.connection import Connection, Shared
 from fibws.hub.websocket.endpoint import Endpoints
 from fibws.hub.websocket.http import HttpRequests, read_files
@@ -67,6 +68,7 @@ class Hub:
         self._own: OwnNodes
         self._shared: Shared
         self._sweeper: asyncio.TimerHandle
+        self._threads: Threads
         self._started = 0.0
         self._closing = False
         self._dropped = 0
@@ -95,12 +97,15 @@ class Hub:
         except FibwsError:  # The parameters may have no room for even the first ones.
             self._server.close()
             raise
+        self._threads = Threads(loop)
         rosbridge = Rosbridge(self.graph, loop, self.settings)
         self.endpoints = Endpoints(rosbridge.open)
         self.endpoints.add(partial(rosbridge.open, serialized=True), subprotocol=SUBPROTOCOL)
         requests = HttpRequests(self.settings, read_files(), OWN_NODES)
         requests.add("/healthz", lambda: to_json(self.health()), "application/json")
-        flusher = Flusher(loop.call_soon, max_unwritten=_max_unwritten(self.settings))
+        flusher = Flusher(
+            loop.call_soon, self._threads, max_unwritten=_max_unwritten(self.settings)
+        )
         self._shared = Shared(
             settings=self.settings,
             http=requests,
@@ -144,6 +149,7 @@ class Hub:
                 connection.abort()
             await self._empty.wait()
         self._own.close()
+        await self._threads.close()
         await self._server.wait_closed()
 
     def health(self) -> dict[str, object]:

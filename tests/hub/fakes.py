@@ -10,6 +10,7 @@ from typing import Any
 
 import cbor2
 
+from fibws.hub.delivery.deferred import DeferredFrame
 from fibws.hub.delivery.send_queue import Bytes, Flusher, Frame, LargeFrame, SendQueue
 from fibws.hub.graph.graph import Graph, Policy
 from fibws.hub.rosbridge.session import Rosbridge, Session
@@ -89,6 +90,10 @@ class FakeClock:
 
 def frames(data: Frame) -> Iterator[tuple[int, bytes]]:
     """Split unmasked WebSocket frames, each a whole message, into first bytes and payloads."""
+    if isinstance(data, DeferredFrame):
+        assert data.make()
+        assert data.data is not None
+        data = data.data
     if isinstance(data, LargeFrame):
         data = b"".join((data.head, data.body))
     while data:

@@ -7,17 +7,18 @@ from typing import Any
 import pytest
 
 from fibws.interfaces import Interfaces, Validators
+from fibws.interfaces.client_definitions import ClientDefinitions
 from fibws.interfaces.long_integers import LongIntegers
 
-INTERFACES = Interfaces()
 SEPARATOR = "\n" + "=" * 80 + "\nMSG: "
-INTERFACES.learn(
-    "my_msgs/Outer",
+TEXT = (
     f"Inner one\nInner[] many\nInner[1] fixed\nint32 small{SEPARATOR}"
     "my_msgs/Inner\nint64 signed\nuint64[] unsigned\ntime stamp\nfloat64 real",
 )
-LONG = LongIntegers(INTERFACES)
-VALIDATE = Validators(INTERFACES, lambda: 0).of("my_msgs/Outer").validate
+DEFINITIONS = ClientDefinitions(Interfaces()).read("msg", "my_msgs/Outer", TEXT, "/client")
+assert DEFINITIONS is not None
+LONG = LongIntegers(DEFINITIONS)
+VALIDATE = Validators(DEFINITIONS, lambda: 0).of("my_msgs/Outer").validate
 
 
 def inner(number: Any, numbers: list[Any]) -> dict[str, Any]:
@@ -42,7 +43,7 @@ def test_what_comes_back_is_the_same_message() -> None:
     convert = LONG.of("my_msgs/Outer")
     assert convert is not None
     message = VALIDATE(outer(-(2**63), [0, 2**64 - 1]))
-    lenient = Validators(INTERFACES, lambda: 0, lenient=True).of("my_msgs/Outer")
+    lenient = Validators(DEFINITIONS, lambda: 0, lenient=True).of("my_msgs/Outer")
     assert lenient.validate(convert(message)) == message
 
 

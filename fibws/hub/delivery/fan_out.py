@@ -7,7 +7,7 @@ from typing import Generic, TypeVar
 
 from fibws.hub.delivery.clock import Clock
 from fibws.hub.delivery.cohort import Cohort, M, Throttling
-from fibws.hub.delivery.send_queue import Flusher, Frame
+from fibws.hub.delivery.send_queue import Broadcast, Flusher, Frame
 from fibws.hub.delivery.throttle import Throttle
 
 T = TypeVar("T")
@@ -20,13 +20,21 @@ class FanOut(Generic[T, M]):
     Args:
         encode: makes the frame.
         flusher: that of the members' send queues.
+        deferred: whether it makes deferred frames.
     """
 
-    __slots__ = ("_clock", "_direct", "_flusher", "_offered", "_throttles", "encode")
+    __slots__ = ("_broadcast", "_clock", "_direct", "_offered", "_throttles", "encode")
 
-    def __init__(self, encode: Callable[[T], Frame], flusher: Flusher, clock: Clock) -> None:
+    def __init__(
+        self,
+        encode: Callable[[T], Frame],
+        flusher: Flusher,
+        clock: Clock,
+        *,
+        deferred: bool = False,
+    ) -> None:
         self.encode = encode
-        self._flusher = flusher
+        self._broadcast: Broadcast = flusher.broadcast_deferred if deferred else flusher.broadcast
         self._clock = clock
         self._direct: Cohort[M] = Cohort()
         """The members without a throttle."""
@@ -52,7 +60,7 @@ class FanOut(Generic[T, M]):
             return
         throttle = self._throttles.get(throttling)
         if throttle is None:
-            throttle = Throttle(throttling, self._flusher.broadcast, self._clock)
+            throttle = Throttle(throttling, self._broadcast, self._clock)
             self._throttles[throttling] = throttle
         throttle.add(member)
         member.throttled += member.sent - self._offered
@@ -80,7 +88,7 @@ class FanOut(Generic[T, M]):
         if direct.targets:
             frame = self.encode(publication)
             direct.sent += 1
-            self._flusher.broadcast(frame, direct.targets)
+            self._broadcast(frame, direct.targets)
         if self._throttles:
             now = self._clock.time()
             for throttle in self._throttles.values():

@@ -11,8 +11,9 @@ from __future__ import annotations
 import logging
 from collections import OrderedDict, deque
 from collections.abc import Callable, Iterable
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
+from fibws.hub.delivery.deferred import DeferredFrame, DeferredFrames, InlineWorkers, Workers
 from fibws.protocol.frame_queue import FrameQueue, Lane
 
 logger = logging.getLogger("fibws.hub")
@@ -50,11 +51,13 @@ class LargeFrame:
         return self._size
 
 
-Frame: TypeAlias = bytes | LargeFrame
+MadeFrame: TypeAlias = bytes | LargeFrame
 """A WebSocket frame, ready to be written."""
+Frame: TypeAlias = MadeFrame | DeferredFrame
+"""A frame that is ready, or is made when a client reads it."""
 
 
-def frame_of(head: bytes, body: Bytes) -> Frame:
+def frame_of(head: bytes, body: Bytes) -> MadeFrame:
     """Return a frame made of two pieces: joined, unless the second one is large."""
     return LargeFrame(head, body) if len(body) >= LARGE else b"".join((head, body))
 
@@ -71,6 +74,7 @@ class SendQueue:
 
     __slots__ = (
         "_broken",
+        "_deferred",
         "_fresh",
         "_kept",
         "_replies",
@@ -98,7 +102,7 @@ class SendQueue:
     ) -> None:
         self.flusher = flusher
         self.max_bytes = max_bytes
-        self.frames: list[Frame] = []
+        self.frames: list[MadeFrame] = []
         """Frames to be written at the end of the turn."""
         self.paused = False
         """Whether frames are kept rather than written."""
@@ -109,7 +113,7 @@ class SendQueue:
         self._write = write
         self._broken = broken
         self._socket_full = False
-        self._rest: deque[Frame | memoryview] = deque()
+        self._rest: deque[MadeFrame | memoryview] = deque()
         """The rest of what filled the socket, and the frames behind it."""
         self._rest_bytes = 0
         self._unwritten = 0
@@ -117,12 +121,15 @@ class SendQueue:
         self._replies: deque[bytes] = deque()
         self._fresh: OrderedDict[Callable[[], bytes], None] | None = None
         self._reply_bytes = 0
-        self._kept: FrameQueue[Lane, Frame] | None = None
+        self._kept: FrameQueue[Lane, MadeFrame] | None = None
+        self._deferred: DeferredFrames | None = None
 
     @property
     def kept_bytes(self) -> int:
         """Bytes that are kept until the client reads, or until a throttle lets them pass."""
         messages = self._kept.size if self._kept is not None else 0
+        if self._deferred is not None:
+            messages += self._deferred.size
         started = self._unwritten + self._rest_bytes
         return messages + self._reply_bytes + started + self.throttled_bytes
 
@@ -142,7 +149,9 @@ class SendQueue:
 
     def put(self, frame: Frame, lane: Lane) -> None:
         """Send a message's frame, or keep it in its subscription's lane while paused."""
-        if self.paused:
+        if isinstance(frame, DeferredFrame):
+            self._defer(frame, lane)
+        elif self.paused:
             self.keep(frame, lane)
         else:
             self._send(frame)
@@ -170,7 +179,7 @@ class SendQueue:
         elif frame := make():
             self._send(frame)
 
-    def keep(self, frame: Frame, lane: Lane) -> None:
+    def keep(self, frame: MadeFrame, lane: Lane) -> None:
         """Keep a message's frame until the client reads again; drop older ones beyond limits."""
         kept = self._kept
         if kept is None:
@@ -189,11 +198,28 @@ class SendQueue:
             _, oldest = next(iter(kept))
             assert oldest is not None
             self.dropped += kept.trim(oldest, len(oldest.waiting) - 1)
+        if self._deferred is not None and self.exceeded:
+            self._deferred.make_room()
+
+    def _defer(self, frame: DeferredFrame, lane: Lane) -> None:
+        """Send a frame once it is made; newer ones replace it before if there is no room."""
+        if self._deferred is None:
+            self._deferred = DeferredFrames(self, self.flusher.workers)
+        self._deferred.put(frame, lane)
+        if self._kept is not None:
+            room = max(1, lane.limit) - self._deferred.count(lane)
+            self.dropped += self._kept.trim(lane, max(0, room))
 
     def forget(self, lane: Lane) -> None:
         """Remove what is kept for a subscription that has ended."""
+        self.forget_deferred(lane)
         if self._kept is not None:
             self._kept.forget(lane)
+
+    def forget_deferred(self, lane: Lane) -> None:
+        """Remove what has not been made for a subscription that changes its encoding."""
+        if self._deferred is not None:
+            self._deferred.forget(lane)
 
     def pause(self) -> None:
         """Keep frames from now on: the client's socket takes no more."""
@@ -207,11 +233,15 @@ class SendQueue:
             self._write_rest()
             if self._socket_full:
                 return
+        if self._deferred is not None:
+            self._deferred.keep_made()
         self.paused = False
         self._unwritten = 0
         self._refill()
         if self.frames and not self.paused:
             self.flusher.add(self)
+        if self._deferred is not None and not self.paused:
+            self._deferred.resume()
 
     def flush(self) -> None:
         """Write the frames of this turn, unless paused."""
@@ -227,7 +257,7 @@ class SendQueue:
             # uvloop raises where asyncio does not; the publisher must not pay for it.
             self.cut_off()
 
-    def write_all(self, frames: Iterable[Frame]) -> None:
+    def write_all(self, frames: Iterable[MadeFrame]) -> None:
         """Write frames in order, in pieces that the socket takes; the rest may not be dropped."""
         self._rest += frames
         self._rest_bytes = sum(map(len, self._rest))
@@ -295,8 +325,10 @@ class SendQueue:
         self._reply_bytes = 0
         if self._kept is not None:
             self._kept.clear()
+        if self._deferred is not None:
+            self._deferred.clear()
 
-    def _send(self, frame: Frame) -> None:
+    def _send(self, frame: MadeFrame) -> None:
         if not self.frames:
             self.flusher.add(self)
         self.frames.append(frame)
@@ -322,7 +354,7 @@ class SendQueue:
         self._fresh = None
         self._kept = None
 
-    def _pop(self) -> Frame | None:
+    def _pop(self) -> MadeFrame | None:
         """Remove and return what is to be written next; None if nothing is."""
         if self._replies:
             reply = self._replies.popleft()
@@ -350,15 +382,18 @@ class Flusher:
 
     Args:
         call_soon: calls a function at the end of the turn.
+        workers: make deferred frames.
         max_unwritten: most bytes that may wait for that in all queues together.
     """
 
     def __init__(
         self,
         call_soon: Callable[[Callable[[], None]], object],
+        workers: Workers | None = None,
         *,
         max_unwritten: int = MOST_UNWRITTEN,
     ) -> None:
+        self.workers: Workers = workers or InlineWorkers()
         self._call_soon = call_soon
         self._max_unwritten = max_unwritten
         self._due: list[SendQueue] = []
@@ -383,7 +418,7 @@ class Flusher:
         if self._bytes > self._max_unwritten:
             self.flush()
 
-    def broadcast(self, frame: Frame, targets: dict[SendQueue, Lane]) -> None:
+    def broadcast(self, frame: MadeFrame, targets: dict[SendQueue, Lane]) -> None:
         """Put one frame into many queues, as `SendQueue.put` does for each: the hub's inner loop.
 
         Args:
@@ -402,6 +437,11 @@ class Flusher:
         if self._bytes > self._max_unwritten:
             self.flush()
 
+    def broadcast_deferred(self, frame: DeferredFrame, targets: dict[SendQueue, Lane]) -> None:
+        """Put one deferred frame into many queues."""
+        for queue, lane in targets.items():
+            queue.put(frame, lane)
+
     def flush(self) -> None:
         """Write what is due.
 
@@ -415,8 +455,8 @@ class Flusher:
                 logger.exception("What was to be sent at the end of a turn failed.")
         due, self._due = self._due, []
         self._bytes = 0
-        last: list[Frame] = []
-        pieces: list[Frame] = []
+        last: list[MadeFrame] = []
+        pieces: list[MadeFrame] = []
         joined = b""
         for queue in due:
             if queue.paused:
@@ -439,9 +479,13 @@ class Flusher:
                 queue.cut_off()
 
 
-def _joined(frames: list[Frame]) -> bytes:
+def _joined(frames: list[MadeFrame]) -> bytes:
     """Return the frames as one piece; nothing if one of them is large."""
     try:
         return b"".join(frames)  # type: ignore[arg-type]  # A large one raises.
     except TypeError:
         return b""
+
+
+Broadcast: TypeAlias = Callable[[Any, dict[SendQueue, Lane]], object]
+"""Puts frames of one kind into many queues: a method of `Flusher`."""

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections import OrderedDict, deque
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from itertools import chain, islice
 from math import inf
 from typing import Generic
 
 from fibws.hub.delivery.clock import Clock, Timer
 from fibws.hub.delivery.cohort import Cohort, M, Throttling
-from fibws.hub.delivery.send_queue import Frame, SendQueue
-from fibws.protocol.frame_queue import Lane
+from fibws.hub.delivery.send_queue import Broadcast, Frame, SendQueue
 
 EARLY = 0.001
 """Seconds by which a message may come early: timers are no finer than a millisecond."""
@@ -54,7 +53,7 @@ class Throttle(Generic[M]):
     def __init__(
         self,
         throttling: Throttling,
-        broadcast: Callable[[Frame, dict[SendQueue, Lane]], None],
+        broadcast: Broadcast,
         clock: Clock,
     ) -> None:
         self.wants_from = inf

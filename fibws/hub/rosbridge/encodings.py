@@ -13,6 +13,7 @@ from typing import NamedTuple, TypeAlias
 import cbor2
 from pydantic_core import to_json
 
+from fibws.hub.delivery.deferred import DeferredFrame
 from fibws.hub.delivery.send_queue import Frame, frame_of
 from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.topic import Topic
@@ -62,14 +63,27 @@ class Encoding(NamedTuple):
         """Whether messages can be encoded only if the fields of their type are known."""
         return self.compression in (ROS1, "cbor-raw")
 
-    def for_topic(self, topic: Topic, spelling: str) -> EncodeFrame:
-        """Return what encodes the messages of a topic, whose name the client spells so."""
+    @property
+    def is_deferred(self) -> bool:
+        """Whether it takes so long that frames are made when a client reads them."""
+        return self.compression == "png"
+
+    def for_topic(
+        self, topic: Topic, spelling: str, failed: Callable[[Exception], object]
+    ) -> EncodeFrame:
+        """Return what encodes the messages of a topic, whose name the client spells so.
+
+        Args:
+            failed: is called with what is raised while a deferred frame is made.
+        """
         if self.compression == ROS1:
             return _serialized(topic, headers=self.headers)
         if self.compression == "cbor":
             return _cbor(spelling, Publication.cbor)
         if self.compression == "cbor-raw":
             return _cbor(spelling, _raw)
+        if self.compression == "png":
+            return _png(spelling, self.fragment_size, failed)
         if self == PLAIN:
             return _json(spelling)
         return _text(spelling, self)
@@ -126,21 +140,15 @@ def _json(spelling: str) -> EncodeFrame:
 
 def _text(spelling: str, encoding: Encoding) -> EncodeFrame:
     before = _before(spelling)
-    numbers = count(1)
-
-    def new_id() -> str:
-        return f"publish:{spelling}:{next(numbers)}"
+    new_id = _fragment_ids(spelling)
 
     def encode_frame(publication: Publication) -> bytes:
-        if encoding.compression == "png":
-            text = publication.cached(before, lambda: _png(before, publication))
+        if encoding.strings:
+            message = publication.json_with_strings(exact=encoding.headers)
         else:
-            if encoding.strings:
-                message = publication.json_with_strings(exact=encoding.headers)
-            else:
-                message = publication.exact_json() if encoding.headers else publication.json()
-            header = b',"header":%b' % publication.header if encoding.headers else b""
-            text = b"%b%b%b}" % (before, message, header)
+            message = publication.exact_json() if encoding.headers else publication.json()
+        header = b',"header":%b' % publication.header if encoding.headers else b""
+        text = b"%b%b%b}" % (before, message, header)
         return text_frames(text, encoding.fragment_size, new_id)
 
     return encode_frame
@@ -177,9 +185,26 @@ def _byte_string_head(size: int) -> bytes:
     return bytes((0x58 + exponent,)) + size.to_bytes(1 << exponent, "big")
 
 
-def _png(before: bytes, publication: Publication) -> bytes:
-    """Return the text of a png operation with the publish operation that begins so."""
-    return encode(Png(data=encode_png(b"%b%b}" % (before, publication.json()))))
+def _png(
+    spelling: str, fragment_size: int | None, failed: Callable[[Exception], object]
+) -> EncodeFrame:
+    before = _before(spelling)
+    key = "png", spelling, fragment_size
+    new_id = _fragment_ids(spelling)
+
+    def make(text: bytes) -> bytes:
+        png = encode_png(b"%b%b}" % (before, text))
+        return text_frames(encode(Png(data=png)), fragment_size, new_id)
+
+    def encode_frame(publication: Publication) -> DeferredFrame:
+        return publication.cached(key, lambda: DeferredFrame(publication.json(), make, failed))
+
+    return encode_frame
+
+
+def _fragment_ids(spelling: str) -> Callable[[], str]:
+    numbers = count(1)
+    return lambda: f"publish:{spelling}:{next(numbers)}"
 
 
 def _before(spelling: str) -> bytes:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Iterable
+from functools import partial
 
 from fibws.errors import LimitReached, OperationError
 from fibws.hub.delivery.clock import Clock
@@ -45,7 +46,7 @@ class Group(FanOut[Publication, "Subscription"]):
         flusher: Flusher,
         clock: Clock,
     ) -> None:
-        super().__init__(encode, flusher, clock)
+        super().__init__(encode, flusher, clock, deferred=key[-1].is_deferred)
         self._key = key
         self._others = others
         self._failures = 0
@@ -303,7 +304,8 @@ class Subscription:
         key = (self.topic, "" if encoding.compression == ROS1 else self.spelling, encoding)
         group = self._groups.get(key)
         if group is None:
-            encode_frame = encoding.for_topic(self.topic, self.spelling)
+            failed = partial(_report_failure, self._groups, key)
+            encode_frame = encoding.for_topic(self.topic, self.spelling, failed)
             group = Group(key, self._groups, encode_frame, self.queue.flusher, self._clock)
         return group
 
@@ -327,6 +329,8 @@ class Subscription:
             return
         if self._group is not None:
             self._group.remove(self)
+        if group is not self._group:
+            self.queue.forget_deferred(self.lane)
         self.throttling = throttling
         self._group = group
         if group is not None:
@@ -346,3 +350,10 @@ class Subscription:
 def _names_fields(request: Subscribe) -> bool:
     """Return whether a request says which fields its type has, and not only what it is called."""
     return request.definition is not None or request.md5sum is not None
+
+
+def _report_failure(groups: Groups, key: GroupKey, fault: Exception) -> None:
+    """Report that a deferred frame of a group could not be made."""
+    group = groups.get(key)
+    if group is not None:
+        group.fail(fault, group.members())

@@ -1,0 +1,39 @@
+"""The hub's threads: they do what would keep the event loop from everything else."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+
+MOST_THREADS = 2
+"""Threads that work at once: a robot's computer has other things to do."""
+
+
+class Threads:
+    """`Workers` in threads of their own, which exist once there was work."""
+
+    def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
+        self._loop = loop
+        self._executor: ThreadPoolExecutor | None = None
+        self._is_closed = False
+
+    def run(self, work: Callable[[], object], done: Callable[[], object], /) -> None:
+        """Call ``work`` in a thread and then ``done`` in the event loop; not after `close`."""
+        if self._is_closed:
+            return
+        if self._executor is None:
+            self._executor = ThreadPoolExecutor(MOST_THREADS, "fibws-hub")
+        self._executor.submit(self._perform, work, done)
+
+    async def close(self) -> None:
+        """Forget the work that has not begun, and wait for the rest."""
+        self._is_closed = True
+        if self._executor is not None:
+            await asyncio.to_thread(self._executor.shutdown, cancel_futures=True)
+
+    def _perform(self, work: Callable[[], object], done: Callable[[], object]) -> None:
+        work()
+        with suppress(RuntimeError):  # The loop is closed.
+            self._loop.call_soon_threadsafe(done)
