@@ -7,16 +7,24 @@ from typing import Any
 import pytest
 
 from fibws.interfaces import Interfaces, Validators
+from fibws.interfaces.catalogue import Definitions
 from fibws.interfaces.client_definitions import ClientDefinitions
 from fibws.interfaces.long_integers import LongIntegers
 
 SEPARATOR = "\n" + "=" * 80 + "\nMSG: "
 TEXT = (
     f"Inner one\nInner[] many\nInner[1] fixed\nint32 small{SEPARATOR}"
-    "my_msgs/Inner\nint64 signed\nuint64[] unsigned\ntime stamp\nfloat64 real",
+    "my_msgs/Inner\nint64 signed\nuint64[] unsigned\ntime stamp\nfloat64 real"
 )
-DEFINITIONS = ClientDefinitions(Interfaces()).read("msg", "my_msgs/Outer", TEXT, "/client")
-assert DEFINITIONS is not None
+
+
+def learned() -> Definitions:
+    definition = ClientDefinitions(Interfaces()).read("msg", "my_msgs/Outer", TEXT, "/client")
+    assert definition is not None
+    return definition
+
+
+DEFINITIONS = learned()
 LONG = LongIntegers(DEFINITIONS)
 VALIDATE = Validators(DEFINITIONS, lambda: 0).of("my_msgs/Outer").validate
 
