@@ -21,8 +21,15 @@ from fibws.errors import FibwsError
 from fibws.hub.server import Hub
 from fibws.hub.settings import MIB, Settings
 
+try:
+    import resource
+except ImportError:  # Windows has no such limits.
+    resource = None  # type: ignore[assignment]
+
 logger = logging.getLogger("fibws.hub")
 
+OWN_FILES = 256
+"""Files that the hub may open besides its clients' connections."""
 
 _PATH: click.Path = click.Path(path_type=Path)
 
@@ -93,6 +100,7 @@ def command(**values: Any) -> None:
     _relax_collector()
     try:
         settings = Settings(**values)
+        _raise_file_limit(settings.max_connections + OWN_FILES)
         with asyncio.Runner(loop_factory=_loop_factory()) as runner:
             runner.run(_serve(settings))
     except FibwsError as error:
@@ -129,6 +137,19 @@ def _relax_collector() -> None:
     gc.collect()
     gc.freeze()
     gc.set_threshold(10_000)
+
+
+def _raise_file_limit(count: int) -> None:
+    """Allow the process that many open files, or as many as the system lets it have."""
+    if resource is None:
+        return  # type: ignore[unreachable]
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    if soft == resource.RLIM_INFINITY or soft >= count:
+        return
+    if hard != resource.RLIM_INFINITY:
+        count = min(count, hard)
+    with suppress(OSError, ValueError):  # macOS allows fewer than it says.
+        resource.setrlimit(resource.RLIMIT_NOFILE, (count, hard))
 
 
 def _loop_factory() -> Callable[[], asyncio.AbstractEventLoop] | None:

@@ -11,7 +11,7 @@ import uuid
 from collections.abc import Callable
 from functools import partial
 from types import TracebackType
-from typing import Self
+from typing import Any, Self, TypeAlias
 
 from pydantic_core import to_json
 
@@ -27,12 +27,15 @@ from fibws.hub.threads import Threads
 from fibws.hub.websocket.connection import Connection, Shared
 from fibws.hub.websocket.endpoint import Endpoints
 from fibws.hub.websocket.http import HttpRequests, read_files
+from fibws.hub.websocket.limits import Limits
 from fibws.hub.websocket.turns import Turns
 from fibws.interfaces import Interfaces
 from fibws.protocol.serialized import SUBPROTOCOL
 from fibws.protocol.websocket import SHUTDOWN
 
 logger = logging.getLogger("fibws.hub")
+
+ExceptionHandler: TypeAlias = Callable[[asyncio.AbstractEventLoop, dict[str, Any]], object]
 
 SWEEP_INTERVAL = 1.0
 BACKLOG = 1024
@@ -65,11 +68,14 @@ class Hub:
         """The protocols that clients may speak, once entered."""
         self._connections: set[Connection] = set()
         self._server: asyncio.Server
+        self._limits: Limits
         self._own: OwnNodes
         self._shared: Shared
         self._sweeper: asyncio.TimerHandle
         self._threads: Threads
         self._started = 0.0
+        self._handle_exception: ExceptionHandler | None = None
+        """What handled exceptions in the event loop before."""
         self._closing = False
         self._dropped = 0
         self._empty = asyncio.Event()
@@ -103,8 +109,12 @@ class Hub:
         self.endpoints.add(partial(rosbridge.open, serialized=True), subprotocol=SUBPROTOCOL)
         requests = HttpRequests(self.settings, read_files(), OWN_NODES)
         requests.add("/healthz", lambda: to_json(self.health()), "application/json")
+        self._limits = Limits(self.settings, self._connections, loop.call_soon)
         flusher = Flusher(
-            loop.call_soon, self._threads, max_unwritten=_max_unwritten(self.settings)
+            loop.call_soon,
+            self._threads,
+            growth=self._limits.queued,
+            max_unwritten=_max_unwritten(self.settings),
         )
         self._shared = Shared(
             settings=self.settings,
@@ -113,10 +123,13 @@ class Hub:
             loop=loop,
             flusher=flusher,
             turns=Turns(loop.call_later, flusher.flush),
+            limits=self._limits,
             observer=self,
         )
         self._warn_if_public()
         self._started = time.monotonic()
+        self._handle_exception = loop.get_exception_handler()
+        loop.set_exception_handler(self._on_exception)
         self._sweeper = loop.call_later(SWEEP_INTERVAL, self._sweep)
         await self._server.start_serving()
         return self
@@ -151,6 +164,9 @@ class Hub:
         self._own.close()
         await self._threads.close()
         await self._server.wait_closed()
+        loop = asyncio.get_running_loop()
+        if loop.get_exception_handler() == self._on_exception:
+            loop.set_exception_handler(self._handle_exception)
 
     def health(self) -> dict[str, object]:
         """Return what ``/healthz`` shows: counts, and the clients that read too slowly."""
@@ -160,6 +176,12 @@ class Hub:
             "version": __version__,
             "uptime_seconds": round(time.monotonic() - self._started, 3),
             "clients": len(open_),
+            "max_clients": self.settings.max_connections,
+            "refused": self._limits.refused,
+            "queued_bytes": self._limits.queued_bytes(),
+            "max_queued_bytes": self.settings.max_total_queued_bytes,
+            "incoming_bytes": self._limits.incoming_bytes(),
+            "max_incoming_bytes": self.settings.max_total_incoming_bytes,
             "topics": len(self.graph.topics),
             "dropped": self._dropped + sum(each.queue.dropped for each in open_),
             "slow_clients": [
@@ -209,6 +231,7 @@ class Hub:
 
     def connected(self, connection: Connection) -> None:
         """Add a client that has finished its handshake."""
+        self._limits.clients += 1
         self._own.connected(connection)
 
     def ponged(self, connection: Connection, data: bytes) -> None:
@@ -220,6 +243,7 @@ class Hub:
         self._connections.discard(connection)
         self._own.disconnected(connection)
         if connection.endpoint is not None:
+            self._limits.clients -= 1
             self._dropped += connection.queue.dropped
         if not self._connections:
             self._empty.set()
@@ -235,6 +259,21 @@ class Hub:
             except Exception:
                 # A fault at one client must not leave the others unwatched.
                 logger.exception("%s: the sweep failed.", connection.name)
+        self._limits.sweep()
+
+    def _on_exception(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
+        """Handle an exception in the event loop.
+
+        asyncio reports each accept() that fails, a thousand times a second while the limit of open
+        files is reached, and tries again after a second.
+        """
+        if "socket.accept()" in context["message"]:
+            if self._limits.accept_failed(context.get("exception")):
+                return
+        if self._handle_exception is not None:
+            self._handle_exception(loop, context)
+        else:
+            loop.default_exception_handler(context)
 
 
 def _reached_at(host: str) -> str:

@@ -50,6 +50,9 @@ class Settings:
         False,
         "Treat a service_response whose result is false as a failure even if it has values.",
     )
+    max_connections: int = _setting(
+        10_000, "Clients that may be connected at once; fewer if the limit of open files is lower."
+    )
     max_advertisements: int = _setting(
         5000, "Topics that one client may advertise; as many services and actions, too."
     )
@@ -59,11 +62,17 @@ class Settings:
     )
     max_goals: int = _setting(1000, "Goals of one client that may wait for a result at once.")
     max_queued_bytes: int = _setting(16 * MIB, "Bytes kept for one client that reads too slowly.")
+    max_total_queued_bytes: int = _setting(
+        512 * MIB, "Bytes kept for all clients that read too slowly together."
+    )
     max_latched_bytes: int = _setting(
         64 * MIB, "Bytes that the latched messages of one client may take together."
     )
     max_fragment_bytes: int = _setting(
         64 * MIB, "Bytes kept of incomplete fragmented messages of one client."
+    )
+    max_total_incoming_bytes: int = _setting(
+        512 * MIB, "Bytes kept of the incomplete messages of all clients together."
     )
     max_parameter_bytes: int = _setting(
         4 * MIB, "Bytes of JSON that all parameters may take together."

@@ -48,7 +48,8 @@ class Reassembly:
         self._max_messages = max_messages
         self._timeout = timeout
         self._messages: dict[str | int, _Message] = {}
-        self._size = 0
+        self.size = 0
+        """Bytes of all unfinished messages together."""
 
     def add(self, fragment: Fragment, now: float) -> str | None:
         """Add a piece; return the whole text if no piece is missing any more.
@@ -73,7 +74,7 @@ class Reassembly:
                 )
             size = len(str(fragment.id))
             message = self._messages[fragment.id] = _Message(fragment.total, now, size=size)
-            self._size += size
+            self.size += size
         if fragment.total != message.total:
             self._drop(fragment.id)
             raise OperationError(
@@ -83,8 +84,8 @@ class Reassembly:
             message.pieces[fragment.num] = fragment.data
             cost = len(fragment.data.encode()) + PIECE_COST
             message.size += cost
-            self._size += cost
-        if self._size > self._max_size:
+            self.size += cost
+        if self.size > self._max_size:
             self._drop(fragment.id)
             raise OperationError(
                 f"too many bytes in unfinished messages (limit {self._max_size}, "
@@ -102,4 +103,4 @@ class Reassembly:
             self._drop(id_)
 
     def _drop(self, id_: str | int) -> None:
-        self._size -= self._messages.pop(id_).size
+        self.size -= self._messages.pop(id_).size

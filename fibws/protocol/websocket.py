@@ -193,6 +193,11 @@ class FrameParser:
         self.paused = False
         """Whether what comes is kept until `resume`; stop reading the socket meanwhile."""
 
+    @property
+    def kept_bytes(self) -> int:
+        """Bytes that were received and not passed on."""
+        return len(self._tail) + self._filled
+
     def pause(self) -> None:
         """Pass on no frame until `resume`; callbacks may call this."""
         self.paused = True

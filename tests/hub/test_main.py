@@ -7,6 +7,7 @@ import gc
 import json
 import os
 import re
+import resource
 import select
 import signal
 import socket
@@ -14,13 +15,13 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
-from websockets.exceptions import ConnectionClosed
-from websockets.sync.client import connect
+from websockets.exceptions import ConnectionClosed, WebSocketException
+from websockets.sync.client import ClientConnection, connect
 from websockets.typing import Origin
 
 from fibws import __version__
@@ -120,6 +121,47 @@ def test_signal_right_after_the_first_line_is_not_lost() -> None:
             if process.poll() is None:
                 process.kill()
     assert (process.returncode, err) == (0, "")
+
+
+def test_as_many_files_as_there_may_be_connections_can_be_open() -> None:
+    limits = resource.getrlimit(resource.RLIMIT_NOFILE)
+    hard = limits[1]
+    resource.setrlimit(resource.RLIMIT_NOFILE, (200, hard))  # The hub's first, too.
+    try:
+        for most, expected in [(100, 356), (hard, hard)]:
+            with running("--port", "0", "--max-connections", str(most)) as hub:
+                hub.url()
+                soft, _ = resource.prlimit(hub.process.pid, resource.RLIMIT_NOFILE)
+            assert soft == expected
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, limits)
+
+
+@pytest.mark.parametrize("loop", ["asyncio", "uvloop"])
+def test_limit_of_open_files_is_logged_once_a_second(tmp_path: Path, loop: str) -> None:
+    paths = [os.getcwd()]
+    if loop == "asyncio":
+        (tmp_path / "uvloop.py").write_text("raise ImportError")
+        paths.insert(0, str(tmp_path))
+    with running("--port", "0", PYTHONPATH=os.pathsep.join(paths)) as hub:
+        port = int(hub.url().rpartition(":")[2])
+        resource.prlimit(hub.process.pid, resource.RLIMIT_NOFILE, (64, 64))
+        began = time.monotonic()
+        with ExitStack() as stack:
+            for _ in range(100):
+                stack.enter_context(socket.create_connection(("127.0.0.1", port)))
+            assert hub.process.stderr is not None
+            line = hub.process.stderr.readline()
+        with _connect_again(port) as websocket:
+            websocket.send("{}")
+            assert json.loads(websocket.recv(PATIENCE))["op"] == "status"
+        hub.process.terminate()
+        _, _, err = hub.end()
+        seconds = time.monotonic() - began
+    complaint = "Cannot accept more connections: the limit of 64 open files is reached (ulimit -n)."
+    assert complaint in line
+    assert err.count("Cannot accept more connections") <= seconds
+    assert "Traceback" not in err
 
 
 def test_port_in_use_is_one_line_and_exit_code_1() -> None:
@@ -237,6 +279,9 @@ def test_missing_or_binary_config_file_is_refused(tmp_path: Path) -> None:
         ["--nope"],
         ["--queue-length", "-1"],
         ["--max-queued-bytes", "-1"],
+        ["--max-connections", "-1"],
+        ["--max-total-queued-bytes", "-1"],
+        ["--max-total-incoming-bytes", "-1"],
         ["--max-message-size", "-1"],
         ["--stall-timeout", "-1"],
         ["--ping-interval", "nan"],
@@ -281,3 +326,14 @@ def _connect(port: int) -> None:
             time.sleep(0.01)
         else:
             return
+
+
+def _connect_again(port: int) -> ClientConnection:
+    """Open a WebSocket as soon as the hub has room for it."""
+    until = time.monotonic() + PATIENCE
+    while True:
+        try:
+            return connect(f"ws://127.0.0.1:{port}", open_timeout=PATIENCE)
+        except (OSError, WebSocketException):
+            assert time.monotonic() < until
+            time.sleep(0.05)

@@ -10,10 +10,12 @@ from __future__ import annotations
 
 import logging
 from collections import OrderedDict, deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from itertools import chain
 from typing import Any, TypeAlias
 
 from fibws.hub.delivery.deferred import DeferredFrame, DeferredFrames, InlineWorkers, Workers
+from fibws.hub.delivery.growth import Growth
 from fibws.protocol.frame_queue import FrameQueue, Lane
 
 logger = logging.getLogger("fibws.hub")
@@ -134,6 +136,19 @@ class SendQueue:
         return messages + self._reply_bytes + started + self.throttled_bytes
 
     @property
+    def own_bytes(self) -> int:
+        """Those of them that are not messages, which clients share."""
+        deferred = self._deferred.size if self._deferred is not None else 0
+        return self._reply_bytes + self.throttled_bytes + deferred
+
+    def buffers(self) -> Iterator[Any]:
+        """Yield what holds the messages that are kept; other clients may share them."""
+        kept = (frame for frame, _ in self._kept or ())
+        for piece in chain(kept, self.frames, self._rest):
+            view = piece.body if isinstance(piece, LargeFrame) else piece
+            yield view.obj if isinstance(view, memoryview) else view
+
+    @property
     def exceeded(self) -> bool:
         """Whether more is kept than allowed, so that messages must be dropped."""
         return self.kept_bytes > self.max_bytes
@@ -166,6 +181,7 @@ class SendQueue:
         elif not self.overfull:
             self._replies.append(frame)
             self._reply_bytes += len(frame)
+            self._grow(len(frame))
             self._make_room()
 
     def reply_fresh(self, make: Callable[[], bytes]) -> None:
@@ -185,6 +201,10 @@ class SendQueue:
         if kept is None:
             kept = self._kept = FrameQueue()
         kept.put(frame, lane)
+        growth = self.flusher.growth
+        growth.left -= len(frame)
+        if growth.left < 0:
+            growth.check()
         # The lane that exceeds a limit pays for it; its newest message is always kept.
         self.dropped += kept.trim(lane, max(1, lane.limit))
         while self.exceeded and len(lane.waiting) > 1:
@@ -193,22 +213,34 @@ class SendQueue:
 
     def _make_room(self) -> None:
         """Drop the oldest messages while more is kept than allowed, all but the newest one."""
+        self.shorten(self.max_bytes)
+        if self._deferred is not None and self.exceeded:
+            self._deferred.make_room()
+
+    def shorten(self, size: int, least: int = 1) -> None:
+        """Drop the oldest messages until ``size`` bytes are kept, or ``least`` messages."""
         kept = self._kept
-        while kept and len(kept) > 1 and self.exceeded:
+        while kept and len(kept) > least and self.kept_bytes > size:
             _, oldest = next(iter(kept))
             assert oldest is not None
             self.dropped += kept.trim(oldest, len(oldest.waiting) - 1)
-        if self._deferred is not None and self.exceeded:
-            self._deferred.make_room()
 
     def _defer(self, frame: DeferredFrame, lane: Lane) -> None:
         """Send a frame once it is made; newer ones replace it before if there is no room."""
         if self._deferred is None:
             self._deferred = DeferredFrames(self, self.flusher.workers)
+        self._grow(len(frame))
         self._deferred.put(frame, lane)
         if self._kept is not None:
             room = max(1, lane.limit) - self._deferred.count(lane)
             self.dropped += self._kept.trim(lane, max(0, room))
+
+    def _grow(self, size: int) -> None:
+        """Report bytes that are kept from now on, and may not be dropped."""
+        growth = self.flusher.growth
+        growth.left -= size
+        if growth.left < 0:
+            growth.check()
 
     def forget(self, lane: Lane) -> None:
         """Remove what is kept for a subscription that has ended."""
@@ -262,6 +294,8 @@ class SendQueue:
         self._rest += frames
         self._rest_bytes = sum(map(len, self._rest))
         self._write_rest()
+        if self._rest:
+            self._grow(self._rest_bytes)
 
     def _write_rest(self) -> None:
         """Write until the socket is full: small frames together, large ones without a copy."""
@@ -383,6 +417,7 @@ class Flusher:
     Args:
         call_soon: calls a function at the end of the turn.
         workers: make deferred frames.
+        growth: is told of the bytes that the queues keep.
         max_unwritten: most bytes that may wait for that in all queues together.
     """
 
@@ -391,9 +426,11 @@ class Flusher:
         call_soon: Callable[[Callable[[], None]], object],
         workers: Workers | None = None,
         *,
+        growth: Growth | None = None,
         max_unwritten: int = MOST_UNWRITTEN,
     ) -> None:
         self.workers: Workers = workers or InlineWorkers()
+        self.growth = growth or Growth()
         self._call_soon = call_soon
         self._max_unwritten = max_unwritten
         self._due: list[SendQueue] = []

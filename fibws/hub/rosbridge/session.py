@@ -158,6 +158,11 @@ class Session:
 
     # As an endpoint.
 
+    @property
+    def incomplete_bytes(self) -> int:
+        """Bytes that are kept of fragments."""
+        return self._reassembly.size if self._reassembly is not None else 0
+
     def receive_text(self, data: Payload) -> None:
         """Perform what a text asks for; what is wrong with it is answered by a status.
 

@@ -18,7 +18,7 @@ from time import perf_counter
 from typing import Protocol, cast
 
 from websockets.frames import Frame, Opcode
-from websockets.http11 import Request
+from websockets.http11 import Request, Response
 from websockets.protocol import State
 from websockets.server import ServerProtocol
 
@@ -27,8 +27,9 @@ from fibws.hub.delivery.send_queue import Flusher, SendQueue
 from fibws.hub.log_text import printable
 from fibws.hub.settings import KIB, Settings
 from fibws.hub.websocket.endpoint import Endpoint, Endpoints, Opening
-from fibws.hub.websocket.http import HttpRequests, node_name
+from fibws.hub.websocket.http import HttpRequests, node_name, text_response
 from fibws.hub.websocket.keepalive import Keepalive
+from fibws.hub.websocket.limits import Limits
 from fibws.hub.websocket.turns import TURN, Turns
 from fibws.protocol.websocket import (
     FRAGMENTS,
@@ -66,6 +67,7 @@ class Shared:
     loop: asyncio.AbstractEventLoop
     flusher: Flusher
     turns: Turns
+    limits: Limits
     observer: Observer
     small: memoryview = field(default_factory=lambda: memoryview(bytearray(16 * KIB)))
     medium: memoryview = field(default_factory=lambda: memoryview(bytearray(256 * KIB)))
@@ -153,6 +155,19 @@ class Connection(asyncio.BufferedProtocol):
         """How the log calls the client: its node, or its address during the handshake."""
         return self.endpoint.node if self.endpoint is not None else self.peer
 
+    @property
+    def is_open(self) -> bool:
+        """Whether the handshake is done, and the connection is not lost."""
+        return self.endpoint is not None
+
+    @property
+    def incoming_bytes(self) -> int:
+        """Bytes that are kept of messages that came in part."""
+        size = len(self._protocol.reader.buffer) + sum(map(len, self._fragments))
+        if self.endpoint is not None:
+            size += self._parser.kept_bytes + self.endpoint.incomplete_bytes
+        return size
+
     # What asyncio calls.
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
@@ -167,6 +182,8 @@ class Connection(asyncio.BufferedProtocol):
         self.address = sys.intern(peer[0]) if peer else "unknown"
         self.peer = f"{peer[0]}:{peer[1]}" if peer else "unknown"
         self._shared.observer.opened(self)
+        if not self._shared.limits.admit(sock.fileno()):
+            transport.abort()
 
     def get_buffer(self, sizehint: int) -> memoryview:
         if self._head is None:
@@ -178,7 +195,11 @@ class Connection(asyncio.BufferedProtocol):
         return self._shared.small
 
     def buffer_updated(self, nbytes: int) -> None:
-        turns = self._shared.turns
+        shared = self._shared
+        turns, incoming = shared.turns, shared.limits.incoming
+        incoming.left -= nbytes
+        if incoming.left < 0:
+            incoming.check()
         turns.began = began = perf_counter()
         full = False
         if self._head is None:
@@ -193,7 +214,7 @@ class Connection(asyncio.BufferedProtocol):
                 parser.receive(bytes(buffer[:nbytes]))
             held = parser.paused
         else:
-            buffer = self._shared.small
+            buffer = shared.small
             full = nbytes == len(buffer)
             self._shake_hands(bytes(buffer[:nbytes]))
             held = self._is_held()
@@ -201,7 +222,7 @@ class Connection(asyncio.BufferedProtocol):
         if self._busy:
             self._wait()
         if self.endpoint is not None and self.queue.paused and self.queue.overfull:
-            self._fail(OVERFULL)
+            self.fail(OVERFULL)
 
     def eof_received(self) -> bool:
         if self._head is None:
@@ -252,7 +273,7 @@ class Connection(asyncio.BufferedProtocol):
         if self._is_held():
             self._parser.resume()
             if self.endpoint is not None and self.queue.paused and self.queue.overfull:
-                self._fail(OVERFULL)
+                self.fail(OVERFULL)
         if self._is_held():
             self._wait()
         elif not self._transport.is_closing():
@@ -292,7 +313,7 @@ class Connection(asyncio.BufferedProtocol):
 
     def _on_request(self, request: Request) -> None:
         shared = self._shared
-        response = shared.http.respond(request) or self._protocol.accept(request)
+        response = shared.http.respond(request) or self._refuse() or self._protocol.accept(request)
         self._protocol.send_response(response)
         if response.status_code == http.HTTPStatus.FORBIDDEN:
             # A browser does not show its page why it was refused.
@@ -310,6 +331,14 @@ class Connection(asyncio.BufferedProtocol):
         self._keepalive.opened()
         shared.observer.connected(self)
         logger.info("%s has connected from %s.", self.endpoint.node, self.peer)
+
+    def _refuse(self) -> Response | None:
+        """Return the response to a client for which there is no room."""
+        descriptor = self._transport.get_extra_info("socket").fileno()
+        refusal = self._shared.limits.refusal(descriptor)
+        if refusal is None:
+            return None
+        return text_response(http.HTTPStatus.SERVICE_UNAVAILABLE, refusal)
 
     # Reading.
 
@@ -343,7 +372,7 @@ class Connection(asyncio.BufferedProtocol):
         if self._left:
             return
         if len(self._fragments) == MAX_FRAGMENTS:
-            self._fail(FRAGMENTS)
+            self.fail(FRAGMENTS)
             return
         if frame.opcode is not Opcode.CONT:
             self._binary = frame.opcode is Opcode.BINARY
@@ -359,7 +388,7 @@ class Connection(asyncio.BufferedProtocol):
         try:
             self.endpoint.receive_text(text)
         except InvalidUtf8:
-            self._fail(INVALID_UTF8)
+            self.fail(INVALID_UTF8)
         except Exception:
             # An exception here would end the connection of a client that did nothing wrong.
             logger.exception("%s: an operation failed.", self.name)
@@ -383,7 +412,10 @@ class Connection(asyncio.BufferedProtocol):
                     self.queue.write_control(data)
                 self._count_pongs(len(data))
             else:
-                self._transport.write_eof()
+                try:
+                    self._transport.write_eof()
+                except OSError:  # The client has reset the connection meanwhile.
+                    self._transport.abort()
                 self._keepalive.closing(self._shared.loop.time())
 
     def _count_pongs(self, size: int) -> None:
@@ -415,7 +447,7 @@ class Connection(asyncio.BufferedProtocol):
         """Cut the connection off."""
         self._transport.abort()
 
-    def _fail(self, reason: CloseReason) -> None:
+    def fail(self, reason: CloseReason) -> None:
         """Close because of what the client did or did not do."""
         if self._protocol.state is not State.OPEN:
             return
@@ -463,7 +495,7 @@ class Connection(asyncio.BufferedProtocol):
         if self.endpoint is not None:
             self._report_drops(now)
             if self.queue.overfull:
-                self._fail(OVERFULL)
+                self.fail(OVERFULL)
         verdict = self._keepalive.verdict(now, self._transport.get_write_buffer_size())
         if verdict == "abort":
             self._transport.abort()
@@ -471,7 +503,7 @@ class Connection(asyncio.BufferedProtocol):
             self._protocol.send_ping(b"")
             self._send()
         elif verdict is not None:
-            self._fail(verdict)
+            self.fail(verdict)
 
     def _report_drops(self, now: float) -> None:
         new = self.queue.dropped - self._reported

@@ -24,6 +24,10 @@ class Endpoint(Protocol):
     def node(self) -> str:
         """The global name of the client's node."""
 
+    @property
+    def incomplete_bytes(self) -> int:
+        """Bytes that are kept of messages that the endpoint puts together."""
+
     def receive_text(self, data: Payload) -> None:
         """Take a text message; raise `InvalidUtf8` to have the connection closed."""
 

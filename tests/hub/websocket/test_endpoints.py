@@ -24,6 +24,8 @@ pytestmark = pytest.mark.both_loops
 class Echo:
     """Sends every message back; ``close`` ends the connection. It is a node of the graph."""
 
+    incomplete_bytes = 0
+
     def __init__(self, hub: Hub, opening: Opening) -> None:
         self._hub = hub
         self._opening = opening

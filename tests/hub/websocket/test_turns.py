@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import errno
 import time
 from collections.abc import Callable
 from contextlib import AsyncExitStack
@@ -176,6 +177,8 @@ def test_fault_at_one_connection_cuts_off_only_that_one(faults: Faults) -> None:
 class Slow:
     """An endpoint that takes a while for each text, and keeps the texts' last bytes."""
 
+    incomplete_bytes = 0
+
     def __init__(self, seconds: float) -> None:
         self.received: list[bytes] = []
         self.left = 0
@@ -256,6 +259,22 @@ async def test_clients_that_leave_while_they_wait_are_forgotten(hub: Hub) -> Non
         await witness.is_processed()
     assert [each.left for each in endpoints] == [1, 1]
     assert len(endpoints[1].received) == 500  # It closed in good order behind its messages.
+
+
+async def test_client_that_resets_while_its_close_waits_is_no_error(
+    hub: Hub, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail() -> None:
+        raise OSError(errno.ENOTCONN, "Transport endpoint is not connected")
+
+    endpoint = slow(hub)
+    async with connected(hub.port, "/slow") as client:
+        await client.send(texts(20) + frame(CLOSE))
+        await until(lambda: endpoint.received)
+        (connection,) = hub._connections
+        monkeypatch.setattr(connection._transport, "write_eof", fail)
+        await until(lambda: not hub._connections)
+    assert endpoint.left == 1
 
 
 @both_loops

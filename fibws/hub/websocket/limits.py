@@ -1,0 +1,243 @@
+"""Limits for all connections together: how many there may be, and the bytes kept for them.
+
+What one client may have is limited elsewhere; a thousand clients may have a thousand times as much.
+Bytes are counted only when so many have come since the last time that they might be too many.
+"""
+
+from __future__ import annotations
+
+import errno
+import logging
+from collections import Counter
+from collections.abc import Callable, Collection, Iterable
+from typing import Protocol
+
+from fibws.hub.delivery.growth import Growth
+from fibws.hub.delivery.send_queue import SendQueue
+from fibws.hub.settings import Settings
+from fibws.protocol.websocket import CloseReason
+
+try:
+    import resource
+except ImportError:  # Windows, where sockets have no small numbers.
+    OPEN_FILES = None
+else:
+    OPEN_FILES = resource.RLIMIT_NOFILE
+
+logger = logging.getLogger("fibws.hub")
+
+SPARE_FILES = 32
+"""File descriptors that clients may not take: they are for plain HTTP requests, and for refusing
+clients with a text."""
+LAST_FILES = 8
+"""Those that no connection may take."""
+TOO_MUCH_QUEUED = CloseReason(1013, "too many bytes wait for all clients; this one had the most")
+TOO_MUCH_INCOMING = CloseReason(
+    1013, "too many bytes of incomplete messages of all clients; this one had the most"
+)
+
+
+class Limited(Protocol):
+    """A connection, as far as it is limited here."""
+
+    queue: SendQueue
+
+    @property
+    def is_open(self) -> bool:
+        """Whether it has a client, whose queue may hold frames."""
+
+    @property
+    def incoming_bytes(self) -> int:
+        """Bytes that are kept of messages that came in part."""
+
+    def fail(self, reason: CloseReason) -> None:
+        """Close because of the client."""
+
+
+class Limits:
+    """The limits of one hub.
+
+    Args:
+        connections: all connections, now and later.
+        call_soon: calls a function in the next iteration of the event loop: a client must not be
+            closed while a message is on its way to it.
+    """
+
+    def __init__(
+        self,
+        settings: Settings,
+        connections: Collection[Limited],
+        call_soon: Callable[[Callable[[], None]], object],
+    ) -> None:
+        self.clients = 0
+        """Clients that are connected."""
+        self.refused = 0
+        """Connections refused so far."""
+        self.queued = Growth(lambda: call_soon(self.check_queued))
+        """Is told of bytes that wait for clients."""
+        self.incoming = Growth(lambda: call_soon(self.check_incoming))
+        """Is told of bytes that clients have sent."""
+        self._settings = settings
+        self._connections = connections
+        self._throttled = 0
+        self._refusals: Counter[str] = Counter()
+        """Connections refused since the last log line, by the reason."""
+        self._shortened = False
+        """Whether queues have been shortened since the last log line."""
+        self.queued.allow(settings.max_total_queued_bytes)
+        self.incoming.allow(settings.max_total_incoming_bytes)
+
+    # Connections.
+
+    def admit(self, descriptor: int) -> bool:
+        """Return whether a socket that was accepted may stay open.
+
+        Args:
+            descriptor: its number, which is the lowest that was free.
+        """
+        files = _most_files()
+        if files is None or descriptor < files - min(LAST_FILES, files // 8):
+            return True
+        self._refuse(_files_reason(files))
+        return False
+
+    def refusal(self, descriptor: int) -> str | None:
+        """Return why a client cannot connect now; None if it can."""
+        files = _most_files()
+        if self.clients >= self._settings.max_connections:
+            most = self._settings.max_connections
+            reason = f"the limit of {most} connections is reached (--max-connections)"
+        elif files is not None and descriptor >= files - min(SPARE_FILES, files // 4):
+            reason = _files_reason(files)
+        else:
+            return None
+        self._refuse(reason)
+        return f"The hub cannot accept more connections: {reason}; try again later"
+
+    def accept_failed(self, error: BaseException | None) -> bool:
+        """Take note that a connection could not be accepted; return whether that is understood."""
+        if not isinstance(error, OSError) or error.errno not in (errno.EMFILE, errno.ENFILE):
+            return False
+        files = _most_files()
+        if error.errno == errno.EMFILE and files is not None:
+            reason = _files_reason(files)
+        else:
+            reason = "the system's limit of open files is reached"
+        self._refusals[reason] += 0  # Those who wait are accepted later.
+        return True
+
+    def _refuse(self, reason: str) -> None:
+        self._refusals[reason] += 1
+        self.refused += 1
+
+    # Bytes.
+
+    def queued_bytes(self) -> int:
+        """Return the bytes that wait for all clients, also those that several clients share."""
+        return sum(each.queue.kept_bytes for each in self._clients())
+
+    def incoming_bytes(self) -> int:
+        """Return the bytes that are kept of messages that came in part."""
+        return sum(each.incoming_bytes for each in self._connections)
+
+    def check_queued(self) -> None:
+        """Shorten the longest queues if all together are too long.
+
+        Their oldest messages are dropped, so that those with the most all have equally many bytes
+        left, but at least their newest message. If even that is too much, clients lose their
+        newest, too, and those with too many replies are closed.
+        """
+        limit = self._settings.max_total_queued_bytes
+        holding = [each for each in self._clients() if each.queue.kept_bytes]
+        if (total := _kept(holding)) > limit:
+            self._shortened = True
+            holding.sort(key=lambda each: each.queue.kept_bytes, reverse=True)
+            share = _fair_share([each.queue.kept_bytes for each in holding], limit - limit // 16)
+            for each in holding:
+                each.queue.shorten(share)
+            if (total := _kept(holding)) > limit:
+                self._clear(holding, share, limit)
+                total = _kept(holding)
+        self.queued.allow(max(limit - total, limit // 16))
+
+    def _clear(self, holding: list[Limited], share: int, limit: int) -> None:
+        """Drop all messages of those that hold most, and close them if that is not enough."""
+        shared = Counter(id(buffer) for each in holding for buffer in each.queue.buffers())
+        sizes = {id(buffer): len(buffer) for each in holding for buffer in each.queue.buffers()}
+        total = sum(sizes.values()) + sum(each.queue.own_bytes for each in holding)
+        for each in holding:
+            if total <= limit:
+                break
+            total -= each.queue.own_bytes
+            for buffer in each.queue.buffers():
+                shared[id(buffer)] -= 1
+                if not shared[id(buffer)]:
+                    total -= sizes[id(buffer)]
+            each.queue.shorten(share, least=0)
+            if each.queue.kept_bytes > share:
+                each.fail(TOO_MUCH_QUEUED)
+            else:
+                total += each.queue.kept_bytes
+
+    def check_incoming(self) -> None:
+        """Close the clients that have sent most in part if that is too much of all."""
+        limit = self._settings.max_total_incoming_bytes
+        holding = [(each.incoming_bytes, each) for each in self._connections]
+        total = sum(size for size, _ in holding)
+        if total > limit:
+            for size, each in sorted(holding, key=lambda pair: pair[0], reverse=True):
+                if total <= limit:
+                    break
+                each.fail(TOO_MUCH_INCOMING)
+                total -= size
+        self.incoming.allow(max(limit - total, limit // 16))
+
+    def _clients(self) -> Iterable[Limited]:
+        return (each for each in self._connections if each.is_open)
+
+    # Once a second.
+
+    def sweep(self) -> None:
+        """Log what was refused and dropped, and count what throttles hold back."""
+        throttled = sum(each.queue.throttled_bytes for each in self._clients())
+        self.queued.left -= max(0, throttled - self._throttled)
+        self._throttled = throttled
+        if self.queued.left < 0:
+            self.queued.check()
+        refusals, self._refusals = self._refusals, Counter()
+        for reason, count in refusals.items():
+            refused = f" {count} refused." if count else ""
+            logger.warning("Cannot accept more connections: %s.%s", reason, refused)
+        if self._shortened:
+            self._shortened = False
+            logger.warning(
+                "More than %d bytes wait for all clients (--max-total-queued-bytes): "
+                "messages of those with the most are dropped.",
+                self._settings.max_total_queued_bytes,
+            )
+
+
+def _kept(connections: Iterable[Limited]) -> int:
+    return sum(each.queue.kept_bytes for each in connections)
+
+
+def _fair_share(sizes: list[int], limit: int) -> int:
+    """Return the largest size so that all, cut to it, fit the limit; ``sizes`` fall."""
+    for count in range(len(sizes), 0, -1):
+        share = limit // count
+        if sizes[count - 1] >= share:
+            return share
+        limit -= sizes[count - 1]
+    return limit
+
+
+def _files_reason(files: int) -> str:
+    return f"the limit of {files} open files is reached (ulimit -n)"
+
+
+def _most_files() -> int | None:
+    """Return how many files the process may have open; None if there is no limit that matters."""
+    if OPEN_FILES is None:
+        return None
+    soft, _ = resource.getrlimit(OPEN_FILES)
+    return None if soft == resource.RLIM_INFINITY else soft
