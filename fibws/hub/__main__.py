@@ -6,6 +6,7 @@ import asyncio
 import dataclasses
 import gc
 import logging
+import os
 import signal
 import sys
 import tomllib
@@ -92,6 +93,7 @@ def command(**values: Any) -> None:
     A flag takes precedence over an environment variable (FIBWS_PORT for --port), and that over the
     file.
     """
+    _open_standard_files()
     logging.addLevelName(logging.WARNING, "WARN")  # as ROS calls it
     logging.basicConfig(format="[%(levelname)s] [%(created)f]: %(message)s", level=logging.INFO)
     # Makes glibc keep freed memory: otherwise it trims and grows its heap with every large message,
@@ -107,13 +109,15 @@ def command(**values: Any) -> None:
         sys.exit(f"fibws.hub: {error}.")
     except KeyboardInterrupt:
         pass
+    finally:
+        _flush_output()
 
 
 async def _serve(settings: Settings) -> None:
     stopped = asyncio.Event()
 
     def stop() -> None:
-        if sys.stderr.isatty():
+        if sys.stderr is not None and sys.stderr.isatty():
             click.echo(err=True)  # The log must not continue the line of the terminal's ^C.
         stopped.set()
 
@@ -122,9 +126,13 @@ async def _serve(settings: Settings) -> None:
             asyncio.get_running_loop().add_signal_handler(number, stop)
     async with Hub(settings) as hub:
         page = hub.url.replace("ws:", "http:")
-        print(
-            f"The hub listens at {hub.url}; open {page}/ in a browser. Ctrl-C ends it.", flush=True
-        )
+        try:
+            print(
+                f"The hub listens at {hub.url}; open {page}/ in a browser. Ctrl-C ends it.",
+                flush=True,
+            )
+        except OSError as error:
+            logger.warning("Cannot write to stdout: %s.", error.strerror)
         await stopped.wait()
 
 
@@ -137,6 +145,33 @@ def _relax_collector() -> None:
     gc.collect()
     gc.freeze()
     gc.set_threshold(10_000)
+
+
+def _open_standard_files() -> None:
+    """Open those of stdin, stdout and stderr that the program was started without.
+
+    Otherwise their numbers are those of the first sockets, which uvloop aborts on.
+    """
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # The lowest number that is free.
+
+
+def _flush_output() -> None:
+    """Write what stdout and stderr hold, or discard it.
+
+    A full disk or a closed pipe must not change the exit code.
+    """
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            if stream is not None:
+                stream.flush()
+        except OSError:
+            nowhere = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(nowhere, stream.fileno())
+            os.close(nowhere)
 
 
 def _raise_file_limit(count: int) -> None:

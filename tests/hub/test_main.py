@@ -9,6 +9,7 @@ import os
 import re
 import resource
 import select
+import shlex
 import signal
 import socket
 import subprocess
@@ -121,6 +122,41 @@ def test_signal_right_after_the_first_line_is_not_lost() -> None:
             if process.poll() is None:
                 process.kill()
     assert (process.returncode, err) == (0, "")
+
+
+@pytest.mark.parametrize("which", [[1], [2], [1, 2]], ids=["stdout", "stderr", "both"])
+@pytest.mark.parametrize("how", ["full disk", "closed pipe", "closed"])
+def test_hub_lives_without_its_output(how: str, which: list[int]) -> None:
+    port = _free_port()
+    reading, pipe = os.pipe()
+    os.close(reading)
+    output = {"full disk": os.open("/dev/full", os.O_WRONLY), "closed pipe": pipe}.get(how)
+    closed = " ".join(f"{number}>&-" for number in which) if output is None else ""
+    process = subprocess.Popen(
+        f"exec {shlex.quote(sys.executable)} -m fibws.hub --port {port} {closed}",
+        shell=True,
+        stdout=output if 1 in which else subprocess.PIPE,
+        stderr=output if 2 in which else subprocess.PIPE,
+        text=True,
+    )
+    with process:
+        try:
+            _connect(port)
+            for _ in range(2):  # The second one gets file descriptors that the first one had.
+                with connect(f"ws://127.0.0.1:{port}") as websocket:
+                    websocket.send("{}")
+                    assert json.loads(websocket.recv(PATIENCE))["op"] == "status"
+            process.send_signal(signal.SIGTERM)
+            _, err = process.communicate(timeout=PATIENCE)
+        finally:
+            if process.poll() is None:
+                process.kill()
+            for number in {pipe} if output is None else {pipe, output}:
+                os.close(number)
+    assert process.returncode == 0
+    if which == [1]:
+        assert "Traceback" not in err
+        assert err.count("Cannot write to stdout: ") == (how != "closed")
 
 
 def test_as_many_files_as_there_may_be_connections_can_be_open() -> None:
