@@ -239,13 +239,14 @@ class FrameParser:
         start, end = 0, len(data)
         passed, left = self._turn, self._turn
         while start < end:
-            if not left and not self.paused:
-                left = self._go_on(passed)
-                passed += left
-                self.paused = not left
-            if self.paused:
-                self._tail += memoryview(data)[start:]
-                return
+            if not left or self.paused:
+                if not self.paused:
+                    left = self._go_on(passed)
+                    passed += left
+                if not left or self.paused:
+                    self.paused = True
+                    self._tail += memoryview(data)[start:]
+                    return
             left -= 1
             if self._given_up:
                 stop = min(end, start + PIECE)

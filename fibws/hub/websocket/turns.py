@@ -21,7 +21,7 @@ TURN = 0.001
 ITERATION = 0.003
 """Seconds that the connections with more to do get together in one iteration of the event loop; a
 connection that is alone gets all of them."""
-MOST_FRAMES = 16
+MOST_FRAMES = 32
 """Most frames that are handled between two looks at the clock."""
 
 
