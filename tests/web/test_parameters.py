@@ -182,4 +182,4 @@ async def test_names_are_filtered(open_page: OpenPage, hub: Hub, node: fibws.Nod
     await page.get_by_label("Filter").fill("Robot")
     await expect(leaf(page, "rosversion")).to_have_count(0)
     await expect(leaf(page, "speed")).to_be_visible()
-    await expect(page.locator(".parameters > [role=status]")).to_have_text("1 of 5 parameters")
+    await expect(page.locator(".parameters > [role=status]")).to_have_text("1 of 7 parameters")
