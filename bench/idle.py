@@ -8,7 +8,7 @@ from bench.report import Report
 from bench.servers import running
 
 CONNECTIONS = 1000
-LIMIT_KIB = 10.0
+LIMIT_KIB = 9.0
 
 
 def idle(plan: Plan, report: Report) -> None:

@@ -41,6 +41,8 @@ Payload: TypeAlias = bytes | bytearray
 """What a message holds; a large one is the buffer that it was read into."""
 
 _SHORT_HEADERS = {first: [bytes((first, size)) for size in range(126)] for first in (TEXT, BINARY)}
+_NO_MESSAGE = bytearray()
+_NO_VIEW = memoryview(_NO_MESSAGE)
 _OPCODES = frozenset({0x0, 0x1, 0x2, 0x8, 0x9, 0xA})
 _LENGTH_16 = struct.Struct("!H")
 _LENGTH_64 = struct.Struct("!Q")
@@ -181,8 +183,8 @@ class FrameParser:
         self._key = ZERO_KEY
         self._length = 0
         """Bytes of the large message."""
-        self._message = bytearray()
-        self._view = memoryview(self._message)
+        self._message = _NO_MESSAGE
+        self._view = _NO_VIEW
         self._filled = 0
         self.in_large = False
         """Whether a large message is being read."""
@@ -363,6 +365,6 @@ class FrameParser:
     def _drop_large(self) -> None:
         self.in_large = False
         self._large = None
-        self._message = bytearray()
-        self._view = memoryview(self._message)
+        self._message = _NO_MESSAGE
+        self._view = _NO_VIEW
         self._filled = 0

@@ -16,7 +16,7 @@ from typing import Any, TypeAlias
 
 from fibws.hub.delivery.deferred import DeferredFrame, DeferredFrames, InlineWorkers, Workers
 from fibws.hub.delivery.growth import Growth
-from fibws.protocol.frame_queue import FrameQueue, Lane
+from fibws.protocol.frame_queue import EMPTY, FrameQueue, Lane
 
 logger = logging.getLogger("fibws.hub")
 
@@ -115,12 +115,12 @@ class SendQueue:
         self._write = write
         self._broken = broken
         self._socket_full = False
-        self._rest: deque[MadeFrame | memoryview] = deque()
+        self._rest: deque[MadeFrame | memoryview | bytearray] = EMPTY
         """The rest of what filled the socket, and the frames behind it."""
         self._rest_bytes = 0
         self._unwritten = 0
         """Bytes of `frames` while paused."""
-        self._replies: deque[bytes] = deque()
+        self._replies: deque[bytes] = EMPTY
         self._fresh: OrderedDict[Callable[[], bytes], None] | None = None
         self._reply_bytes = 0
         self._kept: FrameQueue[Lane, MadeFrame] | None = None
@@ -179,6 +179,8 @@ class SendQueue:
         if not self.paused:
             self._send(frame)
         elif not self.overfull:
+            if self._replies is EMPTY:
+                self._replies = deque()
             self._replies.append(frame)
             self._reply_bytes += len(frame)
             self._grow(len(frame))
@@ -291,6 +293,8 @@ class SendQueue:
 
     def write_all(self, frames: Iterable[MadeFrame]) -> None:
         """Write frames in order, in pieces that the socket takes; the rest may not be dropped."""
+        if self._rest is EMPTY:
+            self._rest = deque()
         self._rest += frames
         self._rest_bytes = sum(map(len, self._rest))
         self._write_rest()
@@ -324,12 +328,12 @@ class SendQueue:
 
     def write_control(self, data: bytes) -> None:
         """Write a control frame at once, or behind the large frame that is half written."""
-        if self._rest and isinstance(self._rest[0], memoryview):
-            # Earlier control frames are the other memoryviews.
-            behind = 1
-            while behind < len(self._rest) and isinstance(self._rest[behind], memoryview):
-                behind += 1
-            self._rest.insert(behind, memoryview(data))
+        rest = self._rest
+        if rest and isinstance(rest[0], memoryview):
+            if len(rest) > 1 and isinstance(controls := rest[1], bytearray):
+                controls += data
+            else:
+                rest.insert(1, bytearray(data))
             self._rest_bytes += len(data)
             self._make_room()
         else:

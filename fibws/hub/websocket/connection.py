@@ -328,6 +328,7 @@ class Connection(asyncio.BufferedProtocol):
         )
         open_endpoint = shared.endpoints.find(self._protocol.subprotocol, request.path)
         self.endpoint = open_endpoint(Opening(node_name(request.path), self.queue, self.close))
+        request.headers.clear()  # The library keeps the request as long as the connection.
         self._keepalive.opened()
         shared.observer.connected(self)
         logger.info("%s has connected from %s.", self.endpoint.node, self.peer)
