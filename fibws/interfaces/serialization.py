@@ -30,6 +30,7 @@ from fibws.interfaces.serialization_code import (
     Objects,
     compile_check,
     compile_read,
+    compile_weigh,
     compile_write,
     with_nan,
 )
@@ -39,6 +40,11 @@ M = TypeVar("M", bound=Message)
 
 Buffer: TypeAlias = bytes | bytearray | memoryview
 """The bytes of a message. A memoryview must be contiguous and of format ``B``."""
+
+MOST_WEIGHT: Final = 300_000_000
+"""Nanoseconds: a map of 4000 by 4000 cells is less, a cloud of 360,000 points in JSON is more."""
+FEWEST_BYTES: Final = 2**19
+"""The bytes of a message that may weigh more than that."""
 
 _DIAGNOSED: Final = 100_000
 """How many fields and elements are visited to find out which one is invalid."""
@@ -78,6 +84,7 @@ class Serializer:
         self._types = serializers
         self.layout = Layout.of(definition, serializers)
         self.size = self.layout.size
+        self._weigh_functions: dict[bool, Function] = {}
 
     def check(self, data: Buffer) -> None:
         """Check that the bytes can be deserialized, without decoding them.
@@ -97,6 +104,21 @@ class Serializer:
             raise InvalidMessage(f"invalid bytes for {self.type}: {len(data) - end} bytes too many")
         if end > len(data):
             raise self._fault(data)
+
+    def is_heavy(self, data: Buffer, *, numbers: bool) -> bool:
+        """Whether it takes longer than `MOST_WEIGHT` to make a dict of checked bytes, and its text.
+
+        Args:
+            data: the bytes.
+            numbers: whether there are arrays of numbers in the text; in CBOR they stay bytes.
+
+        Shorter ones than `FEWEST_BYTES` need not be asked about.
+        """
+        try:
+            self.weigh_function(numbers=numbers)(data, 0, [MOST_WEIGHT])
+        except ValueError:
+            return True
+        return False
 
     def serialize(self, values: dict[str, Any]) -> bytes:
         """The bytes of a message as returned by `MessageValidator.validate`."""
@@ -149,6 +171,12 @@ class Serializer:
         except _Fault as fault:
             return InvalidMessage(f"invalid bytes for {self.type}: {fault.path}: {fault}")
         raise AssertionError(f"found nothing wrong with these bytes of {self.type}")
+
+    def weigh_function(self, *, numbers: bool) -> Function:
+        """The compiled function that raises ValueError if messages weigh too much."""
+        if numbers not in self._weigh_functions:
+            self._weigh_functions[numbers] = compile_weigh(self, self._types, numbers=numbers)
+        return self._weigh_functions[numbers]
 
     @cached_property
     def check_function(self) -> Function:

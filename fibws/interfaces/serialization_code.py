@@ -55,6 +55,13 @@ MOST_WITHOUT_BYTES: Final = 2**16
 """How many values without bytes, such as empty messages, a message's arrays may hold in all: a few
 bytes could fill the memory."""
 
+WEIGHT_OF_MESSAGE: Final = 500
+WEIGHT_OF_STRING: Final = 150
+WEIGHT_OF_NUMBER: Final = {1: 18, 2: 60, 4: 60, 8: 60}
+"""By the size of an integer: those of one byte are no new objects in Python."""
+WEIGHT_OF_FLOAT: Final = 120
+"""Nanoseconds to make an object of each kind, and then its JSON."""
+
 _INLINED: Final = 32
 """A nested message with more values than this has functions of its own."""
 
@@ -64,6 +71,9 @@ class Type(Protocol):
 
     definition: MessageDefinition
     layout: Layout
+
+    def weigh_function(self, *, numbers: bool) -> Function:
+        """The compiled function that raises ValueError if messages weigh too much."""
 
     @property
     def check_function(self) -> Function:
@@ -254,6 +264,7 @@ class _Checker(_Code):
         if count is None:
             count = self.local()
             self.add(f"{count} = {self._length()}")
+            self.weigh(count, field)
             if element.size is not None:
                 self.spend(count, element)
                 self.add(f"o += {count} * {element.size} + {self.skip}")
@@ -277,8 +288,15 @@ class _Checker(_Code):
             self.message(nested.definition)
             return
         self.settle()
+        self.call(nested)
+
+    def call(self, nested: Type) -> None:
+        """Check a nested message by its own function."""
         left = ", left" if nested.layout.counted else ""
         self.add(f"o = {self.constant(nested.check_function)}(data, o{left})")
+
+    def weigh(self, count: str, field: Field) -> None:
+        """Add lines that weigh the elements of an array of no fixed size."""
 
     def _length(self) -> str:
         """The expression for the length that comes next."""
@@ -291,6 +309,60 @@ class _Checker(_Code):
         if self.skip:
             self.add(f"o += {self.skip}")
         self.skip = 0
+
+
+class _Scales(_Checker):
+    """The source of a function that raises ValueError for checked bytes of too much weight.
+
+    It takes the weight off ``left`` as in `weight`, that of arrays of no fixed size only.
+
+    Args:
+        numbers: whether numbers have any weight: in CBOR, arrays of them stay bytes.
+    """
+
+    parameters = "data, o, left"
+
+    def __init__(self, layout: Layout, types: Types, *, numbers: bool) -> None:
+        super().__init__(layout._replace(counted=False), types)
+        self._numbers = numbers
+
+    def call(self, nested: Type) -> None:
+        """Weigh a nested message by its own function."""
+        function = nested.weigh_function(numbers=self._numbers)
+        self.add(f"o = {self.constant(function)}(data, o, left)")
+
+    def weigh(self, count: str, field: Field) -> None:
+        """Take the weight of an array's elements off what is left."""
+        each = 0 if field.is_bytes else weight(field.type, self.types, numbers=self._numbers)
+        if each:
+            self.add(f"spend(left, {count} * {each})")
+
+    def spend(self, count: str, element: Layout) -> None:
+        """Do nothing: elements without bytes have been weighed."""
+
+
+def weight(type_: str, types: Types, *, numbers: bool) -> int:
+    """Return about how many nanoseconds it takes to make a value of a type, and then its text.
+
+    Arrays of no fixed size count as empty.
+
+    Args:
+        type_: of a field, or of one element of its array.
+        numbers: whether numbers count.
+    """
+    if type_ in builtin.STRINGS:
+        return WEIGHT_OF_STRING
+    if type_ in builtin.TIMES:
+        return WEIGHT_OF_MESSAGE
+    if type_ in builtin.FLOATS:
+        return numbers * WEIGHT_OF_FLOAT
+    if type_ in LETTERS:
+        return numbers * WEIGHT_OF_NUMBER[calcsize(f"<{LETTERS[type_]}")]
+    total = WEIGHT_OF_MESSAGE
+    for field in types.of(type_).definition.fields:
+        count = 1 if field.array is None else field.fixed_size
+        total += 0 if field.is_bytes else count * weight(field.type, types, numbers=numbers)
+    return total
 
 
 class Dicts:
@@ -655,6 +727,14 @@ def compile_check(type_: Type, types: Types) -> Function:
     checker.message(type_.definition)
     checker.settle()
     return checker.function(type_.definition.type, "o")
+
+
+def compile_weigh(type_: Type, types: Types, *, numbers: bool) -> Function:
+    """Compile the function that weighs checked messages; see `weight`."""
+    scales = _Scales(type_.layout, types, numbers=numbers)
+    scales.message(type_.definition)
+    scales.settle()
+    return scales.function(type_.definition.type, "o")
 
 
 def compile_write(type_: Type, types: Types, form: Dicts) -> Function:

@@ -148,6 +148,7 @@ class MessageValidator:
         "_interfaces",
         "_lenient",
         "_nested",
+        "_shape",
         "_validate",
         "definition",
         "has_sequenced_header",
@@ -169,6 +170,7 @@ class MessageValidator:
         self._lenient: _Schemas | Callable[[object], dict[str, Any]] | None = lenient
         """Nearly all messages are in the strict spelling: the other validator is made on demand."""
         self._nested = self._find_nested(definition)
+        self._shape: _Shape | None = None
 
     def validate(self, msg: object) -> dict[str, Any]:
         """Return the message with all fields.
@@ -205,7 +207,9 @@ class MessageValidator:
         """Refuse a message that leaves so much out that its defaults are most of the work."""
         if _most_values(self._nested, msg) <= MOST_ABSENT:
             return
-        present, absent = self._count(self.definition, msg)
+        if self._shape is None:
+            self._shape = _shape(self.definition, self._interfaces)
+        present, absent = _count(self._shape, msg)
         most = MOST_ABSENT + present // 4
         if absent > most:
             raise InvalidMessage(
@@ -223,26 +227,6 @@ class MessageValidator:
                     values = self._interfaces.default_values(nested.type)
                     found.append(_Nested(field.name, field.array is not None, values, inner))
         return tuple(found)
-
-    def _count(self, definition: MessageDefinition, msg: dict[str, Any]) -> tuple[int, int]:
-        """Return how many values a message has, and how many it leaves to their defaults."""
-        present = absent = 0
-        for field in definition.fields:
-            value = msg.get(field.name)
-            if value is None:
-                each = self._interfaces.default_values(field.type) if field.is_nested else 1
-                absent += max(1, each * (1 if field.array is None else field.fixed_size))
-                continue
-            present += 1
-            if not field.is_nested:
-                continue
-            nested = self._interfaces.message(field.type)
-            for element in value if type(value) is list else (value,):
-                if type(element) is dict:
-                    inner = self._count(nested, element)
-                    present += inner[0]
-                    absent += inner[1]
-        return present, absent
 
     def missing(self, msg: dict[str, Any]) -> list[str]:
         """The fields that a valid message leaves out, such as ``pose.x``; ``...`` if more are."""
@@ -266,6 +250,49 @@ class MessageValidator:
                 # `left` comes first: no element is taken once it is used up.
                 for _, (index, element) in zip(left, enumerate(value), strict=False):
                     yield from self._missing(nested, element, f"{path}[{index}].", left)
+
+
+class _Shape(NamedTuple):
+    """A type, as `_count` needs it.
+
+    ``values`` are those of a message with empty arrays; ``fields`` have for each field its name,
+    the values that it has if it is left out, and the shape of messages in it.
+    """
+
+    values: int
+    fields: tuple[tuple[str, int, _Shape | None], ...]
+
+
+def _shape(definition: MessageDefinition, interfaces: Definitions) -> _Shape:
+    fields = []
+    for field in definition.fields:
+        nested = interfaces.message(field.type) if field.is_nested else None
+        inner = _shape(nested, interfaces) if nested is not None else None
+        each = inner.values if inner is not None else 1
+        count = 1 if field.array is None else field.fixed_size
+        fields.append((field.name, max(1, count * each), inner))
+    return _Shape(sum(values for _, values, _ in fields), tuple(fields))
+
+
+def _count(shape: _Shape, msg: dict[str, Any]) -> tuple[int, int]:
+    """Return how many values a message has, and how many it leaves to their defaults."""
+    present = absent = 0
+    for name, values, inner in shape.fields:
+        value = msg.get(name)
+        if value is None:
+            absent += values
+            continue
+        present += 1
+        if inner is None:
+            continue
+        for element in value if type(value) is list else (value,):
+            if not element:
+                absent += inner.values
+            elif type(element) is dict:
+                counts = _count(inner, element)
+                present += counts[0]
+                absent += counts[1]
+    return present, absent
 
 
 def _most_values(fields: tuple[_Nested, ...], msg: dict[str, Any]) -> int:

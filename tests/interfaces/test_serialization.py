@@ -301,6 +301,34 @@ def test_cbor_is_that_of_dicts(type_: str, data: st.DataObject) -> None:
     assert serializer.to_cbor(serialized) == CBOR_ENCODERS.of(type_).encode(message)
 
 
+WEIGHED = {
+    "points": ("geometry_msgs/Polygon", pack("<3f", 0.5, 1.5, 2.5), True, True),
+    "numbers": ("std_msgs/Float64MultiArray", pack("<d", 0.5), True, False),
+    "cells": ("std_msgs/Int8MultiArray", b"\1", True, False),
+    "bytes": ("std_msgs/UInt8MultiArray", b"\1", False, False),
+    "markers": ("visualization_msgs/MarkerArray", None, True, True),
+}
+"""A type, an element of its array, and whether many of them weigh too much as JSON, and as CBOR."""
+
+
+@pytest.mark.parametrize("name", WEIGHED)
+def test_messages_are_weighed_before_they_are_decoded(name: str) -> None:
+    type_, element, *heavy = WEIGHED[name]
+    serializer = SERIALIZERS.of(type_)
+    empty = serializer.serialize(Validators(STANDARD, lambda: 0).of(type_).validate({}))
+    if element is None:
+        marker = SERIALIZERS.of("visualization_msgs/Marker")
+        values = Validators(STANDARD, lambda: 0).of(marker.type).validate({"text": "a"})
+        element = marker.serialize(values)
+    assert isinstance(element, bytes)
+    many = {1: 17_000_000, 8: 3_000_000}.get(len(element), 700_000)
+    for count, weighs in ((1000, False), (many, True)):
+        data = empty[:-4] + pack("<I", count) + element * count
+        serializer.check(data)
+        found = [serializer.is_heavy(data, numbers=numbers) for numbers in (True, False)]
+        assert found == [weighs and each for each in heavy]
+
+
 def test_sizes_are_known() -> None:
     assert SERIALIZERS.of("std_msgs/Empty").size == 0
     assert SERIALIZERS.of("geometry_msgs/PoseWithCovariance").size == 43 * 8

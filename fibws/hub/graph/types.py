@@ -16,6 +16,7 @@ from fibws.errors import (
     DefinitionLimit,
     InterfaceError,
     InvalidMessage,
+    OperationError,
     UnknownDefinition,
     UnknownPackage,
 )
@@ -25,7 +26,7 @@ from fibws.interfaces.cbor import CborEncoders
 from fibws.interfaces.client_definitions import ClientDefinition, ClientDefinitions
 from fibws.interfaces.long_integers import Convert, LongIntegers
 from fibws.interfaces.package import Kind
-from fibws.interfaces.serialization import Serializer, Serializers
+from fibws.interfaces.serialization import FEWEST_BYTES, Serializer, Serializers
 
 _SCALARS = frozenset({str, int, float, bool, type(None)})
 
@@ -143,6 +144,8 @@ class CheckedType:
 
     def cbor_of(self, data: Buffer) -> tuple[bytes, bool]:
         """Return checked bytes as CBOR, and whether a string in them was not UTF-8."""
+        if len(data) > FEWEST_BYTES:
+            self._check_weight(data, "CBOR", "cbor-raw", numbers=False)
         try:
             return self._serializer.to_cbor(data), False
         except UnicodeDecodeError:
@@ -153,10 +156,20 @@ class CheckedType:
 
     def deserialize(self, data: Buffer) -> tuple[dict[str, Any], bool]:
         """Return the values of checked bytes, and whether a string in them was not UTF-8."""
+        if len(data) > FEWEST_BYTES:
+            self._check_weight(data, "JSON", "cbor or cbor-raw", numbers=True)
         try:
             return self._serializer.deserialize(data), False
         except UnicodeDecodeError:
             return self._serializer.deserialize(data, "replace"), True
+
+    def _check_weight(self, data: Buffer, form: str, better: str, *, numbers: bool) -> None:
+        """Raise `OperationError` if the values would keep the hub busy for too long."""
+        if self._serializer.is_heavy(data, numbers=numbers):
+            raise OperationError(
+                f"a message of {len(data)} bytes of type {self.name} has too many values for "
+                f"{form}; subscribe with compression {better}"
+            )
 
 
 class UncheckedType:

@@ -692,3 +692,25 @@ def test_large_message_is_shared_by_all_subscribers_without_a_copy() -> None:
     hub.clock.turn()
     bodies = [client.writes[-1] for client in clients]
     assert all(isinstance(each, memoryview) and each.obj is data for each in bodies)
+
+
+def test_a_message_too_heavy_for_json_reaches_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("fibws.hub.graph.types.FEWEST_BYTES", 0)
+    monkeypatch.setattr("fibws.interfaces.serialization.MOST_WEIGHT", 1000)
+    hub = FakeHub()
+    publisher = talker(hub, "/map", "std_msgs/Int8MultiArray")
+    viewer, page = hub.client(), hub.client()
+    viewer.send("subscribe", "/map")
+    page.send("subscribe", "/map", compression="cbor")
+    client, _ = listener(hub, "/map", None)
+    message = struct.pack("<III", 0, 0, 100) + bytes(100)
+    for _ in range(2):
+        publish(publisher, message)
+    text = "a message of 112 bytes of type std_msgs/Int8MultiArray has too many values for JSON"
+    assert viewer.receive_statuses() == [
+        f"subscribe: {text}; subscribe with compression cbor or cbor-raw"
+    ]
+    assert len(page.receive_frames()) == 2
+    assert messages(client) == [message, message]
+    publish(publisher, struct.pack("<III", 0, 0, 1) + b"\7")
+    assert viewer.receive_one("publish")["msg"]["data"] == [7]
