@@ -75,7 +75,7 @@ class Hub:
         self._threads: Threads
         self._started = 0.0
         self._handle_exception: ExceptionHandler | None = None
-        """What handled exceptions in the event loop before."""
+        """The event loop's exception handler before this hub's."""
         self._closing = False
         self._dropped = 0
         self._empty = asyncio.Event()

@@ -45,9 +45,9 @@ class Limits(NamedTuple):
 
 
 PER_CLIENT = Limits(types=1000, characters=2**22, fields=80_000)
-"""What one client may bring, so that it does not use up the room of others."""
+"""The limits for one client, which must not use up the room of others."""
 OF_ALL = Limits(types=4000, characters=2**24, fields=320_000)
-"""What all clients may bring together, so that they do not fill the memory."""
+"""The limits for all clients together, which must not fill the memory."""
 
 
 class ClientDefinition(Definitions):
@@ -118,7 +118,7 @@ class ClientDefinition(Definitions):
 
 
 class Usage:
-    """What definitions take up, of one client or of all."""
+    """The size of definitions, of one client or of all."""
 
     def __init__(self) -> None:
         self._types: dict[Key, list[int]] = {}
@@ -302,7 +302,7 @@ class ClientDefinitions:
 
 
 class _Draft:
-    """What a text defines, compared to the types that are known.
+    """The types that a text defines, compared to those that are known.
 
     Raises:
         DefinitionError: the text is wrong, or a type is known with other fields.

@@ -53,7 +53,7 @@ class Cohort(Generic[M]):
         self.next = 0
         """The number of that frame, unless it was dropped."""
         self._since: dict[M, int] = {}
-        """What `sent` was when each member came."""
+        """The value of `sent` when each member came."""
         self._sharing: dict[SendQueue, list[M]] = {}
         """Further members of the same clients."""
 

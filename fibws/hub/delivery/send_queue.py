@@ -137,7 +137,7 @@ class SendQueue:
 
     @property
     def own_bytes(self) -> int:
-        """Those of them that are not messages, which clients share."""
+        """The kept bytes without those of messages, which clients share."""
         deferred = self._deferred.size if self._deferred is not None else 0
         return self._reply_bytes + self.throttled_bytes + deferred
 

@@ -17,7 +17,7 @@ MOST_CHANGES = 64
 
 
 class PeerNews:
-    """What is new to a watcher.
+    """The news for one watcher.
 
     Args:
         names: those of the nodes that are there.

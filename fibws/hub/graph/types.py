@@ -75,7 +75,7 @@ class MessageType(Protocol):
 
     @property
     def long_integers(self) -> Convert | None:
-        """What makes 64-bit integers strings, if it is known that there are any."""
+        """The function that makes 64-bit integers strings; None without any, or if unknown."""
 
     def check_known(self) -> None:
         """Raise `UnknownDefinition` if the fields are unknown, so that nothing is serialized."""
@@ -349,7 +349,7 @@ class Types:
         self._strict = strict
         self._installed = Codecs(interfaces, now)
         self._brought: dict[ClientDefinition, Codecs] = {}
-        """Those of definitions that are held."""
+        """The codecs of the definitions that are held."""
 
     def message(self, name: str, definition: str | None = None, client: str = "") -> MessageType:
         """Return the type of a topic.

@@ -22,7 +22,7 @@ class Client(Protocol):
     address: str
     """The IP address that it comes from."""
     peer: str
-    """That with its port."""
+    """The address with its port."""
     queue: SendQueue
 
     @property

@@ -12,7 +12,7 @@ from fibws.protocol.operations import Level, Status, encode, legal_id
 logger = logging.getLogger("fibws.hub")
 
 INTERNAL_ERROR = "this failed in the hub; see its log"
-"""What clients are told of exceptions that are not their fault."""
+"""The text for clients about exceptions that are not their fault."""
 
 _VERBOSITY: dict[Level, int] = {"none": 0, "error": 1, "warning": 2, "info": 3}
 

@@ -148,7 +148,7 @@ class Connection(asyncio.BufferedProtocol):
         self.address = ""
         """The IP address that the client comes from."""
         self.peer = ""
-        """That with its port."""
+        """The address with its port."""
 
     @property
     def name(self) -> str:

@@ -30,7 +30,7 @@ SPARE_FILES = 32
 """File descriptors that clients may not take: they are for plain HTTP requests, and for refusing
 clients with a text."""
 LAST_FILES = 8
-"""Those that no connection may take."""
+"""File descriptors that no connection may take."""
 TOO_MUCH_QUEUED = CloseReason(1013, "too many bytes wait for all clients; this one had the most")
 TOO_MUCH_INCOMING = CloseReason(
     1013, "too many bytes of incomplete messages of all clients; this one had the most"
