@@ -43,10 +43,16 @@ def operation(op: str, **fields: Any) -> bytes:
 class Client:
     """One connection to a hub."""
 
-    def __init__(self, port: int, node: str) -> None:
-        """Connect under a node's name."""
+    def __init__(self, port: int, node: str, receive_buffer: int | None = None) -> None:
+        """Connect under a node's name.
+
+        Args:
+            receive_buffer: bytes that the system may keep until they are read.
+        """
         self._node = node
         self._socket = connected(port, f"/?node={node}", TIMEOUT_SECONDS)
+        if receive_buffer is not None:
+            self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer)
         self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self._data = bytearray()
         self._pongs = 0

@@ -35,6 +35,8 @@ IMAGE_BYTES = 921_600
 STUCK = 3
 SLOW_SECONDS = 0.05
 """The pause of the slow reader before each read."""
+RECEIVE_BUFFER = 16_384
+"""Bytes that the system keeps for the slow reader: it could not answer pings behind many more."""
 QUIET_SECONDS = 3.0
 """Seconds without a message after which a subscriber has got them all."""
 
@@ -255,7 +257,10 @@ class _SlowReader:
     def read(self, ended: asyncio.Event) -> tuple[int, int]:
         """Read until the end; return how many messages arrived, and how many the hub dropped."""
         read = 0
-        with Client(self._port, "/slow") as reader, Client(self._port, "/accountant") as accountant:
+        with (
+            Client(self._port, "/slow", RECEIVE_BUFFER) as reader,
+            Client(self._port, "/accountant") as accountant,
+        ):
             reader.send(
                 operation("subscribe", topic="/numbers", type="std_msgs/Int32", queue_length=50)
             )
