@@ -26,7 +26,7 @@ from fibws.msg.std_msgs import Int32
 
 SECONDS, QUICK_SECONDS = 60.0, 8.0
 """The default durations; --minutes 20 is the real proof."""
-SETTLE_SECONDS = 120.0
+SETTLE_SECONDS = 300.0
 """The time that memory may grow without limit; half of the duration if that is less."""
 INTERVAL_SECONDS = 10.0
 LIMIT_GROWTH_PERCENT = 5.0

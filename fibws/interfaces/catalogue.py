@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from abc import ABC, abstractmethod
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -17,11 +18,8 @@ from fibws.interfaces.resolver import Resolver, Size
 _TYPE_NAME = re.compile(r"([A-Za-z]\w{0,99})(?:/(?:msg|srv|action))?/([A-Za-z]\w{0,99})", re.ASCII)
 
 
-class Definitions:
-    """Definitions by the names of their types, each checked when first asked for.
-
-    Subclasses say where they come from.
-    """
+class Definitions(ABC):
+    """Definitions by the names of their types, each checked when first asked for."""
 
     def __init__(self) -> None:
         self._clear()
@@ -104,15 +102,17 @@ class Definitions:
         """The text of an action and of all types in it, as clients send it."""
         return full_text.write_action(self.action(name), self.message)
 
+    @abstractmethod
     def _find_message(self, name: str) -> MessageDefinition:
         """The definition of a message; types nested in it may be unknown."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _find_service(self, name: str) -> ServiceDefinition:
-        raise NotImplementedError
+        """The definition of a service, as `_find_message`."""
 
+    @abstractmethod
     def _find_action(self, name: str) -> ActionDefinition:
-        raise NotImplementedError
+        """The definition of an action, as `_find_message`."""
 
 
 class Interfaces(Definitions):
