@@ -203,10 +203,7 @@ class SendQueue:
         if kept is None:
             kept = self._kept = FrameQueue()
         kept.put(frame, lane)
-        growth = self.flusher.growth
-        growth.left -= len(frame)
-        if growth.left < 0:
-            growth.check()
+        self._grow(len(frame))
         # The lane that exceeds a limit pays for it; its newest message is always kept.
         self.dropped += kept.trim(lane, max(1, lane.limit))
         while self.exceeded and len(lane.waiting) > 1:
@@ -238,7 +235,7 @@ class SendQueue:
             self.dropped += self._kept.trim(lane, max(0, room))
 
     def _grow(self, size: int) -> None:
-        """Report bytes that are kept from now on, and may not be dropped."""
+        """Report bytes that are kept from now on."""
         growth = self.flusher.growth
         growth.left -= size
         if growth.left < 0:
