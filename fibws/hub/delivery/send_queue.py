@@ -326,11 +326,13 @@ class SendQueue:
     def write_control(self, data: bytes) -> None:
         """Write a control frame at once, or behind the large frame that is half written."""
         rest = self._rest
-        if rest and isinstance(rest[0], memoryview):
-            if len(rest) > 1 and isinstance(controls := rest[1], bytearray):
+        if rest and isinstance(rest[0], memoryview | bytearray):
+            # Those that wait are one bytearray, which may have come to the front by now.
+            at = 0 if isinstance(rest[0], bytearray) else 1
+            if at < len(rest) and isinstance(controls := rest[at], bytearray):
                 controls += data
             else:
-                rest.insert(1, bytearray(data))
+                rest.insert(at, bytearray(data))
             self._rest_bytes += len(data)
             self._make_room()
         else:
