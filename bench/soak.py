@@ -257,10 +257,7 @@ class _SlowReader:
     def read(self, ended: asyncio.Event) -> tuple[int, int]:
         """Read until the end; return how many messages arrived, and how many the hub dropped."""
         read = 0
-        with (
-            Client(self._port, "/slow", RECEIVE_BUFFER) as reader,
-            Client(self._port, "/accountant") as accountant,
-        ):
+        with Client(self._port, "/slow", RECEIVE_BUFFER) as reader:
             reader.send(
                 operation("subscribe", topic="/numbers", type="std_msgs/Int32", queue_length=50)
             )
@@ -269,8 +266,9 @@ class _SlowReader:
                 read += len(reader.read(500))
             time.sleep(QUIET_SECONDS)
             read += len(reader.settle())
-            accountant.send(operation("call_service", service="/rosapi/statistics", args={}))
-            (answer,) = accountant.receive()
+            with Client(self._port, "/accountant") as accountant:
+                accountant.send(operation("call_service", service="/rosapi/statistics", args={}))
+                (answer,) = accountant.receive()
         topics = json.loads(answer)["values"]["topics"]
         (numbers,) = (each for each in topics if each["topic"] == "/numbers")
         (mine,) = (each for each in numbers["subscriptions"] if each["node"] == "/slow")
