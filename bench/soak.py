@@ -37,6 +37,8 @@ SLOW_SECONDS = 0.05
 """The pause of the slow reader before each read."""
 RECEIVE_BUFFER = 16_384
 """Bytes that the system keeps for the slow reader: it could not answer pings behind many more."""
+SETTLES = 10
+"""The times that the slow reader reads all there is, at the end."""
 QUIET_SECONDS = 3.0
 """Seconds without a message after which a subscriber has got them all."""
 
@@ -264,8 +266,9 @@ class _SlowReader:
             while not ended.is_set():
                 time.sleep(SLOW_SECONDS)
                 read += len(reader.read(500))
-            time.sleep(QUIET_SECONDS)
-            read += len(reader.settle())
+            for _ in range(SETTLES):  # A pong overtakes messages that the hub keeps.
+                read += len(reader.settle())
+                time.sleep(QUIET_SECONDS / SETTLES)
             with Client(self._port, "/accountant") as accountant:
                 accountant.send(operation("call_service", service="/rosapi/statistics", args={}))
                 (answer,) = accountant.receive()
