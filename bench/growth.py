@@ -406,7 +406,7 @@ def _measure(meter: Meter, rep: int) -> None:
 
 def _row(hub: str, what: str, costs: dict[int, list[float]], report: Report) -> list[str]:
     least = [min(found) for found in costs.values()]
-    # A cheap operation that grows by next to nothing is no fault.
+    # Ignore the growth of an operation that stays cheap.
     factor = least[-1] / max(least[0], NOISE_US)
     limit = LIMIT_GROWTH if what != IDS_OPERATION else None
     verdict = report.check(hub, f"growth of: {what}", factor, limit, "x")

@@ -65,7 +65,7 @@ class CborEncoders:
             return None
         if all(convert is _float for convert in needed.values()):
             return _fill_floats
-        return partial(_convert_members, tuple(needed.items()))
+        return partial(convert_members, tuple(needed.items()))
 
     def _field(self, field: Field) -> _Convert | None:
         if field.is_bytes:
@@ -76,7 +76,7 @@ class CborEncoders:
             return _float
         convert = self._nested(field.type) if field.is_nested else None
         if field.array is not None and convert is not None:
-            return partial(_convert_all, convert)
+            return partial(convert_all, convert)
         return convert
 
 
@@ -94,16 +94,18 @@ class CborEncoder:
         return cbor2.dumps(message if self._convert is None else self._convert(message))
 
 
-def _convert_members(
+def convert_members(
     members: tuple[tuple[str, _Convert], ...], message: dict[str, Any]
 ) -> dict[str, Any]:
+    """A copy of a message with some of its members converted."""
     converted = dict(message)
     for name, convert in members:
         converted[name] = convert(converted[name])
     return converted
 
 
-def _convert_all(convert: _Convert, messages: list[Any]) -> list[Any]:
+def convert_all(convert: _Convert, messages: list[Any]) -> list[Any]:
+    """The elements of an array, each converted."""
     return [convert(message) for message in messages]
 
 

@@ -10,6 +10,7 @@ from functools import partial
 from typing import Any, Final, TypeAlias
 
 from fibws.interfaces.catalogue import Definitions
+from fibws.interfaces.cbor import convert_all, convert_members
 from fibws.interfaces.definition import Field, MessageDefinition
 
 Convert: TypeAlias = Callable[[Any], Any]
@@ -38,7 +39,7 @@ class LongIntegers:
     def _message(self, definition: MessageDefinition) -> Convert | None:
         converters = {field.name: self._field(field) for field in definition.fields}
         needed = {name: convert for name, convert in converters.items() if convert is not None}
-        return partial(_convert_members, tuple(needed.items())) if needed else None
+        return partial(convert_members, tuple(needed.items())) if needed else None
 
     def _field(self, field: Field) -> Convert | None:
         if field.is_nested:
@@ -47,17 +48,4 @@ class LongIntegers:
             convert = str if field.type in LONG else None
         if field.array is None or convert is None:
             return convert
-        return partial(_convert_all, convert)
-
-
-def _convert_members(
-    members: tuple[tuple[str, Convert], ...], message: dict[str, Any]
-) -> dict[str, Any]:
-    converted = dict(message)
-    for name, convert in members:
-        converted[name] = convert(converted[name])
-    return converted
-
-
-def _convert_all(convert: Convert, values: list[Any]) -> list[Any]:
-    return list(map(convert, values))
+        return partial(convert_all, convert)

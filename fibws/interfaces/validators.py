@@ -296,7 +296,7 @@ def _count(shape: _Shape, msg: dict[str, Any]) -> tuple[int, int]:
 
 
 def _most_values(fields: tuple[_Nested, ...], msg: dict[str, Any]) -> int:
-    """Return at least how many values the arrays of messages in a message come to."""
+    """Return an upper bound for the values that elements of arrays leave to their defaults."""
     count = 0
     for field in fields:
         value = msg.get(field.name)
