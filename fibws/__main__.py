@@ -6,12 +6,12 @@ import sys
 from importlib import import_module
 
 
-def main(module: str = "fibws.cli") -> None:
+def main(module: str = "fibws.cli.commands") -> None:
     """Run the ``main`` of a module, of which Ctrl-C may break off the import, too."""
     try:
         import_module(module).main()
     except KeyboardInterrupt:
-        sys.exit(130)  # As `fibws.cli.ending` has it, which may not be there yet.
+        sys.exit(130)  # As `fibws.cli.exit_handling` has it, which may not be there yet.
 
 
 if __name__ == "__main__":

@@ -5,8 +5,7 @@ from __future__ import annotations
 import click
 
 import fibws
-from fibws.cli import options
-from fibws.cli.program import run
+from fibws.cli import node_program
 
 WIDER = {
     "std_msgs/Int8": "std_msgs/Int16",
@@ -65,10 +64,10 @@ async def broadcast(node: fibws.Node, type_: str, rate: float, on_overflow: str)
                 numbers = await node.advertise("fibonacci", next_type, queue_size=10)
 
 
-@click.command(context_settings=options.SETTINGS)
-@options.node("fibonacci_broadcaster")
-@options.rate
-@options.number_type
+@click.command(context_settings=node_program.SETTINGS)
+@node_program.node("fibonacci_broadcaster")
+@node_program.rate
+@node_program.number_type
 @click.option(
     "--on-overflow",
     type=click.Choice(["restart", "stop", "widen"]),
@@ -90,7 +89,7 @@ def command(node: fibws.Node, type_: str, rate: float, on_overflow: str) -> None
         async with node:
             await broadcast(node, type_, rate, on_overflow)
 
-    run(program())
+    node_program.run(program())
 
 
 if __name__ == "__main__":

@@ -2,6 +2,8 @@
 
 FibwsError
 ├── InvalidName            a graph name that ROS does not allow
+├── InvalidValue           a value, a field or a condition that a person typed is invalid
+├── UnknownName            the hub has no node, topic, service or action of this name
 ├── InterfaceError         something is wrong with a type
 │   ├── DefinitionError        a .msg, .srv or .action text that does not parse
 │   ├── InvalidTypeName        not of the form package/Type
@@ -76,6 +78,14 @@ class InvalidName(FibwsError, ValueError):
         self.name = name
         self.fault = fault
         super().__init__(f"{name!r} is not a legal name: {fault}")
+
+
+class InvalidValue(FibwsError):
+    """A value, a field or a condition that a person typed is invalid; the text says why."""
+
+
+class UnknownName(FibwsError, LookupError):
+    """A hub has no node, topic, service or action of this name."""
 
 
 class InterfaceError(FibwsError):

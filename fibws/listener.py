@@ -5,8 +5,7 @@ from __future__ import annotations
 import click
 
 import fibws
-from fibws.cli import options
-from fibws.cli.program import run
+from fibws.cli import node_program
 
 
 async def listen(node: fibws.Node, type_: str) -> None:
@@ -15,9 +14,9 @@ async def listen(node: fibws.Node, type_: str) -> None:
         node.log.info("I heard %s", number.data)
 
 
-@click.command(context_settings=options.SETTINGS)
-@options.node("fibonacci_listener")
-@options.number_type
+@click.command(context_settings=node_program.SETTINGS)
+@node_program.node("fibonacci_listener")
+@node_program.number_type
 def command(node: fibws.Node, type_: str) -> None:
     """Listen to the numbers on the topic fibonacci.
 
@@ -29,7 +28,7 @@ def command(node: fibws.Node, type_: str) -> None:
         async with node:
             await listen(node, type_)
 
-    run(program())
+    node_program.run(program())
 
 
 if __name__ == "__main__":

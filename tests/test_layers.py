@@ -1,12 +1,11 @@
-"""Dependencies point down only, and the core is pure.
+"""Dependencies point down only, and the pure layers use no sockets, tasks or clocks.
 
-programs        broadcaster  listener  action_server ...  cli/  tf/  ros1/  workspace/  launch/
-    |
-node/  hub/     with msg/  srv/  action/, the classes of messages, beside node/
-    \\  /
-protocol/
-    |
-interfaces/  names  errors  hint  xmltree  yamltext
+programs    broadcaster  listener  examples/  tf/ (its programs)
+tools       cli/                        ros1/ (launch, workspace, shell; python/ for scripts)
+                \\                        /
+ends of         client/ (synchronous)    node/ (asyncio; with msg/, srv/, action/)    hub/
+the wire            |                        |                                          |
+pure        values/  protocol/  interfaces/  names  errors  suggestions
 """
 
 from __future__ import annotations
@@ -22,32 +21,35 @@ PACKAGE = Path(fibws.__file__).parent
 IMPURE = {"asyncio", "websockets", "time", "random", "socket", "threading", "select", "signal"}
 MASK = {"websockets.speedups.apply_mask", "websockets.utils.apply_mask"}
 
-PURE_LAUNCH = ["attributes", "evaluation", "listing", "model", "node", "parameter", "reader"]
-PURE_LAUNCH += ["scope", "screen", "substitution", "tag", "value", "vocabulary", "world"]
-PURE_TF = ["buffer", "history", "messages", "selection", "transform"]
 CLASSES = {"msg", "srv", "action"}
+LOWEST = {"errors", "names", "suggestions"}
 BELOW = {
     "errors": set[str](),
     "names": {"errors"},
-    "yamltext": set[str](),
-    "hint": set[str](),
-    "xmltree": {"errors"},
-    "protocol": {"errors", "names", "interfaces", "protocol"},
-    "interfaces": {"errors", "names", "interfaces"},
-    "hub": {"errors", "names", "protocol", "interfaces", "hub", "__version__"},
-    "node": {"errors", "names", "protocol", "interfaces", "node", *CLASSES, "__version__"},
-    "msg": {"errors", "interfaces", "msg"},
-    "srv": {"errors", "interfaces", "msg", "srv"},
-    "action": {"errors", "interfaces", "msg", "action"},
-    "tf": {"errors", "interfaces", *CLASSES, "tf"},
-    "ros1": {*fibws.__all__, "errors", "names", "yamltext", "interfaces", *CLASSES, "ros1"}
-    | {"__main__"},
-    "ros1/python": {*fibws.__all__, "errors", "names", "yamltext", "interfaces", *CLASSES}
-    | {"cli", "node", "ros1", "workspace"},
-    "workspace": {"errors", "hint", "names", "xmltree", "interfaces", "workspace", "ros1"},
-    "launch": {"errors", "hint", "names", "xmltree", "launch", "workspace", "ros1"},
+    "suggestions": set[str](),
+    "command_names": set[str](),
+    "definition_folders": set[str](),
+    "processes": set[str](),
+    "interfaces": {"errors", "names"},
+    "protocol": {"errors", "names", "interfaces"},
+    "values": {*LOWEST, "interfaces", "definition_folders"},
+    "hub": {"errors", "names", "protocol", "interfaces", "__version__"},
+    "client": {*LOWEST, "protocol", "values", "node"},
+    "msg": {"errors", "interfaces"},
+    "srv": {"errors", "interfaces", "msg"},
+    "action": {"errors", "interfaces", "msg"},
+    "node": {"errors", "names", "protocol", "interfaces", *CLASSES, "__version__"},
+    "tf": {*fibws.__all__, "errors", "interfaces", *CLASSES, "cli"},
+    "ros1": {*fibws.__all__, *LOWEST, "values", "client", "node", "interfaces", *CLASSES}
+    | {"command_names", "definition_folders", "processes"},
+    "broadcaster": {*fibws.__all__, *CLASSES, "cli"},
+    "listener": {*fibws.__all__, *CLASSES, "cli"},
+    "examples": {*fibws.__all__, *CLASSES, "cli"},
+    "cli": {*fibws.__all__, *LOWEST, "values", "client", "node", "interfaces", "msg", "ros1"}
+    | {"command_names", "definition_folders", "processes", "broadcaster", "listener", "hub"}
+    | {"protocol", "__version__", "__main__"},
 }
-"""The parts of fibws that each part may import; ros1/python is for scripts, above the others."""
+"""The parts of fibws that each part may import, besides itself."""
 
 BELOW_IN_HUB = {
     "graph": {"errors", "names", "interfaces", "hub.graph"},
@@ -62,29 +64,30 @@ BELOW_IN_HUB = {
 """The modules of fibws that each layer of the hub may import: the graph knows no frames and no
 operations, delivery knows bytes, websocket knows endpoints but no operations."""
 
-TOOLS = {"cli", "errors", "names", "yamltext", "node", "interfaces", "launch", "ros1", "workspace"}
-TOOLS |= {"__version__", "hint", "protocol"}
-"""What command-line tools may import of fibws: of `node` and `protocol`, only `LIGHT`; slow modules
-such as `interfaces` in functions only."""
-LIGHT = {"node": "fibws.node.address", "protocol": "fibws.protocol.serialized"}
-SLOW = {"asyncio", "pydantic", "pydantic_core", "yaml", "rich", "ssl", "cbor2", "fibws.interfaces"}
-NO_TOOLS = {"cli/demo.py", "cli/launch/run.py", "cli/options.py", "cli/program.py"}
+ONLY = {
+    "client": {"node": "fibws.node.address", "protocol": "fibws.protocol.serialized"},
+    "cli": {"node": "fibws.node.address", "protocol": "fibws.protocol.levels"},
+    "ros1/launch": {"node": "fibws.node.address"},
+    "ros1/workspace": {"node": "fibws.node.address"},
+}
+"""The only modules of other parts that a part may import: those that load at once."""
 
-PROGRAMS = ["action_client", "action_server", "add_two_ints_client", "add_two_ints_server"]
-PROGRAMS += ["broadcaster", "listener", "static_transform_publisher", "tf2_web_republisher"]
-"""Modules to be read as well as to be run."""
+QUICK = ["client/**/*.py", "values/**/*.py", "cli/**/*.py"]
+SLOW = {"asyncio", "pydantic", "pydantic_core", "yaml", "rich", "ssl", "cbor2", "fibws.interfaces"}
+NODES = {"cli/demo.py", "cli/launch/run.py", "cli/node_program.py"}
+"""Commands that are nodes themselves, or run some."""
 
 
 def modules(*patterns: str) -> list[Path]:
     return sorted({path for pattern in patterns for path in PACKAGE.glob(pattern)})
 
 
-def path_id(path: Path) -> str:
+def name_of(path: Path) -> str:
     return path.relative_to(PACKAGE).as_posix()
 
 
 def imports(path: Path, *, inside: bool = True) -> set[str]:
-    """The dotted names of all that a module imports, in its functions or not ``inside`` them."""
+    """Return the dotted names that a module imports, with those in functions if ``inside``."""
     found = set()
     module = ast.parse(path.read_text("utf-8"))
     for statement in ast.walk(module) if inside else module.body:
@@ -96,78 +99,89 @@ def imports(path: Path, *, inside: bool = True) -> set[str]:
     return found
 
 
-def parts(path: Path) -> set[str]:
-    """The parts of fibws that a module imports from: ``hub`` for ``fibws.hub.graph.Graph``."""
-    return {name.split(".")[1] for name in imports(path) if name.startswith("fibws.")}
+def own_imports(path: Path) -> set[str]:
+    """Return the names below ``fibws`` that a module imports: ``hub.graph.graph.Graph``."""
+    names = imports(path)
+    return {name.removeprefix("fibws.") for name in names if name.startswith("fibws.")}
 
 
-PURE = [
-    *modules("errors.py", "names.py", "yamltext.py", "protocol/*.py", "interfaces/*.py"),
-    *modules("hub/graph/*.py", "hub/delivery/*.py", "hub/rosbridge/*.py", "hub/rosapi/*.py"),
-    *modules("hub/settings.py", "hub/log_text.py", "hub/websocket/keepalive.py"),
-    *(PACKAGE / "tf" / f"{name}.py" for name in PURE_TF),
-    *(PACKAGE / "launch" / f"{name}.py" for name in PURE_LAUNCH),
-]
+def is_in(name: str, package: str) -> bool:
+    return f"{name}.".startswith(f"{package}.")
 
 
-@pytest.mark.parametrize("path", PURE, ids=path_id)
-def test_the_core_knows_no_sockets_tasks_or_clocks(path: Path) -> None:
-    allowed = MASK if path_id(path) == "protocol/websocket.py" else set()
-    impure = {name for name in imports(path) - allowed if name.partition(".")[0] in IMPURE}
-    assert not impure
-
-
-@pytest.mark.parametrize(
-    "path",
-    modules("errors.py", "names.py", "yamltext.py", *(f"{part}/**/*.py" for part in BELOW)),
-    ids=path_id,
+PURE = modules(
+    *("errors.py", "names.py", "suggestions.py", "command_names.py"),
+    *("protocol/*.py", "interfaces/*.py"),
+    *("hub/graph/*.py", "hub/delivery/*.py", "hub/rosbridge/*.py", "hub/rosapi/*.py"),
+    *("hub/settings.py", "hub/log_text.py", "hub/websocket/keepalive.py"),
+    *(f"tf/{name}.py" for name in ("buffer", "history", "messages", "selection", "transform")),
 )
-def test_dependencies_point_down(path: Path) -> None:
-    folders = path.relative_to(PACKAGE).with_suffix("").parts
-    part = "ros1/python" if folders[:2] == ("ros1", "python") else folders[0]
-    assert parts(path) <= BELOW[part]
+
+
+def test_the_pure_layers_use_no_sockets_tasks_or_clocks() -> None:
+    for path in PURE:
+        allowed = MASK if name_of(path) == "protocol/websocket.py" else set()
+        impure = {name for name in imports(path) - allowed if name.partition(".")[0] in IMPURE}
+        assert not impure, f"{name_of(path)} imports {impure}"
+
+
+def test_nothing_in_the_pure_layers_is_imported_by_a_private_name() -> None:
+    for path in PURE:
+        names = own_imports(path) - {"__version__"}
+        private = {name for name in names if name.rpartition(".")[2].startswith("_")}
+        assert not private, f"{name_of(path)} imports {private}"
+
+
+@pytest.mark.parametrize("part", BELOW)
+def test_dependencies_point_down(part: str) -> None:
+    for path in modules(f"{part}.py", f"{part}/**/*.py"):
+        for name in own_imports(path):
+            top = name.partition(".")[0]
+            assert top in BELOW[part] | {part}, f"{name_of(path)} imports fibws.{name}"
+
+
+def test_each_part_has_its_layer() -> None:
+    parts = {path.stem for path in PACKAGE.iterdir() if (path / "__init__.py").exists()}
+    parts |= {path.stem for path in modules("*.py")}
+    assert parts - {"__init__", "__main__", "rospy"} == set(BELOW)
 
 
 @pytest.mark.parametrize("layer", BELOW_IN_HUB)
 def test_layers_of_the_hub_do_not_look_up(layer: str) -> None:
-    found = {
-        name.removeprefix("fibws.")
-        for path in modules(f"hub/{layer}/*.py")
-        for name in imports(path)
-        if name.startswith("fibws.")
-    }
-    allowed = BELOW_IN_HUB[layer]
-    assert not {name for name in found if not any(_is_in(name, each) for each in allowed)}
+    for path in modules(f"hub/{layer}/*.py"):
+        for name in own_imports(path):
+            allowed = any(is_in(name, each) for each in BELOW_IN_HUB[layer])
+            assert allowed, f"{name_of(path)} imports fibws.{name}"
 
 
-@pytest.mark.parametrize("path", modules(*(f"{name}.py" for name in PROGRAMS)), ids=path_id)
-def test_a_program_uses_only_public_names(path: Path) -> None:
-    public = {*fibws.__all__, *CLASSES, "cli", "tf"}
-    assert parts(path) <= public
+@pytest.mark.parametrize("part", ONLY)
+def test_tools_use_only_the_quick_modules_of_other_parts(part: str) -> None:
+    for path in modules(f"{part}/**/*.py"):
+        for other, module in ONLY[part].items():
+            used = {name for name in imports(path) if is_in(name, f"fibws.{other}")}
+            assert all(is_in(name, module) for name in used), f"{name_of(path)} imports {used}"
 
 
-@pytest.mark.parametrize(
-    "path",
-    [path for path in modules("cli/**/*.py") if path_id(path) not in NO_TOOLS],
-    ids=path_id,
-)
-def test_a_tool_loads_at_once(path: Path) -> None:
-    assert parts(path) <= TOOLS
-    for part, module in LIGHT.items():
-        used = {name for name in imports(path) if _is_in(name, f"fibws.{part}")}
-        assert all(_is_in(name, module) for name in used)
-    slow = {
-        name for name in imports(path, inside=False) if any(_is_in(name, each) for each in SLOW)
-    }
-    assert not slow
+def test_a_tool_loads_at_once() -> None:
+    for path in modules(*QUICK):
+        if name_of(path) not in NODES:
+            slow = {
+                name
+                for name in imports(path, inside=False)
+                if any(is_in(name, each) for each in SLOW)
+            }
+            assert not slow, f"{name_of(path)} imports {slow}"
+            if not name_of(path).startswith("values/"):
+                assert "fibws.interfaces" not in imports(path, inside=False)
 
 
-def _is_in(name: str, package: str) -> bool:
-    return f"{name}.".startswith(f"{package}.")
+def test_a_library_knows_no_command_line() -> None:
+    for path in modules("client/**/*.py", "values/**/*.py", "node/**/*.py", "ros1/**/*.py"):
+        found = {name for name in imports(path) if name.partition(".")[0] in ("click", "rich")}
+        assert not found, f"{name_of(path)} imports {found}"
 
 
-@pytest.mark.parametrize("path", PURE, ids=path_id)
-def test_nothing_in_the_core_is_imported_by_a_private_name(path: Path) -> None:
-    names = {name for name in imports(path) if name.startswith("fibws.")}
-    private = {name for name in names if name.rpartition(".")[2].startswith("_")}
-    assert not private - {"fibws.__version__"}
+def test_only_the_hub_and_its_program_import_the_hub() -> None:
+    for path in modules("cli/**/*.py"):
+        if "hub" in {name.partition(".")[0] for name in own_imports(path)}:
+            assert name_of(path) in {"cli/demo.py", "cli/commands.py", "cli/core.py"}

@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, TypeAlias
 import click
 
 from fibws import names
-from fibws.cli.link import Link
+from fibws.client.hub_client import HubClient
+from fibws.definition_folders import STANDARD, named_folders
 from fibws.errors import FibwsError, InvalidName
-from fibws.ros1.folders import STANDARD, named_folders
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
@@ -30,7 +30,7 @@ Found: TypeAlias = dict[str, str]
 Completion: TypeAlias = "Callable[[click.Context, click.Parameter, str], list[CompletionItem]]"
 
 
-def completion(ask: Callable[[Link], Found]) -> Completion:
+def completion(ask: Callable[[HubClient], Found]) -> Completion:
     """What completes by asking the hub; ``ask`` gives global names."""
 
     def complete(
@@ -41,25 +41,25 @@ def completion(ask: Callable[[Link], Found]) -> Completion:
     return complete
 
 
-def _topics(link: Link) -> Found:
-    found = link.call("/rosapi/topics")
+def _topics(client: HubClient) -> Found:
+    found = client.call("/rosapi/topics")
     return dict(zip(found["topics"], found["types"], strict=True))
 
 
-def _nodes(link: Link) -> Found:
-    return {name: "" for name in link.call("/rosapi/nodes")["nodes"] if name != link.node}
+def _nodes(client: HubClient) -> Found:
+    return {name: "" for name in client.call("/rosapi/nodes")["nodes"] if name != client.node}
 
 
-def _services(link: Link) -> Found:
-    return {each["name"]: each["type"] for each in link.call("/rosapi/graph")["services"]}
+def _services(client: HubClient) -> Found:
+    return {each["name"]: each["type"] for each in client.call("/rosapi/graph")["services"]}
 
 
-def _actions(link: Link) -> Found:
-    return {each["name"]: each["type"] for each in link.call("/rosapi/graph")["actions"]}
+def _actions(client: HubClient) -> Found:
+    return {each["name"]: each["type"] for each in client.call("/rosapi/graph")["actions"]}
 
 
-def _params(link: Link) -> Found:
-    return {name: "" for name in link.call("/rosapi/get_param_names")["names"]}
+def _params(client: HubClient) -> Found:
+    return {name: "" for name in client.call("/rosapi/get_param_names")["names"]}
 
 
 topics = completion(_topics)
@@ -116,20 +116,20 @@ def type_of_topic(
     """The type that the command's topic has, or else as `types`."""
     topic = context.params.get("topic") or ""
 
-    def ask(link: Link) -> Found:
-        return {link.call("/rosapi/topic_type", {"topic": link.resolve(topic)})["type"]: ""}
+    def ask(client: HubClient) -> Found:
+        return {client.call("/rosapi/topic_type", {"topic": client.resolve(topic)})["type"]: ""}
 
     found = {name for name in _asked(ask, context.params.get("hub")) if _is_type(name)}
     return _beginning(found or _types("msg"), incomplete)
 
 
-def _asked(ask: Callable[[Link], Found], hub: str | None) -> Found:
+def _asked(ask: Callable[[HubClient], Found], hub: str | None) -> Found:
     found: Found = {}
 
     def answer() -> None:
         try:
-            with Link("completion", hub) as link:
-                found.update(ask(link))
+            with HubClient("completion", hub) as client:
+                found.update(ask(client))
         except (FibwsError, KeyError, TypeError, ValueError):
             pass  # No hub, or none of this kind: there is nothing to complete from.
 

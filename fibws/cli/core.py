@@ -7,10 +7,10 @@ from urllib.parse import SplitResult, urlsplit
 
 import click
 
-from fibws.cli.ending import ending
+from fibws.cli.exit_handling import ending
 from fibws.errors import FibwsError
 from fibws.node import address
-from fibws.ros1.process import become
+from fibws.processes import become
 
 
 @click.command()
@@ -66,10 +66,10 @@ def _warn_of_another_machine() -> None:
 
 
 def _is_there(url: str) -> bool:
-    from fibws.cli.link import Link
+    from fibws.client.hub_client import HubClient
 
     try:
-        Link("core", url).close()
+        HubClient("core", url).close()
     except FibwsError:
         return False
     return True

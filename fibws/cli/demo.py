@@ -10,8 +10,7 @@ import click
 
 import fibws
 from fibws.broadcaster import broadcast
-from fibws.cli import options
-from fibws.cli.program import run
+from fibws.cli import node_program
 from fibws.errors import HubError
 from fibws.hub import Hub, Settings
 from fibws.listener import listen
@@ -71,7 +70,7 @@ async def _is_hub(url: str) -> bool:
         return False
 
 
-@click.command(context_settings=options.SETTINGS)
+@click.command(context_settings=node_program.SETTINGS)
 @click.option(
     "--port",
     metavar="PORT",
@@ -80,7 +79,7 @@ async def _is_hub(url: str) -> bool:
     show_default=True,
     help="Where the hub is, or is to be.",
 )
-@options.rate
+@node_program.rate
 def command(port: int, rate: float) -> None:
     """Run the first tutorial: a hub, a broadcaster of Fibonacci numbers, and a listener."""
-    run(demo(port, rate))
+    node_program.run(demo(port, rate))

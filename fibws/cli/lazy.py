@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
-from fibws.hint import hint, nearest
+from fibws.suggestions import hint, nearest
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem

@@ -7,10 +7,10 @@ from typing import Any
 import click
 
 from fibws.cli import output
-from fibws.cli.answers import LOG, fault
+from fibws.cli.common_options import json_option, linked
 from fibws.cli.complete import nodes
-from fibws.cli.link import Link
-from fibws.cli.tool import json_option, linked
+from fibws.client.hub_client import HubClient
+from fibws.client.rosapi_schemas import LOG, fault
 
 TOPIC = "/rosout_agg"
 QUEUE = 1000
@@ -44,7 +44,7 @@ COLOURS = {"debug": "green", "info": None, "warn": "yellow", "error": "red", "fa
 @json_option
 @linked("log", endless=True)
 def command(
-    link: Link,
+    client: HubClient,
     level: str,
     wanted: tuple[str, ...],
     text: str | None,
@@ -55,10 +55,10 @@ def command(
 
     With --json, each is a line: the message as it is, a rosgraph_msgs/Log.
     """
-    namespaces = [link.resolve_namespace(name).rstrip("/") + "/" for name in wanted]
-    link.send({"op": "subscribe", "topic": TOPIC, "queue_length": QUEUE})
+    namespaces = [client.resolve_namespace(name).rstrip("/") + "/" for name in wanted]
+    client.send({"op": "subscribe", "topic": TOPIC, "queue_length": QUEUE})
     shown = 0
-    for message in link.messages(TOPIC):
+    for message in client.messages(TOPIC):
         if wrong := fault(message, LOG, "message"):
             raise click.ClickException(f"{TOPIC} has what is no rosgraph_msgs/Log: {wrong}")
         if not _is_wanted(message, LEVELS[level], namespaces, text):

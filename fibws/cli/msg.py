@@ -1,5 +1,5 @@
 """``fibws msg``: the types of messages, as rosmsg has them."""
 
-from fibws.cli.types.commands import group
+from fibws.cli.types import group
 
 command = group("msg")

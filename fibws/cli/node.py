@@ -9,10 +9,11 @@ from urllib.parse import urlsplit
 import click
 
 from fibws.cli import complete, output
-from fibws.cli.ending import end_line
-from fibws.cli.link import Link
-from fibws.cli.snapshot import Entry, Snapshot, within
-from fibws.cli.tool import json_option, linked
+from fibws.cli.common_options import json_option, linked
+from fibws.cli.exit_handling import end_line
+from fibws.client.graph_snapshot import Entry, Snapshot, within
+from fibws.client.hub_client import HubClient
+from fibws.errors import UnknownName
 
 PATIENCE = 3.0
 """Seconds in which a node must answer a ping: the hub waits for no longer."""
@@ -33,14 +34,14 @@ def command() -> None:
 @json_option
 @linked("node")
 def list_(
-    link: Link, namespace: str | None, addresses: bool, everything: bool, as_json: bool
+    client: HubClient, namespace: str | None, addresses: bool, everything: bool, as_json: bool
 ) -> None:
     """List all nodes, or those in NAMESPACE.
 
     Those that are part of the hub have the hub's address.
     """
-    snapshot = Snapshot(link)
-    for node in within(namespace and link.resolve_namespace(namespace), snapshot.nodes):
+    snapshot = Snapshot(client)
+    for node in within(namespace and client.resolve_namespace(namespace), snapshot.nodes):
         name, address = node["name"], snapshot.address(node["name"])
         if as_json:
             output.as_json({**node, "address": address})
@@ -55,13 +56,13 @@ def list_(
 @click.option("-q", "--quiet", is_flag=True, help="Leave out the address and the connections.")
 @json_option
 @linked("node")
-def info(link: Link, nodes: tuple[str, ...], quiet: bool, as_json: bool) -> None:
+def info(client: HubClient, nodes: tuple[str, ...], quiet: bool, as_json: bool) -> None:
     """Show what each NODE publishes, hears and provides.
 
     Also where it is, since when, and with whom it is connected.
     """
-    snapshot = Snapshot(link)
-    for node in [snapshot.node(link.resolve(name)) for name in nodes]:
+    snapshot = Snapshot(client)
+    for node in [snapshot.node(client.resolve(name)) for name in nodes]:
         if as_json:
             output.as_json(_all_of(snapshot, node))
         else:
@@ -74,7 +75,7 @@ def info(link: Link, nodes: tuple[str, ...], quiet: bool, as_json: bool) -> None
 @click.option("-a", "--all", "everyone", is_flag=True, help="Ping all nodes, once.")
 @click.option("-c", "count", type=click.IntRange(1), metavar="COUNT", help="Pings to send.")
 @linked("node")
-def ping(link: Link, node: str | None, everyone: bool, count: int | None) -> None:
+def ping(client: HubClient, node: str | None, everyone: bool, count: int | None) -> None:
     """Show how long NODE takes to answer a ping.
 
     It is pinged once a second until Ctrl-C. The time is that from the hub to the node and back.
@@ -82,21 +83,21 @@ def ping(link: Link, node: str | None, everyone: bool, count: int | None) -> Non
     if everyone:
         if node or count:
             raise click.UsageError("--all goes with neither a node nor -c: it pings each one once.")
-        _ping_all(link)
+        _ping_all(client)
         return
     if not node:
         raise click.UsageError("Name the node to ping, or give --all. fibws node list has them.")
-    name = link.resolve(node)
-    snapshot = Snapshot(link)
+    name = client.resolve(node)
+    snapshot = Snapshot(client)
     snapshot.node(name)
     output.line(f"pinging {name} with a timeout of {PATIENCE}s")
     took: list[float] = []
     try:
         while True:
-            took.append(_ping(link, name, snapshot.address(name)))
+            took.append(_ping(client, name, snapshot.address(name)))
             if len(took) == count:
                 break
-            link.process(PING_INTERVAL)
+            client.process(PING_INTERVAL)
     except KeyboardInterrupt:
         end_line()  # That is how it ends.
     if len(took) > 1:
@@ -106,9 +107,9 @@ def ping(link: Link, node: str | None, everyone: bool, count: int | None) -> Non
 @command.command()
 @click.argument("machine", required=False)
 @linked("node")
-def machine(link: Link, machine: str | None) -> None:
+def machine(client: HubClient, machine: str | None) -> None:
     """List the machines that nodes are on by their IPs, or the nodes on MACHINE."""
-    snapshot = Snapshot(link)
+    snapshot = Snapshot(client)
     names = [node["name"] for node in snapshot.nodes]
     hosts = {name: urlsplit(f"//{snapshot.address(name)}").hostname or "" for name in names}
     if machine is None:
@@ -130,7 +131,7 @@ def cleanup() -> None:
 @click.argument("nodes", nargs=-1, metavar="[NODE]...", shell_complete=complete.nodes)
 @click.option("-a", "--all", "everyone", is_flag=True, help="Kill all nodes.")
 @linked("node")
-def kill(link: Link, nodes: tuple[str, ...], everyone: bool) -> None:
+def kill(client: HubClient, nodes: tuple[str, ...], everyone: bool) -> None:
     """End each NODE; without one, ask which.
 
     The hub closes a node's connection with a reason, which nodes of fibws heed. Others, such as web
@@ -138,9 +139,9 @@ def kill(link: Link, nodes: tuple[str, ...], everyone: bool) -> None:
     """
     if everyone and nodes:
         raise click.UsageError("--all goes with no nodes.")
-    snapshot = Snapshot(link)
+    snapshot = Snapshot(client)
     if nodes:
-        names = [snapshot.node(link.resolve(name))["name"] for name in nodes]
+        names = [snapshot.node(client.resolve(name))["name"] for name in nodes]
     else:
         names = [node["name"] for node in snapshot.nodes if not node["own"]]
         if not names:
@@ -152,7 +153,7 @@ def kill(link: Link, nodes: tuple[str, ...], everyone: bool) -> None:
         output.line("\n".join(["killing:", *(f" * {name}" for name in names)]))
     else:
         output.line(f"killing {names[0]}")
-    answers = [link.call("/rosapi/kill_node", {"node": name}) for name in names]
+    answers = [client.call("/rosapi/kill_node", {"node": name}) for name in names]
     failures = [str(answer["message"]) for answer in answers if not answer["success"]]
     if failures:
         raise click.ClickException(f"Failed to kill: {output.visible('; '.join(failures))}")
@@ -254,25 +255,25 @@ def _typed(entry: Entry) -> str:
 # Pings
 
 
-def _ping_all(link: Link) -> None:
-    snapshot = Snapshot(link)
+def _ping_all(client: HubClient) -> None:
+    snapshot = Snapshot(client)
     names = [node["name"] for node in snapshot.nodes]
     output.line("\n".join(["Will ping the following nodes: ", *(f" * {name}" for name in names)]))
     output.line()
     failures = []
     for name in names:
         try:
-            _ping(link, name, snapshot.address(name))
-        except click.ClickException as error:
-            error.show()
+            _ping(client, name, snapshot.address(name))
+        except (click.ClickException, UnknownName) as error:
+            click.echo(f"Error: {error}", err=True)
             failures.append(name)
     if failures:
         raise click.ClickException(f"{len(failures)} of {len(names)} nodes did not answer")
 
 
-def _ping(link: Link, name: str, address: str) -> float:
+def _ping(client: HubClient, name: str, address: str) -> float:
     """Ping a node, print what comes of it and return the milliseconds that it took."""
-    answer = link.call("/rosapi/ping_node", {"node": name})
+    answer = client.call("/rosapi/ping_node", {"node": name})
     if not answer["success"]:
         raise click.ClickException(output.visible(str(answer["message"])))
     milliseconds = 1000 * float(answer["seconds"])

@@ -10,11 +10,11 @@ from urllib.parse import quote, urlsplit
 import click
 
 from fibws.cli import complete, output
-from fibws.cli.link import Link
-from fibws.cli.message.paths import splits
-from fibws.cli.tool import linked
+from fibws.cli.common_options import linked
+from fibws.client.hub_client import HubClient
 from fibws.errors import InvalidName
-from fibws.hint import hint
+from fibws.suggestions import hint
+from fibws.values.field_paths import splits
 
 PARTS = ("graph", "topics", "plot", "services", "console", "parameters")
 WITH_NAMES = {"topics", "plot", "services"}
@@ -25,7 +25,7 @@ DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")
 @click.command(context_settings={"ignore_unknown_options": True})
 @click.argument("words", metavar="[PART] [NAME]...", nargs=-1, shell_complete=complete.topics)
 @linked("open")
-def command(link: Link, words: tuple[str, ...]) -> None:
+def command(client: HubClient, words: tuple[str, ...]) -> None:
     """Open the hub's page in a browser, and print its address; without a browser, only that.
 
     \b
@@ -52,29 +52,29 @@ def command(link: Link, words: tuple[str, ...]) -> None:
         raise click.UsageError(f"The page has no {part!r}{hint(part, PARTS) or '.'} {known}")
     if names and part not in WITH_NAMES:
         raise click.UsageError(f"{part} takes no names, such as {names[0]!r}.")
-    for address in addresses(link, part, names):
+    for address in addresses(client, part, names):
         output.line(address)
         _open(address)
 
 
-def addresses(link: Link, part: str, names: Sequence[str]) -> Iterator[str]:
+def addresses(client: HubClient, part: str, names: Sequence[str]) -> Iterator[str]:
     """The addresses that show a part of the page, one for each of the things named."""
-    page = urlsplit(link.url)
+    page = urlsplit(client.url)
     base = f"{'https' if page.scheme == 'wss' else 'http'}://{page.netloc}/"
     tab, *more = ("topics", "plot") if part == "plot" else (part,)
-    found = list(dict.fromkeys(_names(link, part, names)))
+    found = list(dict.fromkeys(_names(client, part, names)))
     if not found:
         yield f"{base}#/{tab}"
     for name in found:
         yield f"{base}#/{'/'.join([tab, quote(name, safe=''), *more])}"
 
 
-def _names(link: Link, part: str, names: Sequence[str]) -> Iterator[str]:
-    topics = link.call("/rosapi/topics")["topics"] if part == "plot" and names else []
+def _names(client: HubClient, part: str, names: Sequence[str]) -> Iterator[str]:
+    topics = client.call("/rosapi/topics")["topics"] if part == "plot" and names else []
     for name in names:
         try:
             # rqt_plot takes /turtle1/pose/x:y, too, and elements of arrays.
-            wanted = link.resolve(name.partition(":")[0].partition("[")[0].rstrip("/"))
+            wanted = client.resolve(name.partition(":")[0].partition("[")[0].rstrip("/"))
         except InvalidName as error:
             raise click.UsageError(str(error)) from None
         topic = next((topic for topic, _ in splits(wanted, topics)), wanted)

@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING
 import click
 
 from fibws.cli import output
-from fibws.cli.tool import SETTINGS
-from fibws.cli.words import spread
+from fibws.cli.arguments import spread
+from fibws.cli.common_options import SETTINGS
 from fibws.errors import FibwsError, WorkspaceError
-from fibws.hint import hint, nearest
+from fibws.suggestions import hint, nearest
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
-    from fibws.workspace.packages import Package, Packages
+    from fibws.ros1.workspace.packages import Package, Packages
 
 _MANY = {"-s", "--sys-deps", "-b", "--boost-comps"}
 
@@ -90,8 +90,8 @@ def create(
       fibws pkg create fibonacci std_msgs rospy
       fibws pkg create fibonacci std_msgs rospy --with launch,msg
     """
-    from fibws.workspace import place
-    from fibws.workspace.skeleton import Skeleton
+    from fibws.ros1.workspace import place
+    from fibws.ros1.workspace.skeleton import Skeleton
 
     skeleton = Skeleton(
         name,
@@ -115,7 +115,7 @@ def create(
 
 
 def _extras(text: str | None) -> list[str]:
-    from fibws.workspace.skeleton import EXTRAS
+    from fibws.ros1.workspace.skeleton import EXTRAS
 
     found = [each.strip() for each in (text or "").split(",") if each.strip()]
     for each in found:
@@ -127,10 +127,10 @@ def _extras(text: str | None) -> list[str]:
 
 def _warn(name: str, depends: Iterable[str], here: Path) -> None:
     """Say what is most likely a mistake, though catkin_create_pkg would not."""
-    from fibws.workspace import place
-    from fibws.workspace.elsewhere import ELSEWHERE, PROVIDED
-    from fibws.workspace.manifest import BY_CONVENTION
-    from fibws.workspace.packages import Packages
+    from fibws.ros1.workspace import place
+    from fibws.ros1.workspace.elsewhere import ELSEWHERE, PROVIDED
+    from fibws.ros1.workspace.manifest import BY_CONVENTION
+    from fibws.ros1.workspace.packages import Packages
 
     warnings = []
     if not BY_CONVENTION.fullmatch(name):
@@ -225,7 +225,7 @@ def profile() -> None:
 
 
 def _packages() -> Packages:
-    from fibws.workspace.packages import Packages
+    from fibws.ros1.workspace.packages import Packages
 
     return Packages.from_environment()
 
@@ -234,7 +234,7 @@ def _package(name: str | None, packages: Packages) -> Package:
     """The package of that name, or the one that this folder is in."""
     if name is not None:
         return packages.find(name)
-    from fibws.workspace.manifest import FILE, read_name
+    from fibws.ros1.workspace.manifest import FILE, read_name
 
     here = Path.cwd()
     for folder in (here, *here.parents):

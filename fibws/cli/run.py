@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING
 
 import click
 
-from fibws.cli.ending import ending
-from fibws.cli.tool import SETTINGS
+from fibws.cli.common_options import SETTINGS
+from fibws.cli.exit_handling import ending
 from fibws.errors import FibwsError
-from fibws.ros1.process import become, command_line
+from fibws.processes import become, command_line
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
-    from fibws.workspace.packages import Packages
+    from fibws.ros1.workspace.packages import Packages
 
 workspace_option: Callable[[Callable[..., None]], Callable[..., None]] = click.option(
     "--workspace",
@@ -75,7 +75,7 @@ def command(workspace: Path | None, prefix: str | None, words: tuple[str, ...]) 
 
 
 def _prefix(text: str) -> list[str]:
-    from fibws.launch.surroundings import split
+    from fibws.ros1.launch.surroundings import split
 
     try:
         return split(text)
@@ -84,7 +84,7 @@ def _prefix(text: str) -> list[str]:
 
 
 def _line(words: Sequence[str], workspace: Path | None) -> list[str]:
-    from fibws.workspace import rosrun
+    from fibws.ros1.workspace import rosrun
 
     script = Path(words[0])
     if script.suffix == ".py" or (os.sep in words[0] and script.is_file()):
@@ -102,8 +102,8 @@ def _line(words: Sequence[str], workspace: Path | None) -> list[str]:
 
 def put_on_paths(workspace: Path) -> None:
     """Put a workspace on the paths of this process, and so of the program."""
-    from fibws.workspace.place import DEVEL, SOURCE
-    from fibws.workspace.setup_files import entries
+    from fibws.ros1.workspace.place import DEVEL, SOURCE
+    from fibws.ros1.workspace.setup_files import entries
 
     folder = workspace.resolve()
     for variable, path, at_end in entries(folder / SOURCE, folder / DEVEL):
@@ -129,6 +129,6 @@ def _ask_which(packages: Packages, package: str) -> None:
 
 
 def _packages(workspace: Path | None) -> Packages:
-    from fibws.workspace.packages import Packages
+    from fibws.ros1.workspace.packages import Packages
 
     return Packages.from_environment(workspace)

@@ -6,14 +6,14 @@ from collections.abc import Iterator
 
 import click
 
-from fibws.cli import complete, output, words
+from fibws.cli import arguments, complete, output
+from fibws.cli.common_options import json_option, linked
 from fibws.cli.input import piped
-from fibws.cli.link import Link
-from fibws.cli.message import printing, reading
-from fibws.cli.message.typedefs import TIMES, Typedefs, if_known
-from fibws.cli.snapshot import Entry, Snapshot, within
-from fibws.cli.tool import json_option, linked
-from fibws.hint import hint
+from fibws.client.graph_snapshot import Entry, Snapshot, within
+from fibws.client.hub_client import HubClient
+from fibws.suggestions import hint
+from fibws.values import parsing, printing
+from fibws.values.typedefs import TIMES, Typedefs, if_known
 
 POLL = 0.1
 """Seconds between two looks for a service that is waited for."""
@@ -31,10 +31,10 @@ def command() -> None:
 @click.option("-n", "--nodes", is_flag=True, help="Name the node that provides each.")
 @json_option
 @linked("service")
-def list_(link: Link, namespace: str | None, nodes: bool, as_json: bool) -> None:
+def list_(client: HubClient, namespace: str | None, nodes: bool, as_json: bool) -> None:
     """List all services, or those in NAMESPACE."""
-    services = Snapshot(link).services
-    for service in within(namespace and link.resolve_namespace(namespace), services):
+    services = Snapshot(client).services
+    for service in within(namespace and client.resolve_namespace(namespace), services):
         if as_json:
             output.as_json(service)
         else:
@@ -45,11 +45,11 @@ def list_(link: Link, namespace: str | None, nodes: bool, as_json: bool) -> None
 @_service
 @json_option
 @linked("service")
-def info(link: Link, service: str, as_json: bool) -> None:
+def info(client: HubClient, service: str, as_json: bool) -> None:
     """Show the node, its address, the type and the arguments of SERVICE."""
-    snapshot = Snapshot(link)
-    found = snapshot.service(link.resolve(service))
-    address, arguments = snapshot.address(found["node"]), _arguments(link, found)
+    snapshot = Snapshot(client)
+    found = snapshot.service(client.resolve(service))
+    address, arguments = snapshot.address(found["node"]), _arguments(client, found)
     if as_json:
         output.as_json({**found, "address": address, "args": arguments})
         return
@@ -62,41 +62,41 @@ def info(link: Link, service: str, as_json: bool) -> None:
 @command.command("type")
 @_service
 @linked("service")
-def type_(link: Link, service: str) -> None:
+def type_(client: HubClient, service: str) -> None:
     """Print the type of SERVICE."""
-    output.line(_found(link, service)["type"])
+    output.line(_found(client, service)["type"])
 
 
 @command.command()
 @_service
 @linked("service")
-def node(link: Link, service: str) -> None:
+def node(client: HubClient, service: str) -> None:
     """Print the node that provides SERVICE."""
-    output.line(_found(link, service)["node"])
+    output.line(_found(client, service)["node"])
 
 
 @command.command()
 @_service
 @linked("service")
-def args(link: Link, service: str) -> None:
+def args(client: HubClient, service: str) -> None:
     """Print the names of the values that SERVICE takes."""
-    output.line(" ".join(_arguments(link, _found(link, service))))
+    output.line(" ".join(_arguments(client, _found(client, service))))
 
 
 @command.command()
 @click.argument("type_", metavar="TYPE", shell_complete=complete.service_types)
 @json_option
 @linked("service")
-def find(link: Link, type_: str, as_json: bool) -> None:
+def find(client: HubClient, type_: str, as_json: bool) -> None:
     """List the services of TYPE, such as std_srvs/SetBool."""
     wanted = type_.replace("/srv/", "/", 1)
-    services = Snapshot(link).services
+    services = Snapshot(client).services
     output.names((each["name"] for each in services if each["type"] == wanted), json_=as_json)
 
 
-@command.command(context_settings=words.VALUES)
+@command.command(context_settings=arguments.VALUES)
 @_service
-@click.argument("arguments", nargs=-1, metavar="[ARGS]...", callback=words.check)
+@click.argument("arguments", nargs=-1, metavar="[ARGS]...", callback=arguments.check)
 @click.option("-v", "--verbose", is_flag=True, help="Print the request, too.")
 @click.option("--wait", is_flag=True, help="Wait until somebody provides the service.")
 @click.option(
@@ -108,7 +108,7 @@ def find(link: Link, type_: str, as_json: bool) -> None:
 @json_option
 @linked("service")
 def call(
-    link: Link,
+    client: HubClient,
     service: str,
     arguments: tuple[str, ...],
     verbose: bool,
@@ -125,43 +125,43 @@ def call(
       fibws service call /add_two_ints 3 4
       fibws service call /add_two_ints "{a: 3, b: 4}"
     """
-    name = link.resolve(service)
+    name = client.resolve(service)
     if wait:
-        _wait(link, name)
-    found = _available(link, name)
-    typedefs = if_known(Typedefs.of_request, link, found["type"])
-    response = if_known(Typedefs.of_response, link, found["type"])
+        _wait(client, name)
+    found = _available(client, name)
+    typedefs = if_known(Typedefs.of_request, client, found["type"])
+    response = if_known(Typedefs.of_response, client, found["type"])
     for request in _requests(arguments, typedefs):
         if verbose and not as_json:
             output.line(printing.text(request, typedefs))
             output.line("---")
-        answer = link.call(name, request, timeout or 0)
+        answer = client.call(name, request, timeout or 0)
         if as_json:
             output.as_json(answer)
         else:
             output.line(printing.text(answer, response))
 
 
-def _found(link: Link, service: str) -> Entry:
-    return Snapshot(link).service(link.resolve(service))
+def _found(client: HubClient, service: str) -> Entry:
+    return Snapshot(client).service(client.resolve(service))
 
 
-def _available(link: Link, name: str) -> Entry:
-    services = {each["name"]: each for each in Snapshot(link).services}
+def _available(client: HubClient, name: str) -> Entry:
+    services = {each["name"]: each for each in Snapshot(client).services}
     if name not in services:
         nearest = hint(name, services) or "."
         raise click.ClickException(f"Service [{name}] is not available{nearest}")
     return services[name]
 
 
-def _wait(link: Link, name: str) -> None:
-    while not link.call("/rosapi/service_type", {"service": name})["type"]:
-        link.process(POLL)
+def _wait(client: HubClient, name: str) -> None:
+    while not client.call("/rosapi/service_type", {"service": name})["type"]:
+        client.process(POLL)
 
 
-def _arguments(link: Link, service: Entry) -> list[str]:
+def _arguments(client: HubClient, service: Entry) -> list[str]:
     """The names of the request's fields; of what is in a field, as ``header.seq``."""
-    typedefs = if_known(Typedefs.of_request, link, service["type"])
+    typedefs = if_known(Typedefs.of_request, client, service["type"])
     return list(_leaves(typedefs, typedefs.root, ""))
 
 
@@ -176,14 +176,14 @@ def _leaves(typedefs: Typedefs, type_: str, prefix: str) -> Iterator[str]:
 def _requests(arguments: tuple[str, ...], typedefs: Typedefs) -> Iterator[Entry]:
     is_empty = typedefs.root in typedefs and not typedefs.fields(typedefs.root)
     if arguments or is_empty:
-        yield reading.message(arguments, typedefs)
+        yield parsing.message(arguments, typedefs)
         return
     stream = piped()
     given = False
-    for document in reading.documents(stream) if stream is not None else ():
+    for document in parsing.documents(stream) if stream is not None else ():
         if document is not None:
             given = True
-            yield reading.fill(document if isinstance(document, list) else [document], typedefs)
+            yield parsing.fill(document if isinstance(document, list) else [document], typedefs)
     if not given:
         fields = " ".join(_leaves(typedefs, typedefs.root, ""))
         raise click.UsageError(f"Please specify service arguments: {fields}")

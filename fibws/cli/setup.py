@@ -12,7 +12,7 @@ from click.shell_completion import ShellComplete, get_completion_class
 
 from fibws.cli import output
 from fibws.cli.completion import PROGRAM, VARIABLE
-from fibws.ros1 import environment, shell
+from fibws.ros1.shell import environment, shells
 
 SHELLS = ("bash", "zsh", "sh")
 FAILED = "false\n"
@@ -60,7 +60,7 @@ def command(
         click.echo(HOW)
         return
     if undo:
-        click.echo(shell.end(environment.undo(os.environ, _workspaces())), nl=False)
+        click.echo(shells.end(environment.undo(os.environ, _workspaces())), nl=False)
         _say(quiet, "This shell has no more of fibws's ROS commands and modules, nor workspaces.")
         return
     if not shadow_ros and not environment.is_set_up(os.environ):
@@ -71,7 +71,9 @@ def command(
                 "To have that in this shell: source <(fibws setup --shadow-ros)\n" + WITHOUT
             )
     changes = environment.set_up(os.environ)
-    click.echo(shell.begin(changes, *(_completion(context, each) for each in SHELLS[:2])), nl=False)
+    click.echo(
+        shells.begin(changes, *(_completion(context, each) for each in SHELLS[:2])), nl=False
+    )
     _say(
         quiet,
         "roscore, rosrun, rostopic, catkin_make and the like are those of fibws in this shell, "
@@ -93,10 +95,10 @@ def _shell() -> str:
 
 def _workspaces() -> Iterator[tuple[str, Path]]:
     """What the setup files of workspaces that were built here have put on which path."""
-    from fibws.workspace.build import RECORD
-    from fibws.workspace.packages import PREFIXES
-    from fibws.workspace.place import SOURCE
-    from fibws.workspace.setup_files import entries
+    from fibws.ros1.workspace.build import RECORD
+    from fibws.ros1.workspace.packages import PREFIXES
+    from fibws.ros1.workspace.place import SOURCE
+    from fibws.ros1.workspace.setup_files import entries
 
     for folder in filter(None, os.environ.get(PREFIXES, "").split(os.pathsep)):
         devel = Path(folder)

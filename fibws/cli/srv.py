@@ -1,5 +1,5 @@
 """``fibws srv``: the types of services, as rossrv has them."""
 
-from fibws.cli.types.commands import group
+from fibws.cli.types import group
 
 command = group("srv")

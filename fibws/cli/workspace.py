@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING
 
 import click
 
+from fibws.cli.arguments import spread
+from fibws.cli.common_options import SETTINGS
 from fibws.cli.output import counted, visible
-from fibws.cli.tool import SETTINGS
-from fibws.cli.words import spread
 from fibws.errors import WorkspaceError
 
 if TYPE_CHECKING:
-    from fibws.workspace.build import Plan, Workspace
-    from fibws.workspace.source import Source
+    from fibws.ros1.workspace.build import Plan, Workspace
+    from fibws.ros1.workspace.source import Source
 
 RULE = "~" * 50
 KINDS = {"msg": "message", "srv": "service", "action": "action"}
@@ -48,7 +48,7 @@ def command() -> None:
 @click.argument("folder", type=click.Path(path_type=Path), default=".")
 def init(folder: Path) -> None:
     """Mark FOLDER, the src/ of a workspace, or else this one, as catkin_init_workspace does."""
-    from fibws.workspace import place
+    from fibws.ros1.workspace import place
 
     path = place.initialize(Path(os.path.normpath(place.here() / folder)))
     click.echo(f"Created file {visible(str(path))}")
@@ -111,9 +111,9 @@ def make(
     devel/, which has the files to be sourced. What is written in C++ is not built. Options for
     CMake and make (-D, -j, --cmake-args ...) are read past.
     """
-    from fibws.workspace import place
-    from fibws.workspace.build import Workspace
-    from fibws.workspace.recipe import FILE as LISTS
+    from fibws.ros1.workspace import place
+    from fibws.ros1.workspace.build import Workspace
+    from fibws.ros1.workspace.recipe import FILE as LISTS
 
     if no_color:
         context.color = False
@@ -200,8 +200,8 @@ def _print_packages(plan: Plan) -> None:
 
 def _print_next(workspace: Workspace, plan: Plan) -> None:
     """Say what to type now."""
-    from fibws.workspace import place
-    from fibws.workspace.packages import PATH
+    from fibws.ros1.workspace import place
+    from fibws.ros1.workspace.packages import PATH
 
     inside = workspace.folder == place.here()
     if not plan.sources and not plan.faults:

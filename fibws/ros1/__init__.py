@@ -1,8 +1,10 @@
-"""What stands in for an installed ROS 1, so that its programs run as they are.
+"""ROS 1's userland, so that programs for ROS 1 run unchanged.
 
-bin/     commands for the PATH, each a thin door to ``fibws``: roscore, rosrun, rostopic ...
-python/  modules for the PYTHONPATH, above all rospy, on top of the node library
+python/     modules for the PYTHONPATH: rospy, actionlib and others, on top of the node library
+shell/      commands for the PATH (roscore, rosrun, rostopic ...) and the environment they need
+workspace/  packages, catkin_make and rosrun
+launch/     launch files and the processes that they start
 
-Neither is on a path until somebody asks for it: by ``fibws setup``, ``fibws run`` or ``python -m
-fibws.rospy``. A ROS that is installed is never shadowed unasked.
+Neither folder is on a path until someone runs ``fibws setup``, ``fibws run`` or ``python -m
+fibws.rospy``. An installed ROS is never hidden unless the user asks for it.
 """

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 
-from fibws.ros1.folders import VARIABLE, find_unnamed, hold_definitions
+from fibws.definition_folders import VARIABLE, find_unnamed, hold_definitions
 
 _WORDS = {"msg": "message", "srv": "service"}
 

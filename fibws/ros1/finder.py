@@ -13,8 +13,8 @@ from importlib.machinery import ModuleSpec, PathFinder
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, cast
 
+from fibws.definition_folders import VARIABLE, are_bare, hold_definitions
 from fibws.ros1.advice import advise, no_such_name
-from fibws.ros1.folders import VARIABLE, are_bare, hold_definitions
 
 if TYPE_CHECKING:
     from importlib.abc import Loader

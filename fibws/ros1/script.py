@@ -11,7 +11,8 @@ from pathlib import Path
 from types import CodeType, ModuleType, TracebackType
 from typing import Any
 
-from fibws.ros1 import environment, finder
+from fibws.ros1 import finder
+from fibws.ros1.shell import environment
 
 _ours = sys.modules["__main__"]
 """Is kept: a module that nobody knows any more loses its variables."""

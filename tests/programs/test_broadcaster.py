@@ -11,6 +11,7 @@ from contextlib import asynccontextmanager
 
 import pytest
 from click.testing import CliRunner
+from running_programs import Start
 from websockets.asyncio.client import connect
 
 import fibws
@@ -18,8 +19,6 @@ from fibws.broadcaster import command, following
 from fibws.hub import Hub
 from fibws.msg.rosgraph_msgs import Log
 from fibws.msg.std_msgs import Int32, UInt8
-
-from .conftest import Start
 
 BROADCASTER = "fibws.broadcaster"
 INT8 = [0, 1, 1, 2, 3, 5, 8, 13, 21, 34, 55, 89]

@@ -10,12 +10,11 @@ from typing import NoReturn
 
 import pytest
 from click.testing import CliRunner
+from running_programs import Start
 
 from fibws.cli import demo
 from fibws.errors import HubError
 from fibws.hub import Hub
-
-from .conftest import Start
 
 DEMO = ("fibws", "demo", "--rate", "100")
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import re
 import signal
 
+from running_programs import Start
+
 import fibws
 from fibws.hub import Hub
 from fibws.msg.rosgraph_msgs import Log
 from fibws.msg.std_msgs import Float64, Int32
-
-from .conftest import Start
 
 LISTENER = "fibws.listener"
 

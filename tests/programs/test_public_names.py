@@ -6,10 +6,9 @@ import asyncio
 import sys
 
 import pytest
+from running_programs import ROOT
 
 import fibws
-
-from .conftest import ROOT
 
 
 async def test_they_cost_nothing_until_they_are_used() -> None:

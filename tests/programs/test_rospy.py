@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from .conftest import Start
+from running_programs import Start
 
 
 async def test_it_runs_a_script_with_its_arguments(start: Start, tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import pytest
 
 import fibws
-from fibws.ros1.environment import PYTHON_FOLDER
+from fibws.ros1.shell.environment import PYTHON_FOLDER
 
 OURS = [sys.executable, "-P", "-m", "fibws.rospy"]
 PATIENCE = 60

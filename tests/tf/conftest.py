@@ -8,6 +8,7 @@ from contextlib import suppress
 from typing import TypeAlias
 
 import pytest
+from running_programs import start as start
 
 import fibws
 from fibws.hub import Hub

@@ -10,10 +10,10 @@ from collections.abc import Iterator
 import click
 
 from fibws.cli import output
+from fibws.cli.common_options import hub_option, json_option
 from fibws.cli.doctor import definitions, graph, hub, machine
 from fibws.cli.doctor.finding import Finding, ok, wrong
-from fibws.cli.link import Link
-from fibws.cli.tool import hub_option, json_option
+from fibws.client.hub_client import HubClient
 from fibws.errors import NodeError
 
 SIGNS = {"ok": "✓", "warning": "!", "wrong": "✗"}
@@ -59,24 +59,24 @@ def findings(hub_: str | None) -> Iterator[Finding]:
     """All findings, in the order in which one would look."""
     yield from machine.checks(hub.url_of(hub_))
     yield from definitions.checks()
-    link = hub.reach(hub_)
-    if isinstance(link, Finding):
-        yield link
+    client = hub.reach(hub_)
+    if isinstance(client, Finding):
+        yield client
         return
-    with link:
-        yield ok("hub", f"{link.url} takes connections")
-        yield hub.version(link.url)
+    with client:
+        yield ok("hub", f"{client.url} takes connections")
+        yield hub.version(client.url)
         try:
-            yield from hub.distance(link)
-            before = _look(link)
-            link.process(MOMENT)
-            yield from graph.checks(before, _look(link), but=link.node)
+            yield from hub.distance(client)
+            before = _look(client)
+            client.process(MOMENT)
+            yield from graph.checks(before, _look(client), but=client.node)
         except NodeError as error:
             yield wrong("hub", str(error), "Look at the hub's log. Is it a fibws hub?")
 
 
-def _look(link: Link) -> graph.Look:
-    return link.call("/rosapi/graph"), link.call("/rosapi/statistics")
+def _look(client: HubClient) -> graph.Look:
+    return client.call("/rosapi/graph"), client.call("/rosapi/statistics")
 
 
 def tell(finding: Finding) -> None:

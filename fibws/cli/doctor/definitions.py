@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fibws.cli.doctor.finding import Finding, ok, warning, wrong
+from fibws.definition_folders import VARIABLE, named_folders
 from fibws.errors import DefinitionError, FibwsError
-from fibws.ros1.folders import VARIABLE, named_folders
 
 if TYPE_CHECKING:
     from fibws.interfaces import Interfaces
@@ -63,7 +63,7 @@ def of(folders: list[Path]) -> Iterator[Finding]:
 
 def _is_built(folder: Path) -> bool:
     """Whether catkin_make here made it, for which no package needs to define anything."""
-    from fibws.workspace.build import RECORD
+    from fibws.ros1.workspace.build import RECORD
 
     return (folder.parent / RECORD).is_file()
 

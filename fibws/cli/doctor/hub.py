@@ -11,7 +11,7 @@ from urllib.parse import urlsplit
 
 from fibws import __version__
 from fibws.cli.doctor.finding import Finding, ok, warning, wrong
-from fibws.cli.link import Link
+from fibws.client.hub_client import HubClient
 from fibws.errors import HubUnreachable, InvalidAddress, InvalidName, NoHub
 from fibws.node import address
 
@@ -29,11 +29,11 @@ def url_of(hub: str | None) -> str:
     return hub or os.environ.get(address.ENVIRONMENT) or address.DEFAULT
 
 
-def reach(hub: str | None) -> Link | Finding:
-    """A link to the hub, or why there is none."""
+def reach(hub: str | None) -> HubClient | Finding:
+    """A client to the hub, or why there is none."""
     elsewhere = f"tell where it is: {address.ENVIRONMENT}=ws://HOST:PORT"
     try:
-        return Link("doctor", hub)
+        return HubClient("doctor", hub)
     except (InvalidAddress, InvalidName):
         return wrong("hub", "Not looked for", "Mend the environment first, see above.")
     except NoHub as error:
@@ -91,7 +91,7 @@ def version(url: str) -> Finding:
     )
 
 
-def distance(link: Link) -> Iterator[Finding]:
+def distance(client: HubClient) -> Iterator[Finding]:
     """How long an answer takes, and how far the clocks are apart.
 
     Raises:
@@ -100,7 +100,7 @@ def distance(link: Link) -> Iterator[Finding]:
     trips = []
     for _ in range(TRIPS):
         begun, wall = time.perf_counter(), time.time()
-        answer = link.call("/rosapi/get_time")["time"]
+        answer = client.call("/rosapi/get_time")["time"]
         seconds = time.perf_counter() - begun
         theirs = answer["secs"] + answer["nsecs"] / 1e9
         trips.append((seconds, theirs - (wall + seconds / 2)))

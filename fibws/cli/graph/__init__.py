@@ -7,11 +7,11 @@ import shutil
 import click
 
 from fibws.cli import complete, output
+from fibws.cli.common_options import json_option, linked
 from fibws.cli.graph.dot import dot
 from fibws.cli.graph.drawing import ASCII, LINES, drawing
 from fibws.cli.graph.view import View
-from fibws.cli.link import Link
-from fibws.cli.tool import json_option, linked
+from fibws.client.hub_client import HubClient
 
 WIDTH_OF_PIPES = 120
 """Characters in a line where no terminal says how many there is room for."""
@@ -23,7 +23,9 @@ WIDTH_OF_PIPES = 120
 @click.option("--dot", "as_dot", is_flag=True, help="Print Graphviz: fibws graph --dot | dot -Tsvg")
 @json_option
 @linked("graph")
-def command(link: Link, namespace: str, everything: bool, as_dot: bool, as_json: bool) -> None:
+def command(
+    client: HubClient, namespace: str, everything: bool, as_dot: bool, as_json: bool
+) -> None:
     """Draw who publishes what to whom: nodes, topics, services, actions.
 
     With a NAMESPACE, only what is in it and what has to do with that.
@@ -34,9 +36,9 @@ def command(link: Link, namespace: str, everything: bool, as_dot: bool, as_json:
     if as_dot and as_json:
         raise click.UsageError("--dot or --json, not both.")
     view = View.of(
-        link.call("/rosapi/graph"),
-        but=link.node,
-        namespace=link.resolve_namespace(namespace),
+        client.call("/rosapi/graph"),
+        but=client.node,
+        namespace=client.resolve_namespace(namespace),
         everything=everything,
     )
     if as_json:

@@ -13,18 +13,18 @@ import click
 
 from fibws import names
 from fibws.cli import output
-from fibws.cli.ending import ending
+from fibws.cli.common_options import SETTINGS, hub_option
+from fibws.cli.exit_handling import ending
 from fibws.cli.run import workspace_option
-from fibws.cli.tool import SETTINGS, hub_option
 from fibws.errors import FibwsError
-from fibws.hint import hint
 from fibws.node import address
+from fibws.suggestions import hint
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
-    from fibws.launch.model import Launch, Node
-    from fibws.workspace.packages import Packages
+    from fibws.ros1.launch.model import Launch, Node
+    from fibws.ros1.workspace.packages import Packages
 
 _SECONDS = click.FloatRange(min=0, min_open=True)
 
@@ -105,7 +105,7 @@ def command(words: tuple[str, ...], listing: str | None, **options: Any) -> None
 
 def _main(words: Sequence[str], listing: str | None, options: dict[str, Any]) -> int:
     from fibws.cli.launch.sources import Sources
-    from fibws.launch import listing as lines
+    from fibws.ros1.launch import listing as lines
 
     sources = Sources(words, options["workspace"])
     if listing == "arguments":
@@ -125,7 +125,7 @@ def _main(words: Sequence[str], listing: str | None, options: dict[str, Any]) ->
         case "files":
             return _print(os.path.abspath(file) for file in dict.fromkeys(launch.files))
         case "parameters":
-            from fibws.cli.param.documents import dumped
+            from fibws.values.parameter_files import dumped
 
             return _print([dumped(launch.parameters)])
         case "check":
@@ -185,7 +185,7 @@ def _node(launch: Launch, name: str) -> Node:
 
 
 def _typed(node: Node, packages: Packages, url: str) -> str:
-    from fibws.launch import command
+    from fibws.ros1.launch import command
 
     start = command.start_of(node, packages, url, os.environ)
     return command.shown(command.variables_of(node, url, os.environ), start.command)
@@ -193,7 +193,7 @@ def _typed(node: Node, packages: Packages, url: str) -> str:
 
 def _check(launch: Launch, packages: Packages, url: str) -> int:
     """Say what keeps nodes from being started; the exit code is 1 if anything does."""
-    from fibws.launch import command
+    from fibws.ros1.launch import command
 
     faults = []
     for node in launch.nodes.values():

@@ -8,24 +8,23 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-import click
-
-from fibws.cli.link import Link
-from fibws.cli.param import documents
-from fibws.launch.model import Launch, Step
+from fibws.client.hub_client import HubClient
+from fibws.errors import InvalidValue
+from fibws.ros1.launch.model import Launch, Step
+from fibws.values import parameter_files
 
 ROOT = "/"
 
 Say = Callable[[str], None]
 
 
-def prepare(link: Link, launch: Launch, say: Say) -> Iterator[None]:
+def prepare(client: HubClient, launch: Launch, say: Say) -> Iterator[None]:
     """Dump and delete, clear, and set what a launch's files say, in this order.
 
     It yields behind each step, for whoever wants to break it off there.
 
     Args:
-        link: to the hub.
+        client: to the hub.
         launch: what was read.
         say: is given what a person should know.
 
@@ -34,19 +33,19 @@ def prepare(link: Link, launch: Launch, say: Say) -> Iterator[None]:
         OSError: a file cannot be written.
     """
     for step in launch.steps:
-        _do(link, step, say)
+        _do(client, step, say)
         yield
     for name in _outermost(launch.cleared):
         if name == ROOT:
-            _ask(link, "set_param", name=ROOT, value="{}")
-        elif _has(link, name):
-            _ask(link, "delete_param", name=name)
+            _ask(client, "set_param", name=ROOT, value="{}")
+        elif _has(client, name):
+            _ask(client, "delete_param", name=name)
         yield
     for name, value in launch.parameters.items():
         if isinstance(value, bytes):
             say(f"{name}: parameters hold no bytes here, so this is their base64")
             value = b64encode(value).decode()
-        _ask(link, "set_param", name=name, value=json.dumps(value, ensure_ascii=False))
+        _ask(client, "set_param", name=name, value=json.dumps(value, ensure_ascii=False))
         yield
 
 
@@ -58,26 +57,26 @@ def read_yaml(text: str) -> Any:
     """
     import yaml
 
-    from fibws.cli.message import reading
+    from fibws.values import parsing
 
     try:
-        value = yaml.load(text, documents.loader())
-        reading.check_size(value)
-    except (yaml.YAMLError, *reading.FAULTS) as error:
-        raise ValueError(reading.fault(error)) from None
-    except click.ClickException as error:  # It is too large; the reader tells in which line.
-        raise ValueError(error.message) from None
+        value = yaml.load(text, parameter_files.loader())
+        parsing.check_size(value)
+    except (yaml.YAMLError, *parsing.FAULTS) as error:
+        raise ValueError(parsing.fault(error)) from None
+    except InvalidValue as error:  # It is too large; the reader adds the line.
+        raise ValueError(str(error)) from None
     return value
 
 
-def _do(link: Link, step: Step, say: Say) -> None:
-    if not _has(link, step.name):
+def _do(client: HubClient, step: Step, say: Say) -> None:
+    if not _has(client, step.name):
         say(f"rosparam {step.command} {step.name}: it is not set")
     elif step.command == "delete":
-        _ask(link, "delete_param", name=step.name)
+        _ask(client, "delete_param", name=step.name)
     else:
-        value = json.loads(_ask(link, "get_param", name=step.name)["value"])
-        Path(step.file).write_text(documents.dumped(value), "utf-8")
+        value = json.loads(_ask(client, "get_param", name=step.name)["value"])
+        Path(step.file).write_text(parameter_files.dumped(value), "utf-8")
 
 
 def _outermost(names: list[str]) -> list[str]:
@@ -90,9 +89,9 @@ def _outermost(names: list[str]) -> list[str]:
     ]
 
 
-def _has(link: Link, name: str) -> bool:
-    return name == ROOT or bool(_ask(link, "has_param", name=name)["exists"])
+def _has(client: HubClient, name: str) -> bool:
+    return name == ROOT or bool(_ask(client, "has_param", name=name)["exists"])
 
 
-def _ask(link: Link, service: str, **request: str) -> dict[str, Any]:
-    return link.call(f"/rosapi/{service}", request)
+def _ask(client: HubClient, service: str, **request: str) -> dict[str, Any]:
+    return client.call(f"/rosapi/{service}", request)

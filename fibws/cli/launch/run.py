@@ -11,17 +11,17 @@ from urllib.parse import urlsplit
 import click
 
 from fibws.cli import output
-from fibws.cli.ending import end_line
+from fibws.cli.exit_handling import end_line
 from fibws.cli.launch.parameters import prepare
-from fibws.cli.link import Link
+from fibws.client.hub_client import HubClient
 from fibws.errors import LaunchError, NoHub
-from fibws.launch.command import hub_does_it, log_folder, start_of
-from fibws.launch.hub import start_hub
-from fibws.launch.model import Launch, Node
-from fibws.launch.runner import WAIT_INTERRUPT, WAIT_TERMINATE, Runner
-from fibws.launch.screen import Screen
 from fibws.node.address import LOOPBACK
-from fibws.workspace.packages import Packages
+from fibws.ros1.launch.command import hub_does_it, log_folder, start_of
+from fibws.ros1.launch.hub import start_hub
+from fibws.ros1.launch.model import Launch, Node
+from fibws.ros1.launch.runner import WAIT_INTERRUPT, WAIT_TERMINATE, Runner
+from fibws.ros1.launch.screen import Screen
+from fibws.ros1.workspace.packages import Packages
 
 TOOL = "launch"
 RETRY = 0.2
@@ -98,8 +98,8 @@ class _Launch:
     async def _prepare(self) -> None:
         self._screen.say(f"FIBWS_HUB={self._url}", bold=True)
         self._screen.say("")
-        with Link(TOOL, self._url) as link:
-            for _ in prepare(link, self._launch, self._screen.complain):
+        with HubClient(TOOL, self._url) as client:
+            for _ in prepare(client, self._launch, self._screen.complain):
                 await asyncio.sleep(0)  # Ctrl-C is heard between two parameters.
                 if self._runner.is_stopping:
                     return
@@ -125,7 +125,7 @@ class _Launch:
         is_said = False
         while True:
             try:
-                Link(TOOL, self._url).close()
+                HubClient(TOOL, self._url).close()
                 return True
             except NoHub:
                 if not self._options.wait or self._runner.is_stopping:

@@ -13,10 +13,10 @@ from fibws import names
 from fibws.cli.launch.parameters import read_yaml
 from fibws.cli.run import put_on_paths
 from fibws.errors import FibwsError
-from fibws.launch import files
-from fibws.launch.reader import STANDARD_INPUT, Reader
-from fibws.launch.surroundings import Surroundings
-from fibws.workspace.packages import Packages
+from fibws.ros1.launch import files
+from fibws.ros1.launch.reader import STANDARD_INPUT, Reader
+from fibws.ros1.launch.surroundings import Surroundings
+from fibws.ros1.workspace.packages import Packages
 
 MARK = ":="
 NAMESPACE = "__ns"

@@ -9,11 +9,11 @@ from itertools import count
 import click
 
 from fibws.cli import output
-from fibws.cli.link import Link
-from fibws.cli.tool import json_option, linked
+from fibws.cli.common_options import json_option, linked
 from fibws.cli.top.measure import SORTS, Measure
 from fibws.cli.top.screen import KEYS, Screen
 from fibws.cli.top.text import block
+from fibws.client.hub_client import HubClient
 
 STATISTICS = "/rosapi/statistics"
 
@@ -39,7 +39,7 @@ STATISTICS = "/rosapi/statistics"
 )
 @json_option
 @linked("top", endless=True)
-def command(link: Link, times: int | None, delay: float, sort: str, as_json: bool) -> None:
+def command(client: HubClient, times: int | None, delay: float, sort: str, as_json: bool) -> None:
     """Show the topics with their rates and the clients, until q or Ctrl-C.
 
     PUBS and SUBS are how many nodes publish and subscribe. DROPS are messages that somebody was too
@@ -50,31 +50,31 @@ def command(link: Link, times: int | None, delay: float, sort: str, as_json: boo
     there is a block of plain text for each look, or with --json an object.
     """
     if times or as_json or not (output.obeys() and output.can_show("─…")):
-        for measure in _measures(link, delay, sort, times):
+        for measure in _measures(client, delay, sort, times):
             output.as_json(measure.as_json()) if as_json else block(measure)
     else:
         with Screen.taken() as screen:
-            _watch(link, screen, delay, sort)
+            _watch(client, screen, delay, sort)
 
 
-def _measures(link: Link, delay: float, sort: str, times: int | None) -> Iterator[Measure]:
-    before = link.call(STATISTICS)
+def _measures(client: HubClient, delay: float, sort: str, times: int | None) -> Iterator[Measure]:
+    before = client.call(STATISTICS)
     for _ in range(times) if times else count():
-        link.process(delay)
-        now = link.call(STATISTICS)
-        yield Measure.between(before, now, but=link.node, sort=sort)
+        client.process(delay)
+        now = client.call(STATISTICS)
+        yield Measure.between(before, now, but=client.node, sort=sort)
         before = now
 
 
-def _watch(link: Link, screen: Screen, delay: float, sort: str) -> None:
-    before = now = link.call(STATISTICS)
+def _watch(client: HubClient, screen: Screen, delay: float, sort: str) -> None:
+    before = now = client.call(STATISTICS)
     due = time.monotonic() + delay
     while True:
-        screen.show(Measure.between(before, now, but=link.node, sort=sort), link.url, sort)
-        key = screen.wait(due - time.monotonic(), lambda: link.process(0))
+        screen.show(Measure.between(before, now, but=client.node, sort=sort), client.url, sort)
+        key = screen.wait(due - time.monotonic(), lambda: client.process(0))
         if key == "q":
             return
         sort = KEYS.get(key, sort)
         if not key:
-            before, now = now, link.call(STATISTICS)
+            before, now = now, client.call(STATISTICS)
             due = max(due, time.monotonic() - delay) + delay

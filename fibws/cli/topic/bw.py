@@ -7,11 +7,11 @@ import time
 import click
 
 from fibws.cli import complete, output
-from fibws.cli.link import Link, RawMessage
-from fibws.cli.tool import json_option, linked
+from fibws.cli.common_options import json_option, linked
 from fibws.cli.topic.every_second import count_option, report, subscribe, window_option
 from fibws.cli.topic.target import global_name
-from fibws.cli.topic.window import Summary, Window, as_object
+from fibws.client.hub_client import HubClient, RawMessage
+from fibws.values.rates import Summary, Window, as_object
 
 WINDOW = 100
 UNITS = ((1_000_000, "MB"), (1_000, "KB"), (1, "B"))
@@ -55,15 +55,15 @@ class Bandwidth:
 @count_option
 @json_option
 @linked("bw", endless=True)
-def command(link: Link, topic: str, window: int, count: int | None, as_json: bool) -> None:
+def command(client: HubClient, topic: str, window: int, count: int | None, as_json: bool) -> None:
     """Show the bandwidth of TOPIC every second.
 
     Sizes are those of serialized messages, as in rostopic bw. With a plain rosbridge server, or for
     an undefined type, they are those of messages in JSON.
     """
     bandwidth = Bandwidth(window)
-    name = global_name(link, topic)
-    subscribe(link, name, bandwidth.receive, quiet=as_json)
+    name = global_name(client, topic)
+    subscribe(client, name, bandwidth.receive, quiet=as_json)
 
     def show() -> None:
         measured = bandwidth.at(time.perf_counter())
@@ -74,7 +74,7 @@ def command(link: Link, topic: str, window: int, count: int | None, as_json: boo
         elif measured is not None:
             output.line(text(*measured))
 
-    report(link, show, count)
+    report(client, show, count)
 
 
 def text(rate: float, sizes: Summary, number: int) -> str:

@@ -10,11 +10,11 @@ import time
 import click
 
 from fibws.cli import complete, output
-from fibws.cli.link import Link, RawMessage
-from fibws.cli.tool import json_option, linked
+from fibws.cli.common_options import json_option, linked
 from fibws.cli.topic.every_second import count_option, report, subscribe, window_option
 from fibws.cli.topic.target import global_name
-from fibws.cli.topic.window import MOST, Summary, Window, as_object, in_seconds
+from fibws.client.hub_client import HubClient, RawMessage
+from fibws.values.rates import MOST, Summary, Window, as_object, in_seconds
 
 # A message that begins with a header: the number, the seconds and the nanoseconds.
 _SERIALIZED_STAMP = struct.Struct("<III")
@@ -91,11 +91,11 @@ def json_stamp(message: bytes | memoryview) -> int | None:
 @count_option
 @json_option
 @linked("delay", endless=True)
-def command(link: Link, topic: str, window: int, count: int | None, as_json: bool) -> None:
+def command(client: HubClient, topic: str, window: int, count: int | None, as_json: bool) -> None:
     """Show the delay of TOPIC every second, by the stamps in its messages' headers."""
     delay = Delay(window)
-    name = global_name(link, topic)
-    target = subscribe(link, name, delay.receive, quiet=True)
+    name = global_name(client, topic)
+    target = subscribe(client, name, delay.receive, quiet=True)
     if not target.typedefs.has_header(target.type):
         raise click.ClickException(
             f"msg does not have header: {target.type} does not begin with a std_msgs/Header"
@@ -120,7 +120,7 @@ def command(link: Link, topic: str, window: int, count: int | None, as_json: boo
         else:
             output.line(text(*polled))
 
-    report(link, show, count)
+    report(client, show, count)
 
 
 def text(delays: Summary, number: int) -> str:

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from fibws.cli import complete, output
-from fibws.cli.link import Link
-from fibws.cli.message import printing
-from fibws.cli.tool import json_option, linked
+from fibws.cli.common_options import json_option, linked
 from fibws.cli.topic.target import Target, global_name, retarget, wait
+from fibws.client.hub_client import HubClient
+from fibws.values import printing
 
 if TYPE_CHECKING:
-    from fibws.cli.message.filters import Filter
+    from fibws.values.filters import Filter
 
 CLEAR = "\033[2J\033[;H"
 
@@ -23,7 +23,7 @@ CLEAR = "\033[2J\033[;H"
 def _filter(context: click.Context, parameter: click.Parameter, text: str | None) -> Filter | None:
     if text is None:
         return None
-    from fibws.cli.message.filters import Filter  # which few need
+    from fibws.values.filters import Filter  # which few need
 
     return Filter(text)
 
@@ -63,7 +63,7 @@ def _no_bags(context: click.Context, parameter: click.Parameter, file: str | Non
 @json_option
 @linked("echo", endless=True)
 def command(
-    link: Link,
+    client: HubClient,
     topic: str,
     count: int | None,
     clear: bool,
@@ -79,15 +79,15 @@ def command(
     """
     if as_json and (plot or any(style.values())):
         raise click.UsageError("--json prints whole values: it goes with neither -p nor a style.")
-    target = wait(link, global_name(link, topic))
+    target = wait(client, global_name(client, topic))
     show = _json if as_json else _csv(**style) if plot else _yaml(clear=clear, **style)
     if wanted is not None:
         try:
             wanted.check(target.typedefs)
         except LookupError as error:
             raise click.UsageError(f"--filter: {error}") from None
-    for message in link.messages(target.topic):
-        target = _up_to_date(link, target, message)
+    for message in client.messages(target.topic):
+        target = _up_to_date(client, target, message)
         try:
             if wanted is not None and not wanted.passes(message, target.typedefs):
                 continue
@@ -102,12 +102,12 @@ def command(
                 return
 
 
-def _up_to_date(link: Link, target: Target, message: dict[str, Any]) -> Target:
+def _up_to_date(client: HubClient, target: Target, message: dict[str, Any]) -> Target:
     """The target as it is now: a topic may come back with another type."""
     if target.typedefs.fit(message):
         return target
-    type_ = link.call("/rosapi/topic_type", {"topic": target.topic})["type"]
-    return target if type_ in ("", target.type) else retarget(link, target, type_)
+    type_ = client.call("/rosapi/topic_type", {"topic": target.topic})["type"]
+    return target if type_ in ("", target.type) else retarget(client, target, type_)
 
 
 def _json(value: Any, target: Target) -> None:
@@ -132,13 +132,13 @@ def _yaml(
 def _csv(
     *, noarr: bool, nostr: bool, width: int | None, offset: bool
 ) -> Callable[[Any, Target], None]:
-    from fibws.cli.message import csv  # which few need
+    from fibws.values import csv_rows  # which few need
 
     is_first = True
 
     def show(value: Any, target: Target) -> None:
         nonlocal is_first
-        rows = csv.Rows(target.typedefs, target.field, noarr=noarr, nostr=nostr)
+        rows = csv_rows.Rows(target.typedefs, target.field, noarr=noarr, nostr=nostr)
         if is_first:
             output.line(rows.head(value))
             is_first = False

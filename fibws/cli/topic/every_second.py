@@ -9,8 +9,8 @@ from functools import partial
 import click
 
 from fibws.cli import output
-from fibws.cli.link import Link, OnMessage
 from fibws.cli.topic.target import Target, wait
+from fibws.client.hub_client import HubClient, OnMessage
 
 QUEUE_LENGTH = 10_000
 """Messages of a topic that the hub keeps while the tool reads too slowly."""
@@ -38,16 +38,18 @@ def window_option(
     )
 
 
-def subscribe(link: Link, name: str, on_message: OnMessage, *, quiet: bool = False) -> Target:
+def subscribe(
+    client: HubClient, name: str, on_message: OnMessage, *, quiet: bool = False
+) -> Target:
     """Subscribe to the raw messages of a topic, and wait until it is published.
 
     Args:
         name: its global name.
-        on_message: called with each message; see `Link.subscribe_raw`.
+        on_message: called with each message; see `HubClient.subscribe_raw`.
         quiet: print nothing.
     """
-    subscribe_raw = partial(link.subscribe_raw, on_message=on_message, queue_length=QUEUE_LENGTH)
-    target = wait(link, name, subscribe=subscribe_raw)
+    subscribe_raw = partial(client.subscribe_raw, on_message=on_message, queue_length=QUEUE_LENGTH)
+    target = wait(client, name, subscribe=subscribe_raw)
     if target.path:
         raise click.UsageError(f"{name} is a field of {target.topic}: name a topic.")
     if not quiet:
@@ -55,7 +57,7 @@ def subscribe(link: Link, name: str, on_message: OnMessage, *, quiet: bool = Fal
     return target
 
 
-def report(link: Link, show: Callable[[], None], count: int | None = None) -> None:
+def report(client: HubClient, show: Callable[[], None], count: int | None = None) -> None:
     """Call ``show`` every second, ``count`` times or until Ctrl-C.
 
     Raises:
@@ -67,7 +69,7 @@ def report(link: Link, show: Callable[[], None], count: int | None = None) -> No
         due += PERIOD
         if due <= (now := time.monotonic()):
             due = now + PERIOD  # After Ctrl-Z, missed reports are not printed.
-        link.process(due - time.monotonic())
+        client.process(due - time.monotonic())
         show()
         if count is not None:
             count -= 1

@@ -5,16 +5,16 @@ from __future__ import annotations
 import click
 
 from fibws.cli import complete, output
-from fibws.cli.link import Link
-from fibws.cli.tool import json_option, linked
-from fibws.cli.types.full_name import full_name
+from fibws.cli.common_options import json_option, linked
+from fibws.cli.type_names import full_name
+from fibws.client.hub_client import HubClient
 
 
 @click.command()
 @click.argument("type_", metavar="TYPE", shell_complete=complete.types)
 @json_option
 @linked()
-def command(link: Link, type_: str, as_json: bool) -> None:
+def command(client: HubClient, type_: str, as_json: bool) -> None:
     """List the topics of TYPE."""
-    found = link.call("/rosapi/topics_for_type", {"type": full_name(type_)})["topics"]
+    found = client.call("/rosapi/topics_for_type", {"type": full_name(type_)})["topics"]
     output.names(found, json_=as_json)

@@ -5,19 +5,19 @@ from __future__ import annotations
 import click
 
 from fibws.cli import complete, output
-from fibws.cli.link import Link
-from fibws.cli.snapshot import Entry, Snapshot
-from fibws.cli.tool import json_option, linked
+from fibws.cli.common_options import json_option, linked
+from fibws.client.graph_snapshot import Entry, Snapshot
+from fibws.client.hub_client import HubClient
 
 
 @click.command()
 @click.argument("topic", shell_complete=complete.topics)
 @json_option
 @linked()
-def command(link: Link, topic: str, as_json: bool) -> None:
+def command(client: HubClient, topic: str, as_json: bool) -> None:
     """Show the type of TOPIC, who publishes it and who hears it."""
-    snapshot = Snapshot(link)
-    found = snapshot.topic(link.resolve(topic))
+    snapshot = Snapshot(client)
+    found = snapshot.topic(client.resolve(topic))
     publishers, subscribers = (
         [
             {"node": node, "address": snapshot.address(node)}

@@ -5,9 +5,9 @@ from __future__ import annotations
 import click
 
 from fibws.cli import complete, output
-from fibws.cli.link import Link
-from fibws.cli.snapshot import Entry, Snapshot, within
-from fibws.cli.tool import json_option, linked
+from fibws.cli.common_options import json_option, linked
+from fibws.client.graph_snapshot import Entry, Snapshot, within
+from fibws.client.hub_client import HubClient
 
 
 @click.command()
@@ -18,7 +18,7 @@ from fibws.cli.tool import json_option, linked
 @json_option
 @linked()
 def command(
-    link: Link,
+    client: HubClient,
     namespace: str | None,
     verbose: bool,
     publishers: bool,
@@ -28,7 +28,7 @@ def command(
     """List the topics, or those in NAMESPACE."""
     if publishers and subscribers:
         raise click.UsageError("you may only specify one of -p, -s")
-    topics = within(namespace and link.resolve_namespace(namespace), _all(link))
+    topics = within(namespace and client.resolve_namespace(namespace), _all(client))
     published = [topic for topic in topics if topic["publishers"]]
     subscribed = [topic for topic in topics if topic["subscribers"]]
     chosen = published if publishers else subscribed if subscribers else topics
@@ -47,7 +47,7 @@ def command(
         output.names(topic["name"] for topic in chosen)
 
 
-def _all(link: Link) -> list[Entry]:
+def _all(client: HubClient) -> list[Entry]:
     """All topics, with the names of the nodes at both ends."""
     return [
         {
@@ -56,7 +56,7 @@ def _all(link: Link) -> list[Entry]:
             "publishers": [each["node"] for each in topic["publishers"]],
             "subscribers": sorted({each["node"] for each in topic["subscriptions"]}),
         }
-        for topic in Snapshot(link).topics
+        for topic in Snapshot(client).topics
         if topic["publishers"] or topic["subscriptions"]
     ]
 

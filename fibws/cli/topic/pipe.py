@@ -11,8 +11,8 @@ from typing import Any
 
 import click
 
-from fibws.cli.message import reading
 from fibws.cli.topic.publisher import Publisher
+from fibws.values import parsing
 
 MOST_CHARACTERS = 2**26
 """Of one message: no hub takes longer ones, unless it is set to."""
@@ -34,13 +34,13 @@ def documents(publisher: Publisher) -> Iterator[Any]:
     size = 0
     for line in _lines(publisher):
         if line.strip() == "---":
-            yield reading.parse("".join(lines))
+            yield parsing.parse("".join(lines))
             lines, size = [], 0
         else:
             lines.append(line)
             size = _more(size, line)
     if any(line.strip() for line in lines):
-        yield reading.parse("".join(lines))
+        yield parsing.parse("".join(lines))
 
 
 def _lines(publisher: Publisher) -> Iterator[str]:
@@ -78,9 +78,9 @@ def _texts(publisher: Publisher) -> Iterator[str]:
         # Windows cannot wait for a pipe in this way.
         ready = [number]
         if sys.platform != "win32":
-            ready, _, _ = select.select([number, publisher.link], [], [])
-        if publisher.link in ready:
-            publisher.link.process(0)
+            ready, _, _ = select.select([number, publisher.client], [], [])
+        if publisher.client in ready:
+            publisher.client.process(0)
         if number in ready:
             data = os.read(number, _CHUNK)
             yield decoder.decode(data, final=not data)

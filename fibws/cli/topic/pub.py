@@ -10,15 +10,15 @@ import click
 
 from fibws import names
 from fibws.cli import complete, output
+from fibws.cli.arguments import DigitOptions
+from fibws.cli.common_options import linked
 from fibws.cli.input import piped
-from fibws.cli.link import Link
-from fibws.cli.message import printing, reading
-from fibws.cli.message.typedefs import Typedefs
-from fibws.cli.tool import linked
 from fibws.cli.topic import pipe
 from fibws.cli.topic.publisher import Publisher
-from fibws.cli.types.full_name import full_name
-from fibws.cli.words import DigitOptions
+from fibws.cli.type_names import full_name
+from fibws.client.hub_client import HubClient
+from fibws.values import parsing, printing
+from fibws.values.typedefs import Typedefs
 
 LINGER = 3.0
 """Seconds that a message is there for late listeners if it is published once, as in rostopic."""
@@ -52,7 +52,7 @@ RATE = 10.0
 )
 @linked("pub", endless=True)
 def command(
-    link: Link,
+    client: HubClient,
     topic: str,
     type_: str,
     words: tuple[str, ...],
@@ -78,9 +78,9 @@ def command(
         raise click.UsageError("You cannot select both -r and -1 (--once)")
     if words and file is not None:
         raise click.UsageError("args conflict with -f setting")
-    values = [reading.parse(word) for word in words]
-    name = link.resolve(names.check(topic))
-    publisher = Publisher(link, name, full_name(type_), latch=latch or rate is None)
+    values = [parsing.parse(word) for word in words]
+    name = client.resolve(names.check(topic))
+    publisher = Publisher(client, name, full_name(type_), latch=latch or rate is None)
     typedefs = publisher.typedefs
     if values or _has_no_fields(typedefs):
         messages = _of_words(values, typedefs, anew=substitute)
@@ -98,26 +98,26 @@ def command(
         what = f"[{printing.text(message, typedefs)}]" if verbose else "message"
         until = f" for {LINGER} seconds" if once else ". Press ctrl-C to terminate"
         output.line(f"publishing and latching {what}{until}")
-        link.process(LINGER if once else None)
+        client.process(LINGER if once else None)
         return
 
 
 def _of_words(values: list[Any], typedefs: Typedefs, *, anew: bool) -> Iterator[dict[str, Any]]:
     """The message of the command line, without end; if ``anew``, each with its own time."""
-    message = reading.fill(values, typedefs)
+    message = parsing.fill(values, typedefs)
     while True:
         yield message
         if anew:
-            message = reading.fill(values, typedefs)
+            message = parsing.fill(values, typedefs)
 
 
 def _of_stream(
     publisher: Publisher, file: TextIO | None, *, repeated: bool
 ) -> Iterator[dict[str, Any]]:
     """The messages of a file or of standard input; the only one of a file is ``repeated``."""
-    given = reading.documents(file) if file is not None else pipe.documents(publisher)
+    given = parsing.documents(file) if file is not None else pipe.documents(publisher)
     messages = (
-        reading.fill(each if isinstance(each, list) else [each], publisher.typedefs)
+        parsing.fill(each if isinstance(each, list) else [each], publisher.typedefs)
         for each in given
         if each is not None
     )

@@ -8,12 +8,12 @@ from typing import Any
 
 import click
 
-from fibws.cli.link import Link
-from fibws.cli.message.typedefs import Typedefs, if_known
+from fibws.client.hub_client import HubClient
+from fibws.values.typedefs import Typedefs, if_known
 
 
 class Publisher:
-    """The right to publish on one topic, until the link is closed.
+    """The right to publish on one topic, until the client is closed.
 
     Args:
         topic: its global name.
@@ -23,13 +23,13 @@ class Publisher:
         OperationRejected: the hub will not have the topic with this type.
     """
 
-    def __init__(self, link: Link, topic: str, type_: str, *, latch: bool) -> None:
-        self.link = link
+    def __init__(self, client: HubClient, topic: str, type_: str, *, latch: bool) -> None:
+        self.client = client
         self.topic = topic
-        link.send({"op": "advertise", "topic": topic, "type": type_, "latch": latch})
-        self.typedefs = if_known(Typedefs.of_message, link, type_)
+        client.send({"op": "advertise", "topic": topic, "type": type_, "latch": latch})
+        self.typedefs = if_known(Typedefs.of_message, client, type_)
         """Of the type; none if nobody has defined it."""
-        link.process(0)
+        client.process(0)
         if self.typedefs.root not in self.typedefs:
             click.echo(f"WARNING: nobody has defined {type_}: messages are not checked", err=True)
 
@@ -40,8 +40,8 @@ class Publisher:
             OperationRejected: the hub will not have it.
         """
         self._send(message)
-        self.link.call("/rosapi/get_time")
-        self.link.process(0)
+        self.client.call("/rosapi/get_time")
+        self.client.process(0)
 
     def publish_all(self, messages: Iterable[dict[str, Any]], rate: float) -> None:
         """Publish messages, so many a second; raises as `publish`."""
@@ -55,9 +55,9 @@ class Publisher:
                 self._send(message)
             # Whoever falls behind by more than a message does not make up for it.
             due = max(due, time.monotonic() - 1 / rate) + 1 / rate
-            self.link.process(due - time.monotonic())
-        self.link.call("/rosapi/get_time")
-        self.link.process(0)
+            self.client.process(due - time.monotonic())
+        self.client.call("/rosapi/get_time")
+        self.client.process(0)
 
     def _send(self, message: dict[str, Any]) -> None:
-        self.link.send({"op": "publish", "topic": self.topic, "msg": message})
+        self.client.send({"op": "publish", "topic": self.topic, "msg": message})

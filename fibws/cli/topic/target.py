@@ -9,11 +9,11 @@ from typing import NamedTuple
 
 import click
 
-from fibws.cli.link import Link
-from fibws.cli.message.paths import Path, splits
-from fibws.cli.message.typedefs import Field, Typedefs, if_known
+from fibws.client.hub_client import HubClient
 from fibws.errors import ServiceError
-from fibws.hint import hint
+from fibws.suggestions import hint
+from fibws.values.field_paths import Path, splits
+from fibws.values.typedefs import Field, Typedefs, if_known
 
 INTERVAL = 0.1
 """Seconds between two checks whether a topic is published now, as in rostopic."""
@@ -32,26 +32,26 @@ class Target(NamedTuple):
     """The field at `path`."""
 
 
-def global_name(link: Link, name: str) -> str:
+def global_name(client: HubClient, name: str) -> str:
     """Return the global name for an argument; raise `InvalidName` if it is invalid."""
     before, bracket, behind = name.rstrip("/").partition("[")
-    return f"{link.resolve(before)}{bracket}{behind}"
+    return f"{client.resolve(before)}{bracket}{behind}"
 
 
-def find(link: Link, name: str) -> Target | None:
+def find(client: HubClient, name: str) -> Target | None:
     """Return the topic or the field of a global name, or None if no topic with a type matches.
 
     Raises:
         ClickException: the messages of the topic have no such field.
     """
-    type_ = link.call("/rosapi/topic_type", {"topic": name})["type"] if _is_name(name) else ""
+    type_ = client.call("/rosapi/topic_type", {"topic": name})["type"] if _is_name(name) else ""
     if type_:
-        return _target(link, name, type_, Path(""))
+        return _target(client, name, type_, Path(""))
     fault: LookupError | None = None
-    types = all_types(link)
+    types = all_types(client)
     for topic, path in splits(name, (topic for topic, type_ in types.items() if type_)):
         try:
-            return _target(link, topic, types[topic], Path(path))
+            return _target(client, topic, types[topic], Path(path))
         except LookupError as error:
             fault = fault or error
     if fault is not None:
@@ -59,46 +59,46 @@ def find(link: Link, name: str) -> Target | None:
     return None
 
 
-def wait(link: Link, name: str, *, subscribe: Callable[[str], None] | None = None) -> Target:
+def wait(client: HubClient, name: str, *, subscribe: Callable[[str], None] | None = None) -> Target:
     """Subscribe to the topic of a global name, and wait until it is published.
 
     It subscribes first, so that no message is missed. If the name is that of a field, it subscribes
     to the field's topic.
 
     Args:
-        subscribe: subscribes to a topic; by default `Link.subscribe`.
+        subscribe: subscribes to a topic; by default `HubClient.subscribe`.
 
     Raises:
         ClickException: the messages of the topic have no such field.
     """
-    subscribe = subscribe or link.subscribe
+    subscribe = subscribe or client.subscribe
     if _is_name(name):
         subscribe(name)
-    target = find(link, name)
+    target = find(client, name)
     if target is None:
-        meant = hint(name, (topic for topic, type_ in all_types(link).items() if type_))
+        meant = hint(name, (topic for topic, type_ in all_types(client).items() if type_))
         click.echo(f"WARNING: topic [{name}] does not appear to be published yet{meant}", err=True)
         while target is None:
             time.sleep(INTERVAL)
-            target = find(link, name)
+            target = find(client, name)
     if target.topic != name:
         if _is_name(name):
-            link.unsubscribe(name)
+            client.unsubscribe(name)
         subscribe(target.topic)
     return target
 
 
-def retarget(link: Link, target: Target, type_: str) -> Target:
+def retarget(client: HubClient, target: Target, type_: str) -> Target:
     """Return a target with another type, which may lack the field."""
-    target = target._replace(type=type_, typedefs=if_known(Typedefs.of_message, link, type_))
+    target = target._replace(type=type_, typedefs=if_known(Typedefs.of_message, client, type_))
     with suppress(LookupError):
         target = target._replace(field=target.path.field(target.typedefs))
     return target
 
 
-def all_types(link: Link) -> dict[str, str]:
+def all_types(client: HubClient) -> dict[str, str]:
     """Return the types of all topics by their names; a type may be empty."""
-    found = link.call("/rosapi/topics")
+    found = client.call("/rosapi/topics")
     topics, types = found["topics"], found["types"]
     if len(topics) != len(types):
         fault = f"/rosapi/topics returned {len(topics)} topics, but {len(types)} types"
@@ -106,8 +106,8 @@ def all_types(link: Link) -> dict[str, str]:
     return dict(zip(topics, types, strict=True))
 
 
-def _target(link: Link, topic: str, type_: str, path: Path) -> Target:
-    typedefs = if_known(Typedefs.of_message, link, type_)
+def _target(client: HubClient, topic: str, type_: str, path: Path) -> Target:
+    typedefs = if_known(Typedefs.of_message, client, type_)
     return Target(topic, type_, typedefs, path, path.field(typedefs))
 
 

@@ -5,22 +5,22 @@ from __future__ import annotations
 import click
 
 from fibws.cli import complete, output
-from fibws.cli.link import Link
-from fibws.cli.tool import json_option, linked
+from fibws.cli.common_options import json_option, linked
 from fibws.cli.topic.target import all_types, find, global_name
-from fibws.hint import hint
+from fibws.client.hub_client import HubClient
+from fibws.suggestions import hint
 
 
 @click.command()
 @click.argument("topic", metavar="TOPIC[/FIELD]", shell_complete=complete.topics)
 @json_option
 @linked()
-def command(link: Link, topic: str, as_json: bool) -> None:
+def command(client: HubClient, topic: str, as_json: bool) -> None:
     """Show the type of TOPIC; with FIELD, the topic's type, the field and the field's type."""
-    name = global_name(link, topic)
-    target = find(link, name)
+    name = global_name(client, topic)
+    target = find(client, name)
     if target is None:
-        typed = [topic for topic, type_ in all_types(link).items() if type_]
+        typed = [topic for topic, type_ in all_types(client).items() if type_]
         raise click.ClickException(f"unknown topic type [{name}]{hint(name, typed)}")
     if as_json:
         found = {"topic": target.topic, "type": target.type}

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 import pytest
-from programs.conftest import Program
+from running_programs import Program
 
 from fibws.hub import Hub
 from ros1.side_by_side import SCRIPTS

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from urllib.parse import urlsplit
 
-from programs.conftest import Program
+from running_programs import Program
 
 import fibws
 from fibws.action.actionlib_tutorials import Fibonacci

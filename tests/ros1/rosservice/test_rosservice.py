@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 import rosservice
-from programs.conftest import Program
+from running_programs import Program
 
 import fibws
 from fibws.hub import Hub

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 import rostest
-from programs.conftest import Program
+from running_programs import Program
 
 from fibws.hub import Hub
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 from fibws.interfaces import Message as GraphMessage
-from fibws.yamltext import listed, quoted
+from fibws.values.yaml_text import listed, quoted
 from genpy.rostime import Time, TVal
 
 

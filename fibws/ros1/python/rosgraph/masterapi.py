@@ -65,10 +65,12 @@ class Master:
 
     def getUri(self) -> str:
         """The hub's address."""
-        from fibws.cli.link import Link  # It takes its time to load, and nodes never ask so.
+        from fibws.client.hub_client import (
+            HubClient,  # It takes its time to load, and nodes never ask so.
+        )
 
         try:
-            with Link("rosgraph") as link:
+            with HubClient("rosgraph") as link:
                 return link.url
         except FibwsError as error:
             raise ConnectionRefusedError(str(error)) from None
@@ -156,10 +158,10 @@ class Master:
             OSError: there is no hub.
             MasterFailure: it refuses.
         """
-        from fibws.cli.link import Link  # As for the URI.
+        from fibws.client.hub_client import HubClient  # As for the URI.
 
         try:
-            with Link("rosgraph") as link:
+            with HubClient("rosgraph") as link:
                 return link.call(f"/rosapi/{service}", request)
         except HubUnreachable as error:
             raise ConnectionRefusedError(str(error)) from None

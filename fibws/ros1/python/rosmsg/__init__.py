@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from fibws.errors import InterfaceError
 
 if TYPE_CHECKING:
-    from fibws.cli.types.installed import Installed
+    from fibws.values.installed_types import Installed
 
 __all__ = [
     "MODE_MSG",
@@ -88,7 +88,7 @@ def _text(mode: str, type_: str, raw: bool) -> str:
 
 
 def _installed(mode: str) -> Installed:
-    from fibws.cli.types.installed import Installed
+    from fibws.values.installed_types import Installed
 
     if mode == MODE_MSG:
         return Installed("msg", ())

@@ -14,7 +14,7 @@ from typing import Any
 import rosgraph
 from rosgraph.names import get_ros_namespace, make_global_ns, ns_join, script_resolve_name
 
-from fibws.errors import HubUnreachable, ServiceError
+from fibws.errors import HubUnreachable, ParameterError, ServiceError
 
 __all__ = [
     "RosParamException",
@@ -156,16 +156,14 @@ def set_param_raw(param: str, value: Any, verbose: bool = False) -> None:
         RosParamException: a key is no text, or a value is none that a parameter can have.
         RosParamIOException: there is no hub.
     """
-    import click
-
-    from fibws.cli.link import Link
-    from fibws.cli.param.documents import leaves
+    from fibws.client.hub_client import HubClient
+    from fibws.values.parameter_files import leaves
 
     try:
         found = leaves(script_resolve_name("rosparam", param), value)
-    except click.ClickException as error:
-        raise RosParamException(error.message) from None
-    with _communicating(), Link("rosparam") as link:
+    except ParameterError as error:
+        raise RosParamException(str(error)) from None
+    with _communicating(), HubClient("rosparam") as link:
         for name, text in found:
             link.call("/rosapi/set_param", {"name": name, "value": text})
             if verbose:
@@ -230,7 +228,7 @@ def print_params(params: Any, ns: str) -> None:
 
 def _loader() -> Any:
     """How YAML is read, angles too; numbers are what ``rosparam load`` takes them for."""
-    from fibws.cli.param.documents import loader
+    from fibws.values.parameter_files import loader
 
     return loader()
 

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TypeAlias
 
 from fibws.errors import PackageFileError, PackageNotFound
-from fibws.workspace.manifest import Manifest
-from fibws.workspace.packages import Package, Packages
+from fibws.ros1.workspace.manifest import Manifest
+from fibws.ros1.workspace.packages import Package, Packages
 from rospkg.common import MANIFEST_FILE, ResourceNotFound
 from rospkg.environment import get_ros_paths
 from rospkg.manifest import InvalidManifest

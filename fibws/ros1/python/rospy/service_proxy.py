@@ -129,9 +129,9 @@ class ServiceProxy(ServiceEnd):
             return core.background.call(
                 node.call(self.resolved_name, self.service_class, request, headers=self._headers)
             )
-        from fibws.cli.link import Link
+        from fibws.client.hub_client import HubClient
 
-        with Link("unnamed") as link:
+        with HubClient("unnamed") as link:
             serialized(request)  # It checks the fields, for which there is no node.
             fields = request.to_dict()
             values = link.call(self.resolved_name, fields, timeout=0, headers=self._headers)
@@ -182,14 +182,14 @@ def _wait_in_node(service: str, timeout: float | None) -> None:
 
 def _wait_outside_node(service: str, timeout: float | None) -> None:
     """Check again and again whether a service exists, or raise `WaitTimeout`."""
-    from fibws.cli.link import Link
+    from fibws.client.hub_client import HubClient
     from fibws.errors import HubLost, HubUnreachable, ServiceError, WaitTimeout
 
     end = None if timeout is None else monotonic() + timeout
     has_warned = False
     while True:
         try:
-            with Link("unnamed") as link:
+            with HubClient("unnamed") as link:
                 if link.call("/rosapi/service_type", {"service": service})["type"]:
                     return
         except (HubUnreachable, HubLost) as error:

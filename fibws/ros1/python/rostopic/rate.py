@@ -8,7 +8,7 @@ from time import time
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from fibws.cli.topic.hz import Rate
+    from fibws.values.rates import Rate
 
 
 class ROSTopicHz:
@@ -57,14 +57,14 @@ class ROSTopicHz:
 
     def print_hz(self, topics: Sequence[str | None] = (None,)) -> None:
         """Print the rates of topics."""
-        from fibws.cli.topic.hz import show
+        from fibws.values.rates import poll, rates_text
 
         with self.lock:
-            show({str(topic): self._rate(topic) for topic in topics})
+            polled = poll({str(topic): self._rate(topic) for topic in topics})
+        print(rates_text(polled, len(topics)))
 
     def _rate(self, topic: str | None) -> Rate:
-        from fibws.cli.topic.hz import Rate
-        from fibws.cli.topic.window import MOST
+        from fibws.values.rates import MOST, Rate
 
         if topic not in self._rates:
             self._rates[topic] = Rate(self._window_size if self._window_size > 0 else MOST)

@@ -107,7 +107,7 @@ class ServicesView {
       graph === null
         ? "Waiting for the hub …"
         : this.#filter.value === ""
-          ? "No services yet but the hub's own, which “Debug” shows. Try: python -m fibws.add_two_ints_server"
+          ? "No services yet but the hub's own, which “Debug” shows. Try: python -m fibws.examples.add_two_ints_server"
           : "No service matches the filter.",
     );
     this.#open(graph);

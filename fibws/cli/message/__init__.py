@@ -1,1 +1,0 @@
-"""Messages as the command line has them: what they are made of, printed, read, picked from."""

@@ -1,0 +1,206 @@
+"""``fibws param``: the parameters that all nodes share, as rosparam reads and writes them."""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import click
+
+from fibws import names
+from fibws.cli import arguments, complete, output
+from fibws.cli.common_options import json_option, linked
+from fibws.client.hub_client import HubClient
+from fibws.errors import FibwsError, ServiceError
+from fibws.suggestions import hint
+from fibws.values import parameter_files
+
+ROOT = "/"
+
+_name = click.argument("name", shell_complete=complete.params)
+_namespace = click.argument("namespace", default=ROOT, shell_complete=complete.params)
+_verbose = click.option("-v", "--verbose", is_flag=True, help="Say what is done.")
+
+
+@click.group()
+def command() -> None:
+    """Get and set parameters, load and dump them.
+
+    Values are YAML: 1 is a number and '"1"' a text. A namespace is the object of all that is in it.
+    """
+
+
+@command.command("list")
+@_namespace
+@json_option
+@linked("param")
+def list_(client: HubClient, namespace: str, as_json: bool) -> None:
+    """List the names of all parameters, or of those in NAMESPACE."""
+    above = _global(client, namespace).rstrip("/") + "/"
+    output.names((name for name in _names(client) if name.startswith(above)), json_=as_json)
+
+
+@command.command()
+@_name
+@click.option("-p", "--pretty", is_flag=True, help="Print it for people: not all of it is YAML.")
+@json_option
+@linked("param")
+def get(client: HubClient, name: str, pretty: bool, as_json: bool) -> None:
+    """Print the value of the parameter NAME, or all of a namespace."""
+    value = _get(client, _global(client, name))
+    if as_json:
+        output.as_json(value)
+    elif pretty:
+        for line in parameter_files.pretty(value):
+            output.line(line)
+    else:
+        output.line(parameter_files.written(value))
+
+
+@command.command("set", context_settings=arguments.VALUES)
+@_name
+@click.argument("value", required=False, callback=arguments.check)
+@click.option(
+    "-t",
+    "--textfile",
+    type=click.Path(exists=True, dir_okay=False, path_type=Path),
+    metavar="FILE",
+    help="Set it to the text in FILE.",
+)
+@_verbose
+@linked("param")
+def set_(
+    client: HubClient, name: str, value: str | None, textfile: Path | None, verbose: bool
+) -> None:
+    """Set the parameter NAME to VALUE.
+
+    An object is merged into what there is: param set /robot "{size: 3}" sets /robot/size alone.
+    """
+    if (value is None) == (textfile is None):
+        raise click.UsageError("Give a VALUE, or the file that has it by -t.")
+    if textfile is not None:
+        read: Any = parameter_files.text_of(textfile)
+    else:
+        # A shell leaves nothing of '', which is the empty text here, as for rosparam.
+        read = parameter_files.value(value) if value else ""
+    _set(client, parameter_files.leaves(_global(client, name), read), verbose=verbose)
+
+
+@command.command()
+@_name
+@_verbose
+@linked("param")
+def delete(client: HubClient, name: str, verbose: bool) -> None:
+    """Delete the parameter NAME, or a namespace.
+
+    / is the namespace of all there is.
+    """
+    name = _global(client, name)
+    if name == ROOT:
+        _ask(client, "set_param", name=ROOT, value="{}")
+    elif _ask(client, "has_param", name=name)["exists"]:
+        _ask(client, "delete_param", name=name)
+    else:
+        raise _not_set(client, name)
+    if verbose:
+        output.line(f"deleted parameter [{name}]")
+
+
+@command.command()
+@click.argument("file", type=click.Path(exists=True, dir_okay=False, allow_dash=True))
+@_namespace
+@_verbose
+@linked("param")
+def load(client: HubClient, file: str, namespace: str, verbose: bool) -> None:
+    """Set the parameters in FILE, which is YAML.
+
+    A FILE of - is what comes in by a pipe. Names are relative to NAMESPACE. Angles may be written
+    deg(180) or rad(pi/2). If something is wrong with FILE, nothing is set.
+    """
+    text = _piped() if file == "-" else parameter_files.text_of(Path(file))
+    try:
+        found = parameter_files.parameters(text, _global(client, namespace))
+    except FibwsError as error:
+        source = "standard input" if file == "-" else file
+        raise click.ClickException(f"{source}: {error}") from None
+    _set(client, found, verbose=verbose)
+
+
+@command.command()
+@click.argument("file", required=False, type=click.Path(dir_okay=False, allow_dash=True))
+@_namespace
+@json_option
+@_verbose
+@linked("param")
+def dump(client: HubClient, file: str | None, namespace: str, as_json: bool, verbose: bool) -> None:
+    """Write all parameters, or those in NAMESPACE, to FILE.
+
+    It is YAML, as load reads it. Without FILE, or if that is -, they are printed.
+    """
+    value = _get(client, _global(client, namespace))
+    if file is None or file == "-":
+        output.as_json(value) if as_json else output.line(
+            parameter_files.dumped(value).removesuffix("\n")
+        )
+        return
+    text = (
+        json.dumps(value, ensure_ascii=False) + "\n" if as_json else parameter_files.dumped(value)
+    )
+    try:
+        Path(file).write_text(text, "utf-8")
+    except OSError as error:
+        raise click.ClickException(f"Cannot write {file}: {error.strerror}") from None
+    if verbose:
+        output.line(f"dumped namespace [{_global(client, namespace)}] to file [{file}]")
+
+
+def _global(client: HubClient, name: str) -> str:
+    """The global name of a parameter, which may be of any characters, as in ROS."""
+    if name.startswith("~"):
+        raise click.UsageError(f"{name}: a parameter that is private to a node is /NODE/{name[1:]}")
+    name = name.rstrip("/")
+    return name if name.startswith("/") else names.join(client.namespace, name).rstrip("/") or ROOT
+
+
+def _piped() -> str:
+    if sys.stdin is None:
+        raise click.UsageError("FILE is -, and nothing comes in by a pipe.")
+    return sys.stdin.read()
+
+
+def _names(client: HubClient) -> list[str]:
+    found: list[str] = _ask(client, "get_param_names")["names"]
+    return found
+
+
+def _get(client: HubClient, name: str) -> Any:
+    told = _ask(client, "get_param", name=name)["value"]
+    try:
+        value = json.loads(told)
+    except ValueError:
+        service = "/rosapi/get_param"
+        fault = f"{service} told {told[:40]!r}, which is no JSON: this may be another kind of hub"
+        raise ServiceError(service, fault) from None
+    if value is None:  # which no parameter can be
+        raise _not_set(client, name)
+    return value
+
+
+def _set(client: HubClient, leaves: list[tuple[str, str]], *, verbose: bool) -> None:
+    for name, value in leaves:
+        _ask(client, "set_param", name=name, value=value)
+        if verbose:
+            output.line(f"set parameter [{name}] to [{value}]")
+
+
+def _ask(client: HubClient, service: str, **request: str) -> dict[str, Any]:
+    try:
+        return client.call(f"/rosapi/{service}", request)
+    except ServiceError as error:
+        raise click.ClickException(output.visible(error.text)) from None
+
+
+def _not_set(client: HubClient, name: str) -> click.ClickException:
+    return click.ClickException(f"Parameter [{name}] is not set{hint(name, _names(client))}")

@@ -1,0 +1,1 @@
+"""A synchronous client of a hub, for tools and scripts."""

@@ -1,0 +1,1 @@
+"""Example nodes: services, actions, and the first rospy scripts."""

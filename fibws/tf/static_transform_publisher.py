@@ -1,0 +1,92 @@
+"""Says where a frame is that does not move, such as a camera on its robot."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import isfinite
+
+import click
+
+import fibws
+from fibws.cli import node_program
+from fibws.msg.tf2_msgs import TFMessage
+from fibws.tf.buffer import checked
+from fibws.tf.history import LATEST, Sample
+from fibws.tf.messages import write
+from fibws.tf.transform import Transform, of_yaw_pitch_roll
+
+ARGUMENTS = "X Y Z {YAW PITCH ROLL | QX QY QZ QW} FRAME_ID CHILD_FRAME_ID [PERIOD]"
+
+
+def place(arguments: tuple[str, ...]) -> tuple[str, Sample]:
+    """The frame that the arguments are about, and where it is.
+
+    Raises:
+        UsageError: they say something else.
+    """
+    if unknown := [argument for argument in arguments if argument.startswith("--")]:
+        raise click.UsageError(f"No such option: {unknown[0]}")
+    if not 8 <= len(arguments) <= 10:
+        raise click.UsageError(f"Got {len(arguments)} arguments. Write {ARGUMENTS}")
+    # Among nine, the seventh is QW, or else a FRAME_ID with a PERIOD to come.
+    turned = len(arguments) == 10 or (len(arguments) == 9 and _is_number(arguments[6]))
+    if turned:
+        x, y, z, qx, qy, qz, qw, *_ = _numbers("X Y Z QX QY QZ QW", arguments)
+        rotation = (qx, qy, qz, qw)
+    else:
+        x, y, z, *angles = _numbers("X Y Z YAW PITCH ROLL", arguments)
+        rotation = of_yaw_pitch_roll(*angles)
+    parent, frame, *period = arguments[7 if turned else 6 :]
+    _numbers("PERIOD", period)
+    try:
+        return checked(frame, Sample(LATEST, parent, Transform((x, y, z), rotation)))
+    except fibws.FibwsError as error:
+        raise click.UsageError(str(error)) from None
+
+
+def _numbers(names: str, arguments: Sequence[str]) -> list[float]:
+    for name, argument in zip(names.split(), arguments, strict=False):
+        if not _is_number(argument):
+            raise click.UsageError(f"{name} is {argument!r}, which is no number.")
+    return [float(argument) for argument in arguments[: len(names.split())]]
+
+
+def _is_number(argument: str) -> bool:
+    try:
+        return isfinite(float(argument))
+    except ValueError:
+        return False
+
+
+async def publish(node: fibws.Node, frame: str, sample: Sample) -> None:
+    """Publish where a frame is, for those who listen and those who will, until the node ends."""
+    static = await node.advertise("/tf_static", TFMessage, latch=True)
+    now = node.now().to_nanoseconds()
+    await static.publish(TFMessage([write(frame, sample._replace(stamp=now))]))
+    node.log.info("Spinning until killed publishing %s to %s", sample.parent, frame)
+    await node.spin()
+
+
+# What begins with - is a negative number here, and not always an option.
+@click.command(context_settings={**node_program.SETTINGS, "ignore_unknown_options": True})
+@node_program.node("static_transform_publisher", arguments=ARGUMENTS)
+def command(node: fibws.Node, arguments: tuple[str, ...]) -> None:
+    """Say where the frame CHILD_FRAME_ID is in FRAME_ID, for as long as this runs.
+
+    X, Y and Z are metres; YAW, PITCH and ROLL are radians around the axes z, y and x of FRAME_ID,
+    ROLL first; QX, QY, QZ and QW are a quaternion.
+
+    This is tf2_ros's program: it says it once, on the latched topic /tf_static. The one of the same
+    name in tf, which repeated it on /tf, wanted a PERIOD for that: here it changes nothing.
+    """
+    frame, sample = place(arguments)
+
+    async def program() -> None:
+        async with node:
+            await publish(node, frame, sample)
+
+    node_program.run(program())
+
+
+if __name__ == "__main__":
+    command(prog_name="python -m fibws.tf.static_transform_publisher")

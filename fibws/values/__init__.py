@@ -1,0 +1,1 @@
+"""Values of messages and parameters: their text, their fields, expressions on them."""

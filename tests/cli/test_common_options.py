@@ -1,0 +1,54 @@
+"""What tools have in common: the client, and how they end."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import click
+from click.testing import CliRunner, Result
+from hub_in_thread import HubThread
+
+from fibws.cli.common_options import linked
+from fibws.client.hub_client import HubClient
+
+
+def invoke(body: Callable[[HubClient], None], *words: str, endless: bool = False) -> Result:
+    @click.command()
+    @linked("test", endless=endless)
+    def command(client: HubClient) -> None:
+        body(client)
+
+    return CliRunner().invoke(command, words)
+
+
+def interrupt(client: HubClient) -> None:
+    raise KeyboardInterrupt
+
+
+def test_a_tool_has_a_link_while_it_runs(hub: HubThread) -> None:
+    links = []
+
+    def body(client: HubClient) -> None:
+        links.append(client)
+        assert client.node in client.call("/rosapi/nodes")["nodes"]
+
+    result = invoke(body, "--hub", hub.url)
+    assert result.exit_code == 0, result.output
+    assert links[0].node.startswith("/fibws_test_")
+    with HubClient("other", hub.url) as other:
+        assert links[0].node not in other.call("/rosapi/nodes")["nodes"]
+
+
+def test_where_there_is_no_hub_one_line_says_what_to_do(hub: HubThread) -> None:
+    hub.stop()
+    result = invoke(lambda client: None, "--hub", hub.url)
+    assert result.exit_code == 1
+    assert result.output == f"Error: No hub at {hub.url}. Start one with: fibws hub\n"
+
+
+def test_ctrl_c_breaks_off_with_the_code_of_shells(hub: HubThread) -> None:
+    assert invoke(interrupt, "--hub", hub.url).exit_code == 130
+
+
+def test_ctrl_c_is_how_an_endless_tool_ends(hub: HubThread) -> None:
+    assert invoke(interrupt, "--hub", hub.url, endless=True).exit_code == 0

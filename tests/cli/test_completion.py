@@ -1,0 +1,96 @@
+"""``fibws completion``, in the shells themselves where they are installed."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner
+from hub_in_thread import HubThread, Publish
+
+from fibws.cli.commands import command
+
+from .terminal import PATIENCE, Terminal
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such shells")
+
+
+@pytest.fixture
+def environment(tmp_path: Path, hub: HubThread) -> dict[str, str]:
+    """The environment of one who has installed fibws and started a hub."""
+    program = tmp_path / "fibws"
+    program.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m fibws "$@"\n')
+    program.chmod(0o755)
+    return {
+        "PATH": f"{tmp_path}{os.pathsep}{os.environ['PATH']}",
+        "PYTHONPATH": str(Path(__file__).parents[2]),
+        "FIBWS_HUB": hub.url,
+        "HOME": str(tmp_path),
+        "TERM": "dumb",
+    }
+
+
+@pytest.fixture
+def bash(environment: dict[str, str]) -> Iterator[Terminal]:
+    if shutil.which("bash") is None:
+        pytest.skip("bash is not installed")
+    shell = Terminal("bash", "--norc", "--noprofile", "-i", PS1="> ", **environment)
+    yield shell
+    shell.close()
+
+
+@pytest.mark.parametrize(
+    ("shell", "is_in_it"),
+    [("bash", "complete -o nosort"), ("zsh", "#compdef fibws"), ("fish", "complete --no-files")],
+)
+def test_it_prints_what_a_shell_evaluates(shell: str, is_in_it: str) -> None:
+    result = CliRunner().invoke(command, ["completion", shell])
+    assert result.exit_code == 0, result.output
+    assert is_in_it in result.output
+    assert f"_FIBWS_COMPLETE={shell}_complete" in result.output
+
+
+def test_its_help_says_how_to_install_it() -> None:
+    result = CliRunner().invoke(command, ["completion", "--help"])
+    assert 'eval "$(fibws completion bash)"' in result.output
+
+
+def test_other_shells_are_not_known() -> None:
+    assert CliRunner().invoke(command, ["completion", "tcsh"]).exit_code == 2
+
+
+def test_bash_completes_commands_and_topics_by_tab(bash: Terminal, publish: Publish) -> None:
+    publish("/fibonacci", "std_msgs/Int32", {"data": 8})
+    bash.wait_for("> ")
+    bash.type('eval "$(fibws completion bash)"; echo rea""dy\n')
+    bash.wait_for("ready")
+    bash.type("fibws compl\t")
+    bash.wait_for("completion")
+    bash.type_until("\x15fibws topic echo /fib\t", "/fibonacci")
+
+
+@pytest.mark.skipif(shutil.which("zsh") is None, reason="zsh is not installed")
+def test_zsh_is_told_types_beside_the_names(environment: dict[str, str], publish: Publish) -> None:
+    publish("/fibonacci", "std_msgs/Int32", {"data": 8})
+    asked = {
+        "_FIBWS_COMPLETE": "zsh_complete",
+        "COMP_WORDS": "fibws topic echo /fib",
+        "COMP_CWORD": "3",
+    }
+    for _ in range(20):  # A completion soon gives its hub up.
+        told = subprocess.run(
+            ["fibws"],
+            env={**os.environ, **environment, **asked},
+            capture_output=True,
+            text=True,
+            timeout=PATIENCE,
+            check=True,
+        )
+        if told.stdout:
+            break
+    assert told.stdout == "plain\n/fibonacci\nstd_msgs/Int32\n"

@@ -1,0 +1,145 @@
+"""``fibws param``."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import pytest
+from hub_in_thread import Run
+
+pytestmark = pytest.mark.usefixtures("run")
+
+
+def test_what_is_set_is_got(run: Run) -> None:
+    result = run("param", "set", "/gain", "1.5")
+    assert (result.exit_code, result.output) == (0, "")
+    assert run("param", "get", "gain").output == "1.5\n"
+    assert run("param", "get", "--json", "/gain").output == "1.5\n"
+
+
+def test_a_namespace_is_an_object(run: Run) -> None:
+    said = run("param", "set", "-v", "robot", "{arm: {joints: [1, 2], name: x}}")
+    assert said.output.splitlines() == [
+        "set parameter [/robot/arm/joints] to [[1, 2]]",
+        'set parameter [/robot/arm/name] to ["x"]',
+    ]
+    # The empty line is rosparam's.
+    assert run("param", "get", "/robot/").output == "arm:\n  joints:\n  - 1\n  - 2\n  name: x\n\n"
+    assert run("param", "get", "-p", "/robot/arm").output == "joints: - 1\n- 2\nname: x\n"
+    assert json.loads(run("param", "get", "--json", "robot").output) == {
+        "arm": {"joints": [1, 2], "name": "x"}
+    }
+
+
+def test_an_object_is_merged(run: Run) -> None:
+    run("param", "set", "robot", "{a: 1, b: 1}")
+    run("param", "set", "robot", "{b: 2, c: 3}")
+    assert json.loads(run("param", "get", "--json", "robot").output) == {"a": 1, "b": 2, "c": 3}
+
+
+@pytest.mark.parametrize(
+    ("word", "value"), [("", ""), ("-5", -5), ('"1"', "1"), ("rad(pi)", math.pi)]
+)
+def test_words_that_shells_and_tools_stumble_over(run: Run, word: str, value: object) -> None:
+    assert run("param", "set", "x", word).exit_code == 0
+    assert json.loads(run("param", "get", "--json", "x").output) == value
+
+
+def test_a_file_may_be_the_value(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "urdf").write_text("<robot>\n  5</robot>\n")
+    assert run("param", "set", "robot_description", "-t", str(tmp_path / "urdf")).exit_code == 0
+    found = json.loads(run("param", "get", "--json", "robot_description").output)
+    assert found == "<robot>\n  5</robot>\n"
+
+
+@pytest.mark.parametrize(
+    "words", [["x"], ["x", "1", "-t", __file__], ["x", "[1"], ["x", "--jsn"], ["~x", "1"]]
+)
+def test_what_cannot_be_set_is_wrong_usage(run: Run, words: list[str]) -> None:
+    assert run("param", "set", *words).exit_code == 2
+    assert run("param", "get", "/x").exit_code == 1
+
+
+def test_what_the_hub_does_not_take_is_told(run: Run) -> None:
+    result = run("param", "set", "/x", "x" * 2**22)
+    assert (result.exit_code, result.stdout) == (1, "")
+    assert result.stderr.startswith("Error: Parameter [/x] has no room: ")
+
+
+def test_list_names_parameters(run: Run) -> None:
+    run("param", "set", "/", "{b: {c: 1, a: 2}, bc: 3}")
+    found = run("param", "list").output.splitlines()
+    assert found == sorted(found)
+    assert {"/b/a", "/bc", "/rosdistro"} <= set(found)
+    assert run("param", "list", "b").output == "/b/a\n/b/c\n"
+    assert run("param", "list", "/b/", "--json").output == '"/b/a"\n"/b/c"\n'
+    assert run("param", "list", "/nothing").output == ""
+
+
+def test_names_are_relative_to_the_namespace(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROS_NAMESPACE", "/robot")
+    run("param", "set", "gain", "1")
+    assert run("param", "get", "/robot/gain").output == "1\n"
+
+
+def test_names_may_be_of_any_characters(run: Run) -> None:
+    run("param", "set", "/9 lives/ü", "1")
+    assert run("param", "get", "/9 lives/ü").output == "1\n"
+
+
+def test_what_is_not_set_is_an_error(run: Run) -> None:
+    run("param", "set", "/gain", "1")
+    result = run("param", "get", "/gian")
+    assert (result.exit_code, result.stdout) == (1, "")
+    assert result.stderr == "Error: Parameter [/gian] is not set; did you mean /gain?\n"
+
+
+def test_delete(run: Run) -> None:
+    run("param", "set", "/a", "{b: 1, c: 2}")
+    assert run("param", "delete", "/a/b").output == ""
+    assert run("param", "delete", "-v", "/a").output == "deleted parameter [/a]\n"
+    result = run("param", "delete", "/a")
+    assert (result.exit_code, result.stdout) == (1, "")
+    assert result.stderr.startswith("Error: Parameter [/a] is not set")
+    assert run("param", "delete", "/").exit_code == 0
+    assert run("param", "list").output == ""
+
+
+def test_what_is_dumped_can_be_loaded(run: Run, tmp_path: Path) -> None:
+    run("param", "set", "/robot", "{a: '1', b: 1, c: [x, 1.5], d: {e: true}, f: \"l1\\nl2\"}")
+    file = str(tmp_path / "robot.yaml")
+    said = run("param", "dump", "-v", file, "/robot")
+    assert said.output == f"dumped namespace [/robot] to file [{file}]\n"
+    run("param", "load", file, "/copy")
+    robot, copy = (run("param", "get", "--json", name).output for name in ("robot", "copy"))
+    assert robot == copy
+    printed = run("param", "dump", "-", "/robot").output
+    assert printed == Path(file).read_text()
+    run("param", "load", "-", "/piped", input=printed)
+    assert run("param", "get", "--json", "piped").output == robot
+
+
+def test_dump_prints_everything(run: Run) -> None:
+    assert "rosdistro: 'noetic\n" in run("param", "dump").output
+    assert json.loads(run("param", "dump", "--json").output)["rosdistro"] == "noetic\n"
+
+
+def test_load_sets_nothing_if_anything_is_wrong(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "bad.yaml").write_text("a: 1\n---\nb: null\n")
+    result = run("param", "load", str(tmp_path / "bad.yaml"), "/x")
+    assert (result.exit_code, result.stdout) == (1, "")
+    assert result.stderr.startswith(f"Error: {tmp_path / 'bad.yaml'}: Parameter [/x/b]: null")
+    assert run("param", "list", "/x").output == ""
+    assert "standard input: This is no YAML" in run("param", "load", "-", input="a: [").stderr
+
+
+def test_files_that_cannot_be_are_told(run: Run, tmp_path: Path) -> None:
+    missing = str(tmp_path / "missing" / "file")
+    assert run("param", "load", missing).exit_code == 2
+    result = run("param", "dump", missing)
+    assert (result.exit_code, result.stderr) == (
+        1,
+        f"Error: Cannot write {missing}: No such file or directory\n",
+    )

@@ -1,0 +1,170 @@
+"""``fibws pkg``: catkin_create_pkg and rospack as they are typed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeAlias
+
+import pytest
+from click.testing import CliRunner, Result
+
+from fibws.cli.commands import command
+from fibws.ros1.workspace.manifest import read_manifest
+
+Type: TypeAlias = Callable[..., Result]
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The folder that the person is in: the src/ of a workspace that was sourced."""
+    folder = tmp_path / "ws" / "src"
+    folder.mkdir(parents=True)
+    monkeypatch.delenv("PWD", raising=False)
+    monkeypatch.delenv("CMAKE_PREFIX_PATH", raising=False)
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(folder))
+    monkeypatch.chdir(folder)
+    return folder
+
+
+@pytest.fixture
+def type_(folder: Path) -> Type:
+    """Type ``fibws pkg`` with these words."""
+
+    def type_(*words: str) -> Result:
+        return CliRunner().invoke(command, ["pkg", *words], prog_name="fibws")
+
+    return type_
+
+
+def test_a_package_is_made(folder: Path, type_: Type) -> None:
+    made = type_("create", "fibonacci", "std_msgs", "rospy")
+    assert made.exit_code == 0
+    assert made.stderr == ""
+    assert made.output.splitlines() == [
+        "Created file fibonacci/package.xml",
+        "Created file fibonacci/CMakeLists.txt",
+        "Created folder fibonacci/src",
+        f"Successfully created files in {folder / 'fibonacci'}. "
+        "Please adjust the values in package.xml.",
+    ]
+
+
+def test_catkins_options_are_known(folder: Path, type_: Type) -> None:
+    words = "-s boost eigen -b system thread -V 1.2.3 -l BSD -l MIT --rosdistro noetic".split()
+    words += ["-D", "Counts & adds.", "-m", "Jane <jane@example.com>", "-a", "Joe"]
+    made = type_("create", "a", "roscpp", *words)
+    assert made.exit_code == 0, made.output
+    manifest = read_manifest(folder / "a")
+    assert (manifest.version, manifest.description) == ("1.2.3", "Counts & adds.")
+    assert manifest.licenses == ("BSD", "MIT")
+    assert manifest.maintainers[0].email == "jane@example.com"
+    assert manifest.direct == ["boost", "eigen", "roscpp"]
+    cmake = (folder / "a" / "CMakeLists.txt").read_text()
+    assert "\nfind_package(Boost REQUIRED COMPONENTS system thread)\n" in cmake
+    assert (folder / "a" / "include" / "a").is_dir()
+
+
+def test_more_folders_are_made_when_asked_for(folder: Path, type_: Type) -> None:
+    made = type_("create", "a", "--with", "launch,msg")
+    assert "Created file a/launch/a.launch\n" in made.output
+    assert "Created file a/msg/Num.msg\n" in made.output
+    wrong = type_("create", "b", "--with", "lunch")
+    assert wrong.exit_code == 2 and "'lunch' is none; did you mean launch?" in wrong.stderr
+    assert not (folder / "b").exists()
+
+
+def test_a_metapackage_is_made(folder: Path, type_: Type) -> None:
+    type_("create", "all", "a", "b", "--meta")
+    assert read_manifest(folder / "all").is_metapackage
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (["a b"], "'a b' cannot be: the name of a package has letters, digits"),
+        (["there"], "File exists: "),
+        (["a", "std msgs"], "'std msgs' is not the name of a package to depend on"),
+    ],
+)
+def test_what_cannot_be_is_refused(folder: Path, type_: Type, words: list[str], text: str) -> None:
+    type_("create", "there")
+    made = type_("create", *words)
+    assert made.exit_code == 1
+    assert text in made.stderr
+    assert [path.name for path in folder.iterdir()] == ["there"]
+
+
+def test_what_is_most_likely_a_mistake_is_told(
+    folder: Path, type_: Type, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (folder / "CMakeLists.txt").touch()
+    monkeypatch.chdir(folder.parent)
+    made = type_("create", "Fibonacci", "std_msg", "rospy", "my_own")
+    assert made.exit_code == 0
+    assert made.stderr.splitlines() == [
+        "Warning: by convention a package's name is in lower case: Fibonacci",
+        f"Warning: catkin_make looks in src/ alone: mv Fibonacci {folder}",
+        "Warning: there is no package std_msg here; did you mean std_msgs?",
+    ]
+
+
+def test_packages_are_listed_and_found(folder: Path, type_: Type) -> None:
+    type_("create", "fibonacci", "rospy")
+    lines = type_("list").output.splitlines()
+    assert f"fibonacci {folder / 'fibonacci'}" in lines
+    assert any(line.startswith("std_msgs ") for line in lines)
+    names = [line.split()[0] for line in lines]
+    assert type_("list", "-n").output.split() == names
+    assert type_("list-names").output.split() == names
+    assert type_("find", "fibonacci").output == f"{folder / 'fibonacci'}\n"
+    assert type_("profile").exit_code == 0
+
+
+def test_the_package_that_one_is_in_need_not_be_named(
+    folder: Path, type_: Type, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    type_("create", "fibonacci", "rospy")
+    monkeypatch.chdir(folder / "fibonacci" / "src")
+    assert type_("find").output == f"{folder / 'fibonacci'}\n"
+    assert type_("depends1").output == "rospy\n"
+    monkeypatch.chdir(folder)
+    assert type_("find").stderr == "Error: write which package: this folder is in none\n"
+
+
+def test_dependencies_are_followed(type_: Type) -> None:
+    type_("create", "a", "rospy", "python3-numpy")
+    type_("create", "b", "a", "std_msgs")
+    type_("create", "c", "b")
+    assert type_("depends1", "b").output.split() == ["a", "std_msgs"]
+    assert type_("depends", "b").output.split() == ["python3-numpy", "rospy", "a", "std_msgs"]
+    assert type_("depends-on1", "a").output.split() == ["b"]
+    assert type_("depends-on", "a").output.split() == ["b", "c"]
+
+
+def test_a_circle_of_dependencies_has_an_end(type_: Type) -> None:
+    type_("create", "a", "b")
+    type_("create", "b", "a")
+    assert type_("depends", "a").output.split() == ["b"]
+
+
+def test_an_unknown_package_is_told(type_: Type) -> None:
+    type_("create", "fibonacci")
+    found = type_("find", "fibonaci")
+    assert found.exit_code == 1
+    assert found.stderr == "Error: package 'fibonaci' not found: did you mean fibonacci?\n"
+
+
+def test_a_broken_manifest_is_told(folder: Path, type_: Type) -> None:
+    type_("create", "a")
+    (folder / "a" / "package.xml").write_text("<package><name>a</name></package>")
+    assert type_("find", "a").exit_code == 0
+    assert "a/package.xml, line 1: <version> is missing" in type_("depends1", "a").stderr
+
+
+def test_names_are_completed(folder: Path, type_: Type, monkeypatch: pytest.MonkeyPatch) -> None:
+    type_("create", "fibonacci")
+    environment = {"_FIBWS_COMPLETE": "bash_complete", "COMP_CWORD": "3"}
+    environment["COMP_WORDS"] = "fibws pkg find fibo"
+    done = CliRunner().invoke(command, [], prog_name="fibws", env=environment)
+    assert done.output == "plain,fibonacci\n"

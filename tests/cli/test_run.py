@@ -1,0 +1,223 @@
+"""``fibws run``: what it starts, and what it says of what it cannot start."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeAlias
+
+import pytest
+
+from fibws.cli import run as module
+
+PATIENCE = 60
+FIBWS = [sys.executable, "-P", "-m", "fibws"]
+MANIFEST = """\
+<package format="2">
+  <name>{name}</name>
+  <version>0.0.0</version>
+  <description>Numbers.</description>
+  <maintainer email="me@example.com">Me</maintainer>
+  <license>BSD</license>
+</package>
+"""
+
+Run: TypeAlias = Callable[..., subprocess.CompletedProcess[str]]
+
+
+@pytest.fixture
+def workspace(tmp_path: Path) -> Path:
+    """A workspace with one package; its programs print what they are called with."""
+    workspace = tmp_path / "ros_workspace"
+    package = workspace / "src" / "fibonacci"
+    (package / "src").mkdir(parents=True)
+    (workspace / "src" / "CMakeLists.txt").touch()
+    (package / "package.xml").write_text(MANIFEST.format(name="fibonacci"))
+    listener = package / "src" / "fibonacci_listener_node.py"
+    listener.write_text("#!/usr/bin/env python3\nimport sys\nprint(sys.argv[1:])\n")
+    listener.chmod(0o755)
+    (package / "src" / "fibonacci_broadcaster_node.py").write_text("#!/usr/bin/env python3\n")
+    return workspace
+
+
+@pytest.fixture
+def run(tmp_path: Path, workspace: Path) -> Run:
+    """Run ``fibws run`` with these words, in a shell that has sourced the workspace's setup."""
+
+    def run(*words: str, cwd: Path = tmp_path, **environ: str) -> subprocess.CompletedProcess[str]:
+        inherited = {
+            name: value
+            for name, value in os.environ.items()
+            if not name.startswith(("FIBWS", "ROS_", "CMAKE_"))
+        }
+        return subprocess.run(
+            [*FIBWS, "run", *words],
+            capture_output=True,
+            text=True,
+            cwd=cwd,
+            env={**inherited, "ROS_PACKAGE_PATH": str(workspace / "src"), **environ},
+            timeout=PATIENCE,
+        )
+
+    return run
+
+
+def test_a_program_is_given_all_that_follows_its_name(run: Run) -> None:
+    done = run("fibonacci", "fibonacci_listener_node.py", "a:=b", "--help", "-x", "--", "_y:=[1]")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout == "['a:=b', '--help', '-x', '--', '_y:=[1]']\n"
+
+
+def test_a_script_is_run_by_its_path(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "script.py").write_text("import rospy, sys; print(sys.argv)")
+    for path in ("script.py", str(tmp_path / "script.py")):
+        done = run(path, "a:=b")
+        assert (done.returncode, done.stdout) == (0, f"[{path!r}, 'a:=b']\n"), done.stderr
+
+
+def test_a_script_that_is_not_there_is_an_error(run: Run, tmp_path: Path) -> None:
+    done = run("nodes/script.py")
+    assert done.returncode == 2
+    assert f"There is no file {Path('nodes/script.py')}, in {tmp_path.resolve()}." in done.stderr
+
+
+def test_a_script_whose_package_was_left_out_is_told_with_it(run: Run) -> None:
+    done = run("fibonacci_listener_node.py")
+    assert done.returncode == 2
+    assert " has one: rosrun fibonacci fibonacci_listener_node.py\n" in done.stderr
+
+
+def test_the_exit_code_is_the_programs_own(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "script.py").write_text("raise SystemExit(7)")
+    assert run("script.py").returncode == 7
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals for others")
+def test_a_signal_is_the_programs_own(tmp_path: Path) -> None:
+    (tmp_path / "script.py").write_text(
+        "import signal, sys\n"
+        "signal.signal(signal.SIGTERM, lambda *_: sys.exit(3))\n"
+        "print('waiting', flush=True)\n"
+        "signal.pause()\n"
+    )
+    with subprocess.Popen(
+        [*FIBWS, "run", "script.py"], cwd=tmp_path, stdout=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == "waiting\n"
+        process.send_signal(signal.SIGTERM)
+        assert process.wait(PATIENCE) == 3
+
+
+def test_a_program_that_is_not_python_is_run_as_it_is(run: Run, workspace: Path) -> None:
+    if sys.platform == "win32":
+        pytest.skip("Windows has no sh")
+    program = workspace / "src" / "fibonacci" / "scripts" / "hello"
+    program.parent.mkdir()
+    program.write_text("#!/bin/sh\necho hello $1\n")
+    program.chmod(0o755)
+    assert run("fibonacci", "hello", "you").stdout == "hello you\n"
+
+
+def test_a_prefix_starts_the_program(run: Run) -> None:
+    done = run("--prefix", "env -u NOTHING", "fibonacci", "fibonacci_listener_node.py", "x")
+    assert (done.stdout, done.stderr) == ("['x']\n", "")
+    assert "--prefix: No closing quotation: 'env" in run("--prefix", "'env", "x.py").stderr
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no executable bits")
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (
+            ["fibonacci_broadcaster", "fibonacci_listener_node.py"],
+            "fibonacci has it: rosrun fibonacci fibonacci_listener_node.py",
+        ),
+        (["fibonaci", "x.py"], "did you mean fibonacci?"),
+        (["fibonacci", "fibonacci_broadcaster_node.py"], "chmod +x "),
+        (["fibonacci", "fibonacci_listner_node.py"], "did you mean fibonacci_listener_node.py?"),
+        (["fibonacci"], "Those of fibonacci: fibonacci_listener_node.py."),
+        (["std_msgs"], "std_msgs has none."),
+        ([], "Write PACKAGE PROGRAM, or the path of a script."),
+    ],
+)
+def test_what_cannot_be_run_is_said_with_what_was_missed(
+    words: list[str], said: str, run: Run
+) -> None:
+    done = run(*words)
+    assert done.returncode in (1, 2)
+    assert said in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_a_workspace_that_was_not_sourced_is_named(run: Run, workspace: Path) -> None:
+    done = run("fibonacci", "fibonacci_listener_node.py", cwd=workspace, ROS_PACKAGE_PATH="")
+    assert done.returncode == 1
+    assert "devel" in done.stderr
+    assert "source" in done.stderr
+
+
+def test_a_workspace_can_be_named_instead_of_sourced(run: Run, workspace: Path) -> None:
+    program = workspace / "src" / "fibonacci" / "src" / "fibonacci_listener_node.py"
+    program.write_text("import json, os; print(json.dumps(dict(os.environ)))")
+    (workspace / "devel" / "share").mkdir(parents=True)
+    done = run(
+        *("--workspace", str(workspace), "fibonacci", "fibonacci_listener_node.py"),
+        ROS_PACKAGE_PATH="/elsewhere",
+    )
+    assert done.returncode == 0, done.stderr
+    environ = json.loads(done.stdout)
+    assert environ["ROS_PACKAGE_PATH"] == os.pathsep.join([str(workspace / "src"), "/elsewhere"])
+    assert environ["FIBWS_INTERFACES"] == str(workspace / "devel" / "share")
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (["rqt_graph", "rqt_graph"], ["-m", "fibws", "open", "graph"]),
+        (["rqt_plot", "rqt_plot", "/a/b"], ["-m", "fibws", "open", "plot", "/a/b"]),
+        (
+            ["tf2_ros", "static_transform_publisher", "1", "0", "0", "0", "0", "0", "map", "odom"],
+            ["-m", "fibws.tf.static_transform_publisher", *"1 0 0 0 0 0 map odom".split()],
+        ),
+    ],
+)
+def test_programs_of_ros_have_their_like(words: list[str], line: list[str]) -> None:
+    assert module._line(words, None) == [sys.executable, "-P", *line]
+
+
+def test_what_is_not_there_of_ros_says_so(run: Run) -> None:
+    done = run("turtlesim", "turtlesim_node")
+    assert (done.returncode, done.stdout) == (1, "")
+    assert done.stderr.startswith("Error: turtlesim draws in a window of its own")
+
+
+def complete(words: str, **environ: str) -> list[str]:
+    told = subprocess.run(
+        FIBWS,
+        capture_output=True,
+        text=True,
+        env={
+            **os.environ,
+            **environ,
+            "_FIBWS_COMPLETE": "bash_complete",
+            "COMP_WORDS": words,
+            "COMP_CWORD": str(len(words.split(" ")) - 1),
+        },
+        timeout=PATIENCE,
+    )
+    return told.stdout.split()
+
+
+def test_packages_and_programs_are_completed(workspace: Path) -> None:
+    path = {"ROS_PACKAGE_PATH": str(workspace / "src")}
+    assert complete("fibws run fib", **path) == ["plain,fibonacci"]
+    assert complete("fibws run ./scr", **path) == ["file,./scr"]
+    assert complete("fibws run fibonacci fib", **path) == ["plain,fibonacci_listener_node.py"]
+    assert complete("fibws run nothing x", **path) == []
+    assert complete("fibws run fibonacci x.py some", **path) == ["file,some"]

@@ -1,0 +1,205 @@
+"""``fibws service``."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+
+import pytest
+from hub_in_thread import HubThread, Run
+from node_in_thread import Peer, peer
+
+import fibws
+from fibws.client.hub_client import HubClient
+from fibws.errors import FibwsError
+from fibws.srv.rospy_tutorials import AddTwoInts, AddTwoIntsRequest, AddTwoIntsResponse
+from fibws.srv.std_srvs import SetBool, SetBoolRequest, SetBoolResponse
+
+
+async def serve(node: fibws.Node) -> None:
+    """Provide a service that works, one that fails, and one that never answers."""
+
+    def add(request: AddTwoIntsRequest) -> AddTwoIntsResponse:
+        return AddTwoIntsResponse(request.a + request.b)
+
+    def fail(request: SetBoolRequest) -> SetBoolResponse:
+        raise FibwsError("the switch is stuck")
+
+    async def ponder(request: SetBoolRequest) -> SetBoolResponse:
+        await asyncio.Event().wait()
+        raise AssertionError
+
+    await node.service("/math/add", AddTwoInts, add)
+    await node.service("/fail", SetBool, fail)
+    await node.service("/ponder", SetBool, ponder)
+
+
+@pytest.fixture
+def adder(hub: HubThread) -> Iterator[Peer]:
+    with peer(hub.url, "adder", serve) as adder:
+        yield adder
+
+
+pytestmark = pytest.mark.usefixtures("adder")
+
+
+def test_list_names_services(run: Run) -> None:
+    found = run("service", "list").output.splitlines()
+    assert found == sorted(found)
+    assert {"/math/add", "/rosapi/nodes"} <= set(found)
+    assert run("service", "list", "/math").output == "/math/add\n"
+    assert run("service", "list", "-n", "/math").output == "/math/add /adder\n"
+    assert json.loads(run("service", "list", "--json", "/math").output) == {
+        "name": "/math/add",
+        "type": "rospy_tutorials/AddTwoInts",
+        "node": "/adder",
+    }
+
+
+def test_info_has_rosservices_shape(run: Run, client: HubClient) -> None:
+    nodes = client.call("/rosapi/graph")["nodes"]
+    address = next(each["address"] for each in nodes if each["name"] == "/adder")
+    assert run("service", "info", "math/add").output.splitlines() == [
+        "Node: /adder",
+        f"Address: {address}",
+        "Type: rospy_tutorials/AddTwoInts",
+        "Args: a b",
+    ]
+    told = json.loads(run("service", "info", "math/add", "--json").output)
+    assert (told["address"], told["args"]) == (address, ["a", "b"])
+
+
+def test_type_node_and_find(run: Run) -> None:
+    assert run("service", "type", "math/add").output == "rospy_tutorials/AddTwoInts\n"
+    assert run("service", "node", "math/add").output == "/adder\n"
+    assert run("service", "find", "rospy_tutorials/AddTwoInts").output == "/math/add\n"
+    assert run("service", "find", "rospy_tutorials/srv/AddTwoInts", "--json").output == (
+        '"/math/add"\n'
+    )
+    assert run("service", "find", "rospy_tutorials/AddTwo").output == ""
+
+
+def test_args_name_what_is_in_fields(run: Run, client: HubClient) -> None:
+    type_ = "nav_msgs/GetPlan"
+    client.send({"op": "advertise_service", "service": "/plan", "type": type_})
+    client.call("/rosapi/get_time")
+    args = run("service", "args", "plan").output.split()
+    assert args[:4] == [
+        "start.header.seq",
+        "start.header.stamp",
+        "start.header.frame_id",
+        "start.pose.position.x",
+    ]
+    assert args[-1] == "tolerance"
+
+
+@pytest.mark.parametrize("verb", ["info", "type", "node", "args"])
+def test_an_unknown_service_is_an_error(run: Run, verb: str) -> None:
+    result = run("service", verb, "math/ad")
+    assert (result.exit_code, result.stdout) == (1, "")
+    assert result.stderr == "Error: Unknown service /math/ad; did you mean /math/add?\n"
+
+
+# call
+
+
+@pytest.mark.parametrize(
+    "words", [["1", "2"], ["{a: 1, b: 2}"], ["a: 1\nb: 2"], ["--", "5", "-2"], ["-2", "5"]]
+)
+def test_call_prints_the_response(run: Run, words: list[str]) -> None:
+    result = run("service", "call", "math/add", *words)
+    assert (result.exit_code, result.output) == (0, "sum: 3\n")
+
+
+def test_call_can_print_the_request_too(run: Run) -> None:
+    assert run("service", "call", "-v", "math/add", "1", "2").output == "a: 1\nb: 2\n---\nsum: 3\n"
+
+
+def test_call_prints_json(run: Run) -> None:
+    assert run("service", "call", "--json", "math/add", "1", "2").output == '{"sum":3}\n'
+
+
+def test_call_reads_arguments_from_a_pipe(run: Run) -> None:
+    result = run("service", "call", "math/add", input="a: 1\nb: 2\n---\n[3, 4]\n")
+    assert (result.exit_code, result.output) == (0, "sum: 3\nsum: 7\n")
+
+
+def test_call_without_arguments_says_what_they_are(run: Run) -> None:
+    result = run("service", "call", "math/add", input="")
+    assert result.exit_code == 2
+    assert "Please specify service arguments: a b" in result.stderr
+
+
+def test_what_takes_nothing_needs_no_arguments(run: Run) -> None:
+    assert "  - /adder\n" in run("service", "call", "rosapi/nodes").output
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "text"),
+    [
+        (["1"], 2, "Not enough arguments"),
+        (["{c: 1}"], 2, "No field name [c]"),
+        (["[1"], 2, "no YAML"),
+        (["x", "1"], 1, "requires a int64 for field a"),
+        (["-x"], 2, "No such option"),
+    ],
+)
+def test_wrong_arguments_are_told(run: Run, words: list[str], code: int, text: str) -> None:
+    result = run("service", "call", "math/add", *words)
+    assert (result.exit_code, result.stdout) == (code, "")
+    assert text in result.stderr
+
+
+def test_a_service_that_fails_says_why(run: Run) -> None:
+    result = run("service", "call", "/fail", "true")
+    assert (result.exit_code, result.stdout) == (1, "")
+    assert result.stderr == "Error: /fail: error processing request: the switch is stuck\n"
+
+
+def test_a_service_that_does_not_answer_is_given_up(run: Run) -> None:
+    result = run("service", "call", "--timeout", "0.05", "/ponder", "true")
+    assert (result.exit_code, result.stdout) == (1, "")
+    assert result.stderr.startswith("Error: ")
+    assert "/ponder" in result.stderr
+
+
+def test_a_service_that_is_not_there_is_an_error(run: Run) -> None:
+    result = run("service", "call", "/math/sub")
+    assert result.exit_code == 1
+    assert result.stderr == "Error: Service [/math/sub] is not available; did you mean /math/add?\n"
+    result = run("service", "call", "/qqq")
+    assert result.stderr == "Error: Service [/qqq] is not available.\n"
+
+
+def test_a_service_of_a_type_that_nobody_defined_takes_an_object(run: Run, hub: HubThread) -> None:
+    with HubClient("provider", hub.url) as provider:
+        provider.send({"op": "advertise_service", "service": "/odd", "type": "odd_msgs/Odd"})
+        provider.call("/rosapi/get_time")
+        with ThreadPoolExecutor() as threads:
+            result = threads.submit(run, "service", "call", "/odd", "{x: [1, 2]}")
+            call = next(found for found in iter(provider.receive, None) if "service" in found)
+            assert call["args"] == {"x": [1, 2]}
+            provider.send(
+                {
+                    "op": "service_response",
+                    "service": "/odd",
+                    "id": call["id"],
+                    "values": {"y": "z"},
+                    "result": True,
+                }
+            )
+            assert result.result().output == 'y: "z"\n'
+
+
+def test_call_can_wait_for_the_service(run: Run, hub: HubThread, client: HubClient) -> None:
+    async def provide(node: fibws.Node) -> None:
+        await node.service("/late", AddTwoInts, lambda request: AddTwoIntsResponse(request.a))
+
+    with ThreadPoolExecutor() as threads:
+        result = threads.submit(run, "service", "call", "--wait", "/late", "4", "0")
+        while not any("fibws_service" in name for name in client.call("/rosapi/nodes")["nodes"]):
+            assert not result.done()
+        with peer(hub.url, "late", provide):
+            assert result.result(20).output == "sum: 4\n"

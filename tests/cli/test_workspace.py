@@ -1,0 +1,231 @@
+"""``fibws workspace``: catkin_init_workspace and catkin_make as they are typed."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeAlias
+
+import pytest
+from click.testing import CliRunner, Result
+
+from fibws.cli.commands import command
+
+Type: TypeAlias = Callable[..., Result]
+PROGRAM = "#!/usr/bin/env python3\nprint('hello')\n"
+INSTALLED = """
+catkin_install_python(PROGRAMS src/node.py
+  DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION}
+)
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The folder that the person is in: an empty workspace."""
+    for variable in ("ROS_PACKAGE_PATH", "CMAKE_PREFIX_PATH", "FIBWS_INTERFACES", "PWD"):
+        monkeypatch.delenv(variable, raising=False)
+    monkeypatch.setenv("SHELL", "/bin/bash")
+    folder = tmp_path / "ros_workspace"
+    (folder / "src").mkdir(parents=True)
+    monkeypatch.chdir(folder)
+    return folder
+
+
+@pytest.fixture
+def type_(folder: Path) -> Type:
+    """Type ``fibws`` with these words, in a folder."""
+
+    def type_(*words: str, at: str = ".") -> Result:
+        before = Path.cwd()
+        os.chdir(folder / at)
+        try:
+            return CliRunner().invoke(command, words, prog_name="fibws")
+        finally:
+            os.chdir(before)
+
+    return type_
+
+
+def make(type_: Type, *words: str, at: str = ".") -> Result:
+    return type_("workspace", "make", *words, at=at)
+
+
+def test_the_first_lines_of_the_tutorial(folder: Path, type_: Type) -> None:
+    begun = type_("workspace", "init", at="src")
+    assert begun.output == f"Created file {folder / 'src' / 'CMakeLists.txt'}\n"
+    made = make(type_)
+    assert made.output.splitlines() == [
+        f"Base path: {folder}",
+        f"Source space: {folder / 'src'}",
+        f"Build space: {folder / 'build'}",
+        f"Devel space: {folder / 'devel'}",
+        "There is no package yet; to begin one: cd src && catkin_create_pkg NAME std_msgs rospy",
+        "Next: source devel/setup.bash",
+    ]
+    assert sorted(path.name for path in folder.iterdir()) == [
+        ".catkin_workspace",
+        "build",
+        "devel",
+        "src",
+    ]
+
+
+def test_a_package_is_made_and_built(folder: Path, type_: Type) -> None:
+    assert type_("pkg", "create", "fibonacci", "std_msgs", "rospy", at="src").exit_code == 0
+    program = folder / "src" / "fibonacci" / "src" / "node.py"
+    program.write_text(PROGRAM)
+    program.chmod(0o755)
+    with (folder / "src" / "fibonacci" / "CMakeLists.txt").open("a") as cmake:
+        cmake.write(INSTALLED)
+    made = make(type_)
+    assert made.exit_code == 0
+    assert made.output.splitlines()[4:] == [
+        f"Created file {folder / 'src' / 'CMakeLists.txt'}",
+        "~" * 50,
+        "~~  traversing 1 package in topological order:",
+        "~~  - fibonacci",
+        "~" * 50,
+        "fibonacci: node.py",
+        "Next: source devel/setup.bash",
+    ]
+
+
+def test_messages_are_usable_at_once(
+    folder: Path, type_: Type, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    type_("pkg", "create", "fibonacci", "rospy", "--with", "msg,srv,action", at="src")
+    assert "fibonacci: 1 message, 1 service, 1 action\n" in make(type_).output
+    monkeypatch.setenv("FIBWS_INTERFACES", str(folder / "devel" / "share"))
+    assert type_("msg", "show", "fibonacci/Num").output == "int64 num\n\n"
+    assert type_("srv", "show", "fibonacci/AddTwoInts").output.startswith("int64 a\nint64 b\n---")
+    assert "fibonacci/CountGoal" in type_("msg", "list").output
+
+
+def test_what_is_wrong_is_told_with_file_and_line(folder: Path, type_: Type) -> None:
+    type_("pkg", "create", "fibonacci", "rospy", "--with", "msg", at="src")
+    (folder / "src" / "fibonacci" / "msg" / "Num.msg").write_text("int64 num\nint33\n")
+    made = make(type_)
+    assert made.exit_code == 1
+    assert "Error: src/fibonacci/msg/Num.msg, line 2: " in made.stderr
+    assert made.stderr.endswith("Error: nothing was built, because of 1 error\n")
+    assert not (folder / "devel").exists()
+
+
+def test_what_should_be_otherwise_is_told_and_built(folder: Path, type_: Type) -> None:
+    type_("pkg", "create", "a", "roscpp", at="src")
+    with (folder / "src" / "a" / "CMakeLists.txt").open("a") as cmake:
+        cmake.write("add_executable(node src/node.cpp)\n")
+    made = make(type_)
+    assert made.exit_code == 0
+    assert "Warning: src/a/CMakeLists.txt, line " in made.stderr
+    assert ": C++ is not built here: node was passed over\n" in made.stderr
+
+
+def test_elsewhere_the_way_to_the_workspace_is_told(folder: Path, type_: Type) -> None:
+    type_("workspace", "init", at="src")
+    within = make(type_, at="src")
+    assert within.stderr == (
+        f"Error: catkin_make is called in the root of the workspace, not in {folder / 'src'}: "
+        "cd ..\n"
+    )
+    assert make(type_, at="..").stderr.startswith(f"Error: {folder.parent} is no workspace")
+    assert not (folder.parent / "devel").exists()
+
+
+def test_a_workspace_may_be_named(folder: Path, type_: Type) -> None:
+    for option in ("-C", "--directory"):
+        made = make(type_, option, "ros_workspace", at="..")
+        assert f"Base path: {folder}\n" in made.output
+        assert made.output.endswith(f"Next: source {folder / 'devel' / 'setup.bash'}\n")
+
+
+def test_a_shell_that_has_it_is_told_so(
+    folder: Path, type_: Type, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(folder / "src"))
+    assert make(type_).output.endswith("Done; this shell has the workspace already.\n")
+
+
+def test_zsh_has_its_own_file(type_: Type, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SHELL", "/usr/bin/zsh")
+    assert make(type_).output.endswith("Next: source devel/setup.zsh\n")
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["-j4"],
+        ["-j", "4"],
+        ["-j"],
+        ["-j2", "-l2.5", "VERBOSE=1", "-k"],
+        ["-DCMAKE_BUILD_TYPE=Release", "-DPYTHON_EXECUTABLE=/usr/bin/python3"],
+        ["--cmake-args", "-DCMAKE_BUILD_TYPE=Release", "--anything"],
+        ["--make-args", "whatever"],
+        ["--force-cmake", "--no-color", "--use-ninja", "-GNinja"],
+        ["all"],
+    ],
+)
+def test_words_for_cmake_and_make_are_read_past(type_: Type, words: list[str]) -> None:
+    type_("pkg", "create", "a", at="src")
+    made = make(type_, *words)
+    assert made.exit_code == 0, made.stderr
+    assert "~~  - a\n" in made.output
+
+
+def test_some_packages_are_chosen(type_: Type) -> None:
+    for name, depends in (("a", []), ("b", ["a"]), ("c", []), ("d", [])):
+        type_("pkg", "create", name, *depends, at="src")
+
+    def built(*words: str) -> str:
+        lines = make(type_, *words).output.splitlines()
+        return "".join(line[-1] for line in lines if line.startswith("~~  - "))
+
+    assert built("--pkg", "a", "c") == "ac"
+    assert built("--pkg", "c", "-j4") == "c"
+    assert built("--only-pkg-with-deps", "b", "d") == "abd"
+    assert built("-DCATKIN_WHITELIST_PACKAGES=b;c") == "abc"
+    assert built("-DCATKIN_WHITELIST_PACKAGES=") == "abcd"
+    unknown = make(type_, "--pkg", "x")
+    assert unknown.stderr == "Error: Packages not found in the workspace: x\n"
+    assert built("--pkg", "a", "c", "-j4", "all") == "ac"
+    for words in (
+        ["--pkg"],
+        ["--pkg", "--no-color"],
+        ["--pkg", "--make-args", "x"],
+        ["--pkg", "--", "all"],
+    ):
+        assert "Option '--pkg' requires an argument." in make(type_, *words).stderr
+
+
+def test_clean_takes_out_what_was_built(folder: Path, type_: Type) -> None:
+    type_("pkg", "create", "a", at="src")
+    make(type_)
+    assert (folder / "devel" / "share" / "a").is_dir()
+    assert make(type_, "clean").output == f"Took out of {folder / 'devel'} what was built\n"
+    assert not (folder / "devel" / "share" / "a").exists()
+
+
+@pytest.mark.parametrize(
+    ("word", "text"),
+    [
+        ("install", "there is no install space here"),
+        ("run_tests", "run the tests of packages by python3 -m pytest src"),
+        ("frobnicate", "there is no target frobnicate; there is clean"),
+        ("--build=x", "--build=x: the spaces of a workspace are src/ and devel/ here"),
+    ],
+)
+def test_other_targets_have_a_clear_word(folder: Path, type_: Type, word: str, text: str) -> None:
+    made = make(type_, word)
+    assert made.exit_code == 1
+    assert text in made.stderr
+    assert not (folder / "devel").exists()
+
+
+def test_a_folder_that_is_not_called_src_is_told(folder: Path, type_: Type) -> None:
+    (folder / "sources").mkdir()
+    begun = type_("workspace", "init", "sources")
+    assert "catkin_make looks for packages in src/" in begun.output
+    again = type_("workspace", "init", "sources")
+    assert again.exit_code == 1 and "already exists" in again.stderr

@@ -1,0 +1,255 @@
+"""``fibws topic echo``."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import pty
+import signal
+import subprocess
+import sys
+import threading
+from typing import Any
+
+import pytest
+from hub_in_thread import HubThread, Publish, Run
+from running_programs import Start
+
+from fibws.client.hub_client import HubClient
+
+CURVE = {"layout": {"dim": [], "data_offset": 0}, "data": [1, 2, 3]}
+
+
+def test_messages_are_printed_as_yaml(run: Run, publish: Publish) -> None:
+    publish("/number", "std_msgs/Int32", {"data": 8})
+    result = run("topic", "echo", "-n", "1", "/number")
+    assert (result.exit_code, result.output) == (0, "data: 8\n---\n")
+
+
+@pytest.mark.parametrize(
+    ("options", "printed"),
+    [
+        (["/curve/data"], "[1, 2, 3]\n---\n"),
+        (["/curve/data[-1]"], "3\n---\n"),
+        (["/curve/data[0]", "-w", "4"], "   1\n---\n"),
+        (["/curve/data", "--noarr"], '"<array type: int32, length: 3>"\n---\n'),
+        (["/curve/data", "--json"], "[1,2,3]\n"),
+        (["/curve/layout/dim", "-c"], "[]\n---\n"),
+    ],
+)
+def test_options_choose_what_is_printed(
+    run: Run, publish: Publish, options: list[str], printed: str
+) -> None:
+    publish("/curve", "std_msgs/Int32MultiArray", CURVE)
+    assert run("topic", "echo", "-n", "1", *options).output == printed
+
+
+@pytest.mark.parametrize("name", ["/a-b", "/übung/x.y"])
+def test_a_topic_whose_name_is_not_legal_is_shown(run: Run, publish: Publish, name: str) -> None:
+    publish(name, "std_msgs/Int32", {"data": 8})
+    assert run("topic", "echo", "-n", "1", name).output == "data: 8\n---\n"
+    assert run("topic", "echo", "-n", "1", f"{name}/data").output == "8\n---\n"
+    assert run("topic", "type", name).output == "std_msgs/Int32\n"
+    assert "Type: std_msgs/Int32" in run("topic", "info", name).output
+    assert name in run("topic", "list").output.splitlines()
+
+
+def test_json_is_a_message_a_line(run: Run, publish: Publish) -> None:
+    publish("/curve", "std_msgs/Int32MultiArray", CURVE)
+    assert json.loads(run("topic", "echo", "--json", "-n", "1", "/curve").output) == CURVE
+    styled = run("topic", "echo", "--json", "--noarr", "-n", "1", "/curve")
+    assert styled.exit_code == 2
+    assert "--json prints whole values" in styled.output
+
+
+def test_a_filter_leaves_out_what_is_not_wanted(run: Run, publish: Publish) -> None:
+    client = publish("/number", "std_msgs/Int32", {"data": 1})
+
+    def publish_more() -> None:
+        while not client.call("/rosapi/subscribers", {"topic": "/number"})["subscribers"]:
+            pass
+        for number in (7, 3, 9):
+            client.send({"op": "publish", "topic": "/number", "msg": {"data": number}})
+        client.call("/rosapi/get_time")
+
+    thread = threading.Thread(target=publish_more)
+    thread.start()
+    result = run("topic", "echo", "-n", "2", "--filter", "m.data > 5", "/number/data")
+    thread.join(60)
+    assert (result.exit_code, result.output) == (0, "7\n---\n9\n---\n")
+
+
+@pytest.mark.parametrize(
+    ("condition", "fault"),
+    [
+        ("m.data > 'x'", "--filter cannot be told of a message: "),
+        ("m.date > 5", "--filter: no field named date in std_msgs/Int32, which has data"),
+        ("data > 5", "--filter 'data > 5' is no condition: there is no room for data"),
+    ],
+)
+def test_a_filter_that_is_none_is_wrong_usage(
+    run: Run, publish: Publish, condition: str, fault: str
+) -> None:
+    publish("/number", "std_msgs/Int32", {"data": 8})
+    result = run("topic", "echo", "--filter", condition, "/number")
+    assert (result.exit_code, f"Error: {fault}" in result.output) == (2, True), result.output
+
+
+def test_bags_are_said_not_to_be_read(run: Run) -> None:
+    result = run("topic", "echo", "-b", "some.bag", "/number")
+    assert result.exit_code == 2
+    assert result.output.endswith(
+        "-b is not here, as fibws reads no bag files: the package rosbags of PyPI does.\n"
+    )
+    assert "--bag" not in run("topic", "echo", "-h").output
+
+
+def test_rows_for_plots_have_a_head(run: Run, publish: Publish) -> None:
+    publish("/number", "std_msgs/Int32", {"data": 8})
+    head, row = run("topic", "echo", "-p", "-n", "1", "/number").output.splitlines()
+    assert head == "%time,field.data"
+    assert row.endswith(",8")
+
+
+def test_times_can_be_relative(run: Run, publish: Publish) -> None:
+    publish("/time", "std_msgs/Time", {"data": "now"})
+    printed = run("topic", "echo", "-n", "1", "--offset", "/time").output
+    secs = int(printed.splitlines()[1].removeprefix("  secs: "))
+    assert -20 < secs <= 0
+
+
+def test_an_array_that_is_too_short_is_said_and_passed_over(run: Run, publish: Publish) -> None:
+    client = publish("/curve", "std_msgs/Int32MultiArray", {"data": [1]})
+
+    def publish_longer() -> None:
+        while len(client.call("/rosapi/subscribers", {"topic": "/curve"})["subscribers"]) == 0:
+            pass
+        client.send({"op": "publish", "topic": "/curve", "msg": CURVE})
+        client.call("/rosapi/get_time")
+
+    thread = threading.Thread(target=publish_longer)
+    thread.start()
+    result = run("topic", "echo", "-n", "1", "/curve/data[2]")
+    thread.join(60)
+    assert result.stdout == "3\n---\n"
+    assert result.stderr == "data has only 1 elements\n"
+
+
+def test_a_message_that_nobody_defined_is_printed(run: Run, publish: Publish) -> None:
+    publish("/odd", "nobodys_msgs/Type", {"a": 1, "b": [{"c": "x"}]})
+    assert run("topic", "echo", "-n", "1", "/odd").output == 'a: 1\nb: \n  - \n    c: "x"\n---\n'
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "type_", "printed"),
+    [
+        ({"data": 8}, {}, "geometry_msgs/Point", "x: 0.0\ny: 0.0\nz: 0.0\n"),
+        ({"data": 8}, {"data": "8"}, "std_msgs/String", 'data: "8"\n'),
+        ({"data": 8}, {"data": "AQI="}, "std_msgs/UInt8MultiArray", "data: [1, 2]\n"),
+    ],
+)
+async def test_a_topic_may_come_back_with_another_type(
+    start: Start,
+    hub: HubThread,
+    client: HubClient,
+    before: dict[str, int],
+    after: dict[str, str],
+    type_: str,
+    printed: str,
+) -> None:
+    program = await start("fibws", "topic", "echo", "-n", "2", "/x", FIBWS_HUB=hub.url)
+    assert await program.error_line()
+    tell(client, "std_msgs/Int32", before)
+    assert await program.line() == "data: 8\n"
+    client.send({"op": "unadvertise", "topic": "/x"})
+    tell(client, type_, after)
+    code, out, err = await program.end()
+    assert (code, err) == (0, "")
+    assert out.startswith("---\n")
+    assert out.endswith(f"{printed}---\n")
+
+
+async def test_a_field_is_looked_for_in_another_type_too(
+    start: Start, hub: HubThread, client: HubClient
+) -> None:
+    tell(client, "std_msgs/Int32", {"data": 8})
+    program = await start("fibws", "topic", "echo", "-n", "2", "/x/data", FIBWS_HUB=hub.url)
+    assert await program.line() == "8\n"
+    client.send({"op": "unadvertise", "topic": "/x"})
+    tell(client, "geometry_msgs/Point", {})
+    assert "no field" in await program.error_line()
+    client.send({"op": "unadvertise", "topic": "/x"})
+    tell(client, "std_msgs/String", {"data": "8"})
+    assert await program.end() == (0, '---\n"8"\n---\n', "")
+
+
+def tell(client: HubClient, type_: str, message: dict[str, Any]) -> None:
+    """Advertise the topic as of a type, and publish a message that stays."""
+    client.send({"op": "advertise", "topic": "/x", "type": type_, "latch": True})
+    client.send({"op": "publish", "topic": "/x", "msg": message})
+
+
+async def test_ctrl_c_is_the_end(start: Start, hub: HubThread, publish: Publish) -> None:
+    publish("/number", "std_msgs/Int32", {"data": 8})
+    program = await start("fibws", "topic", "echo", "/number", FIBWS_HUB=hub.url)
+    assert await program.line() == "data: 8\n"
+    assert await program.line() == "---\n"
+    program.send(signal.SIGINT)
+    assert await program.end() == (0, "", "")
+
+
+async def test_a_reader_who_leaves_is_the_end(
+    start: Start, hub: HubThread, publish: Publish
+) -> None:
+    client = publish("/number", "std_msgs/Int32", {"data": 8})
+    program = await start("fibws", "topic", "echo", "/number", FIBWS_HUB=hub.url)
+    await program.line()
+    program.stop_reading()
+    while client.call("/rosapi/subscribers", {"topic": "/number"})["subscribers"]:
+        client.send({"op": "publish", "topic": "/number", "msg": {"data": 8}})
+        await asyncio.sleep(0)
+    code, _, errors = await program.end()
+    assert (code, errors) == (0, "")
+
+
+async def test_a_topic_that_is_not_there_yet_is_waited_for(
+    start: Start, hub: HubThread, publish: Publish
+) -> None:
+    publish("/later", "std_msgs/Int32")
+    program = await start("fibws", "topic", "echo", "-n", "1", "/late", FIBWS_HUB=hub.url)
+    warning = "WARNING: topic [/late] does not appear to be published yet"
+    assert await program.error_line() == f"{warning}; did you mean /later?\n"
+    publish("/late", "std_msgs/Int32", {"data": 8})
+    assert await program.end() == (0, "data: 8\n---\n", "")
+
+
+async def test_without_a_hub_it_says_what_to_do(start: Start) -> None:
+    program = await start("fibws", "topic", "echo", "/x", FIBWS_HUB="ws://127.0.0.1:1")
+    code, printed, said = await program.end()
+    assert (code, printed) == (1, "")
+    assert said == "Error: No hub at ws://127.0.0.1:1. Start one with: fibws hub\n"
+
+
+async def test_the_hubs_end_is_an_error(start: Start, hub: HubThread, publish: Publish) -> None:
+    publish("/number", "std_msgs/Int32", {"data": 8})
+    program = await start("fibws", "topic", "echo", "/number", FIBWS_HUB=hub.url)
+    await program.line()
+    hub.stop()
+    code, _, said = await program.end()
+    assert code == 1
+    assert said.startswith(f"Error: The hub at {hub.url} is gone: ")
+
+
+@pytest.mark.skipif(not hasattr(os, "openpty"), reason="there are no terminals of this kind")
+def test_the_screen_is_cleared_on_a_terminal_only(hub: HubThread, publish: Publish) -> None:
+    publish("/number", "std_msgs/Int32", {"data": 8})
+    mine, theirs = pty.openpty()
+    command = ["-m", "fibws", "topic", "echo", "-c", "-n", "1", "/number", "--hub", hub.url]
+    try:
+        subprocess.run([sys.executable, *command], stdout=theirs, check=True, timeout=60)
+        printed = os.read(mine, 1000)
+    finally:
+        os.close(mine)
+        os.close(theirs)
+    assert printed == b"\x1b[2J\x1b[;Hdata: 8\r\n---\r\n"

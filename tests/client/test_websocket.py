@@ -1,0 +1,157 @@
+"""A blocking WebSocket connection to a hub."""
+
+from __future__ import annotations
+
+import shutil
+import socket
+import ssl
+import subprocess
+import threading
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+from hub_in_thread import HubThread, Publish
+from websockets.sync.server import ServerConnection
+
+from client.servers import websocket_server
+from fibws.client.hub_client import HubClient
+from fibws.client.websocket import Message, Stream
+from fibws.errors import (
+    HubLost,
+    HubUnreachable,
+    NoHub,
+)
+
+
+def test_a_hub_selects_fibws_v1(hub: HubThread) -> None:
+    stream = Stream(hub.url, "/test")
+    assert stream.serialized
+    stream.close()
+
+
+@pytest.mark.parametrize("subprotocol", ["fibws.v1", None])
+def test_text_and_binary_messages_are_distinguished(subprotocol: str | None) -> None:
+    def send(connection: ServerConnection) -> None:
+        connection.send("text")
+        connection.send(b"binary")
+        connection.send(["frag", "ments"])
+        connection.send([b"binary ", b"fragments"])
+
+    with websocket_server(send, subprotocol) as url:
+        stream = Stream(url, "/test")
+        assert stream.serialized == (subprotocol is not None)
+        while len(stream.messages) < 4:
+            assert stream.read(60)
+        assert list(stream.messages) == [
+            Message(b"text", False),
+            Message(b"binary", True),
+            Message(b"fragments", False),
+            Message(b"binary fragments", True),
+        ]
+        stream.close()
+
+
+def test_large_message_is_received(client: HubClient, publish: Publish) -> None:
+    publish("/text", "std_msgs/String", {"data": "ü" * 1_000_000})
+    client.subscribe("/text")
+    assert next(client.messages("/text", 20)) == {"data": "ü" * 1_000_000}
+
+
+def test_missing_hub_error_says_how_to_start_one() -> None:
+    with pytest.raises(NoHub, match=r"No hub at ws://127\.0\.0\.1:1\. Start one with: fibws hub"):
+        HubClient("test", "ws://127.0.0.1:1")
+
+
+@pytest.mark.parametrize(
+    ("response", "text"),
+    [
+        (b"HTTP/1.1 404 Not Found\r\nContent-Length: 0\r\n\r\n", "the server is not a hub"),
+        (b"HTTP/1.1 403 Forbidden\r\nContent-Length: 8\r\n\r\nGo away.", "reached: Go away$"),
+        (b"HTTP/1.1 403 No\r\nContent-Length: 7\r\n\r\nGo\naway", "reached: Go away$"),
+        (b"SSH-2.0-OpenSSH\r\n", "the server is not a hub"),
+        (b"", "cannot be reached"),
+    ],
+)
+def test_failed_handshake_is_an_error(response: bytes, text: str) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+
+        def answer() -> None:
+            connection, _ = server.accept()
+            with connection:
+                connection.recv(2**16)
+                connection.sendall(response)
+
+        thread = threading.Thread(target=answer)
+        thread.start()
+        with pytest.raises(HubUnreachable, match=text):
+            HubClient("test", f"ws://127.0.0.1:{server.getsockname()[1]}")
+        thread.join(60)
+
+
+@pytest.mark.skipif(not shutil.which("openssl"), reason="a certificate is made by openssl")
+def test_tls(hub: HubThread, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    certificate, key = str(tmp_path / "certificate.pem"), str(tmp_path / "key.pem")
+    make = ("openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-subj", "/CN=hub")
+    where = ("-addext", "subjectAltName=IP:127.0.0.1", "-keyout", key, "-out", certificate)
+    subprocess.run([*make, *where], check=True, capture_output=True, timeout=60)
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    context.load_cert_chain(certificate, key)
+    with socket.create_server(("127.0.0.1", 0)) as server:
+
+        def relay() -> None:
+            for _ in range(2):
+                connection, _ = server.accept()
+                with (
+                    suppress(ssl.SSLError),
+                    context.wrap_socket(connection, server_side=True) as tls,
+                ):
+                    with socket.create_connection(("127.0.0.1", hub.port)) as plain:
+                        back = threading.Thread(target=pump, args=(plain, tls))
+                        back.start()
+                        pump(tls, plain)
+                        back.join(60)
+
+        relaying = threading.Thread(target=relay)
+        relaying.start()
+        url = f"wss://127.0.0.1:{server.getsockname()[1]}"
+        with pytest.raises(HubUnreachable, match="certificate"):
+            HubClient("test", url)
+        monkeypatch.setenv("SSL_CERT_FILE", certificate)
+        with HubClient("test", url) as client:
+            assert client.receive(0) is None
+            assert "time" in client.call("/rosapi/get_time")
+        relaying.join(60)
+
+
+def test_error_of_tls_to_a_hub_without_it_says_what_to_do(hub: HubThread) -> None:
+    with pytest.raises(HubUnreachable, match="the server does not support TLS; use ws://"):
+        HubClient("test", f"wss://127.0.0.1:{hub.port}")
+
+
+def pump(source: socket.socket, target: socket.socket) -> None:
+    """Forward data until the end of the stream."""
+    with suppress(OSError):
+        while data := source.recv(2**16):
+            target.sendall(data)
+        target.shutdown(socket.SHUT_WR)
+
+
+def test_lost_hub_is_an_error(hub: HubThread) -> None:
+    client = HubClient("test", hub.url)
+    hub.stop()
+    with pytest.raises(HubLost, match=f"The hub at {hub.url} is gone: "):
+        while True:
+            client.receive(20)
+    client.close()
+
+
+def test_ctrl_c_closes_at_once(hub: HubThread, client: HubClient) -> None:
+    with pytest.raises(KeyboardInterrupt), HubClient("other", hub.url) as other:
+        raise KeyboardInterrupt
+    while other.node in client.call("/rosapi/nodes")["nodes"]:
+        pass
+
+
+def test_link_can_be_passed_to_select(client: HubClient) -> None:
+    assert client.fileno() > 0

@@ -1,0 +1,62 @@
+"""The tutorial's client."""
+
+from __future__ import annotations
+
+from running_programs import Start
+
+import fibws
+from fibws.hub import Hub
+from fibws.srv.rospy_tutorials import AddTwoInts
+
+CLIENT = "fibws.examples.add_two_ints_client"
+
+
+async def test_it_waits_for_a_server_and_prints_the_sum(hub: Hub, start: Start) -> None:
+    client = await start(CLIENT, "1", "2", "--hub", hub.url)
+    server = await start("fibws.examples.add_two_ints_server", "--hub", hub.url)
+    assert await client.end() == (0, "Requesting 1+2\n1 + 2 = 3\n", "")
+    assert await server.line() == "Ready to add two ints.\n"
+    assert await server.line() == "Returning [1 + 2 = 3]\n"
+
+
+async def test_numbers_may_be_negative_and_the_service_renamed(hub: Hub, start: Start) -> None:
+    async with fibws.Node("test", hub=hub.url) as node:
+        await node.service("add", AddTwoInts, lambda request: request.a + request.b)
+        client = await start(CLIENT, "-7", "-2", "add_two_ints:=add", FIBWS_HUB=hub.url)
+        assert await client.end() == (0, "Requesting -7+-2\n-7 + -2 = -9\n", "")
+
+
+async def test_a_failure_is_told_in_a_line(hub: Hub, start: Start) -> None:
+    def fail(request: object) -> int:
+        raise ValueError("I cannot add")
+
+    async with fibws.Node("test", hub=hub.url) as node:
+        await node.service("add_two_ints", AddTwoInts, fail)
+        client = await start(CLIENT, "1", "2", "--hub", hub.url)
+        code, out, err = await client.end()
+    assert (code, out) == (1, "Requesting 1+2\n")
+    assert err == "Error: /add_two_ints: error processing request: I cannot add\n"
+
+
+async def test_a_number_that_is_too_large_is_told_in_a_line(hub: Hub, start: Start) -> None:
+    async with fibws.Node("test", hub=hub.url) as node:
+        await node.service("add_two_ints", AddTwoInts, lambda request: request.a + request.b)
+        client = await start(CLIENT, str(2**63), "2", "--hub", hub.url)
+        code, _, err = await client.end()
+    assert code == 1
+    assert "field a" in err
+    assert "Traceback" not in err
+
+
+async def test_what_is_no_number_is_refused(start: Start) -> None:
+    client = await start(CLIENT, "one", "2")
+    code, _, err = await client.end()
+    assert code == 2
+    assert "'one' is not a valid integer" in err
+
+
+async def test_what_is_no_option_is_refused(start: Start) -> None:
+    client = await start(CLIENT, "1", "2", "--hbu", "ws://127.0.0.1:9")
+    code, _, err = await client.end()
+    assert code == 2
+    assert "unexpected argument '--hbu'" in err

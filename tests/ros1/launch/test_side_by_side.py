@@ -1,0 +1,229 @@
+"""The same files read by ROS's own roslaunch, where that is installed."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from fibws.ros1.launch.reader import Reader
+
+from .conftest import MadeUp
+
+PYTHON = "/usr/bin/python3"
+SCRIPT = """
+import json, os, sys
+sys.argv[1:], files = [], json.loads(sys.argv[1])
+import roslaunch.xmlloader, roslaunch.config, rosgraph.names
+rosgraph.names.anonymous_name = lambda name: name + "_host_1"
+results = []
+for file, values in files:
+    config = roslaunch.config.ROSLaunchConfig()
+    loader = roslaunch.xmlloader.XmlLoader()
+    loader.ignore_unset_args = False
+    try:
+        loader.load(file, config, argv=["roslaunch", *values], verbose=False)
+    except Exception as error:
+        results.append(None)
+        continue
+    results.append({
+        "nodes": [
+            [n.package, n.type, n.name, n.namespace.rstrip("/") or "/", n.args,
+             n.output == "screen", n.respawn, n.respawn_delay, n.required,
+             n.launch_prefix or "", [list(r) for r in n.remap_args], dict(n.env_args)]
+            for n in config.nodes
+        ],
+        "tests": [[t.name, t.namespace.rstrip("/") or "/"] for t in config.tests],
+        "parameters": {name: p.value for name, p in config.params.items()},
+        "cleared": [name.rstrip("/") or "/" for name in config.clear_params],
+        "steps": [[e.args[0], e.args[-1].rstrip("/") or "/"] for e in config.executables],
+    })
+print(json.dumps(results))
+"""
+
+NODE = '<node pkg="p" type="t" name="{}"/>'
+INCLUDED = """<launch>
+  <arg name="a"/> <arg name="b" default="two"/>
+  <param name="~private" value="$(arg a)"/>
+  <param name="shared" value="$(arg a)-$(arg b)"/>
+  <remap from="inner" to="outer"/>
+  <node pkg="p" type="t" name="included" args="$(arg b) $(anon x)"/>
+</launch>"""
+FOLDER = "FOLDER"
+
+TEXTS = [
+    '<node pkg="p" type="t" name="n" args="a  \'b c\'" output="screen" launch-prefix="xterm -e"/>',
+    '<node pkg="p" type="t" name="n" respawn="True" respawn_delay="2" ns="/a//b/"/>',
+    '<node pkg="p" type="t" name="n" required="TRUE" clear_params="true" ns="x"/>',
+    '<node pkg="p" type="t" name="$(anon n)" args="$(anon n) $(anon m)"/>',
+    '<node pkg="p" type="t" name="n" respawn="true" required="true"/>',
+    '<node pkg="p" type="t" name="a/b"/>',
+    '<node pkg="p" type="t"/>',
+    '<node type="t" name="n"/>',
+    '<node pkg="p" type="t" name="n" output="x"/>',
+    '<node pkg="p" type="t" name="n" ns=""/>',
+    NODE.format("n") * 2,
+    '<test pkg="p" type="t" test-name="x" time-limit="3" ns="q"/>' + NODE.format("n"),
+    '<param name="a" value=" 1 "/><param name="b" value="1e3"/><param name="c" value="1_0"/>'
+    '<param name="d" value="TRUE"/><param name="e" value="1.50"/><param name="f" value="0x1"/>'
+    '<param name="g" value=""/><param name="h" value="1_0.5"/><param name="i" value="no"/>',
+    '<param name="a" value="1" type="str"/><param name="b" value="1" type="double"/>'
+    '<param name="c" value="1" type="bool"/><param name="d" value="[1, {a: b}]" type="yaml"/>',
+    '<param name="a" value="x" type="int"/>',
+    '<param name="a" value="yes" type="bool"/>',
+    '<param name="a" value="1" type="float"/>',
+    '<param name="a"/>',
+    '<param name="a" value="1" textfile="x"/>',
+    '<param name="t" textfile="FOLDER/t.txt"/><param name="c" command="echo \'a b\' 12"/>'
+    '<param name="i" command="echo 12"/>',
+    '<param name="t" textfile="FOLDER/nope"/>',
+    '<param name="c" command="false"/>',
+    '<group ns="g"><param name="a//b/" value="1"/><param name="/c" value="2"/>'
+    '<param name="~d" value="3"/>' + NODE.format("n") + "</group>" + NODE.format("m"),
+    '<node pkg="p" type="t" name="n" ns="x"><param name="a" value="1"/><param name="~b" value="2"/>'
+    '<param name="/c" value="3"/><rosparam>d: {e: 1}</rosparam>'
+    '<rosparam param="/f">[1]</rosparam><rosparam ns="g" param="h">i</rosparam></node>',
+    '<param name="~a" value="1"/>' + NODE.format("n") + '<param name="~a" value="2"/>'
+    '<node pkg="p" type="t" name="m"><param name="a" value="3"/></node>',
+    "<rosparam>a: 1\nb: {c: deg(180), d: [true, 'x']}\ne: {}\n</rosparam><rosparam/>",
+    '<rosparam param="a">{b: 1}</rosparam><rosparam ns="c">d: 1</rosparam>'
+    '<rosparam param="/e">1</rosparam><rosparam file="FOLDER/f.yaml" subst_value="true" ns="q"/>',
+    "<rosparam>[1]</rosparam>",
+    "<rosparam>a: [</rosparam>",
+    '<rosparam command="x"/>',
+    '<group ns="g"><rosparam command="delete" param="a"/>'
+    '<rosparam command="dump" file="FOLDER/d" /><rosparam command="delete"/></group>',
+    '<remap from="a" to="b"/><group><remap from="a" to="c"/><remap from="/d//e" to="f/"/>'
+    + NODE.format("n")
+    + '<remap from="x" to="y"/></group><node pkg="p" type="t" name="m"><remap from="a" to="z"/>'
+    '<remap from="k" to="l"/></node>' + NODE.format("o"),
+    '<remap from="a" to=""/>',
+    '<remap from="a b" to="c"/>',
+    '<env name="A" value="1"/><group><env name="A" value="2"/><env name="B" value=""/>'
+    + NODE.format("n")
+    + '</group><node pkg="p" type="t" name="m"><env name="C" value="$(env HOME)"/></node>',
+    '<env name="" value="1"/>',
+    '<arg name="a" default="1"/><arg name="b" value="$(arg a)2"/><param name="p" value="$(arg b)"/>'
+    '<group><arg name="c" value="x"/><param name="q" value="$(arg c)$(arg given)"/></group>',
+    '<arg name="given" default="1"/><param name="p" value="$(arg given)"/>',
+    '<arg name="given" value="1"/>',
+    '<arg name="a" value="1" default="2"/>',
+    '<arg name="a"/><arg name="a"/>',
+    '<arg name="a"/><param name="p" value="$(arg a)"/>',
+    '<param name="p" value="$(arg nope)"/>',
+    '<param name="p" value="$(nope)"/>',
+    '<param name="p" value="$(env NOT_THERE)"/>',
+    '<param name="p" value="$(optenv NOT_THERE a b)|$(optenv HOME x)"/>',
+    '<param name="p" value="$(dirname)/x"/>',
+    '<arg name="n" value="3"/><arg name="s" value="a,b"/><param name="p" value="$(eval n * 2)"/>'
+    "<param name=\"q\" value=\"$(eval arg('s').split(',')[1] + str(n))\"/>"
+    '<param name="r" value="$(eval n > 2 and s != \'x\')"/>'
+    '<param name="t" value="$(eval round(n / 2.0))"/>',
+    '<param name="p" value="$(eval sqrt(4) + pi * 0 + 7 // 2)"/>'
+    '<param name="q" value="$(eval \'yes\' if true else [1])"/>'
+    '<param name="r" value="$(eval \',\'.join(map(str, [1, 2.5])))"/>'
+    "<param name=\"s\" value=\"$(eval env('HOME') + optenv('NOT_THERE', 'x') + anon('y'))\"/>",
+    '<param name="p" value="x $(eval 1)"/>',
+    '<param name="p" value="$(eval __import__(\'os\'))"/>',
+    '<group if="1"><param name="p" value="1" unless="true"/><param name="q" value="1" if="TRUE"/>'
+    '</group><group if="false"><nonsense/></group>',
+    '<group if="yes"/>',
+    '<group if="1" unless="0"/>',
+    '<group ns="a" clear_params="true"><group ns="b">' + NODE.format("n") + "</group></group>",
+    '<group clear_params="true"/>',
+    '<remap from="x" to="y"/><include file="FOLDER/one.launch" ns="sub" clear_params="true">'
+    '<arg name="a" value="$(arg given)"/><env name="E" value="1"/></include>' + NODE.format("n"),
+    '<include file="FOLDER/one.launch"><arg name="a" value="1"/><arg name="b" default="d"/>'
+    "</include>",
+    '<include file="FOLDER/one.launch"/>',
+    '<include file="FOLDER/one.launch"><arg name="a" value="1"/><arg name="zz" value="1"/>'
+    "</include>",
+    '<include file="FOLDER/one.launch"><arg name="a"/></include>',
+    '<arg name="a" value="7"/><arg name="zz" value="7"/>'
+    '<include file="FOLDER/one.launch" pass_all_args="true"/>',
+    '<arg name="a" value="7"/><include file="FOLDER/one.launch" pass_all_args="true">'
+    '<arg name="a" value="8"/></include><param name="after" value="$(arg a)"/>',
+    '<include file="FOLDER/nope.launch"/>',
+    "<!-- nothing -->",
+]
+VALUES = ["given:=G"]
+
+
+@pytest.fixture(scope="module")
+def theirs(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Any]]:
+    """The folder of the files, and what ROS's roslaunch has read from each."""
+    if (
+        not Path(PYTHON).exists()
+        or subprocess.run([PYTHON, "-c", "import roslaunch"], capture_output=True).returncode
+    ):
+        pytest.skip("ROS's own roslaunch is not installed")
+    folder = tmp_path_factory.mktemp("launch")
+    (folder / "one.launch").write_text(INCLUDED)
+    (folder / "t.txt").write_text("some text\n")
+    (folder / "f.yaml").write_text("home: $(env HOME)\n")
+    files = []
+    for number, text in enumerate(TEXTS):
+        file = folder / f"{number}.launch"
+        file.write_text(f"<launch>{text.replace(FOLDER, str(folder))}</launch>")
+        files.append([str(file), VALUES])
+    done = subprocess.run(
+        [PYTHON, "-c", SCRIPT, json.dumps(files)],
+        capture_output=True,
+        text=True,
+        env={
+            "PATH": os.environ["PATH"],
+            "HOME": "/home/me",
+            "ROS_MASTER_URI": "http://localhost:1",
+        },
+        check=True,
+    )
+    return folder, json.loads(done.stdout.splitlines()[-1])
+
+
+class Real(MadeUp):
+    """Made up, but for files and commands."""
+
+    def read(self, file: str) -> bytes:
+        return Path(file).read_bytes()
+
+    def output(self, command: str) -> str:
+        return subprocess.run(command, shell=True, capture_output=True, check=True).stdout.decode()
+
+    def yaml(self, text: str) -> Any:
+        try:
+            return yaml.safe_load(text.replace("deg(180)", "3.141592653589793"))
+        except yaml.YAMLError as error:
+            raise ValueError(str(error)) from None
+
+
+@pytest.mark.parametrize("number", range(len(TEXTS)), ids=TEXTS)
+def test_it_reads_what_roslaunch_reads(number: int, theirs: tuple[Path, list[Any]]) -> None:
+    folder, expected = theirs
+    reader = Reader(Real(), {"given": "G"})
+    try:
+        reader.read(str(folder / f"{number}.launch"))
+    except (ValueError, subprocess.CalledProcessError):
+        assert expected[number] is None
+        return
+    launch = reader.launch
+    nodes = [node for node in launch.nodes.values() if not node.is_test]
+    assert {
+        "nodes": [
+            [
+                *(node.package, node.type, node.name, node.namespace, node.args),
+                *(node.screen, node.respawn, node.respawn_delay, node.required, node.prefix),
+                [list(remap) for remap in node.remaps],
+                dict(node.environment),
+            ]
+            for node in nodes
+        ],
+        "tests": [[node.name, node.namespace] for node in launch.nodes.values() if node.is_test],
+        "parameters": launch.parameters,
+        "cleared": launch.cleared,
+        "steps": [[step.command, step.name] for step in launch.steps],
+    } == expected[number]

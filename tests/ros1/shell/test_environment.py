@@ -1,0 +1,132 @@
+"""What a shell's variables become, and how they become what they were."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+import pytest
+
+from fibws.ros1.shell import environment
+from fibws.ros1.shell.environment import BIN_FOLDER, OF_ROS, PYTHON, PYTHON_FOLDER, Changes
+
+PATH = os.pathsep.join(["/usr/local/bin", "/usr/bin"])
+
+
+def after(environ: dict[str, str], changes: Changes) -> dict[str, str]:
+    """The variables when changes were made."""
+    changed = {**environ, **changes}
+    return {name: value for name, value in changed.items() if value is not None}
+
+
+def set_up(environ: dict[str, str]) -> dict[str, str]:
+    return after(environ, environment.set_up(environ))
+
+
+def undone(environ: dict[str, str]) -> dict[str, str]:
+    return after(environ, environment.undo(environ))
+
+
+def test_commands_and_modules_are_first_on_their_paths() -> None:
+    found = set_up({"PATH": PATH, "PYTHONPATH": "/own"})
+    assert found["PATH"] == f"{BIN_FOLDER}{os.pathsep}{PATH}"
+    assert found["PYTHONPATH"] == f"{PYTHON_FOLDER}{os.pathsep}/own"
+    assert found[PYTHON] == sys.executable
+    assert {name: found[name] for name in OF_ROS} == OF_ROS
+
+
+def test_a_path_that_was_not_set_has_no_empty_part() -> None:
+    assert set_up({"PATH": PATH})["PYTHONPATH"] == str(PYTHON_FOLDER)
+
+
+def test_done_twice_it_is_as_done_once() -> None:
+    once = set_up({"PATH": PATH})
+    assert set_up(once) == once
+
+
+@pytest.mark.parametrize(
+    "before",
+    [
+        {"PATH": PATH},
+        {"PATH": f"{PATH}{os.pathsep}", "PYTHONPATH": "/own", "HOME": "/home/me"},
+        {"PATH": PATH, "ROS_DISTRO": "humble", "ROS_VERSION": "2", "FIBWS_PYTHON": "python9"},
+    ],
+)
+def test_what_is_undone_is_as_it_was(before: dict[str, str]) -> None:
+    assert undone(set_up(before)) == before
+    assert undone(set_up(set_up(before))) == before
+
+
+def test_what_came_to_a_path_meanwhile_stays_when_it_is_undone() -> None:
+    environ = set_up({"PATH": PATH})
+    environ["PATH"] = os.pathsep.join(["/new/bin", environ["PATH"]])
+    environ["PYTHONPATH"] = os.pathsep.join(["/new/modules", environ["PYTHONPATH"]])
+    assert undone(environ) == {
+        "PATH": os.pathsep.join(["/new/bin", PATH]),
+        "PYTHONPATH": "/new/modules",
+    }
+
+
+def test_workspaces_go_with_it_and_folders_of_others_stay() -> None:
+    environ = set_up({"PATH": PATH})
+    workspace = {"PYTHONPATH": "/ws/devel/lib", "ROS_PACKAGE_PATH": "/ws/src", "CMAKE": "/ws/devel"}
+    environ["PYTHONPATH"] = os.pathsep.join(["/ws/devel/lib", environ["PYTHONPATH"]])
+    environ["ROS_PACKAGE_PATH"] = os.pathsep.join(["/own/src", "/ws/src"])
+    environ["CMAKE"] = "/ws/devel"
+    besides = [(name, Path(folder)) for name, folder in workspace.items()]
+    changes = environment.undo(environ, besides)
+    assert after(environ, changes) == {"PATH": PATH, "ROS_PACKAGE_PATH": "/own/src"}
+
+
+def test_what_was_never_done_can_be_undone() -> None:
+    assert undone({"PATH": PATH, "ROS_DISTRO": "humble"}) == {"PATH": PATH, "ROS_DISTRO": "humble"}
+
+
+def test_another_installation_of_fibws_is_replaced() -> None:
+    other = "/venv/lib/python3.12/site-packages/fibws/ros1"
+    environ = set_up({"PATH": f"{other}/bin{os.pathsep}{PATH}", "PYTHONPATH": f"{other}/python"})
+    assert environ["PATH"] == f"{BIN_FOLDER}{os.pathsep}{PATH}"
+    assert environ["PYTHONPATH"] == str(PYTHON_FOLDER)
+
+
+@pytest.mark.parametrize("record", ["", "{", "[]", "8"])
+def test_a_record_that_is_none_counts_for_nothing(record: str) -> None:
+    environ = {"PATH": PATH, environment.RECORD: record}
+    assert not environment.is_set_up(environ)
+    assert undone(environ) == {"PATH": PATH}
+
+
+@pytest.fixture
+def roscore(tmp_path: Path) -> Path:
+    """The roscore of a ROS that is installed."""
+    program = tmp_path / "noetic" / ("roscore.bat" if os.name == "nt" else "roscore")
+    program.parent.mkdir()
+    program.touch(mode=0o755)
+    return program
+
+
+def test_a_ros_is_seen_by_its_roscore(roscore: Path) -> None:
+    environ = {"PATH": str(roscore.parent)}
+    assert environment.other_ros(environ) == f"there is {roscore}"
+    assert environment.other_ros({"PATH": str(roscore.parent.parent)}) is None
+
+
+def test_our_own_roscore_is_no_other_ros() -> None:
+    assert environment.other_ros({"PATH": str(BIN_FOLDER)}) is None
+
+
+@pytest.mark.parametrize("name", ["ROS_ROOT", "ROS_DISTRO"])
+def test_a_ros_is_seen_by_its_variables(name: str) -> None:
+    assert environment.other_ros({"PATH": "", name: "kinetic"}) == f"{name} is kinetic"
+
+
+def test_our_own_variables_are_no_other_ros() -> None:
+    assert environment.other_ros(set_up({"PATH": ""})) is None
+
+
+def test_a_record_that_is_none_of_ours_sets_nothing() -> None:
+    record = '{"ROS_DISTRO": 5, "FIBWS_PYTHON": ["a"], "PATH": "/x"}'
+    changes = environment.undo({"FIBWS_SETUP": record})
+    assert changes["ROS_DISTRO"] is None and changes["FIBWS_PYTHON"] is None
+    assert changes["PATH"] is None

@@ -1,0 +1,66 @@
+"""Programs of ROS's own packages."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from fibws.errors import WorkspaceError
+from fibws.hub import Hub, Settings
+from fibws.ros1.shell import ros_programs
+
+
+@pytest.mark.parametrize(("package", "program"), ros_programs._MODULES)
+def test_each_is_a_program_of_fibws(package: str, program: str) -> None:
+    line = ros_programs.command_line(package, program, ["--help"])
+    assert line is not None
+    done = subprocess.run(line, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.startswith("Usage:")
+
+
+def test_the_name_may_end_in_py() -> None:
+    assert ros_programs.command_line(
+        "rospy_tutorials", "talker.py", []
+    ) == ros_programs.command_line("rospy_tutorials", "talker", [])
+
+
+def test_others_are_not_known() -> None:
+    assert ros_programs.command_line("fibonacci", "talker", []) is None
+    assert ros_programs.command_line("rospy_tutorials", "nothing", []) is None
+
+
+@pytest.mark.parametrize("package", ros_programs._NOT_THERE)
+def test_what_has_no_like_here_says_why(package: str) -> None:
+    with pytest.raises(WorkspaceError, match=f"^{package} "):
+        ros_programs.command_line(package, "anything", [])
+
+
+async def test_the_listener_hears_the_talker(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    import asyncio
+
+    async with Hub(Settings(port=0)) as hub, asyncio.timeout(60):
+        monkeypatch.setenv("FIBWS_HUB", hub.url)
+        monkeypatch.setenv("PYTHONUNBUFFERED", "1")
+        processes = []
+        for program in ("listener", "talker"):
+            line = ros_programs.command_line("rospy_tutorials", program, [])
+            assert line is not None
+            processes.append(
+                await asyncio.create_subprocess_exec(*line, stdout=asyncio.subprocess.PIPE)
+            )
+        try:
+            out = processes[0].stdout
+            assert out is not None
+            heard = (await out.readline()).decode()
+            assert re.search(r"/listener_\d+_\d+I heard hello world \d+\.\d+\n$", heard)
+        finally:
+            for process in processes:
+                process.terminate()
+                await process.communicate()
+        assert [process.returncode for process in processes] == [0, 0]

@@ -1,0 +1,99 @@
+"""The program that says where a frame is that does not move."""
+
+from __future__ import annotations
+
+import asyncio
+import re
+from math import pi, sqrt
+
+import pytest
+from click.testing import CliRunner
+from running_programs import PATIENCE, Start
+
+import fibws
+from fibws.hub import Hub
+from fibws.msg.tf2_msgs import TFMessage
+from fibws.tf.static_transform_publisher import command, place
+from fibws.tf.transform import Transform
+
+PUBLISHER = "fibws.tf.static_transform_publisher"
+HALF = sqrt(0.5)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "rotation"),
+    [
+        (f"1 -2 .5 {pi / 2} 0 0 base camera", (0, 0, HALF, HALF)),
+        (f"1 -2 .5 0 {pi / 2} 0 base camera", (0, HALF, 0, HALF)),
+        (f"1 -2 .5 0 0 {-pi / 2} base camera", (-HALF, 0, 0, HALF)),
+        ("1 -2 .5 0 0 1 0 base camera", (0, 0, 1, 0)),
+        ("1 -2 .5 0 0 1e0 -0 /base /camera", (0, 0, 1, 0)),
+        ("1 -2 .5 0 0 1 0 base camera 100", (0, 0, 1, 0)),
+        (f"1 -2 .5 {pi} 0 0 base camera 100", (0, 0, 1, 0)),
+    ],
+)
+def test_rotations_are_angles_or_a_quaternion(arguments: str, rotation: tuple[float, ...]) -> None:
+    frame, sample = place(tuple(arguments.split()))
+    assert (frame, sample.parent) == ("camera", "base")
+    assert sample.transform.translation == (1.0, -2.0, 0.5)
+    assert sample.transform.rotation == pytest.approx(rotation)
+
+
+def test_frames_may_be_called_by_numbers() -> None:
+    assert place(("1", "2", "3", "0", "0", "0", "4", "5"))[0] == "5"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "fault"),
+    [
+        ("", "Got 0 arguments. Write X Y Z {YAW PITCH ROLL | QX QY QZ QW} FRAME_ID"),
+        ("1 2 3 0 0 0 base", "Got 7 arguments."),
+        ("1 2 3 0 0 0 1 base camera 100 extra", "Got 11 arguments."),
+        ("1 2 c 0 0 0 base camera", "Z is 'c', which is no number."),
+        ("1 2 3 0 0 base camera 100 fast", "ROLL is 'base', which is no number."),
+        ("1 2 3 0 0 0 base camera fast", "PERIOD is 'fast', which is no number."),
+        ("1 2 3 0 0 0 here base camera 100", "QW is 'here', which is no number."),
+        ("1 2 3 0 0 0 base /base", "the frame 'base' cannot be its own parent"),
+        ("1 2 3 0 0 2 0 base camera", "is no quaternion (x, y, z, w) of length 1"),
+        ("1 2 nan 0 0 0 base camera", "Z is 'nan', which is no number."),
+        ("1 2 3 inf 0 0 base camera", "YAW is 'inf', which is no number."),
+        ("1 2 3 0 0 0 base camera --hup=here", "No such option: --hup=here"),
+    ],
+)
+def test_wrong_arguments_are_explained(arguments: str, fault: str) -> None:
+    result = CliRunner().invoke(command, arguments.split())
+    assert result.exit_code == 2
+    assert fault in result.stderr
+
+
+async def test_it_is_said_once_and_to_those_who_come_later(hub: Hub, start: Start) -> None:
+    arguments = ("1", "-2", "3", "0", "0", "0", "base", "camera", "__name:=mast")
+    program = await start(PUBLISHER, *arguments, "--hub", hub.url)
+    line = await program.line()
+    assert re.fullmatch(r"\[INFO\] \[.*\]: Spinning until killed publishing base to camera\n", line)
+    async with asyncio.timeout(PATIENCE), fibws.Node("test", hub=hub.url) as node:
+        transforms = (await anext(node.subscribe("/tf_static", TFMessage))).transforms
+        assert await node.graph.publishers("/tf_static") == ["/mast"]
+    (camera,) = transforms
+    assert (camera.header.frame_id, camera.child_frame_id) == ("base", "camera")
+    assert camera.header.stamp.secs > 1_700_000_000
+    translation = camera.transform.translation
+    assert (translation.x, translation.y, translation.z) == (1, -2, 3)
+    await program.stop()
+
+
+async def test_several_of_them_are_all_heard_by_who_comes_later(hub: Hub, start: Start) -> None:
+    frames = {"camera", "laser", "imu"}
+    for frame in frames:
+        program = await start(
+            PUBLISHER, "0", "0", "0", "0", "0", "0", "base", frame, FIBWS_HUB=hub.url
+        )
+        await program.line()
+    async with asyncio.timeout(PATIENCE), fibws.Node("test", hub=hub.url) as node:
+        static = node.subscribe("/tf_static", TFMessage)
+        messages = [await anext(static) for _ in frames]
+    assert {each.child_frame_id for message in messages for each in message.transforms} == frames
+
+
+def test_the_identity_is_no_transform() -> None:
+    assert place(tuple("0 0 0 0 0 0 base camera".split()))[1].transform == Transform()

@@ -1,0 +1,187 @@
+"""Parameters as YAML."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fibws.errors import InvalidValue, ParameterError
+from fibws.values import parameter_files
+
+KEYS = st.text(min_size=1).filter(lambda key: "/" not in key)
+VALUES: st.SearchStrategy[Any] = st.recursive(
+    st.booleans() | st.integers() | st.floats(allow_nan=False, allow_infinity=False) | st.text(),
+    lambda inner: st.lists(inner, max_size=4),
+    max_leaves=4,
+)
+SPACES = st.recursive(
+    st.dictionaries(KEYS, VALUES, min_size=1, max_size=4),
+    lambda inner: st.dictionaries(KEYS, VALUES | inner, min_size=1, max_size=4),
+    max_leaves=4,
+)
+
+
+def tree(leaves: list[tuple[str, str]]) -> dict[str, Any]:
+    """What a parameter server has when all of these are set."""
+    root: dict[str, Any] = {}
+    for name, value in leaves:
+        *above, last = name.split("/")[1:]
+        space = root
+        for key in above:
+            space = space.setdefault(key, {})
+        space[last] = json.loads(value)
+    return root
+
+
+@settings(max_examples=30)  # PyYAML takes its time.
+@given(SPACES)
+def test_what_is_dumped_is_loaded_as_it_was(space: dict[str, Any]) -> None:
+    space = json.loads(json.dumps(space))
+    assert tree(parameter_files.parameters(parameter_files.dumped(space), "/")) == space
+
+
+@pytest.mark.parametrize(
+    ("word", "value"),
+    [
+        ("1", 1),
+        ('"1"', "1"),
+        ("1.5", 1.5),
+        ("yes", True),
+        ("a b", "a b"),
+        ("[1, a]", [1, "a"]),
+        ("deg(180)", math.pi),
+        ("!radians pi/2", math.pi / 2),
+        ("!degrees 180", math.pi),
+        ("degree", "degree"),
+        ("radius(1)", "radius(1)"),
+    ],
+)
+def test_a_word_has_yamls_type(word: str, value: object) -> None:
+    found = parameter_files.value(word)
+    assert (found, type(found)) == (value, type(value))
+
+
+@pytest.mark.parametrize(
+    ("word", "fault"),
+    [
+        ("[1", "This is no YAML: expected ',' or ']'"),
+        ("!!python/object:os.system {}", "This is no YAML: could not determine a constructor"),
+        ("rad(x)", "'rad(x)' is no angle in radians"),
+        ("2020-13-45", "month must be in 1..12"),
+        ("[" * 1_000, "'[[["),
+    ],
+)
+def test_what_is_no_value_is_wrong_usage(word: str, fault: str) -> None:
+    with pytest.raises(InvalidValue) as caught:
+        parameter_files.value(word)
+    assert fault in str(caught.value)
+
+
+def test_an_object_is_many_parameters() -> None:
+    assert parameter_files.leaves("/a", {"b": 1, "c": {"d": [{"e": 1}], "f": {}}}) == [
+        ("/a/b", "1"),
+        ("/a/c/d", '[{"e": 1}]'),
+    ]
+    assert parameter_files.leaves("/a", "ü") == [("/a", '"ü"')]
+
+
+@pytest.mark.parametrize(
+    ("word", "fault"),
+    [
+        ("{1: 2}", "/x has the key 1, which is no text to YAML: write '\"1\"'"),
+        ("{a: {yes: 2}}", "/x/a has the key True"),
+        ("null", "Parameter [/x]: null is no value; to unset it, delete it"),
+        ("{a: [{b: null}]}", "Parameter [/x/a]: null is no value"),
+        ("2020-01-01", "Parameter [/x]: 2020-01-01 is a date to YAML"),
+        ("[2020-01-01]", "2020-01-01 is a date to YAML: put it between quotation marks"),
+        ("!!binary aGk=", "Parameter [/x]: bytes are no value"),
+        (".nan", "Parameter [/x]: nan is no number that JSON has"),
+        ("[.inf]", "Parameter [/x]: "),
+        ("&x {a: *x}", "/x has too many values in each other"),
+        ("&x [*x]", "/x has too many values in each other"),
+        (f"1{':59' * 500}", "a number that no field has room for"),
+        ("!!timestamp x", "'!!timestamp x': "),
+    ],
+)
+def test_what_no_parameter_can_be_is_refused(word: str, fault: str) -> None:
+    with pytest.raises((InvalidValue, ParameterError)) as caught:
+        parameter_files.leaves("/x", parameter_files.value(word))
+    assert fault in str(caught.value)
+
+
+def test_all_can_only_be_an_object() -> None:
+    with pytest.raises((InvalidValue, ParameterError), match="set it to an object"):
+        parameter_files.leaves("/", 5)
+    assert parameter_files.leaves("/", {"a": 5}) == [("/a", "5")]
+
+
+def test_a_file_may_have_several_documents_and_name_namespaces() -> None:
+    text = "a: 1\n---\n---\n_ns: arm\nb: 2\n---\n_ns: /global\nc: 3\n---\n_ns: {d: 4}\n"
+    assert parameter_files.parameters(text, "/robot") == [
+        ("/robot/a", "1"),
+        ("/robot/arm/b", "2"),
+        ("/global/c", "3"),
+        ("/robot/_ns/d", "4"),
+    ]
+    assert parameter_files.parameters("5", "/five") == [("/five", "5")]
+    assert parameter_files.parameters("", "/") == []
+
+
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        (
+            "a: [1",
+            "This is no YAML: expected ',' or ']', but got '<stream end>' (line 1, column 6)",
+        ),
+        ("a: 2020-13-45", "month must be in 1..12"),
+        ("a: deg(x)", "'deg(x)' is no angle in degrees"),
+        ("[" * 1_000, "maximum recursion depth exceeded"),
+        ("a: !!timestamp x", "groupdict"),
+    ],
+)
+def test_what_is_no_yaml_is_told(text: str, fault: str) -> None:
+    with pytest.raises((InvalidValue, ParameterError)) as caught:
+        parameter_files.parameters(text, "/")
+    assert fault in str(caught.value)
+
+
+def test_a_file_that_cannot_be_read_is_told(tmp_path: Path) -> None:
+    with pytest.raises((InvalidValue, ParameterError), match=r"Cannot read .*missing: No such file"):
+        parameter_files.text_of(tmp_path / "missing")
+    (tmp_path / "latin").write_bytes(b"\xff")
+    with pytest.raises((InvalidValue, ParameterError), match=r"latin is no text in UTF-8"):
+        parameter_files.text_of(tmp_path / "latin")
+
+
+def test_pretty_is_for_people() -> None:
+    value = {"b": {"c": "x"}, "a": "l1\nl2", "d": [1, 2], "e": 1.5}
+    assert list(parameter_files.pretty(value)) == [
+        "a: |",
+        "  l1",
+        "  l2",
+        "b:",
+        "  c: x",
+        "d: - 1\n- 2",
+        "e: 1.5",
+    ]
+    assert list(parameter_files.pretty("a: b")) == ["a: b"]
+    assert list(parameter_files.pretty(5)) == ["5"]
+
+
+@pytest.mark.skipif(not Path("/dev/zero").exists(), reason="there is no such device")
+def test_a_file_without_end_is_refused() -> None:
+    with pytest.raises((InvalidValue, ParameterError), match="/dev/zero has more than 67108864 characters"):
+        parameter_files.text_of(Path("/dev/zero"))
+
+
+def test_few_lines_that_stand_for_billions_of_values_are_refused() -> None:
+    lines = [f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 10)}]" for n in range(1, 12)]
+    with pytest.raises((InvalidValue, ParameterError), match="more than 5000000 values"):
+        parameter_files.parameters("\n".join(["a0: &a0 [0, 0]", *lines]), "/")

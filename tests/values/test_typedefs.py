@@ -1,0 +1,96 @@
+"""What types are made of, as a real hub tells it."""
+
+from __future__ import annotations
+
+import pytest
+
+from fibws.client.hub_client import HubClient
+from fibws.errors import ServiceError
+from fibws.values.typedefs import Field, Typedefs, if_known
+
+
+def test_a_message_has_its_fields_in_order(client: HubClient) -> None:
+    typedefs = Typedefs.of_message(client, "geometry_msgs/PoseWithCovariance")
+    assert typedefs.root == "geometry_msgs/PoseWithCovariance"
+    assert typedefs.fields(typedefs.root) == [
+        Field("pose", "geometry_msgs/Pose"),
+        Field("covariance", "float64", 36),
+    ]
+    assert [field.name for field in typedefs.fields("geometry_msgs/Point")] == ["x", "y", "z"]
+
+
+def test_an_array_of_any_length_has_length_0(client: HubClient) -> None:
+    typedefs = Typedefs.of_message(client, "std_msgs/Int32MultiArray")
+    data = typedefs.fields(typedefs.root)[1]
+    assert data == Field("data", "int32", 0)
+    assert data.written_type == "int32[]"
+
+
+@pytest.mark.parametrize(
+    ("field", "written"),
+    [
+        (Field("a", "int32"), "int32"),
+        (Field("a", "int32", 0), "int32[]"),
+        (Field("a", "std_msgs/Header", 3), "std_msgs/Header[3]"),
+    ],
+)
+def test_a_type_is_written_as_in_definitions(field: Field, written: str) -> None:
+    assert field.written_type == written
+
+
+def test_the_spelling_of_ros_2_means_the_same_type(client: HubClient) -> None:
+    assert Typedefs.of_message(client, "std_msgs/msg/Int32").root == "std_msgs/Int32"
+
+
+def test_constants_have_names_and_values(client: HubClient) -> None:
+    typedefs = Typedefs.of_message(client, "rosgraph_msgs/Log")
+    assert typedefs.constants("rosgraph_msgs/Log")["WARN"] == "4"
+
+
+def test_a_service_has_a_request_and_a_response(client: HubClient) -> None:
+    request = Typedefs.of_request(client, "rospy_tutorials/AddTwoInts")
+    response = Typedefs.of_response(client, "rospy_tutorials/AddTwoInts")
+    assert request.fields(request.root) == [Field("a", "int64"), Field("b", "int64")]
+    assert response.fields(response.root) == [Field("sum", "int64")]
+
+
+def test_a_type_that_is_none_is_an_error(client: HubClient) -> None:
+    with pytest.raises(ServiceError, match="did you mean std_msgs/String"):
+        Typedefs.of_message(client, "std_msgs/Strin")
+    unknown = if_known(Typedefs.of_message, client, "std_msgs/Strin")
+    assert unknown.root == "std_msgs/Strin"
+    assert unknown.root not in unknown
+
+
+def test_defaults_are_those_of_ros(client: HubClient) -> None:
+    typedefs = Typedefs.of_message(client, "geometry_msgs/PoseStamped")
+    default = typedefs.default(Field("", typedefs.root))
+    assert default["header"] == {"seq": 0, "stamp": {"secs": 0, "nsecs": 0}, "frame_id": ""}
+    assert default["pose"]["position"] == {"x": 0.0, "y": 0.0, "z": 0.0}
+    assert typedefs.default(Field("", "bool", 2)) == [False, False]
+    assert typedefs.default(Field("", "uint8", 0)) == []
+
+
+def test_a_type_that_is_not_in_it_is_not_there() -> None:
+    typedefs = Typedefs("my_msgs/Mine")
+    assert "my_msgs/Mine" not in typedefs
+    with pytest.raises(KeyError):
+        typedefs.fields("my_msgs/Mine")
+
+
+def test_a_stamp_is_in_a_header_that_comes_first(client: HubClient) -> None:
+    typedefs = Typedefs.of_message(client, "nav_msgs/Path")
+    assert typedefs.has_header("nav_msgs/Path")
+    assert typedefs.has_header("geometry_msgs/PoseStamped")
+    assert not typedefs.has_header("geometry_msgs/Point")
+    assert not typedefs.has_header("nobodys_msgs/Type")
+
+
+@pytest.mark.parametrize("typedefs", [5, [5], [{"type": "x"}], [{}]])
+def test_what_is_no_definition_is_an_error(
+    typedefs: object, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(HubClient, "__init__", lambda *_: None)
+    monkeypatch.setattr(HubClient, "call", lambda *_: {"typedefs": typedefs})
+    with pytest.raises(ServiceError, match=r"is no rosapi/TypeDef\[\]"):
+        Typedefs.of_message(HubClient("test"), "std_msgs/Int32")
