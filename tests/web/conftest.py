@@ -31,7 +31,7 @@ from playwright.async_api import (
 import fibws
 from fibws.hub import Hub, Settings
 
-DIST = Path(fibws.__file__).parent / "web" / "dist"
+BUILT = Path(fibws.__file__).parent / "hub" / "page"
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "chrome"))), None)
 QUIET = (
     "--no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking "
@@ -124,8 +124,8 @@ async def open_page(browser: Browser, complaints: Complaints, hub: Hub) -> Async
     where the page is if that is not the hub's own. The connection to the hub is there when it is
     given. The test's hub is asked for so that it outlives all pages, which would complain.
     """
-    if not (DIST / "index.html").exists() and not os.environ.get("CI"):
-        pytest.skip("the page is not built: npm ci && npm run build, in fibws/web")
+    if not (BUILT / "index.html").exists() and not os.environ.get("CI"):
+        pytest.skip("the page is not built: npm ci && npm run build, in web/")
 
     async def open_page(
         hub: Hub,

@@ -29,7 +29,7 @@ from fibws import names
 from fibws.errors import InvalidName
 from fibws.hub.settings import Settings
 
-BUILT = resources.files("fibws").joinpath("web", "dist")
+BUILT = resources.files("fibws").joinpath("hub", "page")
 
 # The system's own table of types, which the module mimetypes reads, may be anything.
 CONTENT_TYPES = {

@@ -64,6 +64,8 @@ export default defineConfig({
   plugins: [roslib, size],
   build: {
     target: "es2022",
+    outDir: "../fibws/hub/page",
+    emptyOutDir: true,
     assetsInlineLimit: 0,
     modulePreload: { polyfill: false },
   },
