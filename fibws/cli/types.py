@@ -25,7 +25,7 @@ from fibws.values import type_text
 from fibws.values.typedefs import Typedefs
 
 if TYPE_CHECKING:
-    from fibws.interfaces.package import Kind
+    from fibws.interfaces.folders import Kind
     from fibws.values.installed_types import Installed
 
 NOUNS: dict[Kind, str] = {"msg": "message", "srv": "service", "action": "action"}

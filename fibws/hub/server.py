@@ -23,12 +23,12 @@ from fibws.hub.graph.topic import SinkReport
 from fibws.hub.rosapi.nodes import OWN_NODES, OwnNodes
 from fibws.hub.rosbridge.session import Rosbridge
 from fibws.hub.settings import Settings
-from fibws.hub.threads import Threads
 from fibws.hub.websocket.connection import Connection, Shared
 from fibws.hub.websocket.endpoint import Endpoints
 from fibws.hub.websocket.http import HttpRequests, read_files
-from fibws.hub.websocket.limits import Limits
+from fibws.hub.websocket.shared_limits import SharedLimits
 from fibws.hub.websocket.turns import Turns
+from fibws.hub.worker_threads import WorkerThreads
 from fibws.interfaces import Interfaces
 from fibws.protocol.serialized import SUBPROTOCOL
 from fibws.protocol.websocket import SHUTDOWN
@@ -68,11 +68,11 @@ class Hub:
         """The protocols that clients may speak, once entered."""
         self._connections: set[Connection] = set()
         self._server: asyncio.Server
-        self._limits: Limits
+        self._limits: SharedLimits
         self._own: OwnNodes
         self._shared: Shared
         self._sweeper: asyncio.TimerHandle
-        self._threads: Threads
+        self._threads: WorkerThreads
         self._started = 0.0
         self._handle_exception: ExceptionHandler | None = None
         """The event loop's exception handler before this hub's."""
@@ -103,17 +103,17 @@ class Hub:
         except FibwsError:  # The parameters may have no room for even the first ones.
             self._server.close()
             raise
-        self._threads = Threads(loop)
+        self._threads = WorkerThreads(loop)
         rosbridge = Rosbridge(self.graph, loop, self.settings)
         self.endpoints = Endpoints(rosbridge.open)
         self.endpoints.add(partial(rosbridge.open, serialized=True), subprotocol=SUBPROTOCOL)
         requests = HttpRequests(self.settings, read_files(), OWN_NODES)
         requests.add("/healthz", lambda: to_json(self.health()), "application/json")
-        self._limits = Limits(self.settings, self._connections, loop.call_soon)
+        self._limits = SharedLimits(self.settings, self._connections, loop.call_soon)
         flusher = Flusher(
             loop.call_soon,
             self._threads,
-            growth=self._limits.queued,
+            allowance=self._limits.queued,
             max_unwritten=_max_unwritten(self.settings),
         )
         self._shared = Shared(

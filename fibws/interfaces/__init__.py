@@ -1,14 +1,14 @@
 """ROS types: their definitions, validation and serialization of messages, and Python classes.
 
-    folders ─ package ─> text of .msg, .srv, .action ─ parser ─> definition
+    folders ─> text of .msg, .srv, .action ─ parser ─> definition
     folders ─ catalogue, with resolver ─> Interfaces: all installed types by name
     text from a client ─ client_definitions ─> the same for types that clients brought
-    Interfaces ─ fingerprint ─> md5
+    Interfaces ─ md5sum ─> md5
     Interfaces ─ full_text ─> the text of a type with its nested types, as clients send it
     Interfaces ─ validators, with schema ─> dicts from JSON, complete and valid
     Interfaces ─ serialization, with serialization_code ─> ROS 1's bytes for dicts and objects
     Interfaces ─ cbor, json_text, long_integers ─> valid dicts as CBOR and JSON
-    Interfaces ─ generator, with source ─> Python classes in fibws.msg, .srv and .action
+    Interfaces ─ generator, with class_source ─> Python classes in fibws.msg, .srv and .action
     message, times ─> what these classes are made of
 
 There is no clock, no environment and no socket here. A type's file is read when it is first needed.

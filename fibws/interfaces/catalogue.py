@@ -8,11 +8,10 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from fibws.errors import InvalidTypeName, UnknownPackage
-from fibws.interfaces import fingerprint, full_text
+from fibws.interfaces import full_text, md5sum
 from fibws.interfaces.definition import ActionDefinition, MessageDefinition, ServiceDefinition
 from fibws.interfaces.folders import STANDARD as STANDARD
-from fibws.interfaces.folders import Folders
-from fibws.interfaces.package import Kind
+from fibws.interfaces.folders import Folders, Kind
 from fibws.interfaces.resolver import Resolver, Size
 
 _TYPE_NAME = re.compile(r"([A-Za-z]\w{0,99})(?:/(?:msg|srv|action))?/([A-Za-z]\w{0,99})", re.ASCII)
@@ -83,12 +82,12 @@ class Definitions(ABC):
         """The md5 of a message, as ROS 1 computes it; raises as `message` does."""
         definition, md5s = self.message(name), self._md5s
         if definition.type not in md5s:
-            md5s[definition.type] = fingerprint.message_md5(definition, self.message, md5s)
+            md5s[definition.type] = md5sum.message_md5(definition, self.message, md5s)
         return md5s[definition.type]
 
     def service_md5(self, name: str) -> str:
         """The md5 of a service, as ROS 1 computes it; raises as `message` does."""
-        return fingerprint.service_md5(self.service(name), self.message, self._md5s)
+        return md5sum.service_md5(self.service(name), self.message, self._md5s)
 
     def full_text(self, name: str) -> str:
         """The text of a message and of all types in it, as genmsg writes it for other programs."""

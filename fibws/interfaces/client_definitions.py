@@ -16,8 +16,8 @@ from fibws.errors import (
 from fibws.interfaces import full_text
 from fibws.interfaces.catalogue import Definitions, Interfaces
 from fibws.interfaces.definition import ActionDefinition, MessageDefinition, ServiceDefinition
-from fibws.interfaces.fingerprint import message_md5
-from fibws.interfaces.package import Kind
+from fibws.interfaces.folders import Kind
+from fibws.interfaces.md5sum import message_md5
 from fibws.interfaces.resolver import Resolver
 
 LONGEST_TEXT = 2**18

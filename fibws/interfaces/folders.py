@@ -1,10 +1,14 @@
-"""The definitions in folders: the standard packages and those of the user."""
+"""The definitions in folders of packages: the standard ones and the user's.
+
+Packages have ROS's layout, ``<package>/msg/Type.msg``.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from difflib import get_close_matches
 from pathlib import Path
+from typing import Literal, TypeAlias
 
 from fibws.errors import InterfaceError, UnknownPackage, UnknownType
 from fibws.interfaces import parser
@@ -14,10 +18,49 @@ from fibws.interfaces.definition import (
     MessageDefinition,
     ServiceDefinition,
 )
-from fibws.interfaces.package import Kind, Package, find_packages
+
+Kind: TypeAlias = Literal["msg", "srv", "action"]
+KINDS: tuple[Kind, ...] = ("msg", "srv", "action")
 
 STANDARD = Path(__file__).parent / "definitions"
 """The folder of the standard packages."""
+
+
+class Package:
+    """The definition files of one package, listed on first use."""
+
+    __slots__ = ("_files", "folder", "name")
+
+    def __init__(self, name: str, folder: Path) -> None:
+        self.name = name
+        self.folder = folder
+        self._files: dict[Kind, dict[str, Path]] = {}
+
+    def files(self, kind: Kind) -> dict[str, Path]:
+        """The files of one kind by the name of what they define."""
+        if kind not in self._files:
+            paths = sorted((self.folder / kind).glob(f"*.{kind}"))
+            self._files[kind] = {path.stem: path for path in paths if _is_name(path.stem)}
+        return self._files[kind]
+
+
+def find_packages(folder: Path) -> Iterator[Package]:
+    """The packages in ``folder``, which holds them side by side or is one itself."""
+    if _is_package(folder):
+        yield Package(folder.resolve().name, folder)
+        return
+    for entry in sorted(folder.iterdir()):
+        if _is_package(entry):
+            yield Package(entry.name, entry)
+
+
+def _is_package(folder: Path) -> bool:
+    named = _is_name(folder.resolve().name)
+    return named and any((folder / kind).is_dir() for kind in KINDS)
+
+
+def _is_name(text: str) -> bool:
+    return text.isascii() and text.isidentifier()
 
 
 class Folders:
@@ -40,7 +83,7 @@ class Folders:
         if folder in self._folders:
             return False
         if not folder.is_dir():
-            raise InterfaceError(f"There is no folder {folder} of definitions")
+            raise InterfaceError(f"{folder}: folder of definitions not found")
         self._folders.append(folder)
         self._packages = {}
         self._actions = {}

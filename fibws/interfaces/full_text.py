@@ -13,7 +13,7 @@ from collections.abc import Iterable
 from fibws.errors import DefinitionError
 from fibws.interfaces import parser
 from fibws.interfaces.definition import ActionDefinition, MessageDefinition, ServiceDefinition
-from fibws.interfaces.fingerprint import Lookup
+from fibws.interfaces.md5sum import Lookup
 
 SEPARATOR = "=" * 80
 """The line between the definitions."""

@@ -15,10 +15,10 @@ from pathlib import Path
 from typing import TypeAlias
 
 from fibws.errors import FibwsError, InterfaceError
-from fibws.interfaces import source
+from fibws.interfaces import class_source
 from fibws.interfaces.catalogue import Interfaces
 from fibws.interfaces.definition import MessageDefinition, ServiceDefinition
-from fibws.interfaces.package import KINDS, Kind
+from fibws.interfaces.folders import KINDS, Kind
 
 MODULES = Path(__file__).parents[1]
 """Where the folders are that hold the modules of the standard packages."""
@@ -49,7 +49,9 @@ def generate(package: str, interfaces: Interfaces, kind: Kind = "msg") -> str:
 def _messages(package: str, interfaces: Interfaces) -> tuple[_Classes, set[str]]:
     """The classes of a package's messages, and the packages that those need."""
     definitions = _in_order(package, interfaces)
-    classes = {found.name: list(source.message_class(found, package)) for found in definitions}
+    classes = {
+        found.name: list(class_source.message_class(found, package)) for found in definitions
+    }
     return classes, _nested_packages(definitions) - {package}
 
 
@@ -68,14 +70,14 @@ def _services(package: str, interfaces: Interfaces) -> tuple[_Classes, set[str]]
 
 def _service_classes(service: ServiceDefinition) -> Iterator[tuple[str, Iterator[str]]]:
     for message in (service.request, service.response):
-        yield message.name, source.message_class(message, home=None)
-    yield service.name, source.service_class(service)
+        yield message.name, class_source.message_class(message, home=None)
+    yield service.name, class_source.service_class(service)
 
 
 def _actions(package: str, interfaces: Interfaces) -> tuple[_Classes, set[str]]:
     """The classes of a package's actions, and the packages that those need."""
     actions = [interfaces.action(name) for name in interfaces.actions(package)]
-    return {found.name: list(source.action_class(found)) for found in actions}, {package}
+    return {found.name: list(class_source.action_class(found)) for found in actions}, {package}
 
 
 def _head(package: str, kind: Kind, imported: set[str], body: list[str]) -> Iterator[str]:

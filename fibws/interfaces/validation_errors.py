@@ -13,7 +13,7 @@ from pydantic_core import ErrorDetails, ValidationError
 from fibws.errors import InvalidMessage
 from fibws.interfaces import builtin, schema
 from fibws.interfaces.definition import Field, MessageDefinition
-from fibws.interfaces.fingerprint import Lookup
+from fibws.interfaces.md5sum import Lookup
 
 MOST_EXPLAINED = 1000
 """If there are more errors than this, finding the first one takes too long."""

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from importlib.abc import Loader
 
     from fibws.interfaces import ActionDefinition, MessageDefinition, ServiceDefinition
-    from fibws.interfaces.package import Kind
+    from fibws.interfaces.folders import Kind
 
 _PARENTS: dict[str, Kind] = {"fibws.msg": "msg", "fibws.srv": "srv", "fibws.action": "action"}
 """The Python packages whose modules are found here, with the kind of types that each holds."""

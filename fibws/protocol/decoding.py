@@ -24,8 +24,8 @@ from pydantic import Field, TypeAdapter, ValidationError
 from pydantic_core import from_json, to_json
 
 from fibws.errors import InvalidUtf8, OperationError
-from fibws.protocol.limits import MOST_CONTAINERS, check_cbor
 from fibws.protocol.operations import LONGEST_ID, Reply, Request
+from fibws.protocol.value_limits import MOST_CONTAINERS, check_cbor
 
 T = TypeVar("T")
 

@@ -19,7 +19,7 @@ from fibws.ros1.advice import advise, no_such_name
 if TYPE_CHECKING:
     from importlib.abc import Loader
 
-    from fibws.interfaces.package import Kind
+    from fibws.interfaces.folders import Kind
 
 _KINDS: dict[str, Kind] = {"msg": "msg", "srv": "srv"}
 

@@ -12,7 +12,7 @@ from fibws.values import type_text
 
 if TYPE_CHECKING:
     from fibws.interfaces import MessageDefinition
-    from fibws.interfaces.package import Kind
+    from fibws.interfaces.folders import Kind
 
 
 class Shown(NamedTuple):

@@ -342,7 +342,7 @@ def test_missing_interfaces_folder_is_one_line() -> None:
     with running("--port", "0", "--interfaces", "/no/such/folder") as hub:
         code, out, err = hub.end()
     assert (code, out) == (1, "")
-    assert err == "fibws.hub: There is no folder /no/such/folder of definitions.\n"
+    assert err == "fibws.hub: /no/such/folder: folder of definitions not found.\n"
 
 
 def _free_port() -> int:

@@ -158,7 +158,7 @@ def test_the_users_package_goes_before_the_standard_one(tmp_path: Path) -> None:
 
 
 def test_a_folder_that_is_not_there_is_an_error(tmp_path: Path) -> None:
-    with pytest.raises(InterfaceError, match="There is no folder"):
+    with pytest.raises(InterfaceError, match="not found"):
         Interfaces([tmp_path / "nowhere"])
 
 

@@ -23,7 +23,7 @@ from fibws.interfaces.definition import (
     MessageDefinition,
     ServiceDefinition,
 )
-from fibws.interfaces.package import Kind
+from fibws.interfaces.folders import Kind
 
 SEPARATOR = "=" * 80
 POINT = f"{SEPARATOR}\nMSG: new_msgs/Point\nint32 x\n"

@@ -11,8 +11,8 @@ import pytest
 
 from fibws.errors import InterfaceError
 from fibws.interfaces import Interfaces, generator
-from fibws.interfaces.package import KINDS, Kind
-from fibws.interfaces.source import LINE_LENGTH
+from fibws.interfaces.class_source import LINE_LENGTH
+from fibws.interfaces.folders import KINDS, Kind
 
 ODD = """\
 string<=5 FROM=it's \\\\ so

@@ -133,7 +133,7 @@ def test_a_private_module_is_none_of_ours() -> None:
 
 def test_a_folder_that_is_not_there_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("FIBWS_INTERFACES", "/nowhere")
-    with pytest.raises(InterfaceError, match="There is no folder /nowhere"):
+    with pytest.raises(InterfaceError, match="/nowhere"):
         fibws.msg.default_interfaces()
 
 

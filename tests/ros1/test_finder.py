@@ -293,7 +293,7 @@ def test_a_folder_that_is_not_there_is_named(
     define("fibonacci/Num", "int64 num")
     folders = f"{tmp_path / 'definitions'}{os.pathsep}{tmp_path / 'gone'}"
     monkeypatch.setenv("FIBWS_INTERFACES", folders)
-    with pytest.raises(ImportError, match=r"FIBWS_INTERFACES: There is no folder .*gone"):
+    with pytest.raises(ImportError, match=r"FIBWS_INTERFACES: .*gone"):
         exec("from fibonacci.msg import Num")
 
 

@@ -13,7 +13,7 @@ from fibws.errors import DefinitionError, FibwsError
 
 if TYPE_CHECKING:
     from fibws.interfaces import Interfaces
-    from fibws.interfaces.package import Package
+    from fibws.interfaces.folders import Package
 
 MOST = 20
 """Files that are told of one by one."""
@@ -36,7 +36,7 @@ def of(folders: list[Path]) -> Iterator[Finding]:
                 f"Make it, or take it out: folders are divided by {os.pathsep}",
             )
     from fibws.interfaces import Interfaces  # which takes pydantic
-    from fibws.interfaces.package import find_packages
+    from fibws.interfaces.folders import find_packages
 
     interfaces = Interfaces(there)
     read = 0

@@ -14,8 +14,8 @@ from collections.abc import Callable, Iterable, Iterator
 from itertools import chain
 from typing import Any, TypeAlias
 
+from fibws.hub.delivery.byte_allowance import ByteAllowance
 from fibws.hub.delivery.deferred import DeferredFrame, DeferredFrames, InlineWorkers, Workers
-from fibws.hub.delivery.growth import Growth
 from fibws.protocol.frame_queue import EMPTY, FrameQueue, Lane
 
 logger = logging.getLogger("fibws.hub")
@@ -236,10 +236,10 @@ class SendQueue:
 
     def _grow(self, size: int) -> None:
         """Report bytes that are kept from now on."""
-        growth = self.flusher.growth
-        growth.left -= size
-        if growth.left < 0:
-            growth.check()
+        allowance = self.flusher.allowance
+        allowance.left -= size
+        if allowance.left < 0:
+            allowance.check()
 
     def forget(self, lane: Lane) -> None:
         """Remove what is kept for a subscription that has ended."""
@@ -420,7 +420,7 @@ class Flusher:
     Args:
         call_soon: calls a function at the end of the turn.
         workers: make deferred frames.
-        growth: is told of the bytes that the queues keep.
+        allowance: reduced by the bytes that the queues keep.
         max_unwritten: most bytes that may wait for that in all queues together.
     """
 
@@ -429,11 +429,11 @@ class Flusher:
         call_soon: Callable[[Callable[[], None]], object],
         workers: Workers | None = None,
         *,
-        growth: Growth | None = None,
+        allowance: ByteAllowance | None = None,
         max_unwritten: int = MOST_UNWRITTEN,
     ) -> None:
         self.workers: Workers = workers or InlineWorkers()
-        self.growth = growth or Growth()
+        self.allowance = allowance or ByteAllowance()
         self._call_soon = call_soon
         self._max_unwritten = max_unwritten
         self._due: list[SendQueue] = []

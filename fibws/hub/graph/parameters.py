@@ -202,7 +202,7 @@ def _check(name: str, value: object, depth: int) -> None:
                 raise ParameterError(f"Parameter [{name}]: an integer has at most {MOST_BITS} bits")
         case float():
             if not math.isfinite(value):
-                raise ParameterError(f"Parameter [{name}]: {value} is no number that JSON has")
+                raise ParameterError(f"Parameter [{name}]: {value} is not a JSON number")
         case list():
             _check_depth(name, depth)
             for each in value:
@@ -212,14 +212,14 @@ def _check(name: str, value: object, depth: int) -> None:
             for each in value.values():
                 _check(name, each, depth + 1)
         case None:
-            raise ParameterError(f"Parameter [{name}]: null is no value; to unset it, delete it")
+            raise ParameterError(f"Parameter [{name}]: null cannot be set, delete it instead")
         case _:
             raise ParameterError(f"Parameter [{name}]: JSON has no {type(value).__name__}")
 
 
 def _check_depth(name: str, depth: int) -> None:
     if depth > DEEPEST:
-        raise ParameterError(f"Parameter [{name}]: more than {DEEPEST} values in each other")
+        raise ParameterError(f"Parameter [{name}]: nested too deeply, limit is {DEEPEST}")
 
 
 def _size(name: str, node: Namespace | bytes) -> int:

@@ -24,8 +24,8 @@ from fibws.interfaces import Interfaces, MessageDefinition, Validators, base64te
 from fibws.interfaces.catalogue import Definitions
 from fibws.interfaces.cbor import CborEncoders
 from fibws.interfaces.client_definitions import ClientDefinition, ClientDefinitions
+from fibws.interfaces.folders import Kind
 from fibws.interfaces.long_integers import Convert, LongIntegers
-from fibws.interfaces.package import Kind
 from fibws.interfaces.serialization import FEWEST_BYTES, Serializer, Serializers
 
 _SCALARS = frozenset({str, int, float, bool, type(None)})

@@ -28,7 +28,6 @@ from fibws.hub.settings import Settings
 from fibws.hub.websocket.endpoint import Opening
 from fibws.protocol.decoding import REQUESTS, decode_cbor, decode_json, parse_request
 from fibws.protocol.fragments import Reassembly
-from fibws.protocol.limits import FEWEST_BYTES, check_json
 from fibws.protocol.operations import (
     ActionFeedback,
     ActionResult,
@@ -50,6 +49,7 @@ from fibws.protocol.operations import (
     UnadvertiseService,
     Unsubscribe,
 )
+from fibws.protocol.value_limits import FEWEST_BYTES, check_json
 from fibws.protocol.websocket import REPLACED, Payload
 
 MAX_OBJECTS = 1000

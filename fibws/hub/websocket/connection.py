@@ -29,7 +29,7 @@ from fibws.hub.settings import KIB, Settings
 from fibws.hub.websocket.endpoint import Endpoint, Endpoints, Opening
 from fibws.hub.websocket.http import HttpRequests, node_name, text_response
 from fibws.hub.websocket.keepalive import Keepalive
-from fibws.hub.websocket.limits import Limits
+from fibws.hub.websocket.shared_limits import SharedLimits
 from fibws.hub.websocket.turns import TURN, Turns
 from fibws.protocol.websocket import (
     FRAGMENTS,
@@ -67,7 +67,7 @@ class Shared:
     loop: asyncio.AbstractEventLoop
     flusher: Flusher
     turns: Turns
-    limits: Limits
+    limits: SharedLimits
     observer: Observer
     small: memoryview = field(default_factory=lambda: memoryview(bytearray(16 * KIB)))
     medium: memoryview = field(default_factory=lambda: memoryview(bytearray(256 * KIB)))

@@ -10,7 +10,7 @@ from collections.abc import Callable
 import cbor2
 import pytest
 
-from fibws.protocol.limits import MOST_CONTAINERS, MOST_VALUES
+from fibws.protocol.value_limits import MOST_CONTAINERS, MOST_VALUES
 
 from ..fakes import STRING, Client, FakeHub, fragment
 

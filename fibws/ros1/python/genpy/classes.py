@@ -9,8 +9,8 @@ from typing import Any
 
 from fibws.errors import InterfaceError
 from fibws.interfaces import Interfaces, MessageDefinition, Service
-from fibws.interfaces.fingerprint import message_md5
 from fibws.interfaces.full_text import write_message
+from fibws.interfaces.md5sum import message_md5
 from fibws.msg import default_interfaces
 from genpy.member import attribute, make_member
 from genpy.message import Message

@@ -1,4 +1,4 @@
-"""Limits for all connections together: how many there may be, and the bytes kept for them.
+"""SharedLimits for all connections together: how many there may be, and the bytes kept for them.
 
 What one client may have is limited elsewhere; a thousand clients may have a thousand times as much.
 Bytes are counted only when so many have come since the last time that they might be too many.
@@ -12,7 +12,7 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterable
 from typing import Protocol
 
-from fibws.hub.delivery.growth import Growth
+from fibws.hub.delivery.byte_allowance import ByteAllowance
 from fibws.hub.delivery.send_queue import SendQueue
 from fibws.hub.settings import Settings
 from fibws.protocol.websocket import CloseReason
@@ -54,7 +54,7 @@ class Limited(Protocol):
         """Close because of the client."""
 
 
-class Limits:
+class SharedLimits:
     """The limits of one hub.
 
     Args:
@@ -73,9 +73,9 @@ class Limits:
         """Clients that are connected."""
         self.refused = 0
         """Connections refused so far."""
-        self.queued = Growth(lambda: call_soon(self.check_queued))
+        self.queued = ByteAllowance(lambda: call_soon(self.check_queued))
         """Is told of bytes that wait for clients."""
-        self.incoming = Growth(lambda: call_soon(self.check_incoming))
+        self.incoming = ByteAllowance(lambda: call_soon(self.check_incoming))
         """Is told of bytes that clients have sent."""
         self._settings = settings
         self._connections = connections

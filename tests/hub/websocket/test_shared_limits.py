@@ -1,4 +1,4 @@
-"""Limits for all connections together: how many, and the bytes that are kept for them."""
+"""SharedLimits for all connections together: how many, and the bytes that are kept for them."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from conftest import StartHub
 
 from fibws.hub.delivery.send_queue import Flusher, LargeFrame, MadeFrame, SendQueue
 from fibws.hub.settings import KIB, MIB, Settings
-from fibws.hub.websocket import limits as module
-from fibws.hub.websocket.limits import TOO_MUCH_INCOMING, TOO_MUCH_QUEUED, Limits
+from fibws.hub.websocket import shared_limits as module
+from fibws.hub.websocket.shared_limits import TOO_MUCH_INCOMING, TOO_MUCH_QUEUED, SharedLimits
 from fibws.protocol.frame_queue import Lane
 from fibws.protocol.websocket import BINARY, CloseReason, client_header
 
@@ -63,7 +63,7 @@ class Crowd:
     def __init__(self, count: int, **settings: Any) -> None:
         self.checks: list[Callable[[], None]] = []
         self.connections: list[Connection] = []
-        self.limits = Limits(
+        self.limits = SharedLimits(
             Settings(
                 **{
                     "max_total_queued_bytes": LIMIT,
@@ -74,7 +74,7 @@ class Crowd:
             self.connections,
             self.checks.append,
         )
-        self.flusher = Flusher(lambda _: None, growth=self.limits.queued)
+        self.flusher = Flusher(lambda _: None, allowance=self.limits.queued)
         self.connections += [Connection(self) for _ in range(count)]
 
     def keep(self, number: int, *frames: MadeFrame) -> None:

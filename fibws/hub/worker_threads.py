@@ -8,10 +8,10 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 
 MOST_THREADS = 2
-"""Threads that work at once: a robot's computer has other things to do."""
+"""WorkerThreads that work at once: a robot's computer has other things to do."""
 
 
-class Threads:
+class WorkerThreads:
     """`Workers` in threads of their own, which exist once there was work."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop) -> None:

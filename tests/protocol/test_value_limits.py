@@ -12,9 +12,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from fibws.errors import OperationError
-from fibws.protocol import limits
+from fibws.protocol import value_limits
 from fibws.protocol.decoding import decode_cbor
-from fibws.protocol.limits import (
+from fibws.protocol.value_limits import (
     MOST_CONTAINERS,
     MOST_MEMBERS,
     MOST_VALUES,
@@ -129,11 +129,11 @@ def _walk(value: Any) -> Iterator[Any]:
 @pytest.fixture
 def small_bounds(monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("FEWEST_BYTES", "_FEWEST_CBOR"):
-        monkeypatch.setattr(limits, name, 0)
-    monkeypatch.setattr(limits, "_SLICE", 7)
-    monkeypatch.setattr(limits, "MOST_VALUES", 20)
-    monkeypatch.setattr(limits, "MOST_CONTAINERS", 6)
-    monkeypatch.setattr(limits, "MOST_MEMBERS", 8)
+        monkeypatch.setattr(value_limits, name, 0)
+    monkeypatch.setattr(value_limits, "_SLICE", 7)
+    monkeypatch.setattr(value_limits, "MOST_VALUES", 20)
+    monkeypatch.setattr(value_limits, "MOST_CONTAINERS", 6)
+    monkeypatch.setattr(value_limits, "MOST_MEMBERS", 8)
 
 
 @pytest.mark.usefixtures("small_bounds")
