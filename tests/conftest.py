@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import os
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from contextlib import AsyncExitStack
 from typing import Any
@@ -13,9 +14,14 @@ from hypothesis import HealthCheck, settings
 
 from fibws.hub import Hub, Settings
 
-# On a busy machine an example may take long, and so may its making.
-settings.register_profile("any_speed", deadline=None, suppress_health_check=[HealthCheck.too_slow])
-settings.load_profile("any_speed")
+# On a busy machine an example may take long, and so may generating it.
+_PATIENT: dict[str, Any] = {
+    "deadline": None,
+    "suppress_health_check": [HealthCheck.too_slow],
+}
+settings.register_profile("dev", max_examples=20, **_PATIENT)
+settings.register_profile("ci", max_examples=100, **_PATIENT)
+settings.load_profile("ci" if os.environ.get("CI") else "dev")
 
 LoopFactory = Callable[[], asyncio.AbstractEventLoop]
 StartHub = Callable[..., Awaitable[Hub]]
@@ -30,11 +36,6 @@ SETTINGS: dict[str, Any] = {
     "stall_timeout": 600.0,
     "ping_interval": 0.0,
 }
-
-
-def pytest_configure(config: pytest.Config) -> None:
-    config.addinivalue_line("markers", "both_loops: run on asyncio's event loop and on uvloop's")
-    config.addinivalue_line("markers", "slow: takes a minute; run with -m slow")
 
 
 def pytest_asyncio_loop_factories(

@@ -13,10 +13,13 @@ from typing import TypeAlias
 import pytest
 from hub_in_thread import Run
 
-pytestmark = pytest.mark.skipif(
-    shutil.which("rosparam") is None or shutil.which("rosmaster") is None,
-    reason="rosparam and rosmaster (Debian: python3-rosparam, python3-rosmaster) are not installed",
-)
+pytestmark = [
+    pytest.mark.real_ros,
+    pytest.mark.skipif(
+        shutil.which("rosparam") is None or shutil.which("rosmaster") is None,
+        reason="rosparam and rosmaster are not installed (python3-rosparam, python3-rosmaster)",
+    ),
+]
 
 Rosparam: TypeAlias = Callable[..., str]
 

@@ -38,6 +38,8 @@ NOW = 1_700_000_000_123_456_789
 
 Ask: TypeAlias = Callable[..., Any]
 
+pytestmark = pytest.mark.real_ros
+
 INTERFACES = Interfaces()
 TYPEDEFS = TypeDefs(INTERFACES)
 TYPES = [

@@ -13,9 +13,12 @@ import pytest
 from fibws.interfaces.catalogue import STANDARD
 from fibws.values.installed_types import Installed
 
-pytestmark = pytest.mark.skipif(
-    shutil.which("rosmsg") is None, reason="rosmsg (Debian: python3-rosmsg) is not installed"
-)
+pytestmark = [
+    pytest.mark.real_ros,
+    pytest.mark.skipif(
+        shutil.which("rosmsg") is None, reason="rosmsg (Debian: python3-rosmsg) is not installed"
+    ),
+]
 
 THEIRS = """
 import json, rosmsg, rospkg

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import pytest
 
@@ -79,6 +80,12 @@ CASTS = tuple(_casts())
 
 
 def playing(scenarios: str) -> pytest.MarkDecorator:
-    """Runs a module's tests for each client that plays these scenarios."""
+    """Run a module's tests for each client that plays these scenarios."""
     casts = [cast for cast in CASTS if scenarios in cast.scenarios]
-    return pytest.mark.parametrize("cast", casts, ids=str)
+    return pytest.mark.parametrize("cast", [marked(cast, id=str(cast)) for cast in casts])
+
+
+def marked(cast: Cast, id: str) -> Any:
+    """Return a test's parameter with the marks of what the client needs."""
+    marks = {"Node": [pytest.mark.npm], "Chromium": [pytest.mark.npm, pytest.mark.browser]}
+    return pytest.param(cast, id=id, marks=marks.get(cast.runtime, []))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from .casts import CASTS, Cast
+from .casts import CASTS, Cast, marked
 from .conftest import Observe
 
 UNAVOIDABLE = {
@@ -16,7 +16,9 @@ UNAVOIDABLE = {
 """What clients complain of just as much when they meet a rosbridge."""
 
 
-@pytest.mark.parametrize("cast", CASTS, ids=lambda cast: f"{cast}: {cast.scenarios[0]}")
+@pytest.mark.parametrize(
+    "cast", [marked(cast, id=f"{cast}: {cast.scenarios[0]}") for cast in CASTS]
+)
 def test_nobody_complains(cast: Cast, observe: Observe) -> None:
     observations = observe(cast)
     unavoidable = [UNAVOIDABLE[each] for each in cast.scenarios if each in UNAVOIDABLE]

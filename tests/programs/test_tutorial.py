@@ -228,6 +228,7 @@ def reader_with(tmp_path: Path, tools: Path, port: int) -> Iterator[Callable[[st
         yield with_shell
 
 
+@pytest.mark.tutorial
 @pytest.mark.parametrize("shell", SHELLS)
 def test_what_is_typed_has_the_effects_that_are_told(
     shell: str, reader_with: Callable[[str], Reader]
@@ -237,6 +238,7 @@ def test_what_is_typed_has_the_effects_that_are_told(
         reader.follow(step)
 
 
+@pytest.mark.tutorial
 def test_the_same_walk_needs_no_aliases(reader_with: Callable[[str], Reader]) -> None:
     reader = reader_with("sh")
     reader.workspace = reader.workspace.with_name("other_workspace")

@@ -121,6 +121,7 @@ class TestFuzz:
             await check()
 
     @pytest.mark.slow
+    @pytest.mark.timeout(900)
     async def test_half_a_million_serialized_frames(self, hub: Hub) -> None:
         chance = random.Random(300)
         async with _bystanders(hub) as check:

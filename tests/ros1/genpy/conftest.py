@@ -18,6 +18,7 @@ from fibws.msg import default_interfaces
 
 from .world import World
 
+HERE = Path(__file__).parent
 PYTHON = "/usr/bin/python3"
 OURS = World(message_class)
 ADDED = re.compile(
@@ -32,6 +33,13 @@ Types that it names besides ``std_msgs/Int32`` are to be given: ``agree("M('a/B'
 """
 
 
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    for item in items:
+        if "agree" in getattr(item, "fixturenames", ()) and item.path.parent == HERE:
+            item.add_marker(pytest.mark.real_ros)
+
+
 @pytest.fixture(scope="session")
 def agree() -> Iterator[Agree]:
     """The real genpy beside ours."""
@@ -44,7 +52,7 @@ def agree() -> Iterator[Agree]:
         pytest.skip("Debian's python3-genpy is not installed")
     with tempfile.TemporaryDirectory() as home:
         process = subprocess.Popen(
-            [PYTHON, "-I", Path(__file__).with_name("world.py")],
+            [PYTHON, "-I", HERE / "world.py"],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,

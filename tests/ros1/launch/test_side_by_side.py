@@ -201,6 +201,7 @@ class Real(MadeUp):
             raise ValueError(str(error)) from None
 
 
+@pytest.mark.real_ros
 @pytest.mark.parametrize("number", range(len(TEXTS)), ids=TEXTS)
 def test_it_reads_what_roslaunch_reads(number: int, theirs: tuple[Path, list[Any]]) -> None:
     folder, expected = theirs

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 import subprocess
+from collections.abc import Callable
 
 import pytest
 
@@ -16,6 +17,12 @@ def _has_catkin_pkg() -> bool:
     return not subprocess.run([PYTHON, "-c", "import catkin_pkg"], capture_output=True).returncode
 
 
-needs_catkin_pkg = pytest.mark.skipif(
-    not _has_catkin_pkg(), reason="there is no real catkin_pkg to compare with"
+_skip = pytest.mark.skipif(
+    not _has_catkin_pkg(), reason="Debian's python3-catkin-pkg is not installed"
 )
+
+
+def needs_catkin_pkg(test: Callable[..., None]) -> Callable[..., None]:
+    """Mark a test that compares with the real catkin_pkg."""
+    marked: Callable[..., None] = pytest.mark.real_ros(_skip(test))
+    return marked
