@@ -1,8 +1,11 @@
-"""The doors: commands of ROS 1, each of which is a command of fibws under another name."""
+"""ROS 1's names for commands of fibws, and which of them this shell has."""
 
 from __future__ import annotations
 
-DOORS = {
+import os
+from collections.abc import Mapping
+
+ALIASES = {
     "catkin_create_pkg": "pkg create",
     "catkin_init_workspace": "workspace init",
     "catkin_make": "workspace make",
@@ -23,4 +26,37 @@ DOORS = {
     "rqt_plot": "open plot",
     "rqt_topic": "open topics",
 }
-"""What each door has ``fibws`` do."""
+"""The command of ``fibws`` that each alias stands for."""
+SETUP = "FIBWS_SETUP"
+"""The variable that ``fibws setup`` sets in a shell, in which all aliases exist then."""
+
+_called_alias: str | None = None
+
+
+def command_name(command: str) -> str:
+    """Return what a person types in this shell for a command of fibws.
+
+    In a shell with ``fibws setup``, ``run`` is ``rosrun`` and ``topic list`` is ``rostopic list``;
+    elsewhere they are ``fibws run`` and ``fibws topic list``. An alias by which this program was
+    called is used in either.
+
+    Args:
+        command: its name without ``fibws``; words after it, such as arguments, are kept.
+    """
+    aliases = ALIASES if is_set_up(os.environ) else filter(None, [_called_alias])
+    fitting = [each for each in aliases if f"{command} ".startswith(f"{ALIASES[each]} ")]
+    if not fitting:
+        return f"fibws {command}"
+    alias = max(fitting, key=lambda each: len(ALIASES[each]))
+    return alias + command.removeprefix(ALIASES[alias])
+
+
+def is_set_up(environ: Mapping[str, str]) -> bool:
+    """Return whether ``fibws setup`` was done in this shell, or in one that it inherits from."""
+    return bool(environ.get(SETUP))
+
+
+def set_called_alias(alias: str | None) -> None:
+    """Remember the alias by which this program was called, for `command_name`."""
+    global _called_alias
+    _called_alias = alias

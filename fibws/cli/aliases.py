@@ -6,7 +6,7 @@ import click
 
 from fibws.cli.commands import Root, command
 from fibws.cli.common_options import SETTINGS
-from fibws.command_names import DOORS
+from fibws.command_names import ALIASES, set_called_alias
 from fibws.suggestions import hint
 
 
@@ -18,9 +18,10 @@ class _Doors(Root):
     ) -> tuple[str | None, click.Command | None, list[str]]:
         """The command behind the door that ``args`` begin with; `UsageError` if there is none."""
         door, *rest = args
-        if door not in DOORS:
-            raise click.UsageError(f"There is no {door!r} here{hint(door, DOORS)}")
-        words = DOORS[door].split()
+        if door not in ALIASES:
+            raise click.UsageError(f"There is no {door!r} here{hint(door, ALIASES)}")
+        set_called_alias(door)
+        words = ALIASES[door].split()
         found: click.Command | None = command
         passed = "fibws"
         while words and isinstance(found, click.Group):

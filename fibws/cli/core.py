@@ -8,6 +8,7 @@ from urllib.parse import SplitResult, urlsplit
 import click
 
 from fibws.cli.exit_handling import ending
+from fibws.command_names import command_name
 from fibws.errors import FibwsError
 from fibws.node import address
 from fibws.processes import become
@@ -38,7 +39,7 @@ def command(port: int | None, verbose: bool, workers: str | None, timeout: str |
         url = f"ws://{address.LOOPBACK[0]}:{port}"
         if port and _is_there(url):
             raise click.ClickException(
-                "roscore cannot run as another roscore/master is already running: "
+                f"{command_name('core')} cannot run as another roscore/master is already running: "
                 f"the hub at {url}. One is enough for all nodes. To end it, press Ctrl-C where it "
                 "was started."
             )

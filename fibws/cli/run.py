@@ -11,6 +11,7 @@ import click
 
 from fibws.cli.common_options import SETTINGS
 from fibws.cli.exit_handling import ending
+from fibws.command_names import command_name
 from fibws.errors import FibwsError
 from fibws.processes import become, command_line
 
@@ -119,7 +120,10 @@ def put_on_paths(workspace: Path) -> None:
 def _owner(packages: Packages, script: Path) -> str:
     """Which package has it, if that was left out."""
     found = packages.having(str(script)) if script.name == str(script) else ()
-    return f" Package {found[0].name} has one: rosrun {found[0].name} {script}" if found else ""
+    if not found:
+        return ""
+    package = found[0].name
+    return f" Package {package} has one: {command_name('run')} {package} {script}"
 
 
 def _ask_which(packages: Packages, package: str) -> None:

@@ -12,6 +12,7 @@ from click.shell_completion import ShellComplete, get_completion_class
 
 from fibws.cli import output
 from fibws.cli.completion import PROGRAM, VARIABLE
+from fibws.command_names import is_set_up
 from fibws.ros1.shell import environment, shells
 
 SHELLS = ("bash", "zsh", "sh")
@@ -63,7 +64,7 @@ def command(
         click.echo(shells.end(environment.undo(os.environ, _workspaces())), nl=False)
         _say(quiet, "This shell has no more of fibws's ROS commands and modules, nor workspaces.")
         return
-    if not shadow_ros and not environment.is_set_up(os.environ):
+    if not shadow_ros and not is_set_up(os.environ):
         found = environment.other_ros(os.environ)
         if found is not None:
             _refuse(

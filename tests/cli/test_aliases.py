@@ -10,7 +10,7 @@ import sys
 import pytest
 from hub_in_thread import HubThread
 
-from fibws.command_names import DOORS
+from fibws.command_names import ALIASES
 from fibws.ros1.shell.environment import BIN_FOLDER
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such shells")
@@ -32,12 +32,12 @@ def enter(door: str, *words: str, hub: str = NO_HUB) -> subprocess.CompletedProc
     )
 
 
-@pytest.mark.parametrize("door", DOORS)
+@pytest.mark.parametrize("door", ALIASES)
 def test_help_calls_the_command_as_the_person_did(door: str) -> None:
     told = enter(door, "--help")
     assert (told.returncode, told.stderr) == (0, "")
     assert told.stdout.startswith(f"Usage: {door} [OPTIONS]")
-    assert f"fibws {DOORS[door]}" not in told.stdout
+    assert f"fibws {ALIASES[door]}" not in told.stdout
 
 
 @pytest.mark.parametrize(

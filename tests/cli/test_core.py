@@ -97,7 +97,7 @@ def test_a_second_one_says_that_one_is_running(core: Core, hub: HubThread) -> No
         assert said(process) == (
             1,
             "",
-            "Error: roscore cannot run as another roscore/master is already running: the hub at "
+            "Error: fibws core cannot run as another roscore/master is already running: the hub at "
             f"{hub.url}. One is enough for all nodes. To end it, press Ctrl-C where it was "
             "started.\n",
         )

@@ -15,7 +15,8 @@ from hub_in_thread import HubThread, Publish
 
 from fibws.cli import output
 from fibws.cli.commands import command
-from fibws.ros1.shell.environment import BIN_FOLDER, RECORD
+from fibws.command_names import SETUP
+from fibws.ros1.shell.environment import BIN_FOLDER
 
 from .terminal import Terminal
 
@@ -95,7 +96,7 @@ def test_a_ros_that_is_installed_is_hidden_if_asked(
     assert result.exit_code == 0
     assert f"export PATH={BIN_FOLDER}{os.pathsep}{roscore.parent}\n" in result.stdout
     # Asked once, it stands: the setup of a workspace, read afterwards, does not ask again.
-    monkeypatch.setenv(RECORD, "{}")
+    monkeypatch.setenv(SETUP, "{}")
     assert setup("--quiet").exit_code == 0
 
 

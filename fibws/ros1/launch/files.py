@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from fibws.command_names import command_name
 from fibws.errors import PackageNotFound, WorkspaceError
 from fibws.ros1.workspace.packages import Packages
 from fibws.ros1.workspace.programs import find_files
@@ -79,7 +80,7 @@ def _having(file: str, packages: Packages) -> str:
         return ""
     for package in packages:
         if not package.is_standard and any(find_files(package.folder, file)):
-            return f"{package.name} has it: roslaunch {package.name} {file}"
+            return f"{package.name} has it: {command_name('launch')} {package.name} {file}"
     return ""
 
 

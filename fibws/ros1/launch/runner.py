@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from fibws.command_names import command_name
 from fibws.processes import explained
 from fibws.ros1.launch.command import Start
 from fibws.ros1.launch.log import Log
@@ -262,7 +263,8 @@ class Runner:
         if any(job.is_core for job in self._jobs):
             self._screen.say("all nodes have ended; the hub stays until Ctrl-C")
         else:
-            self._screen.say("all processes on machine have died, roslaunch will exit")
+            launch = command_name("launch")
+            self._screen.say(f"all processes on machine have died, {launch} will exit")
 
 
 def _why(error: OSError) -> str:

@@ -10,14 +10,14 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TypeAlias
 
+from fibws.command_names import SETUP, is_set_up
+
 FOLDER = Path(__file__).absolute().parent
 BIN_FOLDER = FOLDER / "bin"
 """Holds the commands; it is to be the first of PATH."""
 PYTHON_FOLDER = FOLDER.parent / "python"
 """Holds rospy and the like; it is to be the first of PYTHONPATH."""
 
-RECORD = "FIBWS_SETUP"
-"""The variable that holds, in JSON, what those had before that are none of ours."""
 PYTHON = "FIBWS_PYTHON"
 """The variable that names the Python by which the commands run."""
 DISTRO = "noetic"
@@ -38,7 +38,7 @@ def set_up(environ: Mapping[str, str]) -> Changes:
         "PYTHONPATH": _joined(str(PYTHON_FOLDER), *_others(environ.get("PYTHONPATH"))),
         PYTHON: sys.executable,
         **OF_ROS,
-        RECORD: json.dumps(record),
+        SETUP: json.dumps(record),
     }
 
 
@@ -57,13 +57,8 @@ def undo(environ: Mapping[str, str], besides: Iterable[tuple[str, Path]] = ()) -
     return {
         **{name: _joined(*folders) or None for name, folders in paths.items()},
         **({} if record is None else record),
-        RECORD: None,
+        SETUP: None,
     }
-
-
-def is_set_up(environ: Mapping[str, str]) -> bool:
-    """Whether `set_up` was done in this environment, or in one that it was inherited from."""
-    return _record(environ) is not None
 
 
 def other_ros(environ: Mapping[str, str]) -> str | None:
@@ -79,7 +74,7 @@ def other_ros(environ: Mapping[str, str]) -> str | None:
 
 def _record(environ: Mapping[str, str]) -> Changes | None:
     try:
-        found = json.loads(environ.get(RECORD, ""))
+        found = json.loads(environ.get(SETUP, ""))
     except ValueError:
         return None
     if not isinstance(found, dict):

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from fibws import processes
+from fibws.command_names import command_name
 from fibws.errors import WorkspaceError
 
 _EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -29,21 +30,6 @@ _SCRIPTS = {
     ("rospy_tutorials", "talker"): _EXAMPLES / "rospy_talker.py",
     ("rospy_tutorials", "listener"): _EXAMPLES / "rospy_listener.py",
 }
-_WINDOW = "draws in a window of its own, which fibws does not; its page shows the graph: fibws open"
-_CPP = "is in C++, and no C++ is built here"
-_NOT_THERE = {
-    "turtlesim": f"{_WINDOW}. Its messages are there: fibws msg show turtlesim/Pose",
-    "rviz": _WINDOW,
-    "rqt_reconfigure": _WINDOW,
-    "rqt_image_view": _WINDOW,
-    "rqt_tf_tree": _WINDOW,
-    "gazebo_ros": "simulates robots, which fibws does not",
-    "roscpp_tutorials": f"{_CPP}; rosrun rospy_tutorials talker does the same",
-    "rosbag": "is not there; fibws topic echo --json TOPIC > FILE keeps what a topic says",
-    "rosbridge_server": "needs no start: the hub, roscore, is one",
-    "rosapi": "needs no start: the hub, roscore, has it",
-    "rosout": "needs no start: the hub, roscore, has it",
-}
 
 
 def command_line(package: str, program: str, arguments: Sequence[str]) -> list[str] | None:
@@ -62,6 +48,27 @@ def command_line(package: str, program: str, arguments: Sequence[str]) -> list[s
         return [sys.executable, "-P", "-m", *_MODULES[name], *arguments]
     if name in _SCRIPTS:
         return processes.command_line(_SCRIPTS[name], arguments)
-    if package in _NOT_THERE:
-        raise WorkspaceError(f"{package} {_NOT_THERE[package]}")
+    if fault := _unsupported().get(package):
+        raise WorkspaceError(f"{package} {fault}")
     return None
+
+
+def _unsupported() -> dict[str, str]:
+    """Return why each package of ROS without a substitute here has none."""
+    page = f"needs a window, which fibws has not; the hub's page: {command_name('open')}"
+    built_in = "is part of the hub and needs no start"
+    talker = command_name("run rospy_tutorials talker")
+    return {
+        "turtlesim": f"{page}. Its messages are known: {command_name('msg show turtlesim/Pose')}",
+        "rviz": page,
+        "rqt_reconfigure": page,
+        "rqt_image_view": page,
+        "rqt_tf_tree": page,
+        "gazebo_ros": "is not supported: fibws does not simulate robots",
+        "roscpp_tutorials": f"is in C++, which fibws does not build; in Python: {talker}",
+        "rosbag": "is not supported; to record a topic: "
+        f"{command_name('topic echo --json TOPIC > FILE')}",
+        "rosbridge_server": built_in,
+        "rosapi": built_in,
+        "rosout": built_in,
+    }

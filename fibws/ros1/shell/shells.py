@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from shlex import quote
 
-from fibws.command_names import DOORS
+from fibws.command_names import ALIASES
 from fibws.ros1.shell.environment import PYTHON, Changes
 
 _FUNCTIONS = f"""\
@@ -103,7 +103,7 @@ def end(changes: Changes) -> str:
     Args:
         changes: of `fibws.ros1.shell.environment.undo`.
     """
-    doors = " ".join(DOORS)
+    doors = " ".join(ALIASES)
     return f"""\
 {assignments(changes)}{_NO_FUNCTIONS}\
 if [ -n "${{BASH_VERSION-}}" ]; then
@@ -115,5 +115,5 @@ fi
 
 
 def _completed(fibws: str, assignment: str) -> dict[str, str]:
-    cases = [f"        {door}) {assignment.format(words=DOORS[door])} ;;" for door in DOORS]
-    return {"fibws": fibws, "cases": "\n".join(cases), "doors": " ".join(DOORS)}
+    cases = [f"        {door}) {assignment.format(words=ALIASES[door])} ;;" for door in ALIASES]
+    return {"fibws": fibws, "cases": "\n".join(cases), "doors": " ".join(ALIASES)}

@@ -51,7 +51,7 @@ def test_the_launch_file_of_rosbridge_is_there(packages: Packages) -> None:
         (["nope.launch"], "there is no file nope.launch$"),
         (
             ["main.launch"],
-            "main.launch: robot has it: roslaunch robot main.launch",
+            "main.launch: robot has it: fibws launch robot main.launch",
         ),
         (["her.launch"], "there is no file her.launch; did you mean here.launch?"),
         (["here.launch", "nope.launch"], "there is no file nope.launch"),
@@ -62,7 +62,7 @@ def test_the_launch_file_of_rosbridge_is_there(packages: Packages) -> None:
         (["robot", "main.launch", "nope"], "there is no file nope"),
         (
             ["robt", "main.launch"],
-            "not found: robot has it: roslaunch robot main.launch",
+            "not found: robot has it: fibws launch robot main.launch",
         ),
         (["robt", "x.launch"], "package 'robt' not found: did you mean robot?"),
     ],

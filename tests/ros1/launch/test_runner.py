@@ -92,7 +92,7 @@ async def test_it_ends_when_all_have(launched: Launched) -> None:
         "[g/a-1] process has finished cleanly",
         "process[b-2]: started with pid N",
         "[b-2] process has died [pid N, exit code 2, cmd ...].",
-        "all processes on machine have died, roslaunch will exit",
+        "all processes on machine have died, fibws launch will exit",
     } == set(launched.seen)
     assert launched.runner.has_failed
 

@@ -33,7 +33,7 @@ def test_others_are_not_known() -> None:
     assert ros_programs.command_line("rospy_tutorials", "nothing", []) is None
 
 
-@pytest.mark.parametrize("package", ros_programs._NOT_THERE)
+@pytest.mark.parametrize("package", ros_programs._unsupported())
 def test_what_has_no_like_here_says_why(package: str) -> None:
     with pytest.raises(WorkspaceError, match=f"^{package} "):
         ros_programs.command_line(package, "anything", [])

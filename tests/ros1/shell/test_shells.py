@@ -16,7 +16,7 @@ from hatchling.builders.sdist import SdistBuilder
 from hatchling.builders.wheel import WheelBuilder
 
 from fibws import __version__
-from fibws.command_names import DOORS
+from fibws.command_names import ALIASES
 from fibws.ros1.shell import environment, shells
 from fibws.ros1.shell.environment import BIN_FOLDER, PYTHON_FOLDER
 
@@ -114,7 +114,7 @@ def test_roscd_alone_goes_to_the_workspace_that_was_sourced_last(name: str, tmp_
 def test_each_door_is_called_by_its_own_name() -> None:
     texts = {door.name: door.read_text() for door in BIN_FOLDER.iterdir()}
     entered = {name for name, text in texts.items() if f" -m fibws.cli {name} " in text}
-    assert entered == DOORS.keys()
+    assert entered == ALIASES.keys()
     assert texts.keys() - entered == {"fibws", "rosbag", "rosdep", "rosversion"}
 
 

@@ -39,7 +39,7 @@ def test_a_workspaces_package_comes_before_one_of_ros_own(layout: Layout) -> Non
 
 
 def test_what_is_not_there_is_an_error() -> None:
-    with pytest.raises(WorkspaceError, match="turtlesim draws in a window of its own"):
+    with pytest.raises(WorkspaceError, match="turtlesim"):
         command_line(Packages([]), "turtlesim", "turtlesim_node", [])
     with pytest.raises(PackageNotFound, match="'qwertz' not found"):
         command_line(Packages([]), "qwertz", "node", [])
