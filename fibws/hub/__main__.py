@@ -137,7 +137,7 @@ async def _serve(settings: Settings) -> None:
 
 
 def _relax_collector() -> None:
-    """Make cyclic garbage collections rarer, and skip what is there for good.
+    """Make cyclic garbage collections rarer, and skip permanent objects.
 
     Decoding a long list allocates a million objects at once, none of them garbage: with Python's
     default of a collection per 700, these take two to four fifths of the time.
@@ -160,7 +160,7 @@ def _open_standard_files() -> None:
 
 
 def _flush_output() -> None:
-    """Write what stdout and stderr hold, or discard it.
+    """Flush stdout and stderr, or discard their buffers.
 
     A full disk or a closed pipe must not change the exit code.
     """

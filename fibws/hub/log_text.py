@@ -1,4 +1,4 @@
-"""Helpers that keep the hub's log readable and short, whatever clients do."""
+"""Helpers that keep texts from clients in the hub's log readable and short."""
 
 from __future__ import annotations
 

@@ -46,7 +46,7 @@ class Hub:
     """A hub that listens while its ``async with`` block runs.
 
     Args:
-        policy: decides what nodes may do; None lets all do everything.
+        policy: decides what nodes may do; None allows everything.
 
     Raises:
         HubError: on entering, when it cannot listen, most likely because the port is taken.
@@ -201,7 +201,7 @@ class Hub:
         }
 
     def _by_topic(self, node: str, count: Callable[[SinkReport], int]) -> dict[str, int]:
-        """Return what one node's subscriptions come to, by the topics' global names."""
+        """Return the sums of one node's subscriptions by the topics' global names."""
         known = self.graph.nodes.get(node)
         topics = map(self.graph.topics.get, known.subscribing()) if known is not None else ()
         counts = {

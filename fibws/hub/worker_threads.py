@@ -1,4 +1,4 @@
-"""The hub's threads: they do what would keep the event loop from everything else."""
+"""The hub's worker threads, for work that would block the event loop."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """Bytes as base64 (RFC 4648, section 4), as JSON has them: images have millions.
 
-pydantic_core decodes several times faster than binascii, but takes more than the RFC allows: what
-it makes of a text counts only where nothing but the RFC's own spelling can have that length.
+pydantic_core decodes several times faster than binascii, but takes more than the RFC allows: its
+result is used only if no spelling but the RFC's can have that length.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from pydantic_core import SchemaValidator, core_schema
 
 _SLICE: Final = 2**16
 """Characters that are decoded together, a multiple of four: they fit the processor's cache, which
-makes it several times faster, and what is made of them on the way takes no memory to speak of."""
+makes it several times faster, and intermediate values stay small."""
 
 _decode = SchemaValidator(
     core_schema.bytes_schema(), core_schema.CoreConfig(val_json_bytes="base64")
@@ -22,19 +22,19 @@ _decode = SchemaValidator(
 
 
 def encode(data: bytes) -> str:
-    """The text that stands for the bytes."""
+    """Return the base64 text of bytes."""
     return b2a_base64(data, newline=False).decode()
 
 
 def decode(text: str) -> bytes:
-    """The bytes that a text stands for which `encode` could have written."""
+    """Return the bytes of a text in the spelling of `encode`."""
     if len(text) <= _SLICE:
         return _decode_slice(text)
     return b"".join(map(_decode_slice, _slices(text)))
 
 
 def canonical(text: str) -> tuple[str, int]:
-    """Any text as `encode` would have it (spare bits are zero), and the number of its bytes.
+    """Return a text in the spelling of `encode` (spare bits are zero), and the number of its bytes.
 
     Raises:
         ValueError: the text is not base64.

@@ -41,11 +41,11 @@ ALIASES: Final = {
     "builtin_interfaces/Time": "time",
     "builtin_interfaces/Duration": "duration",
 }
-"""Spellings that mean another type, whatever the package they are written in."""
+"""Names that mean another type, in each package."""
 
 
 def zero(name: str) -> bool | int | float | str:
-    """The value that a field of a type in `CONSTANTS` has unless told otherwise."""
+    """Return the default value of a field of a type in `CONSTANTS`."""
     if name in STRINGS:
         return ""
     if name in FLOATS:

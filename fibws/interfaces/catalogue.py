@@ -18,7 +18,7 @@ _TYPE_NAME = re.compile(r"([A-Za-z]\w{0,99})(?:/(?:msg|srv|action))?/([A-Za-z]\w
 
 
 class Definitions(ABC):
-    """Definitions by the names of their types, each checked when first asked for."""
+    """Definitions by the names of their types, each checked on first use."""
 
     def __init__(self) -> None:
         self._clear()
@@ -115,7 +115,7 @@ class Definitions(ABC):
 
 
 class Interfaces(Definitions):
-    """The types of the standard packages and of the user's, each read when first asked for.
+    """The types of the standard packages and of the user's, each read on first use.
 
     Args:
         folders: the user's own; each holds packages side by side, or is one. Of two packages of

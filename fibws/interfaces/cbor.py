@@ -20,7 +20,7 @@ from fibws.interfaces.catalogue import Definitions
 from fibws.interfaces.definition import Field, MessageDefinition
 
 _Convert: TypeAlias = Callable[[Any], Any]
-"""Makes of a value what cbor2 should encode in its place; it leaves the value as it is."""
+"""Returns a replacement for a value that cbor2 encodes instead; it does not change the value."""
 
 TYPED_ARRAYS: Final = {
     "uint16": (69, "H"),
@@ -38,7 +38,7 @@ TYPED_ARRAYS: Final = {
 
 
 class CborEncoders:
-    """The encoders of all types, each made when first asked for."""
+    """The encoders of all types, each made on first use."""
 
     def __init__(self, interfaces: Definitions) -> None:
         self._interfaces = interfaces

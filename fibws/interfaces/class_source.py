@@ -103,7 +103,7 @@ def _field(field: Field, home: str | None) -> str:
     if field.type in builtin.CONSTANTS:
         return f"{name}: {element} = {_literal(field.default_value)}"
     # A lambda looks later, and in the module: in the class a member may have the nested class's
-    # name, and another package may not be loaded yet, if it imports this one in its turn.
+    # name, and another package may not be loaded yet if it imports this one.
     factory = f"lambda: {element}()" if field.is_nested else element
     return f"{name}: {element} = field(default_factory={factory})"
 
@@ -125,7 +125,7 @@ def _bytes(field: Field) -> str:
 
 
 def _list(field: Field, element: str) -> str:
-    """A function that makes the list that the array is unless told otherwise."""
+    """Return the source of a function that makes the default list."""
     if field.default is not None:
         return f"lambda: [{', '.join(map(_literal, field.default_elements))}]"
     if not field.fixed_size:

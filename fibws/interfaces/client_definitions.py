@@ -53,8 +53,8 @@ OF_ALL = Limits(types=4000, characters=2**24, fields=320_000)
 class ClientDefinition(Definitions):
     """A type that a client brought, with all that is needed to use it.
 
-    Types nested in it are its own, as far as no folder has them: it can be used as long as somebody
-    holds it, whatever others bring or take away.
+    Types nested in it are its own, as far as no folder has them: it can be used as long as
+    someone holds it, even if others add or remove definitions.
 
     Args:
         base: the types in folders.
@@ -167,7 +167,7 @@ class Usage:
 
 
 class ClientDefinitions:
-    """The definitions that clients brought, each kept while somebody holds it.
+    """The definitions that clients brought, each kept while someone holds it.
 
     A type has one definition at a time: that of the folders, or the one that is held.
 
@@ -219,7 +219,7 @@ class ClientDefinitions:
         It is kept, and known to others, only once it is held.
 
         Args:
-            kind: what the type is.
+            kind: msg, srv or action.
             name: ``package/Name``.
             text: its own text, with nested types that are not known here behind it as in
                 `full_text`.
@@ -255,8 +255,8 @@ class ClientDefinitions:
 
         Args:
             definition: as `read` or `find` gave it.
-            holder: what uses it.
-            describe: gives the holder's name for errors.
+            holder: the user of the type.
+            describe: returns the holder's name for errors.
         """
         if definition not in self._holders:
             self._holders[definition] = {}

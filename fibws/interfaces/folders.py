@@ -37,7 +37,7 @@ class Package:
         self._files: dict[Kind, dict[str, Path]] = {}
 
     def files(self, kind: Kind) -> dict[str, Path]:
-        """The files of one kind by the name of what they define."""
+        """Return the files of one kind by the names of their types."""
         if kind not in self._files:
             paths = sorted((self.folder / kind).glob(f"*.{kind}"))
             self._files[kind] = {path.stem: path for path in paths if _is_name(path.stem)}
@@ -45,7 +45,7 @@ class Package:
 
 
 def find_packages(folder: Path) -> Iterator[Package]:
-    """The packages in ``folder``, which holds them side by side or is one itself."""
+    """Yield the packages in ``folder``, which may be a package itself."""
     if _is_package(folder):
         yield Package(folder.resolve().name, folder)
         return
@@ -64,7 +64,7 @@ def _is_name(text: str) -> bool:
 
 
 class Folders:
-    """The definitions in the packages of several folders, each parsed when it is asked for.
+    """The definitions in the packages of several folders, each parsed on first use.
 
     Of packages with the same name, only the one in the folder that was added last counts.
     """

@@ -27,13 +27,13 @@ def write_message(definition: MessageDefinition, lookup: Lookup) -> str:
 
 
 def write_service(definition: ServiceDefinition, lookup: Lookup) -> str:
-    """The full text of a service: what its .srv file holds, then the nested types."""
+    """The full text of a service: the text of its .srv file, then the nested types."""
     messages = [definition.request, definition.response]
     return _write(_parts(messages), messages, lookup)
 
 
 def write_action(definition: ActionDefinition, lookup: Lookup) -> str:
-    """The full text of an action: what its .action file holds, then the nested types."""
+    """The full text of an action: the text of its .action file, then the nested types."""
     messages = [definition.goal, definition.result, definition.feedback]
     return _write(_parts(messages), messages, lookup)
 
@@ -71,7 +71,7 @@ def _write(own: str, messages: Iterable[MessageDefinition], lookup: Lookup) -> s
 def _unambiguous(definition: MessageDefinition, lookup: Lookup) -> str:
     """The message's own text, where types of one name in two packages have their package's name.
 
-    The text does not tell which package it belongs to, and Foxglove looks in all.
+    The text does not name the package of such a type, and Foxglove searches all of them.
     """
     nested: dict[str, MessageDefinition] = {}
     _collect(definition, lookup, nested)

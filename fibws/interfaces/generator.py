@@ -138,7 +138,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
         description="Write the Python classes of ROS messages, services and actions.",
     )
     options.add_argument("--interfaces", type=Path, action="append", default=[], metavar="FOLDER")
-    options.add_argument("--kind", choices=KINDS, default="msg", help="what to print: %(default)s")
+    options.add_argument(
+        "--kind", choices=KINDS, default="msg", help="kind of types to print (default: %(default)s)"
+    )
     options.add_argument("package", nargs="?", help="print its module; without: write them all")
     chosen = options.parse_args(arguments)
     try:

@@ -21,14 +21,14 @@ LONG: Final = ("int64", "uint64")
 
 
 class LongIntegers:
-    """What converts the messages of each type, made when it is first asked for."""
+    """The converters of all message types, each made on first use."""
 
     def __init__(self, interfaces: Definitions) -> None:
         self._interfaces = interfaces
         self._converters: dict[str, Convert | None] = {}
 
     def of(self, name: str) -> Convert | None:
-        """What converts messages of a type; None if it has no such integers.
+        """Return the converter for messages of a type; None if it has no such integers.
 
         Raises as `Definitions.message` does.
         """

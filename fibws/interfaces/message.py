@@ -121,10 +121,10 @@ class ObjectStyle:
     """How the objects of a kind of message classes look to `class_codec`.
 
     Attributes:
-        attribute: gives the attribute for a field's name.
+        attribute: returns the attribute for a field's name.
         times: the classes for ``time`` and ``duration``, with ``secs`` and ``nsecs``.
         carry: the method of a time that carries over whole seconds in ``nsecs``.
-        arrays: what a deserialized array of numbers is; one of uint8 is always `bytes`.
+        arrays: makes a deserialized array of numbers; arrays of uint8 are always `bytes`.
         exact: whether values of nested messages and times must be of the very class.
         on_invalid_text: is called when a string that is not UTF-8 is deserialized.
     """

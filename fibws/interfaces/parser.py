@@ -1,6 +1,6 @@
 """Reads the text of .msg, .srv and .action files, in the spellings of ROS 1 and ROS 2.
 
-The grammar is that of http://wiki.ros.org/msg as genmsg reads it, with what ROS 2 added: bounded
+The grammar is that of http://wiki.ros.org/msg as genmsg reads it, plus that of ROS 2: bounded
 arrays and strings, ``wstring``, ``package/msg/Type`` and default values.
 """
 
@@ -49,14 +49,14 @@ def parse_message(
     """The message that ``text`` defines.
 
     Args:
-        text: what a .msg file holds.
+        text: the content of a .msg file.
         package: where relative type names are looked for.
         name: the message's own, without its package.
         source: the file's name, for errors.
         first_line: the number of the text's first line in that file.
 
     Raises:
-        DefinitionError: a line does not parse, or says what cannot be.
+        DefinitionError: a line does not parse, or has an invalid value.
     """
     source = source or f"{package}/{name}"
     fields: dict[str, Field] = {}
@@ -83,7 +83,7 @@ def parse_message(
 
 
 def parse_service(text: str, package: str, name: str, source: str = "") -> ServiceDefinition:
-    """The service that ``text``, what a .srv file holds, defines.
+    """Return the service that ``text``, the content of a .srv file, defines.
 
     Raises:
         DefinitionError: a line does not parse, or there are not two parts.
@@ -99,7 +99,7 @@ def parse_service(text: str, package: str, name: str, source: str = "") -> Servi
 
 
 def parse_action(text: str, package: str, name: str, source: str = "") -> ActionDefinition:
-    """The action that ``text``, what an .action file holds, defines.
+    """Return the action that ``text``, the content of an .action file, defines.
 
     Raises:
         DefinitionError: a line does not parse, or there are not three parts.
@@ -161,7 +161,7 @@ def _constant(found: re.Match[str], line: str) -> Constant:
     if found["limit"] and kind not in builtin.STRINGS:
         raise _Fault(f"only strings can be bounded, not {kind}")
     value = _scalar(kind, text)
-    # Foxglove reads no nan and no inf, and then none of a hub's topics.
+    # Foxglove cannot parse nan and inf, and would then read no topic of the hub.
     if kind in builtin.FLOATS and not re.search(r"\d", text):
         raise _Fault(f"a constant must be finite, such as {kind} {name}=1.5, got {text}")
     if kind in builtin.STRINGS:
@@ -260,7 +260,7 @@ def _scalar(kind: str, text: str) -> Scalar:
 
 
 def _in_ros1(raw: str, member: Field | Constant) -> str:
-    """The line, or if ROS 1 cannot read it what ROS 1 would write in its place."""
+    """Return the line, or its spelling in ROS 1 if ROS 1 cannot read it."""
     if isinstance(member, Constant):
         spelled = raw.partition("=")[2]
         if member.type not in builtin.STRINGS:

@@ -26,7 +26,7 @@ class Size(NamedTuple):
     """How large a message is.
 
     ``fields`` are its own and those of nested messages. ``values`` are how many it has when its
-    fixed arrays are full and the others empty. ``has_floats`` tells whether there are floats.
+    fixed arrays are full and the others empty. ``has_floats`` is true if there are floats.
     """
 
     fields: int
@@ -41,7 +41,7 @@ class Resolver:
     """Looks up definitions together with those of nested types.
 
     Args:
-        read: gives the definition of a type, not linked.
+        read: returns the definition of a type, not linked.
     """
 
     def __init__(self, read: Callable[[str], MessageDefinition]) -> None:

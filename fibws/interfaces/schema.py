@@ -85,8 +85,8 @@ def time_schema(
 
     Args:
         kind: ``time`` or ``duration``.
-        base: gives what the object's absent parts are.
-        now: gives what the word "now" stands for, if it stands for anything.
+        base: returns the values of the object's missing parts.
+        now: returns the value of the word "now"; None if that word is invalid.
         lenient: as in `scalar_schema`.
     """
     partial = SchemaValidator(_secs_and_nsecs(kind, required=False, lenient=lenient))

@@ -51,7 +51,7 @@ _DIAGNOSED: Final = 100_000
 
 
 class Serializers:
-    """The serializers of all types, each made when first asked for."""
+    """The serializers of all types, each made on first use."""
 
     def __init__(self, interfaces: Definitions) -> None:
         self.interfaces = interfaces
@@ -92,7 +92,7 @@ class Serializer:
         Strings need not be UTF-8, and the bounds of ROS 2 are not checked.
 
         Raises:
-            InvalidMessage: the text names the field and says what was expected.
+            InvalidMessage: the text names the field and the expected value.
         """
         if len(data) == self.size:
             return
@@ -135,10 +135,10 @@ class Serializer:
 
         Args:
             data: the bytes.
-            errors: what to do about strings that are not UTF-8, as in `bytes.decode`.
+            errors: the handling of strings that are not UTF-8, as in `bytes.decode`.
 
         Raises:
-            InvalidMessage: the text names the field and says what was expected.
+            InvalidMessage: the text names the field and the expected value.
             UnicodeDecodeError: ``errors`` is ``strict``, and a string is not UTF-8. Everything else
                 is valid, so that another call with ``replace`` succeeds.
         """
@@ -195,7 +195,7 @@ class Serializer:
 
     @cached_property
     def cbor_function(self) -> Function:
-        """The compiled function that returns what to encode as CBOR, and where it ends."""
+        """The compiled function that returns the values to encode as CBOR, and the end offset."""
         return compile_read(self, self._types, CborDicts(self._types))
 
 
@@ -255,7 +255,7 @@ class ClassCodec(Generic[M]):
         Arrays of uint8 are `bytes`, other arrays of numbers as the class's `ObjectStyle` says.
 
         Raises:
-            InvalidMessage: the text names the field and says what was expected.
+            InvalidMessage: the text names the field and the expected value.
         """
         view = data if type(data) is bytes else memoryview(data)
         try:
@@ -311,8 +311,8 @@ def class_codec(
 
     Args:
         message_class: a class that fibws generated, or one of genpy.
-        interfaces: where the definition is looked up; by default where the class says.
-        style: how objects of the class look; by default as the class says.
+        interfaces: where the definition is looked up; by default the class's own.
+        style: how objects of the class look; by default the class's own.
     """
     codecs: dict[Any, ClassCodec[M]] | None = message_class.__dict__.get("_codecs")
     if codecs is None:

@@ -166,7 +166,7 @@ class Layout(NamedTuple):
 class _Code:
     """The source of one function, which is written line by line.
 
-    In a generated function ``data`` are the bytes, ``o`` is the offset of what comes next, and
+    In a generated function ``data`` are the bytes, ``o`` is the offset of the next value, and
     ``left`` holds the number of values without bytes that are still allowed.
     """
 
@@ -305,7 +305,7 @@ class _Checker(_Code):
         return f"read_uint32(data, {offset})[0]"
 
     def settle(self) -> None:
-        """Let ``o`` be the offset of what comes next."""
+        """Let ``o`` be the offset of the next value."""
         if self.skip:
             self.add(f"o += {self.skip}")
         self.skip = 0
@@ -332,7 +332,7 @@ class _Scales(_Checker):
         self.add(f"o = {self.constant(function)}(data, o, left)")
 
     def weigh(self, count: str, field: Field) -> None:
-        """Take the weight of an array's elements off what is left."""
+        """Subtract the weight of an array's elements from the rest."""
         each = 0 if field.is_bytes else weight(field.type, self.types, numbers=self._numbers)
         if each:
             self.add(f"spend(left, {count} * {each})")
@@ -604,7 +604,7 @@ class _Writer(_Code):
             self._numbers = []
 
     def flush(self) -> None:
-        """Append what has been written so far."""
+        """Append the lines written so far."""
         self._pack()
         if len(self._pieces) == 1:
             self.add(f"out.append({self._pieces[0]})")
@@ -614,7 +614,7 @@ class _Writer(_Code):
 
 
 _Make: TypeAlias = Callable[[], str]
-"""Adds the lines that make a value of what has been read; returns the expression for it."""
+"""Adds the lines that convert a value that was read; returns the expression for it."""
 
 
 class _Reader(_Code):
@@ -714,7 +714,7 @@ class _Reader(_Code):
         self._skip = 0
 
     def settle(self) -> None:
-        """Let ``o`` be the offset of what comes next."""
+        """Let ``o`` be the offset of the next value."""
         self._unpack(*self._group())
         if self._skip:
             self.add(f"o += {self._skip}")

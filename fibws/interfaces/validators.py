@@ -32,11 +32,11 @@ MOST_SEARCHED = 10_000
 
 
 class Validators:
-    """The validators of all types, each made when first asked for.
+    """The validators of all types, each made on first use.
 
     Args:
         interfaces: where the types are looked up.
-        now: gives the nanoseconds since 1970, for stamps and the word "now".
+        now: returns the nanoseconds since 1970, for stamps and the word "now".
         lenient: whether to take numbers in other spellings, too; see `schema.scalar_schema`.
     """
 
@@ -229,7 +229,7 @@ class MessageValidator:
         return tuple(found)
 
     def missing(self, msg: dict[str, Any]) -> list[str]:
-        """The fields that a valid message leaves out, such as ``pose.x``; ``...`` if more are."""
+        """Return the fields missing in a valid message, such as ``pose.x``; ``...`` for more."""
         paths = self._missing(self.definition, msg, "", repeat(None, MOST_SEARCHED))
         found = list(islice(paths, MOST_MISSING + 1))
         return found if len(found) <= MOST_MISSING else [*found[:MOST_MISSING], "..."]
@@ -323,7 +323,7 @@ def _with_default(field: Field, schema: core_schema.CoreSchema) -> core_schema.C
     if field.type in builtin.TIMES:
         return with_default(schema, default_factory=zero_time)
     if field.is_nested:
-        # The default of a nested message is what its schema makes of an empty object.
+        # The default of a nested message is an empty object, validated by its schema.
         return with_default(schema, default_factory=dict, validate_default=True)
     return with_default(
         schema, default=field.default_value, validate_default=field.default is not None

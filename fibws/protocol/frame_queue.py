@@ -57,7 +57,7 @@ class FrameQueue(Generic[L, F]):
         return iter(self._frames.values())
 
     def put(self, frame: F, lane: L | None = None) -> None:
-        """Append a frame; one without a lane is dropped by nobody. Limits are `trim`'s to keep."""
+        """Append a frame; one without a lane is never dropped. `trim` enforces the limits."""
         self._number += 1
         self._frames[self._number] = (frame, lane)
         self.size += len(frame) + self._cost

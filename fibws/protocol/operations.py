@@ -111,7 +111,7 @@ class Subscribe(Operation):
     md5sum: str | None = None
     """As in `Advertise`."""
     int64: Literal["string"] | None = None
-    """Whether all fields of int64 and uint64 are decimal strings in JSON, whatever their values:
+    """Whether all fields of int64 and uint64 are decimal strings in JSON, small values too:
     numbers in JavaScript hold no integers beyond 2**53 (an addition of fibws)."""
 
 
@@ -270,7 +270,7 @@ class Status(Operation):
 class Subscribed(Operation):
     """The reply to a ``subscribe`` that asks for serialized messages (an addition of fibws).
 
-    ``topic_id`` is what binary frames of this topic begin with; see `protocol.serialized`.
+    Binary frames of this topic begin with ``topic_id``; see `protocol.serialized`.
     """
 
     op: Literal["subscribed"] = "subscribed"

@@ -57,7 +57,7 @@ class FromHub(NamedTuple):
 
 
 def publish_head(publisher: int, node: str | None = None) -> bytes:
-    """Return what a client sends in front of a message; see `FromClient`."""
+    """Return the header of a message from a client; see `FromClient`."""
     if node is None:
         return _FROM_CLIENT.pack(_PLAIN, publisher)
     name = node.encode()
@@ -65,7 +65,7 @@ def publish_head(publisher: int, node: str | None = None) -> bytes:
 
 
 def deliver_head(topic: int, received: int, header: bytes = b"") -> bytes:
-    """Return what the hub sends in front of a message; see `FromHub`."""
+    """Return the header of a message from the hub; see `FromHub`."""
     if not header:
         return _FROM_HUB.pack(_PLAIN, topic, received)
     return _FROM_HUB_NAMED.pack(_NAMED, topic, received, len(header)) + header

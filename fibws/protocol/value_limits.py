@@ -1,7 +1,7 @@
 """Bounds for the values of one operation, which are counted before it is decoded.
 
 A value takes two bytes of JSON, or one of CBOR, and up to a hundred times that once it is decoded.
-What is counted is what costs: numbers and strings little, arrays and objects much, and the members
+Counted are the values that cost: numbers and strings little, arrays and objects much, and members
 of objects most, since their names may all be different.
 """
 
@@ -51,7 +51,7 @@ class _Counts:
 
     @classmethod
     def of(cls, text: bytes | bytearray) -> _Counts:
-        """Count those of a text, and what looks alike in its strings; stop if it is too many."""
+        """Count the values of a text, also those within strings; stop if there are too many."""
         counts = cls()
         for start in range(0, len(text), _SLICE):
             counts._add(text, start, start + _SLICE)
@@ -169,7 +169,7 @@ _WEIGHTS: Final = tuple(
     + (((head & 31) << _MEMBERS) if head >> 5 == _MAP and head & 31 < 24 else 0)
     for head in range(256)
 )
-"""For each first byte of a value, what it counts: values, containers and members in one number."""
+"""For each first byte of a value, its counts of values, containers and members in one number."""
 
 
 class _CborCounts(_Counts):
@@ -202,7 +202,7 @@ class _CborCounts(_Counts):
                     elif kind == _TAG and 64 <= argument < 88 and data[position] >> 5 == _BYTES:
                         length, position = _argument(data, position)
                         if argument not in _UINT8_ARRAYS:
-                            # RFC 8746, section 2.1: the tag's bits tell the size of an element.
+                            # RFC 8746, section 2.1: the tag's bits are the size of an element.
                             total += length >> (argument >> 4 & 1) + (argument & 3)
                         position += length
                 self._take(total, indefinite)

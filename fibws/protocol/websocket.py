@@ -122,7 +122,7 @@ class FrameParser:
 
     Args:
         on_text: takes the payload of a whole text message.
-        on_binary: takes the payload of a whole binary message; nobody else keeps it.
+        on_binary: takes the payload of a whole binary message, and owns it.
         on_other: takes the bytes of all other frames, in order; after an error all that follow.
         max_size: most bytes of a message; a longer one is left to the library.
         masked: whether frames must be masked, as those of clients are.
@@ -193,7 +193,7 @@ class FrameParser:
         self.fragmented = False
         """Whether a fragmented message has begun, within which no other message may come."""
         self.paused = False
-        """Whether what comes is kept until `resume`; stop reading the socket meanwhile."""
+        """Whether received data is kept until `resume`; stop reading the socket meanwhile."""
 
     @property
     def kept_bytes(self) -> int:
@@ -205,7 +205,7 @@ class FrameParser:
         self.paused = True
 
     def resume(self) -> None:
-        """Go on with what was kept, for one turn."""
+        """Process the kept data, for one turn."""
         self.paused = False
         self.receive(b"")
 
@@ -224,7 +224,7 @@ class FrameParser:
             self._grow()
 
     def receive(self, data: bytes) -> None:
-        """Take what the socket gave, however it cuts the frames."""
+        """Process data from the socket, which may end within a frame."""
         if self._large is not None:
             data = self._fill(data)
             if self._large is not None:  # It is not complete, or kept until `resume`.
@@ -267,14 +267,14 @@ class FrameParser:
                 return
 
     def end(self) -> None:
-        """Pass on what is left of a frame: the peer sends no more."""
+        """Pass on the rest of a frame: the peer sends no more."""
         if self._tail:
             self._on_other(bytes(self._tail))
             self._tail = bytearray()
         self._drop_large()
 
     def give_up(self) -> None:
-        """Pass on everything from here, whatever it is."""
+        """Pass on everything from here."""
         self._given_up = True
         self._drop_large()
 

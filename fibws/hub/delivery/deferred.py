@@ -18,7 +18,7 @@ SMALL = 100_000
 
 
 class Workers(Protocol):
-    """Threads that do what takes long."""
+    """Threads for work that takes long."""
 
     def run(self, work: Callable[[], object], done: Callable[[], object], /) -> None:
         """Call ``work`` in a thread and then ``done`` in the event loop; neither may raise."""
@@ -98,7 +98,7 @@ class DeferredFrame:
         return self.is_done
 
     def start(self, reader: DeferredFrames, lane: Lane, workers: Workers) -> None:
-        """Make it in a thread; a reader is told when that is done, unless it withdraws."""
+        """Make it in a thread; call the reader when it is done, unless the reader withdraws."""
         self._readers[reader, lane] = None
         if not self._is_queued:
             self._is_queued = True

@@ -113,7 +113,7 @@ class FanOut(Generic[T, M]):
             throttle.offer(frame, now)
 
     def send_now(self, member: M, frame: Frame) -> None:
-        """Send a frame to one member alone, whatever its throttle."""
+        """Send a frame to one member alone, regardless of its throttle."""
         member.sent += 1
         if member.throttling is not None:
             member.throttled += 1

@@ -1,4 +1,4 @@
-"""Send queues: the frames that wait for each client, bounded, so that nobody waits for a slow one.
+"""Send queues: the frames that wait for each client, bounded; a slow client delays no other.
 
 While a client's socket takes data, its frames wait only for the end of the event loop's turn and
 leave in one write. While it does not, each subscription keeps its newest messages up to its limit,
@@ -39,7 +39,7 @@ class LargeFrame:
 
     Args:
         head: the first bytes.
-        body: all others; nobody may change them.
+        body: all others; they must not be changed.
     """
 
     __slots__ = ("_size", "body", "head")
@@ -116,7 +116,7 @@ class SendQueue:
         self._broken = broken
         self._socket_full = False
         self._rest: deque[MadeFrame | memoryview | bytearray] = EMPTY
-        """The rest of what filled the socket, and the frames behind it."""
+        """The rest of the frame that filled the socket, and the frames behind it."""
         self._rest_bytes = 0
         self._unwritten = 0
         """Bytes of `frames` while paused."""
@@ -142,7 +142,7 @@ class SendQueue:
         return self._reply_bytes + self.throttled_bytes + deferred
 
     def buffers(self) -> Iterator[Any]:
-        """Yield what holds the messages that are kept; other clients may share them."""
+        """Yield the holders of the kept messages; other clients may share them."""
         kept = (frame for frame, _ in self._kept or ())
         for piece in chain(kept, self.frames, self._rest):
             view = piece.body if isinstance(piece, LargeFrame) else piece
@@ -242,13 +242,13 @@ class SendQueue:
             allowance.check()
 
     def forget(self, lane: Lane) -> None:
-        """Remove what is kept for a subscription that has ended."""
+        """Remove the frames of a subscription that has ended."""
         self.forget_deferred(lane)
         if self._kept is not None:
             self._kept.forget(lane)
 
     def forget_deferred(self, lane: Lane) -> None:
-        """Remove what has not been made for a subscription that changes its encoding."""
+        """Remove the frames not made yet of a subscription that changes its encoding."""
         if self._deferred is not None:
             self._deferred.forget(lane)
 
@@ -258,7 +258,7 @@ class SendQueue:
         self._unwritten = sum(map(len, self.frames))
 
     def resume(self) -> None:
-        """Write what was kept, replies first: the client's socket takes data again."""
+        """Write the kept frames, replies first: the client's socket takes data again."""
         self._socket_full = False
         if self._rest:
             self._write_rest()
@@ -372,7 +372,7 @@ class SendQueue:
         self.flusher.count(len(frame))
 
     def _refill(self) -> None:
-        """Write what was kept in pieces of `CHUNK` until the socket is full or nothing is left.
+        """Write kept frames in pieces of `CHUNK` until the socket is full or nothing is left.
 
         The rest stays in the queue, where newer messages can still take its place. Replies come
         first.
@@ -392,7 +392,7 @@ class SendQueue:
         self._kept = None
 
     def _pop(self) -> MadeFrame | None:
-        """Remove and return what is to be written next; None if nothing is."""
+        """Remove and return the next frame to write; None if there is none."""
         if self._replies:
             reply = self._replies.popleft()
             self._reply_bytes -= len(reply)
@@ -441,7 +441,7 @@ class Flusher:
         self._bytes = 0
 
     def call_first(self, callback: Callable[[], None]) -> None:
-        """Call a function once, right before the next flush; what it sends leaves with that."""
+        """Call a function once, right before the next flush, which includes what it sends."""
         if not self._due and not self._first:
             self._call_soon(self.flush)
         self._first.append(callback)
@@ -483,7 +483,7 @@ class Flusher:
             queue.put(frame, lane)
 
     def flush(self) -> None:
-        """Write what is due.
+        """Write all frames that are due.
 
         Subscribers of the same topics mostly hold equal lists of shared frames: joined once.
         """

@@ -57,7 +57,7 @@ class Throttle(Generic[M]):
         clock: Clock,
     ) -> None:
         self.wants_from = inf
-        """The time from which on a frame would be sent to somebody, then or later."""
+        """The earliest time at which a frame would be sent to a member."""
         self._period, self._queue_length = throttling
         self._broadcast = broadcast
         self._clock = clock
@@ -100,7 +100,7 @@ class Throttle(Generic[M]):
         self.wants_from = -inf
 
     def remove(self, member: M) -> None:
-        """Remove one of its members; what waits for it alone is dropped."""
+        """Remove one of its members; frames that wait for it alone are dropped."""
         cohort = member.cohort
         assert cohort is not None
         self._size -= 1
@@ -289,7 +289,7 @@ class Throttle(Generic[M]):
         self._payer = payer
 
     def _schedule(self) -> None:
-        """Set the times of what comes next, and the timer, if frames wait."""
+        """Set the times of the next frames, and the timer, if frames wait."""
         self._due = next(iter(self._cooling)).due if self._cooling else inf
         if self._ready.targets or (self._cooling and self._queue_length):
             self.wants_from = -inf

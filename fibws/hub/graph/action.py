@@ -1,4 +1,4 @@
-"""Actions: who serves each, and what becomes of each goal.
+"""Actions: their servers, and their goals until the result.
 
 As in ROS 2 (action_msgs): a goal is accepted, may send feedback, and ends with one result.
 """
@@ -131,7 +131,7 @@ class Goal:
         self._end(status, json_of(text), code)
 
     def cancel(self) -> None:
-        """Ask the server to stop; it is asked once."""
+        """Ask the server to stop, once."""
         if not self._canceling:
             self._canceling = True
             self.action.server.cancel(self)
@@ -154,7 +154,7 @@ def cancel_service(action: str) -> str:
 
 
 def cancel_goals(action: Action, request: dict[str, Any]) -> dict[str, Any]:
-    """Respond to a call of action_msgs/CancelGoal, whose definition says which goals it means."""
+    """Respond to a call of action_msgs/CancelGoal, whose definition specifies the meant goals."""
     info = request["goal_info"]
     uuid = base64text.decode(info["goal_id"]["uuid"])
     stamp = info["stamp"]["secs"] * 1_000_000_000 + info["stamp"]["nsecs"]

@@ -93,7 +93,7 @@ class Graph:
     """The graph of one hub.
 
     Args:
-        now: gives the nanoseconds since 1970, for messages that ask for the time.
+        now: returns the nanoseconds since 1970, for messages that ask for the time.
         strict_types: refuse types of unknown packages, rather than relay them unchecked.
         max_parameter_bytes: most bytes of JSON of all parameters together.
         policy: decides what nodes may do.
@@ -123,7 +123,7 @@ class Graph:
         self.definitions = self._types.definitions
         """The definitions of all types: the installed ones, and those that clients brought."""
         self._unnamed: set[str] = set()
-        """The names that nodes have which asked for none."""
+        """The names given to nodes that requested none."""
         self._clients = 0
         self._goals: WeakValueDictionary[str, Goals] = WeakValueDictionary()
         """The goals of each action's name, while it has a server or goals that have not ended."""
@@ -148,9 +148,9 @@ class Graph:
     # Nodes.
 
     def enter(self, node: Node, name: str | None) -> str:
-        """Add a node under the name it asked for, or one of the hub's making; return the name.
+        """Add a node under the requested name, or a generated one; return the name.
 
-        An older node of that name is told that it is replaced, as ROS's master does.
+        An older node of that name is informed that it is replaced, as by ROS's master.
         """
         self.revision += 1
         if name is None:
@@ -164,7 +164,7 @@ class Graph:
             try:
                 older.replaced()
             except Exception:
-                # The new node must not suffer from what is wrong with the older one.
+                # The new node must not suffer from an error of the older one.
                 logger.exception("%s: the older node of this name could not leave.", name)
         return name
 
@@ -197,7 +197,7 @@ class Graph:
     # Topics.
 
     def topic(self, name: str) -> Topic:
-        """Return the topic of this global name; a new one is kept once somebody uses it."""
+        """Return the topic of this global name; a new one is kept once it has a user."""
         return self.topics.get(name) or Topic(name, next(self._topic_numbers))
 
     def advertise(
@@ -348,7 +348,7 @@ class Graph:
         return found if found.checked or found.fault else type_
 
     def _change_type(self, topic: Topic, type_: MessageType | None) -> None:
-        """Set a topic's type, or None, with what is kept because of it."""
+        """Set a topic's type, or None, and hold its definition."""
         self.revision += 1
         older, topic.type = topic.type, type_
         if type_ is not None and type_.checked:
@@ -365,7 +365,7 @@ class Graph:
             self._types.hold(type_, topic, lambda: f"{topic.holder()} ({topic.name})")
 
     def _settle(self, topic: Topic) -> None:
-        """Forget what nobody holds any more: the topic, its type, or the definition of that."""
+        """Remove the topic, its type, or the type's definition if they have no holder left."""
         self.revision += 1
         if topic.idle and self.topics.get(topic.name) is topic:
             del self.topics[topic.name]
@@ -380,7 +380,7 @@ class Graph:
     def serve(
         self, name: str, type_: str, definition: str | None, server: ServiceServer
     ) -> Service:
-        """Let a client serve a service; an older server is told that it is displaced.
+        """Let a client serve a service; an older server is informed that it is displaced.
 
         Raises:
             NotAllowed: the policy forbids it.

@@ -68,7 +68,7 @@ class Parameters:
         return self._find(_path(name)) is not None
 
     def set(self, name: str, value: object) -> None:
-        """Set a parameter, whatever was there; a dict becomes a namespace.
+        """Set a parameter, replacing a value or a namespace; a dict becomes a namespace.
 
         Args:
             value: dicts, lists, strings, bools and finite numbers; no None.

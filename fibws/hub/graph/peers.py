@@ -55,7 +55,7 @@ class PeerNews:
 
 
 class Watcher(Protocol):
-    """One request to be told the nodes."""
+    """One request for reports of the nodes."""
 
     def changed(self) -> None:
         """Take note that there is something to `read`; further changes are not announced."""
@@ -67,8 +67,8 @@ class Watcher(Protocol):
 class PeerWatch:
     """The publishers, or the subscriptions, that watch who is at the other end of their topic.
 
-    A watcher reads all names first, and then what has changed since. The changes that some have
-    yet to read are kept once for all watchers; one that has missed too many reads all names again.
+    A watcher reads all names first, and then the changes since. Unread changes are kept once for
+    all watchers; a watcher that has missed too many reads all names again.
 
     A node must be reported only once messages pass between it and those who watch.
 
@@ -138,12 +138,12 @@ class PeerWatch:
         self._change(node, joined=False)
 
     def report(self) -> None:
-        """Have all watchers report what they have not read yet, without waiting any longer."""
+        """Let all watchers report their unread changes without further delay."""
         for watcher in tuple(self._behind):
             watcher.report()
 
     def read(self, watcher: Watcher) -> PeerNews | None:
-        """Return what is new to a watcher, if anything; it knows that then."""
+        """Return the changes that are new to a watcher, and mark them as read."""
         first = self._behind.pop(watcher, None)
         if first is None:
             return None

@@ -1,4 +1,4 @@
-"""Publications: one message of a topic, in whatever form it arrived and in every form asked for."""
+"""Publications: one message of a topic, in the form it arrived in and in each requested form."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class Publication:
     """One published message.
 
     It holds the form in which it arrived: validated values, or bytes in ROS 1's serialization that
-    `MessageType.check` has accepted. Each other form is made when it is first asked for, once for
+    `MessageType.check` has accepted. Each other form is made on first use, once for
     all who ask.
 
     Args:
@@ -65,7 +65,7 @@ class Publication:
         return len(self._ros1 if self._ros1 is not None else self.json())
 
     def values(self) -> dict[str, Any]:
-        """Return the message's fields, as `MessageValidator.validate` gives them: do not change."""
+        """Return the fields as `MessageValidator.validate` returns them; do not change them."""
         if self._values is None:
             if self._ros1 is not None:
                 self._values, self.has_invalid_text = self.type.deserialize(self._ros1)
@@ -115,7 +115,7 @@ class Publication:
         return self.cached("cbor", self._make_cbor)
 
     def cached(self, key: object, make: Callable[[], T]) -> T:
-        """Return what ``make`` gives, which is called once for each ``key``."""
+        """Return the result of ``make``, which is called once for each ``key``."""
         if self._cache is None:
             self._cache = {}
         if key not in self._cache:

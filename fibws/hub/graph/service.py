@@ -1,4 +1,4 @@
-"""Services: who serves each, and what becomes of each call.
+"""Services: their servers, and their calls until the response.
 
 A call gets exactly one response: its server's, or the hub's own when the server is lost, does not
 respond in time, or responds with something that does not fit the type.
@@ -29,7 +29,7 @@ class Deferred:
     """A response of the hub's own that comes later.
 
     Args:
-        cancel: is called once nobody waits for it any more.
+        cancel: called once no caller waits for it any more.
     """
 
     __slots__ = ("cancel", "respond")
@@ -89,8 +89,8 @@ class Call:
         args: the request: an object, or a list of its fields in order.
         caller: the calling node.
         succeeded: takes the response as JSON.
-        failed: takes the text and the code of what went wrong (see `CallFailed`).
-        headers: what the caller sends beside the request.
+        failed: takes the error's text and code (see `CallFailed`).
+        headers: the connection header that the caller sends with the request.
 
     Raises:
         InvalidMessage: the request does not fit the type.
@@ -125,7 +125,7 @@ class Call:
         self.caller = caller
         self.headers = headers
         self.due = math.inf
-        """When the caller waits no more, by the clock of whoever set it."""
+        """The deadline of the caller, by the clock of the code that set it."""
         self.id = ""
         """Its id at the server."""
         self._succeeded = succeeded

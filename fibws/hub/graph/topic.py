@@ -3,7 +3,7 @@
 A message passes from `Source.publish` (values) or `Source.publish_serialized` (bytes), which check
 it, as a `Publication` to every sink of the topic. A sink is anything with the methods of `Sink`:
 a client's subscription, a part of the hub, a bridge. Only `Graph` adds and removes sources and
-sinks; a source is what ROS calls a publisher.
+sinks; ROS calls a source a publisher.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class SinkReport(NamedTuple):
     throttle_rate: float = 0.0
     """Least milliseconds between two messages; 0 for no throttle."""
     encoding: str = "none"
-    """The compression of rosbridge that it asked for."""
+    """The requested compression of rosbridge."""
     messages: int = 0
     """Messages that it was sent."""
     dropped: int = 0
@@ -113,17 +113,17 @@ class Topic:
 
     @property
     def idle(self) -> bool:
-        """Whether nobody uses the topic any more."""
+        """Whether the topic has no user left."""
         return not self.sources and not self._sinks
 
     @property
     def held(self) -> bool:
-        """Whether somebody holds the topic to its type."""
+        """Whether a user holds the topic to its type."""
         return bool(self.sources or self._holding)
 
     @property
     def needs_definition(self) -> bool:
-        """Whether somebody needs the definition of its type, and not only the name."""
+        """Whether a user needs the definition of its type, and not only the name."""
         return bool(self.sources) or any(self._holding.values())
 
     def holder(self) -> str:
@@ -198,7 +198,7 @@ class Topic:
             self.watching_sources.left(source.node)
 
     def replay(self, sink: Sink) -> None:
-        """Give a sink what sources have latched; raises what `Sink.replay` raises at last."""
+        """Replay latched messages to a sink; raise the last error of `Sink.replay`."""
         failure: Exception | None = None
         for source in tuple(self.sources.values()):  # A sink may advertise here.
             try:
@@ -234,7 +234,7 @@ class Topic:
                 logger.exception("%s: a subscriber failed.", self.name)
 
     def _prepare(self) -> tuple[Receiver, ...]:
-        """Return the receivers; whoever watches a new source is told before its messages."""
+        """Return the receivers; watchers are informed of a new source before its messages."""
         self.watching_sources.report()
         self._receivers = tuple(self._uses)
         return self._receivers
@@ -257,7 +257,7 @@ class Source:
 
     Args:
         node: its global name.
-        now: gives the nanoseconds since 1970.
+        now: returns the nanoseconds since 1970.
         latch: keep the last message for later subscribers (ROS's latched topics).
         quota: bounds the latched messages of the node.
     """

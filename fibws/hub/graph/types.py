@@ -1,6 +1,6 @@
-"""The types of topics, services and actions: what checks and encodes their messages.
+"""The types of topics, services and actions, which check and encode their messages.
 
-A type of a package that nobody has defined is unchecked: its messages are relayed as they come.
+A type of an unknown package is unchecked: its messages are relayed as they come.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from fibws.interfaces.serialization import FEWEST_BYTES, Serializer, Serializers
 _SCALARS = frozenset({str, int, float, bool, type(None)})
 
 Buffer: TypeAlias = bytes | bytearray | memoryview
-"""Serialized bytes; whoever holds them must not change them."""
+"""Serialized bytes; they must not be changed."""
 Validate: TypeAlias = Callable[[object], dict[str, Any]]
 """Returns a message with every field filled; raises `InvalidMessage`."""
 
@@ -226,8 +226,8 @@ class ServiceType:
     """A service's type, which checks its requests and responses.
 
     ``arguments`` are the request's fields in order, ``md5sum`` stands for the definition, and
-    ``codecs`` are those of the definition, if they are known. ``fault`` says why a definition that
-    the client brought was not taken.
+    ``codecs`` are those of the definition, if they are known. ``fault`` is the reason why a
+    definition that the client brought was refused.
     """
 
     name: str
@@ -276,11 +276,11 @@ AnyType: TypeAlias = MessageType | ServiceType | ActionType
 
 
 class Codecs:
-    """The types of some definitions, with validators and encoders, each made when first asked for.
+    """The types of some definitions, with validators and encoders, each made on first use.
 
     Args:
         definitions: those of the folders, or one that a client brought.
-        now: gives the nanoseconds since 1970, for messages that ask for the time.
+        now: returns the nanoseconds since 1970, for messages that ask for the time.
     """
 
     def __init__(self, definitions: Definitions, now: Callable[[], int]) -> None:
@@ -333,13 +333,13 @@ class Codecs:
 
 
 class Types:
-    """All types of one hub, each made when first asked for.
+    """All types of one hub, each made on first use.
 
     Those that clients brought are kept while something of the graph holds them. Whoever has one of
     these types may go on using it after that: each brings the definitions that it needs.
 
     Args:
-        now: gives the nanoseconds since 1970, for messages that ask for the time.
+        now: returns the nanoseconds since 1970, for messages that ask for the time.
         strict: refuse types of unknown packages, rather than relay their messages unchecked.
     """
 
@@ -386,7 +386,7 @@ class Types:
         return ActionType(name, relayed, relayed, relayed, fault=fault)
 
     def without_definition(self, type_: MessageType) -> MessageType:
-        """Return a type as it is once nobody holds the definition that a client brought."""
+        """Return a type without the definition that a client brought."""
         return type_ if self._strict or _brought(type_) is None else UncheckedType(type_.name)
 
     def hold(self, type_: AnyType, holder: Hashable, describe: Callable[[], str]) -> None:

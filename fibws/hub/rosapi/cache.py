@@ -39,21 +39,21 @@ class ResponseCache:
         self._responses: dict[Make, CachedResponse] = {}
 
     def get(self, make: Make, caller: str) -> bytes:
-        """Return what ``make`` gives for this revision."""
+        """Return the result of ``make`` for this revision."""
         cached = self._responses.get(make)
         if cached is None or cached.revision != self._graph.revision:
             return self._make(make, caller)
         return cached.text
 
     def get_lately(self, make: Make, caller: str) -> bytes:
-        """Return what ``make`` gives for this revision; if that is large, also a recent one."""
+        """Return the result of ``make`` for this revision; a large one may be slightly older."""
         cached = self._responses.get(make)
         if cached is not None and cached.revision == self._graph.revision:
             return cached.text
         return self.get_recent(make, caller)
 
     def get_recent(self, make: Make, caller: str) -> bytes:
-        """Return what ``make`` gives; if that is large, also what it gave a moment ago."""
+        """Return the result of ``make``; a large one may be slightly older."""
         cached = self._responses.get(make)
         # The clock may have been set back.
         if cached is None or not 0 <= self._graph.now() - cached.made < _fresh_for(cached.text):
@@ -68,7 +68,7 @@ class ResponseCache:
 
 
 def _fresh_for(text: bytes) -> int:
-    """Return the nanoseconds for which a response may be served, whatever happens."""
+    """Return the nanoseconds for which a response may be served unchanged."""
     return len(text) * FRESH_FOR if len(text) >= LARGE else 0
 
 
@@ -76,8 +76,8 @@ class TextCache:
     """JSON texts by the names of types.
 
     Args:
-        make: makes the text of a type; what it raises is not cached.
-        max_bytes: when all texts take more they are dropped, and made again when asked for.
+        make: makes the text of a type; its errors are not cached.
+        max_bytes: limit of all texts together; beyond it, all are dropped and made again on use.
     """
 
     def __init__(self, make: Callable[[str], bytes], max_bytes: int = MOST_TEXT_BYTES) -> None:

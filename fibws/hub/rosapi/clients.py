@@ -57,7 +57,7 @@ class ConnectedClients:
         self._published = -math.inf  # The first need not wait.
 
     def connected(self, client: Client, since: int) -> None:
-        """Add a client, which connected so many nanoseconds after 1970."""
+        """Add a client that connected at a time in nanoseconds since 1970."""
         self._clients[client] = since
         self._by_name[client.name] = client
         self._changed()

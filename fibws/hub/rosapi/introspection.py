@@ -35,7 +35,7 @@ _NO_TEXT = b'""'
 
 
 class Introspection:
-    """The services that list what there is.
+    """The services that list the graph.
 
     Names in a request may be relative to the caller. Unknown names give empty strings and lists,
     and so does what the policy does not let the caller list.
@@ -49,7 +49,7 @@ class Introspection:
         self._times_too_long = 0
 
     def services(self) -> dict[str, tuple[str, Function]]:
-        """Return all services by their global names, each with its type and what responds."""
+        """Return all services by their global names, each with its type and handler."""
         return {
             "/rosapi/topics": ("rosapi/Topics", self.topics),
             "/rosapi/topics_for_type": ("rosapi/TopicsForType", self.topics_for_type),

@@ -19,7 +19,7 @@ NAMES = ("rosout", LOGGER.name)
 
 
 def services(node: str) -> dict[str, tuple[str, Function]]:
-    """Return those of one node by their global names, each with its type and what responds."""
+    """Return the services of one node by their global names, each with its type and handler."""
     return {
         f"{node}/get_loggers": ("roscpp/GetLoggers", get_loggers),
         f"{node}/set_logger_level": ("roscpp/SetLoggerLevel", set_logger_level),

@@ -1,9 +1,9 @@
 """The hub's own nodes: they stand for ROS's rosout, rosapi and rosbridge_websocket.
 
-rosapi's services let clients that have no ROS ask for what ROS knows. Their names, types and rules
+rosapi's services let clients without ROS inspect the ROS graph. Their names, types and rules
 are those of the ROS 1 package (RobotWebTools/rosbridge_suite, rosapi). ROS 2's get_ros_version is
 left out on purpose: clients take a hub that has it for ROS 2. The services with types of fibws_msgs
-are additions of fibws: one response holds what would otherwise take hundreds of calls.
+are additions of fibws: one response replaces hundreds of calls.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ class RosoutAggregator:
         self._messages = 0
 
     def receive(self, publication: Publication) -> None:
-        """Publish a message again, if somebody subscribes."""
+        """Publish a message again if there are subscribers."""
         self._messages += 1
         if self._aggregated.topic.sinks():
             self._aggregated.forward(publication)
@@ -161,7 +161,7 @@ class OwnNodes:
         return self._graph.advertise(self._graph.topic(topic), node, type_)
 
     def _services(self) -> dict[str, tuple[str, Function]]:
-        """Return all services by their global names, each with its type and what responds."""
+        """Return all services by their global names, each with its type and handler."""
         graph = self._graph
         services = {
             **Introspection(graph).services(),

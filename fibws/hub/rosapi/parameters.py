@@ -51,7 +51,7 @@ class ParameterServices:
         self._parameters = graph.parameters
 
     def services(self) -> dict[str, tuple[str, Function]]:
-        """Return all services by their global names, each with its type and what responds."""
+        """Return all services by their global names, each with its type and handler."""
         return {
             "/rosapi/get_param": ("rosapi/GetParam", self.get),
             "/rosapi/set_param": ("rosapi/SetParam", self.set),

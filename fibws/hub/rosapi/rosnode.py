@@ -24,7 +24,7 @@ PATIENCE = 3.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ping:
-    """A ping that waits for its pong; it was ``sent`` so many nanoseconds after 1970."""
+    """A ping that waits for its pong; ``sent`` is in nanoseconds since 1970."""
 
     node: str
     sent: int
@@ -48,7 +48,7 @@ class Rosnode:
         """Each client's pings by the data of their pongs, the oldest first."""
 
     def services(self) -> dict[str, tuple[str, Function]]:
-        """Return all services by their global names, each with its type and what responds."""
+        """Return all services by their global names, each with its type and handler."""
         return {
             "/rosapi/ping_node": ("fibws_msgs/PingNode", self.ping),
             "/rosapi/kill_node": ("fibws_msgs/KillNode", self.kill),

@@ -36,7 +36,7 @@ class Snapshot:
         self._cached = ResponseCache(graph).get_lately
 
     def services(self) -> dict[str, tuple[str, Function]]:
-        """Return the service by its global name, with its type and what responds."""
+        """Return the service by its global name, with its type and handler."""
         return {"/rosapi/graph": ("fibws_msgs/GetGraph", self.graph)}
 
     def graph(self, request: dict[str, Any], caller: str) -> Response:

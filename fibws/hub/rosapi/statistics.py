@@ -30,7 +30,7 @@ class Statistics:
         self._cached = ResponseCache(graph).get_recent
 
     def services(self) -> dict[str, tuple[str, Function]]:
-        """Return the service by its global name, with its type and what responds."""
+        """Return the service by its global name, with its type and handler."""
         return {"/rosapi/statistics": ("fibws_msgs/GetStatistics", self.statistics)}
 
     def statistics(self, request: dict[str, Any], caller: str) -> Response:

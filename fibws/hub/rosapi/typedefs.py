@@ -31,7 +31,7 @@ class TypeDefs:
                 definitions.watch(cache.forget)
 
     def services(self) -> dict[str, tuple[str, Function]]:
-        """Return all services by their global names, each with its type and what responds."""
+        """Return all services by their global names, each with its type and handler."""
         return {
             "/rosapi/message_details": ("rosapi/MessageDetails", _for_type(self.message)),
             "/rosapi/service_request_details": (
@@ -76,7 +76,7 @@ class TypeDefs:
 
 
 def _for_type(respond: Callable[[str], bytes]) -> Function:
-    """Return what responds to a request that names a type."""
+    """Return the handler of a request that names a type."""
     return lambda request, caller: respond(request["type"])
 
 

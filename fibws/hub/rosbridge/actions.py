@@ -24,7 +24,7 @@ from fibws.protocol.operations import (
 
 
 class Goals:
-    """One client's goals until they end; whatever becomes of a goal, there is a result.
+    """One client's goals until they end; each goal ends with a result.
 
     It is an `ActionClient`.
     """
@@ -42,7 +42,7 @@ class Goals:
         """Send a goal.
 
         Raises:
-            OperationError: another goal has its id, and the client could not tell their results.
+            OperationError: another goal has its id, so that their results would be ambiguous.
         """
         if request.id in self._by_id:
             raise OperationError(f"A goal of id {request.id} has not ended yet")
@@ -226,7 +226,7 @@ class Actions:
         """Take a goal's result.
 
         Raises:
-            InvalidMessage: it does not fit the type; the goal's client was told so, too.
+            InvalidMessage: it does not fit the type; the goal's client gets the error, too.
         """
         goal, _ = self._goals.get(result.id, (None, ""))
         if goal is None:

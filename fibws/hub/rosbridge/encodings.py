@@ -1,6 +1,6 @@
-"""Encodings: how a publication becomes the frame that a subscription asked for.
+"""Encodings: how a publication becomes the frame that a subscription requests.
 
-A publication is encoded once in each form that somebody asked for (`Publication`). What is left to
+A publication is encoded once in each requested form (`Publication`). What is left to
 do for a group of subscriptions that are alike is to add the topic's name and the frame's header.
 """
 
@@ -71,10 +71,10 @@ class Encoding(NamedTuple):
     def for_topic(
         self, topic: Topic, spelling: str, failed: Callable[[Exception], object]
     ) -> EncodeFrame:
-        """Return what encodes the messages of a topic, whose name the client spells so.
+        """Return the encoder for the messages of a topic, with the client's spelling of its name.
 
         Args:
-            failed: is called with what is raised while a deferred frame is made.
+            failed: called with the error of a deferred frame.
         """
         if self.compression == ROS1:
             return _serialized(topic, headers=self.headers)

@@ -10,7 +10,7 @@ from fibws.protocol.operations import Advertise, Subscribe, encode_fields
 
 NOBODY = b"[]"
 MOST_AT_ONCE = 40
-"""Watchers that are all told at the end of the turn."""
+"""Most watchers that all get a report at the end of the turn."""
 PACE = 0.00025
 """Seconds for each of more watchers: if nodes join one by one, each is told at most so often that
 this takes some 3 % of a CPU."""
@@ -34,7 +34,7 @@ class PeerReports:
         self, peers: PeerWatch, request: Advertise | Subscribe, queue: SendQueue, clock: Clock
     ) -> None:
         self._peers = peers
-        # The first bytes are the same each time; there may be thousands who are told.
+        # The first bytes are always the same, and there may be thousands of reports.
         fields = {"op": "peers", "id": request.id, "topic": request.topic}
         self._list = encode_fields(fields)[:-1]
         if request.id is not None:
@@ -44,7 +44,7 @@ class PeerReports:
         self._clock = clock
 
     def changed(self) -> None:
-        """Report at the end of the turn, or later if there are many to tell."""
+        """Report at the end of the turn, or later if there are many watchers."""
         watchers = len(self._peers)
         if watchers <= MOST_AT_ONCE:
             self._queue.flusher.call_first(self.report)
@@ -52,7 +52,7 @@ class PeerReports:
             self._clock.call_later(watchers * PACE, self.report)
 
     def report(self) -> None:
-        """Send what the client does not know, now or when it reads again."""
+        """Send the changes that the client does not know, now or when it reads again."""
         self._queue.reply_fresh(self._frames)
 
     def _frames(self) -> bytes:

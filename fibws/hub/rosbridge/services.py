@@ -42,7 +42,7 @@ class WaitingCall(NamedTuple):
 
 
 class Calls:
-    """One client's calls until their responses; whatever becomes of a call, there is one."""
+    """One client's calls until their responses; each call gets one."""
 
     __slots__ = ("_client", "_deadlines", "_due", "_numbers", "_timer", "_waiting")
 
@@ -166,7 +166,7 @@ class Calls:
 class ServedService(NamedTuple):
     """One of the client's services, as it advertised it.
 
-    ``spelling`` is the service's name as the client knows it; ``headers`` tells whether it wants
+    ``spelling`` is the service's name as the client knows it; ``headers`` is true if it wants
     the callers' headers.
     """
 
@@ -180,7 +180,7 @@ class Services:
 
     As with the real server, a response may come on another connection than the call went out on:
     rosbridgecpp opens one for each operation. Whoever names the call's id, and may provide the
-    service, responds to it. Ids hold a secret of the server's, so that nobody else can name them.
+    service, responds to it. Ids hold a secret of the server's that others cannot guess.
     """
 
     __slots__ = ("_calls", "_calls_of", "_client", "_secret", "_served")
@@ -259,7 +259,7 @@ class Services:
         """Take the client's response to a call.
 
         Raises:
-            InvalidMessage: it does not fit the type; the caller was told so, too.
+            InvalidMessage: it does not fit the type; the caller gets the error, too.
             NotAllowed: the call went to another client, and this one may not provide the service.
         """
         call = self._server_of(response.id)._pop_call(response)

@@ -1,4 +1,4 @@
-"""Rosbridge sessions: what one client does, operation by operation.
+"""Rosbridge sessions: the operations of one client.
 
 A session is synchronous and knows no socket: messages come in by `Session.receive_text` and
 `receive_binary`, frames go out by the client's send queue. Each operation is done by the handler it
@@ -164,7 +164,7 @@ class Session:
         return self._reassembly.size if self._reassembly is not None else 0
 
     def receive_text(self, data: Payload) -> None:
-        """Perform what a text asks for; what is wrong with it is answered by a status.
+        """Perform the operations in a text; reply to errors with a status.
 
         Raises:
             InvalidUtf8: the bytes are not UTF-8.
@@ -185,7 +185,7 @@ class Session:
             self._statuses.error(None, str(error), code=error.code)
 
     def receive_binary(self, data: Payload) -> None:
-        """Perform what a binary message asks for; errors are answered by a status."""
+        """Perform the operation of a binary message; reply to errors with a status."""
         if self._client.serialized:
             try:
                 self.topics.publish_serialized(data)
@@ -274,7 +274,7 @@ class Session:
     def _refuse(
         self, fields: dict[str, Any], text: str, code: str, fault: Exception | None = None
     ) -> None:
-        """Report what is wrong with an operation, also to whoever waits for its outcome."""
+        """Report the error of an operation, also to the client that waits for its outcome."""
         operation, id_ = fields.get("op"), fields.get("id")
         prefix = f"{operation}: " if operation in REQUESTS else ""
         self._statuses.error(id_, f"{prefix}{text}", fault, code)
@@ -325,7 +325,7 @@ class Session:
             case Fragment():
                 self._reassemble(request)
             case Auth():
-                # A hub without authentication accepts whoever offers some.
+                # A hub without authentication accepts all credentials.
                 text = "auth: ignored, no authentication is enabled"
                 self._statuses.warning(request.id, text)
             case SetLevel():

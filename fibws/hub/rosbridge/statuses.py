@@ -1,4 +1,4 @@
-"""Statuses: what the hub reports to one client about its operations, and to the log."""
+"""Statuses: reports to one client about its operations, and to the log."""
 
 from __future__ import annotations
 

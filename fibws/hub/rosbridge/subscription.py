@@ -1,4 +1,4 @@
-"""Subscriptions: what one client wants of one topic, under the spelling that it used."""
+"""Subscriptions of one client to one topic, under the spelling that it used."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class Group(FanOut[Publication, "Subscription"]):
                 member.report_invalid_text()
 
     def fail(self, fault: Exception, members: Iterable[Subscription]) -> None:
-        """Report that a message cannot be encoded, to those who asked for it.
+        """Report that a message cannot be encoded to its subscribers.
 
         Some asked before the type was known; any other exception is the hub's own failure.
         """
@@ -173,7 +173,7 @@ class Subscription:
         self._statuses = statuses
         self._complained = False
         self._answered: MessageType | None = None
-        """The type that the client was told."""
+        """The type that was reported to the client."""
         self._reported_text = False
         self._default = queue_length
 
@@ -192,7 +192,7 @@ class Subscription:
                 self.report_invalid_text()
 
     def replay(self, publication: Publication) -> None:
-        """Take a latched message, whatever the throttle; raises `OperationError`."""
+        """Take a latched message regardless of the throttle; raise `OperationError`."""
         if self._group is not None:
             self.answer(publication.type)
             self._group.send_now(self, self._group.frame(publication))
@@ -310,10 +310,10 @@ class Subscription:
         return group
 
     def _join(self, group: Group | None, requests: dict[Id, Subscribe]) -> None:
-        """Move to a group, with the throttle and the limit that the requests come to.
+        """Move to a group, with the throttle and the limit of all requests together.
 
         The lowest throttle_rate and the highest queue_length count, as rosbridge's specification
-        says. A request that names no queue_length asks for the default where no throttle does.
+        says. A request without queue_length means the default.
         """
         period, queue_length = 0.0, 0
         if requests:
@@ -348,7 +348,7 @@ class Subscription:
 
 
 def _names_fields(request: Subscribe) -> bool:
-    """Return whether a request says which fields its type has, and not only what it is called."""
+    """Return whether a request defines the fields of its type, and not only its name."""
     return request.definition is not None or request.md5sum is not None
 
 

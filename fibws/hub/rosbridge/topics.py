@@ -223,7 +223,7 @@ class Topics:
         return self._pending.put(topic.name, request)
 
     def _publish_pending(self, topic: Topic) -> None:
-        """Publish what waited for the topic's type."""
+        """Publish the messages that waited for the topic's type."""
         if self._pending is not None:
             for request in self._pending.take(topic.name):
                 self._publish_late(request)
@@ -320,7 +320,7 @@ class Topics:
                 del self.subscriptions[request.topic]
 
     def _with_known_compression(self, request: Subscribe, topic: Topic) -> Subscribe:
-        """Return the request, which has none of rosbridge's compressions, as it can be met."""
+        """Return the request with a compression that is possible."""
         if request.compression == ROS1 and self._client.serialized:
             return request
         self._client.statuses.warning(
@@ -360,7 +360,7 @@ class Topics:
 
 
 class PendingPublishes:
-    """Messages of a client that has just connected and has yet to advertise: they wait for that.
+    """Messages of a client that has just connected and not advertised yet; they wait for that.
 
     roslibpy that has lost its hub and found it again publishes for a second before it advertises
     again.

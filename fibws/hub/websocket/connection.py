@@ -82,7 +82,7 @@ READ_SIZE = 512 * KIB
 
 
 class Observer(Protocol):
-    """Is told what happens to connections."""
+    """Observes connections."""
 
     def opened(self, connection: Connection) -> None:
         """A socket has been opened."""
@@ -266,7 +266,7 @@ class Connection(asyncio.BufferedProtocol):
             self._shared.turns.wait(self)
 
     def take_turn(self) -> None:
-        """Handle what was read already; if that is all, read on."""
+        """Handle the data read before; continue reading once it is used up."""
         self._waiting = False
         if self._transport.is_closing():
             return
@@ -344,7 +344,7 @@ class Connection(asyncio.BufferedProtocol):
     # Reading.
 
     def _feed(self, data: bytes) -> None:
-        """Let the library read, and do what it says."""
+        """Pass data to the library, and process its events."""
         if self._protocol.state is State.CLOSED:
             return
         self._protocol.receive_data(data)
@@ -404,7 +404,7 @@ class Connection(asyncio.BufferedProtocol):
     # Writing.
 
     def _send(self) -> None:
-        """Write what the library wants written."""
+        """Write the library's output."""
         for data in self._protocol.data_to_send():
             if data:
                 if self.endpoint is None or self._left:
@@ -427,7 +427,7 @@ class Connection(asyncio.BufferedProtocol):
                 self._transport.abort()
 
     def ping(self, data: bytes) -> None:
-        """Send a ping; `Observer.ponged` is given what its pong brings back."""
+        """Send a ping; `Observer.ponged` gets the payload of its pong."""
         if self._protocol.state is State.OPEN:
             self._protocol.send_ping(data)
             self._send()
@@ -449,7 +449,7 @@ class Connection(asyncio.BufferedProtocol):
         self._transport.abort()
 
     def fail(self, reason: CloseReason) -> None:
-        """Close because of what the client did or did not do."""
+        """Close because of a fault of the client."""
         if self._protocol.state is not State.OPEN:
             return
         logger.warning("%s is closed: %s.", self.name, reason.reason)
@@ -459,7 +459,7 @@ class Connection(asyncio.BufferedProtocol):
         self._send()
 
     def _leave(self) -> None:
-        """Take the client's registrations back; what it was sent until now still goes out."""
+        """Remove the client's registrations; frames queued until now are still sent."""
         if self.endpoint is not None and not self._left:
             self._left = True
             self._fragments = []
@@ -468,7 +468,7 @@ class Connection(asyncio.BufferedProtocol):
             self.queue.close()
 
     def _release(self) -> None:
-        """Free what the client has sent in part, and all else.
+        """Free incomplete messages of the client, and everything else.
 
         Otherwise megabytes would be kept until the cyclic garbage collector comes: the parser, the
         endpoint and the library's protocol refer back to the connection, or to themselves.
@@ -483,7 +483,7 @@ class Connection(asyncio.BufferedProtocol):
     # Once a second.
 
     def sweep(self, now: float, late: float) -> None:
-        """Do what is overdue.
+        """Do the overdue action.
 
         Args:
             now: seconds of the loop's clock.

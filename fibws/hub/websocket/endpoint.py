@@ -32,7 +32,7 @@ class Endpoint(Protocol):
         """Take a text message; raise `InvalidUtf8` to have the connection closed."""
 
     def receive_binary(self, data: Payload) -> None:
-        """Take a binary message, which nobody else holds."""
+        """Take a binary message, and own its buffer."""
 
     def leave(self) -> None:
         """Take the client's registrations back; called once, when the connection ends."""
@@ -43,7 +43,7 @@ class Opening:
     """The parameters of a new endpoint.
 
     Attributes:
-        node: the global name that the client asked for, if any.
+        node: the global name that the client requested, if any.
         queue: takes the frames for the client.
         close: closes the connection.
     """

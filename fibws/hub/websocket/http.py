@@ -1,4 +1,4 @@
-"""HTTP requests on the hub's port: which WebSockets may open, and what plain requests get.
+"""HTTP requests on the hub's port: which WebSockets may open, and responses to plain requests.
 
 A web page may speak to the hub only if its origin names a host that the hub is known by: its own
 ``Host`` header proves nothing, since a stranger's page can give its name this machine's address
@@ -31,7 +31,7 @@ from fibws.hub.settings import Settings
 
 BUILT = resources.files("fibws").joinpath("hub", "page")
 
-# The system's own table of types, which the module mimetypes reads, may be anything.
+# The system's table of types, which the module mimetypes reads, may be wrong.
 CONTENT_TYPES = {
     "css": "text/css",
     "html": "text/html",
@@ -89,7 +89,7 @@ class HttpRequests:
     """Responds to the requests that reach the hub's port.
 
     Args:
-        files: what a browser may fetch, as `read_files` gives it.
+        files: the files that a browser may fetch, from `read_files`.
         reserved: names of nodes that no client may take.
     """
 

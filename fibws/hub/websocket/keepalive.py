@@ -75,7 +75,7 @@ class Keepalive:
             self._closing_since += seconds
 
     def verdict(self, now: float, unsent: int) -> Verdict:
-        """Return what is overdue; ``unsent`` bytes wait in the transport."""
+        """Return the overdue action; ``unsent`` bytes wait in the transport."""
         settings = self._settings
         self._see_progress(now, unsent)
         if self._closing_since is not None:

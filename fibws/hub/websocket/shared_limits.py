@@ -1,7 +1,7 @@
 """SharedLimits for all connections together: how many there may be, and the bytes kept for them.
 
 What one client may have is limited elsewhere; a thousand clients may have a thousand times as much.
-Bytes are counted only when so many have come since the last time that they might be too many.
+Bytes are counted only after enough new ones that the limit may be reached.
 """
 
 from __future__ import annotations
@@ -74,9 +74,9 @@ class SharedLimits:
         self.refused = 0
         """Connections refused so far."""
         self.queued = ByteAllowance(lambda: call_soon(self.check_queued))
-        """Is told of bytes that wait for clients."""
+        """Counts down the bytes that may still wait for clients."""
         self.incoming = ByteAllowance(lambda: call_soon(self.check_incoming))
-        """Is told of bytes that clients have sent."""
+        """Counts down the bytes that clients may still send."""
         self._settings = settings
         self._connections = connections
         self._throttled = 0
@@ -198,7 +198,7 @@ class SharedLimits:
     # Once a second.
 
     def sweep(self) -> None:
-        """Log what was refused and dropped, and count what throttles hold back."""
+        """Log refused connections and drops, and count the messages that throttles hold back."""
         throttled = sum(each.queue.throttled_bytes for each in self._clients())
         self.queued.left -= max(0, throttled - self._throttled)
         self._throttled = throttled

@@ -3,7 +3,7 @@
 A connection with little to read is served at once. One with more than fits its turn waits in a
 queue with the others of its kind, and its socket is not read meanwhile. Each iteration of the loop
 spends a few milliseconds on that queue, so that all other connections are served in between,
-however many wait and whatever their operations cost.
+regardless of how many wait and what their operations cost.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ class Reader(Protocol):
     """A connection that has more to read than fits its turn."""
 
     def take_turn(self) -> None:
-        """Handle what was read until `Turns.go_on` says 0, then wait again or read on."""
+        """Handle data read before until `Turns.go_on` returns 0, then wait again or read on."""
 
     def abort(self) -> None:
         """Cut the connection off."""
