@@ -3,6 +3,7 @@
 FibwsError
 ├── InvalidName            a graph name that ROS does not allow
 ├── InvalidValue           a value, a field or a condition that a person typed is invalid
+│   └── UnknownField           messages have no such field, or an array is too short
 ├── UnknownName            the hub has no node, topic, service or action of this name
 ├── InterfaceError         something is wrong with a type
 │   ├── DefinitionError        a .msg, .srv or .action text that does not parse
@@ -80,8 +81,12 @@ class InvalidName(FibwsError, ValueError):
         super().__init__(f"{name!r} is not a legal name: {fault}")
 
 
-class InvalidValue(FibwsError):
+class InvalidValue(FibwsError, ValueError):
     """A value, a field or a condition that a person typed is invalid; the text says why."""
+
+
+class UnknownField(InvalidValue, LookupError):
+    """The messages of a type have no such field, or an array of a message is too short."""
 
 
 class UnknownName(FibwsError, LookupError):

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
-from fibws.errors import InvalidValue
+from fibws.errors import InvalidValue, UnknownField
 from fibws.values.printing import elements
 from fibws.values.typedefs import TIMES, Field, Typedefs
 
@@ -44,13 +44,13 @@ class Path:
         """What it leads to, in messages of a type.
 
         Raises:
-            LookupError: there is no such field; the text says what there is.
+            UnknownField: there is no such field.
         """
         field = Field("", typedefs.root)
         is_list = False
         for step in self.steps:
             if field.length is not None:
-                raise LookupError(f"{field.name} has several elements: write {field.name}[0]")
+                raise UnknownField(f"{field.name} has several elements: write {field.name}[0]")
             fields = _TIME if field.type in TIMES else []
             if field.type in typedefs:
                 fields = typedefs.fields(field.type)
@@ -58,13 +58,13 @@ class Path:
             if step.which is None:
                 continue
             if field.length is None:
-                raise LookupError(f"{step.name} is a {field.type}, no array")
+                raise UnknownField(f"{step.name} is a {field.type}, no array")
             field = Field(step.name, field.type)
             is_list = is_list or isinstance(step.which, slice)
         return Field(field.name, field.type, 0) if is_list else field
 
     def pick(self, message: Any, typedefs: Typedefs) -> Any:
-        """The value in a message; it raises `LookupError` if an array is not that long."""
+        """The value in a message; it raises `UnknownField` if an array is too short."""
         return _pick(message, Field("", typedefs.root), self.steps, typedefs)
 
 
@@ -93,7 +93,7 @@ def _pick(value: Any, field: Field, steps: list[Step], typedefs: Typedefs) -> An
         try:
             value = several[step.which]
         except IndexError:
-            raise LookupError(f"{step.name} has only {len(several)} elements") from None
+            raise UnknownField(f"{step.name} has only {len(several)} elements") from None
         if isinstance(step.which, slice):
             return [_pick(each, field, steps[i + 1 :], typedefs) for each in value]
     return value
@@ -104,7 +104,7 @@ def _named(name: str, fields: list[Field], type_: str) -> Field:
         if field.name == name:
             return field
     there = ", ".join(each.name for each in fields) or "no fields that are known"
-    raise LookupError(f"no field named {name} in {type_}, which has {there}")
+    raise UnknownField(f"no field named {name} in {type_}, which has {there}")
 
 
 def _step(part: str) -> Step:

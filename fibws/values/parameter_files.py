@@ -7,11 +7,11 @@ import math
 import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 from fibws import names
 from fibws.errors import InvalidValue, ParameterError
-from fibws.values import angles, parsing
+from fibws.values import parsing
 
 if TYPE_CHECKING:
     import yaml
@@ -20,9 +20,6 @@ MOST_CHARACTERS = 2**26
 """Of a file: no hub takes as many, and a device may have no end."""
 NAMESPACE = "_ns"
 """The key by which a document names the namespace of its parameters."""
-
-
-Convert: TypeAlias = Callable[[str], float]
 
 
 def written(value: Any) -> str:
@@ -163,20 +160,40 @@ def _refuse(value: object) -> None:
 
 
 def loader() -> type[yaml.SafeLoader]:
-    """YAML as rosparam reads it: with angles."""
+    """Return the loader of YAML with angles, as rosparam reads it."""
     import yaml
 
     class Loader(yaml.SafeLoader):
         pass
 
-    for tag, word, convert in (
-        ("!degrees", "deg", angles.degrees),
-        ("!radians", "rad", angles.radians),
-    ):
+    for tag, word, angle in (("!degrees", "deg", degrees), ("!radians", "rad", radians)):
 
-        def construct(loader: Any, node: Any, convert: Convert = convert) -> float:
-            return convert(str(loader.construct_scalar(node)))
+        def construct(loader: Any, node: Any, angle: Callable[[str], float] = angle) -> float:
+            return angle(str(loader.construct_scalar(node)))
 
         Loader.add_constructor(tag, construct)
         Loader.add_implicit_resolver(tag, re.compile(rf"{word}\([^)]*\)$"), [word[0]])
     return Loader
+
+
+def degrees(text: str) -> float:
+    """Return the radians of ``deg(180)`` or ``180``; raise `InvalidValue` for anything else."""
+    try:
+        return math.radians(float(_argument("deg", text)))
+    except ValueError:
+        raise InvalidValue(f"invalid angle in degrees {text!r}; example: deg(180)") from None
+
+
+def radians(text: str) -> float:
+    """Return the value of ``rad(2*pi)`` or ``2*pi``; raise `InvalidValue` for anything else."""
+    from fibws.values.expressions import Expression
+
+    try:
+        return float(Expression(_argument("rad", text), {"pi": math.pi}).value())
+    except (ValueError, TypeError, OverflowError):
+        raise InvalidValue(f"invalid angle in radians {text!r}; example: rad(pi/2)") from None
+
+
+def _argument(function: str, text: str) -> str:
+    text = text.strip()
+    return text[len(function) + 1 : -1] if text.startswith(f"{function}(") else text

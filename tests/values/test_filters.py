@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from fibws.errors import InvalidValue
+from fibws.errors import InvalidValue, UnknownField
 from fibws.values.filters import Filter
 from fibws.values.typedefs import Typedefs
 
@@ -59,52 +59,53 @@ def passes(text: str) -> bool:
         "m.header.seq % 2",
         "m.data[1] == 2 and m.data[-1] == 3 and len(m.data) == 3",
         "m.points[0].x < m.points[1].x and len(m.points[0:1]) == 1",
+        "m.header.seq ** 2 == 49 and m.header.seq & 4",
+        "m.name.startswith('two') and max(m.x, 1) == m.x",
+        "m.data == [1, 2, 3]",
+        "len(m.points) < 2 or m.points[1].x == 2",
         "m.nan != m.nan and not m.nan > 1 and not m.nan < 1",
     ],
 )
-def test_a_condition_that_is_met_is_no_longer_so_if_it_is_turned_around(text: str) -> None:
+def test_conditions_that_are_met(text: str) -> None:
     assert passes(text)
     assert not passes(f"not ({text})")
 
 
 @pytest.mark.parametrize(
-    ("text", "fault"),
+    ("text", "fact"),
     [
-        ("", "is no condition"),
-        ("m.x >", "invalid syntax"),
-        ("x > 1", "no room for x"),
-        ("m", "no room for m"),
-        ("m > 1", "no room for m"),
-        ("m['x'] > 1", r"no room for m\['x'\]"),
-        ("__import__('os').system('true')", "no room for __import__"),
-        ("m.x.__class__()", r"no room for m.x.__class__\(\)"),
-        ("m.points[m.x]", "is no field"),
-        ("m.f().x", "is no field"),
-        ("[m.x for m in m]", "no room for"),
-        ("lambda: 1", "no room for"),
-        ("(m.x := 1)", "invalid syntax|assignment|cannot use"),
-        ("2 ** 2", "no room for"),
-        ("len(m.name, 1)", "no room for"),
-        ("m.x if m.x else 1", "no room for"),
-        ("None", "no room for"),
-        ("m.x > 1\0", "null bytes"),
-        ("(" * 1_000 + "1" + ")" * 1_000, "is no condition"),
-        ("m" + ".x" * 50_000, "is no condition"),
+        ("", "syntax"),
+        ("m.x >", "syntax"),
+        ("x > 1", "name x"),
+        ("m", "name m"),
+        ("m > 1", "name m"),
+        ("m['x'] > 1", "name m"),
+        ("__import__('os').system('true')", "system"),
+        ("m.x.__class__()", "__class__"),
+        ("m.points[m.x]", "points"),
+        ("m.f().x", "f"),
+        ("[m.x for m in m]", "for m in m"),
+        ("lambda: 1", "lambda"),
+        ("(m.x := 1)", "m.x"),
+        ("m.x > 1\0", "null"),
+        ("(" * 1_000 + "1" + ")" * 1_000, "--filter"),
+        ("m" + ".x" * 50_000, "limit: 10000"),
+        ("m" + ".x" * 4_000, "nested"),
     ],
 )
-def test_what_is_no_condition_is_wrong_usage(text: str, fault: str) -> None:
-    with pytest.raises(InvalidValue, match=fault):
+def test_invalid_conditions_are_refused(text: str, fact: str) -> None:
+    with pytest.raises(InvalidValue, match=fact):
         Filter(text)
 
 
 @pytest.mark.parametrize("text", ["m.y > 1", "m.header.x", "m.x.y", "m.points.x", "m.x[0] > 1"])
-def test_fields_that_there_are_not_are_known_before_there_is_a_message(text: str) -> None:
-    with pytest.raises(LookupError):
+def test_unknown_fields_are_found_before_the_first_message(text: str) -> None:
+    with pytest.raises(UnknownField):
         Filter(text).check(TYPEDEFS)
 
 
-def test_an_array_may_turn_out_too_short() -> None:
-    with pytest.raises(LookupError, match="points has only 2 elements"):
+def test_an_array_that_is_too_short_is_an_unknown_field() -> None:
+    with pytest.raises(UnknownField, match=r"points.*2"):
         passes("m.points[5].x > 1")
 
 
@@ -121,6 +122,6 @@ def test_an_array_may_turn_out_too_short() -> None:
         "'%99999999999999d' % 5 == m.name",
     ],
 )
-def test_what_cannot_be_calculated_is_wrong_usage(text: str) -> None:
+def test_conditions_that_cannot_be_evaluated_are_invalid(text: str) -> None:
     with pytest.raises(InvalidValue, match="--filter"):
         passes(text)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -72,7 +73,7 @@ def test_a_word_has_yamls_type(word: str, value: object) -> None:
     [
         ("[1", "This is no YAML: expected ',' or ']'"),
         ("!!python/object:os.system {}", "This is no YAML: could not determine a constructor"),
-        ("rad(x)", "'rad(x)' is no angle in radians"),
+        ("rad(x)", "angle in radians 'rad(x)'"),
         ("2020-13-45", "month must be in 1..12"),
         ("[" * 1_000, "'[[["),
     ],
@@ -141,7 +142,7 @@ def test_a_file_may_have_several_documents_and_name_namespaces() -> None:
             "This is no YAML: expected ',' or ']', but got '<stream end>' (line 1, column 6)",
         ),
         ("a: 2020-13-45", "month must be in 1..12"),
-        ("a: deg(x)", "'deg(x)' is no angle in degrees"),
+        ("a: deg(x)", "angle in degrees 'deg(x)'"),
         ("[" * 1_000, "maximum recursion depth exceeded"),
         ("a: !!timestamp x", "groupdict"),
     ],
@@ -185,3 +186,50 @@ def test_few_lines_that_stand_for_billions_of_values_are_refused() -> None:
     lines = [f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 10)}]" for n in range(1, 12)]
     with pytest.raises((InvalidValue, ParameterError), match="more than 5000000 values"):
         parameter_files.parameters("\n".join(["a0: &a0 [0, 0]", *lines]), "/")
+
+
+@pytest.mark.parametrize("text", ["deg(180)", "180", " deg( 180 ) ", "1.8e2"])
+def test_angles_in_degrees(text: str) -> None:
+    assert parameter_files.degrees(text) == math.pi
+
+
+@pytest.mark.parametrize("text", ["deg(x)", "deg()", "", "deg(90*2)"])
+def test_invalid_angles_in_degrees(text: str) -> None:
+    with pytest.raises(InvalidValue, match=re.escape(repr(text))):
+        parameter_files.degrees(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("rad(pi)", math.pi),
+        ("rad(pi/2)", math.pi / 2),
+        ("2*pi", 2 * math.pi),
+        ("rad(-pi + 1)", 1 - math.pi),
+        ("rad(pi**2)", math.pi**2),
+        ("rad(1.5)", 1.5),
+        ("rad(1 - 3)", -2.0),
+    ],
+)
+def test_angles_in_radians(text: str, value: float) -> None:
+    assert parameter_files.radians(text) == value
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "rad()",
+        "rad(x)",
+        "rad(pi",
+        "rad(__import__('os'))",
+        "rad('one')",
+        "rad([1])",
+        "rad(1/0)",
+        "rad(9**9**9**9)",
+        "rad(2**2000)",
+        f"rad({'-' * 100_000}1)",
+    ],
+)
+def test_invalid_angles_in_radians(text: str) -> None:
+    with pytest.raises(InvalidValue, match="invalid angle in radians"):
+        parameter_files.radians(text)

@@ -12,6 +12,7 @@ from fibws.cli import complete, output
 from fibws.cli.common_options import json_option, linked
 from fibws.cli.topic.target import Target, global_name, retarget, wait
 from fibws.client.hub_client import HubClient
+from fibws.errors import UnknownField
 from fibws.values import printing
 
 if TYPE_CHECKING:
@@ -84,7 +85,7 @@ def command(
     if wanted is not None:
         try:
             wanted.check(target.typedefs)
-        except LookupError as error:
+        except UnknownField as error:
             raise click.UsageError(f"--filter: {error}") from None
     for message in client.messages(target.topic):
         target = _up_to_date(client, target, message)
@@ -92,7 +93,7 @@ def command(
             if wanted is not None and not wanted.passes(message, target.typedefs):
                 continue
             value = target.path.pick(message, target.typedefs)
-        except LookupError as error:
+        except UnknownField as error:
             click.echo(str(error), err=True)
             continue
         show(value, target)

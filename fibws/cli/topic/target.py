@@ -10,7 +10,7 @@ from typing import NamedTuple
 import click
 
 from fibws.client.hub_client import HubClient
-from fibws.errors import ServiceError
+from fibws.errors import ServiceError, UnknownField
 from fibws.suggestions import hint
 from fibws.values.field_paths import Path, splits
 from fibws.values.typedefs import Field, Typedefs, if_known
@@ -47,12 +47,12 @@ def find(client: HubClient, name: str) -> Target | None:
     type_ = client.call("/rosapi/topic_type", {"topic": name})["type"] if _is_name(name) else ""
     if type_:
         return _target(client, name, type_, Path(""))
-    fault: LookupError | None = None
+    fault: UnknownField | None = None
     types = all_types(client)
     for topic, path in splits(name, (topic for topic, type_ in types.items() if type_)):
         try:
             return _target(client, topic, types[topic], Path(path))
-        except LookupError as error:
+        except UnknownField as error:
             fault = fault or error
     if fault is not None:
         raise click.ClickException(f"{name}: {fault}")
@@ -91,7 +91,7 @@ def wait(client: HubClient, name: str, *, subscribe: Callable[[str], None] | Non
 def retarget(client: HubClient, target: Target, type_: str) -> Target:
     """Return a target with another type, which may lack the field."""
     target = target._replace(type=type_, typedefs=if_known(Typedefs.of_message, client, type_))
-    with suppress(LookupError):
+    with suppress(UnknownField):
         target = target._replace(field=target.path.field(target.typedefs))
     return target
 

@@ -3,7 +3,7 @@
     reader       launch files, tag by tag: arguments, groups, includes
     node         <node>, <test>, <remap>, <env>;  parameter  <param>, <rosparam>
     attributes   those a tag has; substitution  $(arg x); value  1 or "1"
-    evaluation   $(eval ...), of what is in its vocabulary
+    evaluation   $(eval ...), a Python expression
     scope        what holds where a tag stands;  tag  one that knows its file and line
     world        what all these ask of their surroundings;  surroundings  what this machine says
     model        what was read: nodes, parameters, arguments;  listing  how that is told

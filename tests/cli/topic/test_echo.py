@@ -81,19 +81,19 @@ def test_a_filter_leaves_out_what_is_not_wanted(run: Run, publish: Publish) -> N
 
 
 @pytest.mark.parametrize(
-    ("condition", "fault"),
+    ("condition", "fact"),
     [
-        ("m.data > 'x'", "--filter cannot be told of a message: "),
-        ("m.date > 5", "--filter: no field named date in std_msgs/Int32, which has data"),
-        ("data > 5", "--filter 'data > 5' is no condition: there is no room for data"),
+        ("m.data > 'x'", "--filter"),
+        ("m.date > 5", "date"),
+        ("data > 5", "m.data > 5"),
     ],
 )
-def test_a_filter_that_is_none_is_wrong_usage(
-    run: Run, publish: Publish, condition: str, fault: str
+def test_an_invalid_filter_is_wrong_usage(
+    run: Run, publish: Publish, condition: str, fact: str
 ) -> None:
     publish("/number", "std_msgs/Int32", {"data": 8})
     result = run("topic", "echo", "--filter", condition, "/number")
-    assert (result.exit_code, f"Error: {fault}" in result.output) == (2, True), result.output
+    assert result.exit_code == 2 and fact in result.output.partition("Error: ")[2], result.output
 
 
 def test_bags_are_said_not_to_be_read(run: Run) -> None:

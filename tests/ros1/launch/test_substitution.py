@@ -73,7 +73,7 @@ def test_a_value_is_not_read_again(scope: Scope) -> None:
         ("$(arg $(arg who))", "a $( has another ( or $ in it"),
         ("x$(eval 1)", "$(eval ...) must be all of it"),
         ("$(eval rate > 1)", "the arg rate has no value"),
-        ("$(eval nope)", "nothing is called nope"),
+        ("$(eval nope)", "unknown name nope"),
     ],
 )
 def test_what_stands_for_nothing_is_an_error(text: str, error: str, scope: Scope) -> None:
