@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import pytest
-
 from fibws.action import action_class
 from fibws.action.actionlib_tutorials import Fibonacci
 from fibws.interfaces import Action, Interfaces
@@ -13,14 +11,14 @@ INTERFACES = Interfaces()
 ACTIONS = [name for package in INTERFACES.packages() for name in INTERFACES.actions(package)]
 
 
-@pytest.mark.parametrize("name", ACTIONS)
-def test_an_action_has_the_messages_of_its_definition(name: str) -> None:
-    action = action_class(name)
-    assert issubclass(action, Action)
-    assert action._type == name
-    assert action.Goal is message_class(f"{name}Goal")
-    assert action.Result is message_class(f"{name}Result")
-    assert action.Feedback is message_class(f"{name}Feedback")
+def test_each_action_has_the_messages_of_its_definition() -> None:
+    for name in ACTIONS:
+        action = action_class(name)
+        assert issubclass(action, Action), name
+        assert action._type == name
+        assert action.Goal is message_class(f"{name}Goal"), name
+        assert action.Result is message_class(f"{name}Result"), name
+        assert action.Feedback is message_class(f"{name}Feedback"), name
 
 
 def test_an_action_has_one_class_by_either_spelling() -> None:

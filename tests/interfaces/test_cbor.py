@@ -10,8 +10,9 @@ from typing import Any
 import cbor2
 import numpy
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from random_inputs import examples
 
 from fibws.errors import UnknownPackage
 from fibws.interfaces import Interfaces
@@ -58,9 +59,8 @@ def _expected(interfaces: Interfaces, field: Field, value: Any) -> Any:
     return [expected(interfaces, field.type, element) for element in value]
 
 
-@pytest.mark.parametrize("type_", TYPES)
-@settings(max_examples=6, deadline=None, suppress_health_check=[HealthCheck.too_slow])
-@given(data=st.data())
+@examples(5)
+@given(st.sampled_from(TYPES), st.data())
 def test_any_message_of_a_standard_type_is_encoded(type_: str, data: st.DataObject) -> None:
     message = data.draw(messages(STANDARD, type_))
     decoded = cbor2.loads(ENCODERS.of(type_).encode(message))

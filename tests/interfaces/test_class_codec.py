@@ -14,8 +14,9 @@ import numpy
 import pytest
 from genpy.classes import message_class as genpy_class
 from genpy.classes import service_class as genpy_service
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from random_inputs import examples
 from rospy.exceptions import ROSException
 from rospy.msg import AnyMsg
 from rospy.numpy_msg import numpy_msg
@@ -143,9 +144,8 @@ def test_values_are_exact(type_: str, fields: dict[str, Any], genpy: bool) -> No
     )
 
 
-@pytest.mark.parametrize("type_", TYPES)
-@settings(max_examples=2, deadline=None, suppress_health_check=[HealthCheck.too_slow])
-@given(data=st.data())
+@examples(2)
+@given(st.sampled_from(TYPES), st.data())
 def test_objects_have_the_bytes_of_dicts(type_: str, data: st.DataObject) -> None:
     values = data.draw(messages(STANDARD, type_, canonical=True))
     expected = SERIALIZERS.of(type_).serialize(values)

@@ -12,8 +12,9 @@ from struct import pack
 from typing import Any
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from random_inputs import examples
 
 from fibws.errors import InvalidMessage, UnknownPackage
 from fibws.interfaces import Interfaces, Validators
@@ -90,16 +91,14 @@ def check(oracle: Oracle, serializers: Serializers, type_: str, message: dict[st
     assert comparable(serializer.deserialize(data)) == comparable(plain)
 
 
-@pytest.mark.parametrize("type_", TYPES)
-@settings(max_examples=6, deadline=None, suppress_health_check=[HealthCheck.too_slow])
-@given(data=st.data())
+@examples(5)
+@given(st.sampled_from(TYPES), st.data())
 def test_any_message_of_a_standard_type_has_the_right_bytes(
     type_: str, data: st.DataObject
 ) -> None:
     check(ORACLE, SERIALIZERS, type_, data.draw(messages(STANDARD, type_)))
 
 
-@settings(deadline=None)
 @given(data=st.data())
 def test_any_message_of_an_odd_type_has_the_right_bytes(
     interfaces: Interfaces, oracle: Oracle, data: st.DataObject
@@ -108,11 +107,15 @@ def test_any_message_of_an_odd_type_has_the_right_bytes(
     check(oracle, Serializers(interfaces), "odd_msgs/All", message)
 
 
-@pytest.mark.parametrize("type_", TYPES)
-def test_a_message_of_defaults_comes_back(type_: str) -> None:
-    message = Validators(STANDARD, lambda: 5).of(type_).validate({})
-    serializer = SERIALIZERS.of(type_)
-    assert serializer.deserialize(serializer.serialize(message)) == message
+def test_a_message_of_defaults_comes_back() -> None:
+    validators = Validators(STANDARD, lambda: 5)
+    for type_ in TYPES:
+        message = validators.of(type_).validate({})
+        serializer = SERIALIZERS.of(type_)
+        data = serializer.serialize(message)
+        assert serializer.deserialize(data) == message, type_
+        assert serializer.to_cbor(data) == CBOR_ENCODERS.of(type_).encode(message), type_
+        assert data == ORACLE.serialize(type_, message), type_
 
 
 def test_a_serializer_is_built_once() -> None:
@@ -206,9 +209,8 @@ def test_invalid_bytes_are_refused_and_the_field_is_named(
         assert re.findall(r"\d+", found) == numbers
 
 
-@pytest.mark.parametrize("type_", TYPES)
-@settings(max_examples=6, deadline=None, suppress_health_check=[HealthCheck.too_slow])
-@given(data=st.data())
+@examples(5)
+@given(st.sampled_from(TYPES), st.data())
 def test_check_accepts_what_can_be_deserialized(type_: str, data: st.DataObject) -> None:
     """Random bytes, and bytes of messages that are changed, cut or extended."""
     serializer = SERIALIZERS.of(type_)
@@ -220,7 +222,6 @@ def test_check_accepts_what_can_be_deserialized(type_: str, data: st.DataObject)
     accepts_alike(serializer, data.draw(st.just(bytes(fuzzed)) | st.binary(max_size=300)))
 
 
-@settings(deadline=None, max_examples=50)
 @given(data=st.binary(max_size=100))
 def test_check_accepts_what_can_be_deserialized_of_odd_types(
     interfaces: Interfaces, data: bytes
@@ -291,9 +292,8 @@ def test_the_diagnosis_of_many_elements_ends() -> None:
         SERIALIZERS.of("rosgraph_msgs/Log").check(data)
 
 
-@pytest.mark.parametrize("type_", TYPES)
-@settings(max_examples=2, deadline=None, suppress_health_check=[HealthCheck.too_slow])
-@given(data=st.data())
+@examples(2)
+@given(st.sampled_from(TYPES), st.data())
 def test_cbor_is_that_of_dicts(type_: str, data: st.DataObject) -> None:
     serializer = SERIALIZERS.of(type_)
     serialized = serializer.serialize(data.draw(messages(STANDARD, type_)))

@@ -7,7 +7,7 @@ from math import inf, isnan, nan
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from pydantic_core import from_json, to_json
 
@@ -543,7 +543,6 @@ json_values = st.recursive(
 )
 
 
-@settings(deadline=None)
 @given(
     name=st.sampled_from(
         "sensor_msgs/PointCloud sensor_msgs/PointCloud2 geometry_msgs/PoseWithCovarianceStamped "

@@ -22,13 +22,17 @@ def fresh(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Let each test begin with the standard types alone."""
     monkeypatch.setattr(_finder, "_interfaces", Interfaces())
     monkeypatch.delenv("FIBWS_INTERFACES", raising=False)
-    before = set(sys.modules)
+    before = dict(sys.modules)
     yield
-    for name in set(sys.modules) - before:
+    for name, module in list(sys.modules.items()):
         parent, _, package = name.rpartition(".")
-        if parent in ("fibws.msg", "fibws.srv", "fibws.action"):
-            del sys.modules[name]
+        if parent in ("fibws.msg", "fibws.srv", "fibws.action") and module is not before.get(name):
             delattr(sys.modules[parent], package)
+            if name in before:
+                sys.modules[name] = before[name]
+                setattr(sys.modules[parent], package, before[name])
+            else:
+                del sys.modules[name]
 
 
 def write(folder: Path, package: str, name: str, text: str, kind: str = "msg") -> Path:

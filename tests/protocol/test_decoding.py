@@ -213,7 +213,7 @@ def test_tag_of_self_described_cbor_is_skipped() -> None:
 @pytest.mark.parametrize("payload", ["00", "4100", "820102"])
 def test_all_tags_except_typed_arrays_are_refused(payload: str) -> None:
     typed = {*range(64, 88)} - {76, 83, 87}
-    for tag in {*range(2**16), 2**32, 2**64 - 1} - typed:
+    for tag in {*range(1000), *(2**bits - 1 for bits in range(10, 65))} - typed:
         head = cbor2.dumps(cbor2.CBORTag(tag, 0))[:-1]
         with pytest.raises(OperationError, match="Expected a map in CBOR"):
             decode_cbor(b"\xa1\x61a" + head + bytes.fromhex(payload))

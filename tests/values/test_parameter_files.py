@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from random_inputs import examples
 
 from fibws.errors import InvalidValue, ParameterError
 from fibws.values import parameter_files
@@ -40,7 +41,7 @@ def tree(leaves: list[tuple[str, str]]) -> dict[str, Any]:
     return root
 
 
-@settings(max_examples=30)  # PyYAML takes its time.
+@examples(0.3)  # PyYAML is slow.
 @given(SPACES)
 def test_what_is_dumped_is_loaded_as_it_was(space: dict[str, Any]) -> None:
     space = json.loads(json.dumps(space))

@@ -9,7 +9,7 @@ from typing import Any
 
 import cbor2
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from ..fakes import INT32, Client, FakeHub, number, talker_and_listener
@@ -236,7 +236,6 @@ JSON_OR_BYTES = st.recursive(
 )
 
 
-@settings(deadline=None)
 @given(
     st.binary()
     | st.builds(

@@ -14,6 +14,7 @@ from hypothesis.stateful import (
     multiple,
     rule,
 )
+from random_inputs import times
 
 from ..fakes import Client, FakeHub
 from .client_group import Company
@@ -156,5 +157,5 @@ class RandomClients(RuleBasedStateMachine):
         self.company.end()
 
 
-RandomClients.TestCase.settings = settings(max_examples=100, stateful_step_count=40, deadline=None)
+RandomClients.TestCase.settings = settings(max_examples=times(0.5), stateful_step_count=40)
 TestRandomClients = RandomClients.TestCase

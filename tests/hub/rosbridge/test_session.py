@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from fibws.protocol.websocket import REPLACED
@@ -158,7 +158,6 @@ STEPS = st.lists(
 )
 
 
-@settings(deadline=None)
 @given(STEPS)
 def test_random_operations_raise_nothing_and_leave_nothing(
     steps: list[tuple[int, list[str] | str]],

@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from .service_clients import (
@@ -97,7 +97,6 @@ def test_all_calls_of_a_client_share_one_timer() -> None:
     assert caller.receive() == []
 
 
-@settings(deadline=None)
 @given(
     st.lists(
         st.tuples(st.integers(0, 5), st.integers(0, 20), st.integers(1, 20) | st.none()),

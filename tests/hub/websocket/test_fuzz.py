@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from random_inputs import times
 
 from fibws.hub import Hub
 from fibws.protocol.serialized import SUBPROTOCOL, publish_head, read_delivery
@@ -44,7 +45,7 @@ class TestFuzz:
     """The hub goes on, logs no traceback, and keeps nothing."""
 
     @settings(
-        max_examples=100,
+        max_examples=times(0.5),
         deadline=None,
         derandomize=True,
         suppress_health_check=_HEALTHY,
@@ -61,7 +62,7 @@ class TestFuzz:
             await check()
 
     @settings(
-        max_examples=60,
+        max_examples=times(0.3),
         deadline=None,
         derandomize=True,
         suppress_health_check=_HEALTHY,
@@ -78,11 +79,10 @@ class TestFuzz:
                     pass
             await check()
 
-    @pytest.mark.parametrize("seed", range(4))
-    async def test_random_operations(self, hub: Hub, seed: int) -> None:
-        chance = random.Random(seed)
+    async def test_random_operations(self, hub: Hub) -> None:
+        chance = random.Random(0)
         async with _bystanders(hub) as check:
-            for _ in range(10):
+            for _ in range(times(0.2)):
                 async with connected(hub.port) as one, connected(hub.port, "/?node=/x") as other:
                     for _ in range(20):
                         for client in (one, other):
@@ -92,11 +92,10 @@ class TestFuzz:
                         await client.to_the_end()
             await check()
 
-    @pytest.mark.parametrize("seed", range(2))
-    async def test_random_serialized_frames(self, hub: Hub, seed: int) -> None:
-        chance = random.Random(200 + seed)
+    async def test_random_serialized_frames(self, hub: Hub) -> None:
+        chance = random.Random(200)
         async with _bystanders(hub) as check:
-            for _ in range(10):
+            for _ in range(times(0.1)):
                 async with (
                     connected(hub.port, "/?node=/x", Sec_WebSocket_Protocol=SUBPROTOCOL) as one,
                     connected(hub.port, Sec_WebSocket_Protocol=SUBPROTOCOL) as other,
@@ -138,11 +137,10 @@ class TestFuzz:
                     assert received.endswith(b"\x88\x00")  # It has read all, up to the close.
                 await check()
 
-    @pytest.mark.parametrize("seed", range(2))
-    async def test_random_frames_and_resets(self, hub: Hub, seed: int) -> None:
-        chance = random.Random(100 + seed)
+    async def test_random_frames_and_resets(self, hub: Hub) -> None:
+        chance = random.Random(100)
         async with _bystanders(hub) as check:
-            for _ in range(100):
+            for _ in range(times(1)):
                 async with connected(hub.port) as client:
                     for _ in range(chance.randrange(10)):
                         opcode = chance.choice((0, 1, 1, 1, 2, 8, 9, 10, 3))
