@@ -18,7 +18,7 @@ from typing import Any, get_args, get_origin, get_type_hints
 import click
 
 from fibws import __version__
-from fibws.errors import FibwsError
+from fibws.errors import FibwsError, HubError
 from fibws.hub.server import Hub
 from fibws.hub.settings import MIB, Settings
 
@@ -87,11 +87,24 @@ def _options(function: Callable[..., None]) -> Callable[..., None]:
     help="TOML file of settings, named like the flags, with _ for -.",
 )
 @_options
-def command(**values: Any) -> None:
+@click.option(
+    "--url-file",
+    metavar="FILE",
+    type=click.Path(path_type=Path, dir_okay=False),
+    help="Write the hub's URL and a newline to FILE as soon as nodes can connect; FILE is removed "
+    "when the hub ends.",
+)
+def command(url_file: Path | None, **values: Any) -> None:
     """Run a hub for ROS nodes and web pages: rosbridge v2.0 over WebSockets, without ROS.
 
     A flag takes precedence over an environment variable (FIBWS_PORT for --port), and that over the
     file.
+
+    \b
+    In a script, on a free port:
+      fibws hub --port 0 --url-file hub.url &
+      until [ -s hub.url ]; do sleep 0.1; done
+      export FIBWS_HUB=$(cat hub.url)
     """
     _open_standard_files()
     logging.addLevelName(logging.WARNING, "WARN")  # as ROS calls it
@@ -104,7 +117,7 @@ def command(**values: Any) -> None:
         settings = Settings(**values)
         _raise_file_limit(settings.max_connections + OWN_FILES)
         with asyncio.Runner(loop_factory=_loop_factory()) as runner:
-            runner.run(_serve(settings))
+            runner.run(_serve(settings, url_file))
     except FibwsError as error:
         sys.exit(f"fibws.hub: {error}.")
     except KeyboardInterrupt:
@@ -113,7 +126,7 @@ def command(**values: Any) -> None:
         _flush_output()
 
 
-async def _serve(settings: Settings) -> None:
+async def _serve(settings: Settings, url_file: Path | None) -> None:
     stopped = asyncio.Event()
 
     def stop() -> None:
@@ -124,7 +137,9 @@ async def _serve(settings: Settings) -> None:
     for number in (signal.SIGINT, signal.SIGTERM):
         with suppress(NotImplementedError):  # Windows: Ctrl-C comes as KeyboardInterrupt.
             asyncio.get_running_loop().add_signal_handler(number, stop)
+    _remove(url_file)  # An earlier hub may have been killed.
     async with Hub(settings) as hub:
+        _write(url_file, hub.url)
         page = hub.url.replace("ws:", "http:")
         try:
             print(
@@ -133,7 +148,28 @@ async def _serve(settings: Settings) -> None:
             )
         except OSError as error:
             logger.warning("Cannot write to stdout: %s.", error.strerror)
-        await stopped.wait()
+        try:
+            await stopped.wait()
+        finally:
+            _remove(url_file)
+
+
+def _write(url_file: Path | None, url: str) -> None:
+    """Write the URL file at once, so that nobody reads half of it."""
+    if url_file is None:
+        return
+    new = url_file.with_name(f"{url_file.name}.{os.getpid()}")
+    try:
+        new.write_text(f"{url}\n")
+        new.replace(url_file)
+    except OSError as error:
+        raise HubError(f"--url-file: cannot write {url_file}: {error.strerror}") from None
+
+
+def _remove(url_file: Path | None) -> None:
+    if url_file is not None:
+        with suppress(OSError):
+            url_file.unlink(missing_ok=True)
 
 
 def _relax_collector() -> None:

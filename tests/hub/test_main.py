@@ -200,6 +200,36 @@ def test_limit_of_open_files_is_logged_once_a_second(tmp_path: Path, loop: str) 
     assert "Traceback" not in err
 
 
+def test_url_file_holds_the_url_while_the_hub_runs(tmp_path: Path) -> None:
+    file = tmp_path / "hub.url"
+    file.write_text("ws://127.0.0.1:1")  # as a hub that was killed leaves it
+    with running("--port", "0", "--url-file", str(file)) as hub:
+        url = hub.url()
+        assert file.read_text() == f"{url}\n"
+        with connect(url):
+            hub.process.terminate()
+            assert hub.end()[0] == 0
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_url_file_that_cannot_be_written_is_an_error(tmp_path: Path) -> None:
+    file = tmp_path / "missing" / "hub.url"
+    with running("--port", "0", "--url-file", str(file)) as hub:
+        code, out, err = hub.end()
+    assert (code, out) == (1, "")
+    assert str(file) in err and "Traceback" not in err
+
+
+def test_failed_hub_leaves_no_url_file(tmp_path: Path) -> None:
+    file = tmp_path / "hub.url"
+    file.write_text("ws://127.0.0.1:1")
+    with socket.create_server(("127.0.0.1", 0)) as other:
+        port = str(other.getsockname()[1])
+        with running("--port", port, "--url-file", str(file)) as hub:
+            assert hub.end()[0] == 1
+    assert not file.exists()
+
+
 def test_port_in_use_is_one_line_and_exit_code_1() -> None:
     with socket.create_server(("127.0.0.1", 0)) as other:
         port = other.getsockname()[1]

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import os
-import re
 import sys
 from contextlib import suppress
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from fibws.errors import HubError
@@ -17,51 +17,68 @@ from fibws.ros1.launch.process import Ask, Process
 from fibws.ros1.launch.runner import Job
 
 NAME = "hub"
-PATIENCE = 30.0
-"""Seconds in which a hub must be there."""
-_LISTENS = re.compile(r"The hub listens at (ws://\S+?);")
+START_TIMEOUT = 30.0
+"""Seconds in which a hub must be ready."""
+POLL_INTERVAL = 0.02
+"""Seconds between two looks at a hub's URL file."""
 
 
 async def start_hub(host: str, port: int, folder: Path) -> tuple[Job, str]:
-    """Start a hub, and wait until it is there.
+    """Start a hub, and wait until nodes can connect to it.
 
     Args:
         host: the address to listen on.
         port: its port; 0 for a free one.
-        folder: for what it logs.
+        folder: the folder for its log.
 
     Returns:
-        It, to be watched, and its URL.
+        Its job and its URL.
 
     Raises:
         HubError: it cannot start.
     """
     log = Log(folder / f"{NAME}.log")
-    listens: asyncio.Future[str] = asyncio.get_running_loop().create_future()
-    said: list[str] = []
+    lines: list[str] = []
 
-    def hear(line: str, is_error: bool) -> None:
-        with suppress(OSError):  # A hub can do without.
+    def receive(line: str, is_error: bool) -> None:
+        with suppress(OSError):  # A hub does not need its log.
             log.write(line)
-        if (found := _LISTENS.match(line)) and not listens.done():
-            listens.set_result(found[1])
-        elif not listens.done():
-            said.append(line)
+        lines[:] = [line]
 
-    command = [sys.executable, "-P", "-m", "fibws.hub", "--host", host, "--port", str(port)]
-    environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
-    process = Process(NAME, Start(command, environment, Path.cwd()), hear)
-    await process.begin()
-    end = asyncio.create_task(process.end())
+    with TemporaryDirectory(prefix="fibws-", ignore_cleanup_errors=True) as temporary:
+        url_file = Path(temporary) / "url"
+        command = [
+            *(sys.executable, "-P", "-m", "fibws.hub", "--host", host, "--port", str(port)),
+            *("--url-file", str(url_file)),
+        ]
+        environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
+        process = Process(NAME, Start(command, environment, Path.cwd()), receive)
+        await process.begin()
+        url = asyncio.create_task(_read_url(url_file))
+        waits: list[asyncio.Task[Any]] = [url, asyncio.create_task(process.end())]
+        try:
+            await asyncio.wait(waits, timeout=START_TIMEOUT, return_when=asyncio.FIRST_COMPLETED)
+            if not url.done():
+                raise HubError(f"cannot start a hub: {''.join(lines) or 'it does not respond'}")
+        finally:
+            for each in waits:
+                each.cancel()
+            if not url.done():
+                process.ask(Ask.KILL)
+                log.close()
+    return Job(process, log, required=True, is_core=True), url.result()
+
+
+async def _read_url(file: Path) -> str:
+    """Return the URL in a hub's URL file as soon as the file exists."""
+    while True:
+        if url := _url_in(file):
+            return url
+        await asyncio.sleep(POLL_INTERVAL)
+
+
+def _url_in(file: Path) -> str:
     try:
-        first: list[asyncio.Future[Any]] = [listens, end]
-        await asyncio.wait(first, timeout=PATIENCE, return_when=asyncio.FIRST_COMPLETED)
-        if not listens.done():
-            why = said[-1].partition(": ")[2] if said else "it says nothing"
-            raise HubError(f"no hub can be started: {why.rstrip('.')}")
-    finally:
-        end.cancel()
-        if not listens.done():
-            process.ask(Ask.KILL)
-            log.close()
-    return Job(process, log, required=True, is_core=True), listens.result()
+        return file.read_text().strip()
+    except FileNotFoundError:
+        return ""

@@ -231,7 +231,7 @@ async def test_a_hub_that_cannot_start_is_said_in_a_line(start: Start, robot: Pa
     )
     code, _, err = await program.end()
     assert code == 1
-    assert err.startswith("Error: no hub can be started: ")
+    assert "--max-calls" in err
     assert err.count("\n") == 1
 
 
