@@ -1,4 +1,4 @@
-"""How a package's program is started, and how a process becomes it."""
+"""Command lines of programs, and execution of one in place of this process."""
 
 from __future__ import annotations
 
@@ -14,27 +14,27 @@ from typing import NoReturn
 
 _PYTHON = re.compile(rb"#!.*\bpython[\d.]*\b")
 _HEAD = 256
-"""Bytes in which a script's first line is looked for."""
+"""Bytes of a file that are searched for a script's first line."""
 
 
 def command_line(executable: Path, arguments: Sequence[str]) -> list[str]:
-    """What to start a program with: a Python script gets this Python, and our rospy.
+    """Return a program's command line; a Python script runs in this Python, with fibws's rospy.
 
     Args:
         executable: the program's file.
-        arguments: what to call it with.
+        arguments: its arguments.
 
     Raises:
         OSError: the file cannot be read.
     """
     if is_python(executable):
-        # With -P, no random.py of the folder that one happens to be in is imported for Python's.
+        # With -P, a random.py in the current folder does not replace Python's.
         return [sys.executable, "-P", "-m", "fibws.rospy", str(executable), *arguments]
     return [str(executable), *arguments]
 
 
 def is_python(executable: Path) -> bool:
-    """Whether a program is a Python script, by its suffix or its first line.
+    """Return whether a program is a Python script, by its suffix or its first line.
 
     Raises:
         OSError: the file cannot be read.
@@ -45,20 +45,20 @@ def is_python(executable: Path) -> bool:
         return _PYTHON.match(file.read(_HEAD).partition(b"\n")[0]) is not None
 
 
-def explained(error: OSError, program: str) -> OSError:
-    """The error of a start that was in vain, with the program's name and what a person can do."""
+def start_error(error: OSError, program: str) -> OSError:
+    """Return the error of a failed start with the program's name and a text that helps."""
     text = error.strerror
     if error.errno == errno.ENOEXEC:
-        text = "It has no first line that says what runs it, such as #!/usr/bin/env python3"
+        text = "Missing first line, such as #!/usr/bin/env python3"
     elif error.errno == errno.ENOENT and os.path.isfile(program):
-        text = "There is no program such as its first line names"
+        text = "Interpreter in its first line not found"
     return OSError(error.errno, text, program)
 
 
-def become(command: Sequence[str]) -> NoReturn:
-    """Run a command in this process's place, so that signals and its exit code are its own.
+def exec_command(command: Sequence[str]) -> NoReturn:
+    """Run a command in place of this process, which passes it all signals and its exit code.
 
-    Windows cannot do that: there it is a child that this process waits for.
+    On Windows, run it as a child and wait for it.
 
     Raises:
         OSError: it cannot be started.
@@ -69,9 +69,9 @@ def become(command: Sequence[str]) -> NoReturn:
         try:
             os.execvp(command[0], list(command))
         except OSError as error:
-            raise explained(error, command[0]) from None
+            raise start_error(error, command[0]) from None
     with subprocess.Popen(command) as process:
         while process.poll() is None:
-            with suppress(KeyboardInterrupt):  # It is the child's, who is told of it, too.
+            with suppress(KeyboardInterrupt):  # The child receives it, too.
                 process.wait()
     sys.exit(process.returncode)

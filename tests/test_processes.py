@@ -1,4 +1,4 @@
-"""How a program is started."""
+"""Command lines of programs, and execution of one in place of this process."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from fibws.processes import become, command_line, is_python
+from fibws.processes import command_line, exec_command, is_python
 
 
 @pytest.mark.parametrize(
@@ -22,7 +22,7 @@ from fibws.processes import become, command_line, is_python
         "#!/usr/bin/env -S python3 -u",
     ],
 )
-def test_a_script_of_python_is_known_by_its_first_line(tmp_path: Path, first_line: str) -> None:
+def test_python_script_is_recognized_by_its_first_line(tmp_path: Path, first_line: str) -> None:
     script = tmp_path / "listener"
     script.write_text(f"{first_line}\nprint('python')\n")
     assert is_python(script)
@@ -38,7 +38,7 @@ def test_other_programs_are_not_python(tmp_path: Path, text: str) -> None:
     assert command_line(program, ["a", "b:=c"]) == [str(program), "a", "b:=c"]
 
 
-def test_a_script_of_python_is_run_by_this_python_with_our_rospy(tmp_path: Path) -> None:
+def test_python_script_runs_in_this_python_with_rospy(tmp_path: Path) -> None:
     script = tmp_path / "node.py"
     assert command_line(script, ["numbers:=fibonacci"]) == [
         *(sys.executable, "-P", "-m", "fibws.rospy"),
@@ -46,7 +46,7 @@ def test_a_script_of_python_is_run_by_this_python_with_our_rospy(tmp_path: Path)
     ]
 
 
-def test_a_module_beside_one_is_not_taken_for_pythons_own(tmp_path: Path) -> None:
+def test_module_in_the_current_folder_does_not_replace_pythons(tmp_path: Path) -> None:
     (tmp_path / "random.py").write_text("raise SystemExit('this is not the random that was meant')")
     node = tmp_path / "nodes" / "node.py"
     node.parent.mkdir()
@@ -55,14 +55,16 @@ def test_a_module_beside_one_is_not_taken_for_pythons_own(tmp_path: Path) -> Non
     assert (done.stdout, done.stderr) == ("8\n", "")
 
 
-def test_a_program_that_is_not_there_is_an_error(tmp_path: Path) -> None:
+def test_missing_program_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError):
         command_line(tmp_path / "listener", [])
 
 
-def becoming(command: list[str], *, windows: bool) -> subprocess.CompletedProcess[str]:
+def run_exec(command: list[str], *, windows: bool) -> subprocess.CompletedProcess[str]:
     on = "import os; os.name = 'nt'; " if windows else ""
-    program = f"{on}print('before'); from fibws.processes import become; become({command!r})"
+    program = (
+        f"{on}print('before'); from fibws.processes import exec_command; exec_command({command!r})"
+    )
     line = [sys.executable, "-c", program]
     return subprocess.run(line, capture_output=True, text=True, timeout=60)
 
@@ -76,34 +78,34 @@ def becoming(command: list[str], *, windows: bool) -> subprocess.CompletedProces
         True,
     ],
 )
-def test_a_process_becomes_the_program(windows: bool) -> None:
+def test_program_replaces_this_process(windows: bool) -> None:
     code = "print('after'); raise SystemExit(5)"
-    done = becoming([sys.executable, "-c", code], windows=windows)
+    done = run_exec([sys.executable, "-c", code], windows=windows)
     assert (done.returncode, done.stdout, done.stderr) == (5, "before\nafter\n", "")
 
 
-def test_what_cannot_be_started_is_an_error(tmp_path: Path) -> None:
+def test_missing_command_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(OSError):
-        become([str(tmp_path / "nothing")])
+        exec_command([str(tmp_path / "nothing")])
 
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows knows programs by their suffixes")
 @pytest.mark.parametrize(
     ("text", "error"),
     [
-        ("print('hello')\n", "It has no first line that says what runs it"),
-        ("#!/no/such/shell\n", "There is no program such as its first line names"),
+        ("print('hello')\n", "#!/usr/bin/env python3"),
+        ("#!/no/such/shell\n", "[Ii]nterpreter"),
     ],
 )
-def test_a_program_that_cannot_be_started_is_named_with_the_reason(
+def test_start_error_names_the_program_and_the_reason(
     tmp_path: Path, text: str, error: str
 ) -> None:
     program = tmp_path / "node"
     program.write_text(text)
     program.chmod(0o755)
     with pytest.raises(OSError, match=error) as raised:
-        become([str(program)])
+        exec_command([str(program)])
     assert raised.value.filename == str(program)
     with pytest.raises(FileNotFoundError, match="No such file") as missing:
-        become(["no_such_program", "x"])
+        exec_command(["no_such_program", "x"])
     assert missing.value.filename == "no_such_program"

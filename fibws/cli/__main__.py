@@ -1,4 +1,4 @@
-"""``python -m fibws.cli rostopic list``: a command of ROS 1, as ros1/shell/bin calls it."""
+"""``python -m fibws.cli rostopic list``: an alias, as ros1/shell/bin runs it."""
 
 from __future__ import annotations
 

@@ -8,7 +8,7 @@ import sys
 import click
 
 from fibws.cli import arguments, complete, output
-from fibws.cli.common_options import json_option, linked
+from fibws.cli.common_options import examples, json_option, linked
 from fibws.cli.exit_handling import INTERRUPTED, end_line
 from fibws.cli.types import show
 from fibws.client.actions import End, Feedback, Goal, News, OperationGoal, Status, TopicGoal
@@ -97,6 +97,7 @@ def type_(client: HubClient, action: str) -> None:
 @click.option("--wait", is_flag=True, help="Wait until somebody serves the action.")
 @json_option
 @linked("action")
+@examples("{action send} -f /fibonacci 5", '{action send} /fibonacci "{order: 5}"')
 def send(
     client: HubClient, action: str, goal: tuple[str, ...], feedback: bool, wait: bool, as_json: bool
 ) -> None:
@@ -107,10 +108,6 @@ def send(
     GOAL is a value for each field in order, or all as one object, in YAML: 5 or "{order: 5}".
     TYPE is needed only where an action has two. Ctrl-C cancels the goal. The exit code is 0 if the
     goal has SUCCEEDED.
-
-    \b
-      fibws action send -f /fibonacci 5
-      fibws action send /fibonacci "{order: 5}"
     """
     name = client.resolve(action)
     named, goal = (goal[0], goal[1:]) if goal and _TYPE.fullmatch(goal[0]) else (None, goal)

@@ -1,61 +1,55 @@
-"""What is behind the doors of `fibws.command_names`: the commands of fibws, under ROS's names."""
+"""ROS's names for commands of fibws, as programs: ``python -m fibws.cli rostopic list``."""
 
 from __future__ import annotations
 
 import click
 
 from fibws.cli.commands import Root, command
-from fibws.cli.common_options import SETTINGS
+from fibws.cli.common_options import SETTINGS, examples_text
 from fibws.command_names import ALIASES, set_called_alias
 from fibws.suggestions import hint
 
 
-class _Doors(Root):
-    """The group of all doors. It has no name, so that what they print begins with theirs."""
+class _Aliases(Root):
+    """A group of all aliases. It has no name, so that usage lines begin with the alias."""
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """The command behind the door that ``args`` begin with; `UsageError` if there is none."""
-        door, *rest = args
-        if door not in ALIASES:
-            raise click.UsageError(f"There is no {door!r} here{hint(door, ALIASES)}")
-        set_called_alias(door)
-        words = ALIASES[door].split()
-        found: click.Command | None = command
-        passed = "fibws"
-        while words and isinstance(found, click.Group):
-            passed = f"{passed} {words[0]}"
-            found = found.get_command(ctx, words.pop(0))
-        if words and found is not None:
-            _narrow(found, passed, words[0])
-        _rename(found, " ".join([passed, *words]), door, ctx, rest)
-        return door, found, [*words, *rest]
+        """Return the alias that ``args`` begin with, its command, and the other arguments.
+
+        Raises:
+            UsageError: the alias is unknown.
+        """
+        alias, *others = args
+        if alias not in ALIASES:
+            raise click.UsageError(f"Unknown command {alias!r}{hint(alias, ALIASES)}")
+        set_called_alias(alias)
+        name, *words = ALIASES[alias].split()
+        found = command.get_command(ctx, name)
+        if words and isinstance(found, click.Group):
+            found = found.get_command(ctx, words.pop())
+        elif words:
+            found = _open_part(words[0])
+        return alias, found, [*words, *others]
 
 
 def main() -> None:
-    """Run the door that the first argument names."""
-    doors = _Doors(modules={}, callback=command.callback, context_settings=SETTINGS)
-    doors.main(prog_name="")
+    """Run the alias that the first argument names."""
+    aliases = _Aliases(modules={}, callback=command.callback, context_settings=SETTINGS)
+    aliases.main(prog_name="")
 
 
-def _narrow(found: click.Command, ours: str, part: str) -> None:
-    """Have the help of a command be that of the one part of the page which it is to open."""
-    from fibws.cli.open import WITH_NAMES
+def _open_part(part: str) -> click.Command:
+    """Return ``fibws open`` for one part of the page, with a help of its own."""
+    from fibws.cli import open as module
 
-    lines = (found.help or "").splitlines()
-    found.help = "\n".join(each for each in lines if ours not in each or f"{ours} {part}" in each)
-    for argument in found.params:
-        if isinstance(argument, click.Argument):
-            argument.metavar = "[NAME]..." if part in WITH_NAMES else ""
-
-
-def _rename(
-    found: click.Command | None, ours: str, theirs: str, context: click.Context, args: list[str]
-) -> None:
-    """Have the help of a command, and of the one in it that is called, use the name of the door."""
-    for word in [*args, ""]:
-        if found is None:
-            return
-        found.help = (found.help or "").replace(ours, theirs)
-        found = found.get_command(context, word) if isinstance(found, click.Group) else None
+    found = module.command
+    found.help = (
+        f"Open the {part} tab of the hub's page in a browser, and print its address.\n\n"
+        f"{examples_text(module.PARTS[part])}\n\n"
+        "Without a browser, only print the address. rqt's own options are ignored."
+    )
+    [words] = [each for each in found.params if isinstance(each, click.Argument)]
+    words.metavar = "[NAME]..." if part in module.WITH_NAMES else ""
+    return found

@@ -1,4 +1,4 @@
-"""The command line, ``fibws``. A command is imported when it is called."""
+"""The command line, ``fibws``, and the table of its commands."""
 
 from __future__ import annotations
 
@@ -18,38 +18,36 @@ COMMANDS = {
     "demo": Command(
         "fibws.cli.demo", "Run the first tutorial: a hub, a broadcaster, a listener.", BEGIN
     ),
-    "hub": Command("fibws.hub.__main__", "Run a hub that nodes and web pages meet at.", BEGIN),
+    "hub": Command("fibws.hub.__main__", "Run a hub, which nodes and web pages connect to.", BEGIN),
     "core": Command("fibws.cli.core", "Run a hub as roscore does: one for all nodes.", BEGIN),
-    "setup": Command("fibws.cli.setup", "Give a shell roscore, rosrun, rospy ...", BEGIN),
-    "run": Command("fibws.cli.run", "Run a package's program, or a rospy script.", BEGIN),
+    "setup": Command("fibws.cli.setup", "Set up a shell with roscore, rosrun, rospy ...", BEGIN),
+    "run": Command("fibws.cli.run", "Run a program of a package, or a rospy script.", BEGIN),
     "workspace": Command(
-        "fibws.cli.workspace", "Begin and build a workspace of packages: catkin_make.", BEGIN
+        "fibws.cli.workspace", "Create and build a workspace of packages: catkin_make.", BEGIN
     ),
-    "pkg": Command("fibws.cli.pkg", "Make packages, and find them: catkin_create_pkg.", BEGIN),
-    "launch": Command("fibws.cli.launch", "Run the nodes that launch files tell of.", BEGIN),
-    "doctor": Command("fibws.cli.doctor", "Look for what is wrong with this setup.", BEGIN),
-    "open": Command("fibws.cli.open", "Open the hub's page in a browser, as rqt does.", LOOK),
-    "graph": Command("fibws.cli.graph", "Draw who publishes what to whom.", LOOK),
-    "top": Command("fibws.cli.top", "Show the rates of topics and how clients keep up.", LOOK),
-    "log": Command("fibws.cli.log", "Show what the nodes log.", LOOK),
+    "pkg": Command("fibws.cli.pkg", "Create and find packages: catkin_create_pkg, rospack.", BEGIN),
+    "launch": Command("fibws.cli.launch", "Start nodes from launch files: roslaunch.", BEGIN),
+    "doctor": Command("fibws.cli.doctor", "Find problems of the setup, hub and graph.", BEGIN),
+    "open": Command("fibws.cli.open", "Open the hub's page in a browser: rqt.", LOOK),
+    "graph": Command("fibws.cli.graph", "Draw the graph of nodes and topics.", LOOK),
+    "top": Command("fibws.cli.top", "Show rates of topics and queues of clients.", LOOK),
+    "log": Command("fibws.cli.log", "Show the log messages of nodes.", LOOK),
     "topic": Command("fibws.cli.topic", "List, show, measure and publish topics.", NOUNS),
-    "node": Command("fibws.cli.node", "Look at nodes, ping them, kill them.", NOUNS),
-    "service": Command("fibws.cli.service", "Look at services, call them.", NOUNS),
-    "action": Command("fibws.cli.action", "Look at actions, send them goals.", NOUNS),
-    "param": Command("fibws.cli.param", "Get and set parameters, load and dump them.", NOUNS),
-    "msg": Command("fibws.cli.msg", "Look at the types of messages.", TYPES),
-    "srv": Command("fibws.cli.srv", "Look at the types of services.", TYPES),
-    "completion": Command(
-        "fibws.cli.completion", "Complete commands and names by TAB in a shell.", MORE
-    ),
+    "node": Command("fibws.cli.node", "List, inspect, ping and kill nodes.", NOUNS),
+    "service": Command("fibws.cli.service", "List, inspect and call services.", NOUNS),
+    "action": Command("fibws.cli.action", "List and inspect actions, and send goals.", NOUNS),
+    "param": Command("fibws.cli.param", "List, get, set, load and dump parameters.", NOUNS),
+    "msg": Command("fibws.cli.msg", "Inspect message types.", TYPES),
+    "srv": Command("fibws.cli.srv", "Inspect service types.", TYPES),
+    "completion": Command("fibws.cli.completion", "Print a script for completion by TAB.", MORE),
 }
 
 
 class Root(LazyGroup):
-    """The group of all commands, which makes an end of each."""
+    """The group of all commands, with error handling for each."""
 
     def invoke(self, ctx: click.Context) -> Any:
-        """Import the command and run it, either of which Ctrl-C may break off."""
+        """Import and run the command; Ctrl-C may interrupt both."""
         with ending():
             return super().invoke(ctx)
 
@@ -61,10 +59,10 @@ def command(context: click.Context) -> None:
     """The ROS graph over WebSockets.
 
     \b
-      fibws demo                    all of it, in one terminal
-      fibws topic echo /fibonacci   in a second one: what is published there
+      fibws demo                    a hub and two nodes in one terminal
+      fibws topic echo /fibonacci   in a second terminal: their messages
 
-    The nodes of the tutorial are programs of their own: python -m fibws.broadcaster, python -m
+    The nodes of the tutorial are separate programs: python -m fibws.broadcaster, python -m
     fibws.listener.
     """
     if os.environ.get("NO_COLOR"):  # https://no-color.org

@@ -1,17 +1,53 @@
-"""What the tools have in common: options, and a client to the hub."""
+"""What commands have in common: options, examples in their help, and a client of the hub."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from functools import wraps
-from typing import Any
+from inspect import cleandoc
+from typing import Any, TypeVar
 
 import click
 
 from fibws.cli.exit_handling import ending
+from fibws.command_names import command_name
 
 SETTINGS = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 """Of a command that is called by itself; those in a group have their group's."""
+_COMMAND = re.compile(r"\{([a-z]+(?: [a-z]+)*)\}")
+
+_Function = TypeVar("_Function", bound=Callable[..., Any])
+
+
+def examples_text(*lines: str | tuple[str, str]) -> str:
+    """Return examples as a paragraph of a help text.
+
+    Args:
+        lines: what a person types, or that and a comment. A command of fibws in braces, such as
+            ``{topic pub}``, is shown by the name that it has in this shell.
+    """
+    pairs = [(line, "") if isinstance(line, str) else line for line in lines]
+    rows = [(_COMMAND.sub(lambda found: command_name(found[1]), line), it) for line, it in pairs]
+    width = max((len(line) for line, comment in rows if comment), default=0)
+    return "\n".join(
+        ["\b", *(f"  {f'{line:{width}}   {comment}'.rstrip()}" for line, comment in rows)]
+    )
+
+
+def examples(*lines: str | tuple[str, str]) -> Callable[[_Function], _Function]:
+    """Add examples to a command's help, after the first paragraph of its docstring.
+
+    Args:
+        lines: as for `examples_text`.
+    """
+
+    def add(function: _Function) -> _Function:
+        first, *others = cleandoc(function.__doc__ or "").split("\n\n")
+        function.__doc__ = "\n\n".join([first, examples_text(*lines), *others])
+        return function
+
+    return add
 
 
 def linked(

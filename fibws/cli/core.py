@@ -1,9 +1,9 @@
-"""``fibws core``: a hub, run as roscore is."""
+"""``fibws core``: a hub as a replacement for roscore."""
 
 from __future__ import annotations
 
 import sys
-from urllib.parse import SplitResult, urlsplit
+from urllib.parse import urlsplit
 
 import click
 
@@ -11,7 +11,9 @@ from fibws.cli.exit_handling import ending
 from fibws.command_names import command_name
 from fibws.errors import FibwsError
 from fibws.node import address
-from fibws.processes import become
+from fibws.processes import exec_command
+
+_IGNORED = "Ignored; accepted for compatibility with roscore."
 
 
 @click.command()
@@ -21,52 +23,47 @@ from fibws.processes import become
     metavar="PORT",
     type=click.IntRange(0, 65535),
     envvar="FIBWS_PORT",
-    help="Port to listen on.  [default: that of $FIBWS_HUB, else 9090]",
+    help="Port to listen on; 0 chooses a free one.  [default: that of $FIBWS_HUB, else 9090]",
 )
-@click.option("-v", "--verbose", is_flag=True, help="Changes nothing; roscore has it.")
-@click.option("-w", "--workers", "--numworkers", metavar="N", help="Changes nothing, either.")
-@click.option("-t", "--timeout", metavar="SECONDS", help="Nor does this.")
+@click.option("-v", "--verbose", is_flag=True, help=_IGNORED)
+@click.option("-w", "--workers", "--numworkers", metavar="N", help=_IGNORED)
+@click.option("-t", "--timeout", metavar="SECONDS", help=_IGNORED)
 def command(port: int | None, verbose: bool, workers: str | None, timeout: str | None) -> None:
-    """Run a hub as roscore does: one is enough for all nodes, and a second one does not start.
+    """Run a hub, as roscore runs a master: one for all nodes; a second one does not start.
 
-    Start it first and let it run. Nodes find it at $FIBWS_HUB, or at ws://127.0.0.1:9090. `fibws
-    hub` has all its settings.
+    Start it first and leave it running. Nodes look for it at $FIBWS_HUB, or else at
+    ws://127.0.0.1:9090. `fibws hub` has more settings.
     """
     with ending():
         if port is None:
-            _warn_of_another_machine()
-            port = _told_port() or address.DEFAULT_PORT
+            _warn_if_nodes_look_elsewhere()
+            port = _port_of_nodes() or address.DEFAULT_PORT
         url = f"ws://{address.LOOPBACK[0]}:{port}"
-        if port and _is_there(url):
+        if port and _is_running(url):
             raise click.ClickException(
                 f"{command_name('core')} cannot run as another roscore/master is already running: "
-                f"the hub at {url}. One is enough for all nodes. To end it, press Ctrl-C where it "
-                "was started."
+                f"the hub at {url}. One hub is enough for all nodes. To stop it, press Ctrl-C "
+                "where it was started."
             )
-        if port and port != _told_port():
-            click.echo(f"Tell the other terminals: export {address.ENVIRONMENT}={url}")
-        become([sys.executable, "-P", "-m", "fibws.hub", "--port", str(port)])
+        if port and port != _port_of_nodes():
+            click.echo(f"In the other terminals, type: export {address.ENVIRONMENT}={url}")
+        exec_command([sys.executable, "-P", "-m", "fibws.hub", "--port", str(port)])
 
 
-def _told() -> SplitResult:
-    """Where nodes look for the hub."""
-    return urlsplit(address.hub_url())
+def _port_of_nodes() -> int | None:
+    """Return the port at which nodes look for the hub; None if that is a proxy's, with TLS."""
+    url = urlsplit(address.hub_url())
+    return (url.port or 80) if url.scheme == "ws" else None
 
 
-def _told_port() -> int | None:
-    """The port there, if a hub can listen there: it speaks no TLS, which is a proxy's."""
-    told = _told()
-    return (told.port or 80) if told.scheme == "ws" else None
+def _warn_if_nodes_look_elsewhere() -> None:
+    host = urlsplit(address.hub_url()).hostname
+    if host not in address.LOOPBACK:
+        text = f"WARNING: {address.ENVIRONMENT} sends nodes to the hub at {host}"
+        click.echo(f"{text}, but this hub is only for this machine", err=True)
 
 
-def _warn_of_another_machine() -> None:
-    told = _told()
-    if told.hostname not in address.LOOPBACK:
-        text = f"WARNING: {address.ENVIRONMENT} has nodes look for the hub at {told.hostname}"
-        click.echo(f"{text}, and this one is for this machine alone", err=True)
-
-
-def _is_there(url: str) -> bool:
+def _is_running(url: str) -> bool:
     from fibws.client.hub_client import HubClient
 
     try:

@@ -1,4 +1,4 @@
-"""``fibws demo``: the first tutorial in one process, for those who have just installed this."""
+"""``fibws demo``: the first tutorial in one process."""
 
 from __future__ import annotations
 
@@ -20,23 +20,23 @@ LINE = "[${severity}] [${time}]: ${message}"
 
 
 async def demo(port: int, rate: float) -> None:
-    """Run a hub, unless there is one, and the tutorial's two nodes."""
+    """Run the tutorial's two nodes, and a hub unless one is running."""
     async with AsyncExitStack() as stack:
         try:
             hub = await stack.enter_async_context(Hub(Settings(host="127.0.0.1", port=port)))
             url = hub.url
-            click.echo(f"A hub is at {url} now.")
+            click.echo(f"The hub listens at {url}.")
         except HubError as error:
             if not _is_taken(error):
                 raise
             url = f"ws://127.0.0.1:{port}"
             if not await _is_hub(url):
                 raise HubError(
-                    f"Port {port} is taken, and not by a hub. Choose another one with --port."
+                    f"port {port} is in use by another program; choose another with --port"
                 ) from None
-            click.echo(f"There is a hub at {url} already, so this uses it.")
-        click.echo(f"To look at it, open {url.replace('ws:', 'http:')}/ in a browser.")
-        click.echo("Below, a broadcaster publishes numbers and a listener hears them: Ctrl-C ends.")
+            click.echo(f"Using the hub that is running at {url}.")
+        click.echo(f"To see the graph, open {url.replace('ws:', 'http:')}/ in a browser.")
+        click.echo("Below, a broadcaster publishes numbers to a listener. Press Ctrl-C to stop.")
         await _run_nodes(url, rate)
 
 
@@ -77,7 +77,7 @@ async def _is_hub(url: str) -> bool:
     type=click.IntRange(0, 65535),
     default=9090,
     show_default=True,
-    help="Where the hub is, or is to be.",
+    help="Port of the hub on this machine.",
 )
 @node_program.rate
 def command(port: int, rate: float) -> None:

@@ -1,4 +1,4 @@
-"""Groups of commands of which each is imported when it is called."""
+"""Groups of commands that import a command when it is called."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ if TYPE_CHECKING:
 
 
 class Command(NamedTuple):
-    """Where a command is, and what the help of its group says of it."""
+    """A command's module, and its line in the help of its group."""
 
     module: str
     help: str
     section: str = "Commands"
-    """The headline that it stands below."""
+    """The heading above it in the help."""
 
 
 class LazyGroup(click.Group):
     """A group that knows its commands' names without importing them.
 
-    Each of the modules has its command as ``command``. The help has them in the order in which they
-    are given, those of a section together.
+    Each module has its command as ``command``. The help lists commands in their order in
+    ``modules``, by sections.
     """
 
     def __init__(self, *args: Any, modules: dict[str, Command], **others: Any) -> None:
@@ -34,23 +34,23 @@ class LazyGroup(click.Group):
         self.modules = modules
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Parse the words; a `UsageError` says that a command's options go behind it."""
+        """Parse arguments; for an unknown option, say that options follow the command."""
         try:
             return super().parse_args(ctx, args)
         except click.NoSuchOption as error:
             option = error.option_name
             own = [each.strip("-") for parameter in self.get_params(ctx) for each in parameter.opts]
             if nearest(option.strip("-"), own):
-                raise  # It says which was meant.
-            place = f"options go behind the command, as in {ctx.command_path} COMMAND {option}"
+                raise  # It suggests the option.
+            place = f"options follow the command: {ctx.command_path} COMMAND {option}"
             raise click.UsageError(f"No such option {option!r} here: {place}", ctx) from None
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        """The names, in order."""
+        """Return the names, in order."""
         return list(self.modules)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """The command of that name, imported now."""
+        """Import and return the command of this name; None if it is unknown."""
         if cmd_name not in self.modules:
             return None
         command: click.Command = import_module(self.modules[cmd_name].module).command
@@ -59,7 +59,11 @@ class LazyGroup(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """The command that words call; it raises `UsageError` if the first of them is none."""
+        """Return the command that arguments call.
+
+        Raises:
+            UsageError: the command is unknown.
+        """
         name = args[0]
         if name not in self.modules and not name.startswith("-"):
             raise click.UsageError(
@@ -68,8 +72,8 @@ class LazyGroup(click.Group):
         return super().resolve_command(ctx, args)
 
     def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
-        """The commands and options that begin so, of which none is imported for that, either."""
-        from click.shell_completion import CompletionItem  # which only a shell has a use for
+        """Complete commands and options without importing any command."""
+        from click.shell_completion import CompletionItem  # needed for completion only
 
         commands = [
             CompletionItem(name, help=command.help)
@@ -79,7 +83,7 @@ class LazyGroup(click.Group):
         return [*commands, *click.Command.shell_complete(self, ctx, incomplete)]
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write the lists of commands, of which none needs to be imported for that."""
+        """Write the lists of commands without importing any."""
         width = max(map(len, self.modules))
         for section in dict.fromkeys(command.section for command in self.modules.values()):
             with formatter.section(section):

@@ -10,13 +10,21 @@ from urllib.parse import quote, urlsplit
 import click
 
 from fibws.cli import complete, output
-from fibws.cli.common_options import linked
+from fibws.cli.common_options import examples, linked
 from fibws.client.hub_client import HubClient
 from fibws.errors import InvalidName
 from fibws.suggestions import hint
 from fibws.values.field_paths import splits
 
-PARTS = ("graph", "topics", "plot", "services", "console", "parameters")
+PARTS = {
+    "graph": ("{open graph}", "nodes and topics, live"),
+    "topics": ("{open topics} /fibonacci", "echo, plot, publish"),
+    "plot": ("{open plot} /fibonacci/data", "numbers over time"),
+    "services": ("{open services} /add_two_ints", "call"),
+    "console": ("{open console}", "what nodes log"),
+    "parameters": ("{open parameters}", "get and set"),
+}
+"""The parts of the page, each with an example for the help."""
 WITH_NAMES = {"topics", "plot", "services"}
 DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")
 """Without any of these variables a Linux has no browser but for one in the terminal, in its way."""
@@ -25,17 +33,9 @@ DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")
 @click.command(context_settings={"ignore_unknown_options": True})
 @click.argument("words", metavar="[PART] [NAME]...", nargs=-1, shell_complete=complete.topics)
 @linked("open")
+@examples(("{open}", "the page, at its graph"), *PARTS.values())
 def command(client: HubClient, words: tuple[str, ...]) -> None:
     """Open the hub's page in a browser, and print its address; without a browser, only that.
-
-    \b
-      fibws open                        the page, at its graph; rqt
-      fibws open graph                  who talks to whom, live; rqt_graph
-      fibws open plot /fibonacci/data   numbers over time; rqt_plot
-      fibws open topics /fibonacci      echo, plot, publish
-      fibws open services /add_two_ints
-      fibws open console                what the nodes log; rqt_console
-      fibws open parameters
 
     Options of rqt's own are read past.
     """

@@ -10,7 +10,7 @@ import click
 
 from fibws.cli import output
 from fibws.cli.arguments import spread
-from fibws.cli.common_options import SETTINGS
+from fibws.cli.common_options import SETTINGS, examples
 from fibws.errors import FibwsError, WorkspaceError
 from fibws.suggestions import hint, nearest
 
@@ -69,6 +69,11 @@ class _Create(click.Command):
 @click.option("-a", "--author", "authors", multiple=True, help="'Jane Doe <jane@example.com>'")
 @click.option("-m", "--maintainer", "maintainers", multiple=True, help="As an author is written.")
 @click.option("--rosdistro", hidden=True)
+@examples(
+    "cd ros_workspace/src",
+    "{pkg create} fibonacci std_msgs rospy",
+    "{pkg create} fibonacci std_msgs rospy --with launch,msg",
+)
 def create(
     name: str,
     depends: tuple[str, ...],
@@ -83,13 +88,7 @@ def create(
     maintainers: tuple[str, ...],
     rosdistro: str | None,
 ) -> None:
-    """Begin a package, here, that depends on others, as catkin_create_pkg does.
-
-    \b
-      cd ros_workspace/src
-      fibws pkg create fibonacci std_msgs rospy
-      fibws pkg create fibonacci std_msgs rospy --with launch,msg
-    """
+    """Begin a package, here, that depends on others, as catkin_create_pkg does."""
     from fibws.ros1.workspace import place
     from fibws.ros1.workspace.skeleton import Skeleton
 

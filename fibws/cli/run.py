@@ -1,4 +1,4 @@
-"""``fibws run``: start a package's program, as rosrun does."""
+"""``fibws run``: run a program of a package, as rosrun does."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 
 import click
 
-from fibws.cli.common_options import SETTINGS
+from fibws.cli.common_options import SETTINGS, examples
 from fibws.cli.exit_handling import ending
 from fibws.command_names import command_name
 from fibws.errors import FibwsError
-from fibws.processes import become, command_line
+from fibws.processes import command_line, exec_command
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
@@ -24,10 +24,10 @@ workspace_option: Callable[[Callable[..., None]], Callable[..., None]] = click.o
     "--workspace",
     metavar="FOLDER",
     type=click.Path(path_type=Path, file_okay=False, exists=True),
-    help="Look into this workspace, too, though its devel/setup was not sourced.",
+    help="Use this workspace, too, without sourcing its devel/setup.bash.",
 )
 ARGUMENTS = {**SETTINGS, "ignore_unknown_options": True, "allow_interspersed_args": False}
-"""What follows the program's name is the program's own, options too."""
+"""All arguments and options after the program's name are passed to the program."""
 
 
 def _complete(
@@ -53,26 +53,26 @@ def _complete(
 
 @click.command(context_settings=ARGUMENTS)
 @workspace_option
-@click.option("--prefix", metavar="COMMAND", help="Start the program by this, such as 'time -p'.")
+@click.option("--prefix", metavar="COMMAND", help="Command to run the program with, as 'time -p'.")
 @click.argument(
     "words", metavar="PACKAGE PROGRAM [ARGUMENT]...", nargs=-1, shell_complete=_complete
 )
+@examples(
+    "{run} fibonacci fibonacci_listener_node.py numbers:=fibonacci",
+    "{run} some/folder/script.py",
+)
 def command(workspace: Path | None, prefix: str | None, words: tuple[str, ...]) -> None:
-    """Start a program of a package, as rosrun does.
+    """Run a program of a package, or a Python script.
 
-    \b
-      fibws run fibonacci fibonacci_listener_node.py numbers:=fibonacci
-      fibws run some/folder/script.py
-
-    Python programs find rospy and the messages. Arguments FROM:=TO rename topics, _NAME:=VALUE set
-    private parameters, __name:=NAME renames the node.
+    Python programs can import rospy and the messages. Arguments FROM:=TO remap names,
+    _NAME:=VALUE sets a private parameter, __name:=NAME renames the node.
     """
     with ending():
         if workspace is not None:
             put_on_paths(workspace)
         if not words:
-            raise click.UsageError("Write PACKAGE PROGRAM, or the path of a script.")
-        become([*_prefix(prefix or ""), *_line(words, workspace)])
+            raise click.UsageError("Missing arguments: PACKAGE PROGRAM, or the path of a script.")
+        exec_command([*_prefix(prefix or ""), *_command_line(words, workspace)])
 
 
 def _prefix(text: str) -> list[str]:
@@ -84,32 +84,32 @@ def _prefix(text: str) -> list[str]:
         raise click.BadParameter(f"{error}: {text}", param_hint="--prefix") from None
 
 
-def _line(words: Sequence[str], workspace: Path | None) -> list[str]:
+def _command_line(words: Sequence[str], workspace: Path | None) -> list[str]:
     from fibws.ros1.workspace import rosrun
 
     script = Path(words[0])
     if script.suffix == ".py" or (os.sep in words[0] and script.is_file()):
         if not script.is_file():
-            text = f"There is no file {script}, in {Path.cwd()}."
-            raise click.UsageError(text + _owner(_packages(workspace), script))
+            text = f"File {script} not found in {Path.cwd()}."
+            raise click.UsageError(text + _package_hint(_packages(workspace), script))
         return command_line(script, words[1:])
     packages = _packages(workspace)
     if len(words) == 1:
-        _ask_which(packages, words[0])
+        raise _no_program(packages, words[0])
     package, program, *arguments = words
     line, _ = rosrun.command_line(packages, package, program, arguments)
     return line
 
 
 def put_on_paths(workspace: Path) -> None:
-    """Put a workspace on the paths of this process, and so of the program."""
+    """Put a workspace on the paths of this process and its children, as its setup file does."""
     from fibws.ros1.workspace.place import DEVEL, SOURCE
     from fibws.ros1.workspace.setup_files import entries
 
     folder = workspace.resolve()
     for variable, path, at_end in entries(folder / SOURCE, folder / DEVEL):
         if not path.is_dir():
-            continue  # It is not built, or has nothing of that kind.
+            continue  # Not built, or empty.
         others = [each for each in os.environ.get(variable, "").split(os.pathsep) if each]
         others = [each for each in others if each != str(path)]
         os.environ[variable] = os.pathsep.join(
@@ -117,19 +117,18 @@ def put_on_paths(workspace: Path) -> None:
         )
 
 
-def _owner(packages: Packages, script: Path) -> str:
-    """Which package has it, if that was left out."""
+def _package_hint(packages: Packages, script: Path) -> str:
+    """Return a hint to the package that has a script."""
     found = packages.having(str(script)) if script.name == str(script) else ()
     if not found:
         return ""
     package = found[0].name
-    return f" Package {package} has one: {command_name('run')} {package} {script}"
+    return f" Package {package} has it: {command_name('run')} {package} {script}"
 
 
-def _ask_which(packages: Packages, package: str) -> None:
-    programs = packages.programs(packages.find(package))
-    of_it = f"Those of {package}: {', '.join(programs)}." if programs else f"{package} has none."
-    raise click.UsageError(f"Which program of {package}? {of_it}")
+def _no_program(packages: Packages, package: str) -> click.UsageError:
+    programs = ", ".join(packages.programs(packages.find(package))) or "none"
+    return click.UsageError(f"Missing argument PROGRAM. Programs of {package}: {programs}.")
 
 
 def _packages(workspace: Path | None) -> Packages:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import click
 
 from fibws.cli import arguments, complete, output
-from fibws.cli.common_options import json_option, linked
+from fibws.cli.common_options import examples, json_option, linked
 from fibws.cli.input import piped
 from fibws.client.graph_snapshot import Entry, Snapshot, within
 from fibws.client.hub_client import HubClient
@@ -107,6 +107,7 @@ def find(client: HubClient, type_: str, as_json: bool) -> None:
 )
 @json_option
 @linked("service")
+@examples("{service call} /add_two_ints 3 4", '{service call} /add_two_ints "{a: 3, b: 4}"')
 def call(
     client: HubClient,
     service: str,
@@ -120,10 +121,6 @@ def call(
 
     ARGS are a value for each field in order, or all as one object, in YAML: 3 4 or "{a: 3, b: 4}".
     Without them they are read from a pipe, and each document in there is a call.
-
-    \b
-      fibws service call /add_two_ints 3 4
-      fibws service call /add_two_ints "{a: 3, b: 4}"
     """
     name = client.resolve(service)
     if wait:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import click
 
 from fibws.cli.arguments import spread
-from fibws.cli.common_options import SETTINGS
+from fibws.cli.common_options import SETTINGS, examples
 from fibws.cli.output import counted, visible
 from fibws.errors import WorkspaceError
 
@@ -30,18 +30,17 @@ _SPACES = re.compile(r"--(source|build)(=.*)?|-DCATKIN_DEVEL_PREFIX=.*")
 
 
 @click.group(context_settings=SETTINGS)
+@examples(
+    "mkdir -p ros_workspace/src",
+    "cd ros_workspace/src",
+    "{workspace init}",
+    "{pkg create} fibonacci std_msgs rospy",
+    "cd ..",
+    "{workspace make}",
+    "source devel/setup.bash",
+)
 def command() -> None:
-    """Begin and build workspaces of packages, as catkin does.
-
-    \b
-      mkdir -p ros_workspace/src
-      cd ros_workspace/src
-      fibws workspace init            catkin_init_workspace
-      fibws pkg create fibonacci std_msgs rospy
-      cd ..
-      fibws workspace make            catkin_make
-      source devel/setup.bash
-    """
+    """Begin and build workspaces of packages, as catkin does."""
 
 
 @command.command("init")
@@ -92,6 +91,10 @@ class _Make(click.Command):
 @click.option("--no-color", is_flag=True, help="Print without colours.")
 @click.argument("targets", metavar="[clean]", nargs=-1)
 @click.pass_context
+@examples(
+    "{workspace make} && source devel/setup.bash",
+    ("{workspace make} clean", "remove build products"),
+)
 def make(
     context: click.Context,
     folder: Path,
@@ -102,10 +105,6 @@ def make(
     targets: tuple[str, ...],
 ) -> None:
     """Build the workspace that this folder is, as catkin_make does.
-
-    \b
-      fibws workspace make && source devel/setup.bash
-      fibws workspace make clean      take out what was built
 
     It checks the packages in src/, compiles their messages, services and actions, and writes
     devel/, which has the files to be sourced. What is written in C++ is not built. Options for

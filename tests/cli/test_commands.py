@@ -14,37 +14,37 @@ from fibws.cli.commands import COMMANDS, command
 from fibws.cli.exit_handling import INTERRUPTED
 
 
-def test_help_names_the_commands_and_imports_none() -> None:
+def test_help_lists_all_commands() -> None:
     result = CliRunner().invoke(command, ["--help"])
     assert result.exit_code == 0
     for name, each in COMMANDS.items():
         assert re.search(rf"{name} +{each.help}", result.stdout)
 
 
-def test_each_command_is_there() -> None:
+def test_each_command_has_help() -> None:
     for name in COMMANDS:
         result = CliRunner().invoke(command, [name, "--help"])
         assert result.exit_code == 0, result.output
 
 
-def test_what_is_no_command_is_refused() -> None:
+def test_unknown_command_is_an_error() -> None:
     result = CliRunner().invoke(command, ["demp"])
     assert result.exit_code == 2
     assert "No such command 'demp'" in result.stderr
 
 
-def test_it_knows_its_version() -> None:
+def test_version() -> None:
     assert CliRunner().invoke(command, ["--version"]).stdout == f"fibws {fibws.__version__}\n"
 
 
-async def test_the_package_is_a_program(start: Start) -> None:
+async def test_package_is_a_program(start: Start) -> None:
     program = await start("fibws", "--help")
     code, out, err = await program.end()
     assert (code, err) == (0, "")
     assert "demo" in out
 
 
-def test_ctrl_c_ends_it_even_while_it_is_imported(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_ctrl_c_during_imports_ends_quietly(monkeypatch: pytest.MonkeyPatch) -> None:
     def interrupted(name: str) -> None:
         raise KeyboardInterrupt
 

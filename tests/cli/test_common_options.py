@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import click
+import pytest
 from click.testing import CliRunner, Result
 from hub_in_thread import HubThread
 
-from fibws.cli.common_options import linked
+from fibws.cli.common_options import examples, linked
 from fibws.client.hub_client import HubClient
+from fibws.command_names import SETUP
 
 
 def invoke(body: Callable[[HubClient], None], *words: str, endless: bool = False) -> Result:
@@ -52,3 +54,22 @@ def test_ctrl_c_breaks_off_with_the_code_of_shells(hub: HubThread) -> None:
 
 def test_ctrl_c_is_how_an_endless_tool_ends(hub: HubThread) -> None:
     assert invoke(interrupt, "--hub", hub.url, endless=True).exit_code == 0
+
+
+def test_examples_follow_the_first_paragraph_of_a_help(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv(SETUP, "{}")
+
+    @examples(("{topic pub} /a 'b: {c: 1}'", "a comment"), ("{topic list}", "another"), "cd x")
+    def command() -> None:
+        """Do it.
+
+        More.
+        """
+
+    assert command.__doc__ == (
+        "Do it.\n\n\b\n"
+        "  rostopic pub /a 'b: {c: 1}'   a comment\n"
+        "  rostopic list                 another\n"
+        "  cd x\n\n"
+        "More."
+    )

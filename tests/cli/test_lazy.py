@@ -1,4 +1,4 @@
-"""Groups whose commands are imported when they are called."""
+"""Groups of commands that import a command when it is called."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def test_help_lists_all_commands_and_imports_none(group: LazyGroup) -> None:
     )
 
 
-def test_help_has_sections_in_the_order_in_which_they_are_given() -> None:
+def test_help_has_sections_in_order() -> None:
     modules = {
         "echo": Command("echo", "Print them.", "Look"),
         "publish": Command("publish", "Say it.", "Act"),
@@ -39,29 +39,28 @@ def test_help_has_sections_in_the_order_in_which_they_are_given() -> None:
     )
 
 
-def test_a_command_is_imported_when_it_is_called(group: LazyGroup) -> None:
+def test_command_is_imported_when_it_is_called(group: LazyGroup) -> None:
     result = CliRunner().invoke(group, ["completion", "--help"])
     assert result.output.startswith("Usage: tools completion [OPTIONS] {bash|fish|zsh}\n")
     assert isinstance(CliRunner().invoke(group, ["broken"]).exception, ModuleNotFoundError)
 
 
-def test_what_is_no_command_is_told(group: LazyGroup) -> None:
+def test_unknown_command_is_an_error(group: LazyGroup) -> None:
     result = CliRunner().invoke(group, ["complete"])
     assert result.exit_code == 2
-    assert "No such command 'complete'; did you mean completion?\n" in result.output
-    assert "No such command 'x'.\n" in CliRunner().invoke(group, ["x"]).output
+    assert "did you mean completion?" in result.output
+    assert "did you mean" not in CliRunner().invoke(group, ["x"]).output
 
 
-def test_what_is_no_option_of_the_group_may_be_one_of_a_command(group: LazyGroup) -> None:
+def test_unknown_option_of_a_group_may_belong_to_a_command(group: LazyGroup) -> None:
     result = CliRunner().invoke(group, ["--json", "completion"])
     assert result.exit_code == 2
-    place = "options go behind the command, as in tools COMMAND --json"
-    assert f"Error: No such option '--json' here: {place}\n" in result.output
+    assert "tools COMMAND --json" in result.output
     result = CliRunner().invoke(group, ["--hlp"])
     assert "Did you mean" in result.output
 
 
-def test_a_shell_is_told_the_commands_with_their_help_and_none_is_imported(
+def test_completion_of_commands_imports_none(
     group: LazyGroup,
 ) -> None:
     items = group.shell_complete(click.Context(group), "")
@@ -74,6 +73,6 @@ def test_a_shell_is_told_the_commands_with_their_help_and_none_is_imported(
     ]
 
 
-def test_a_shell_is_told_the_options_of_the_group_too(group: LazyGroup) -> None:
+def test_completion_includes_options(group: LazyGroup) -> None:
     items = group.shell_complete(click.Context(group), "--")
     assert [item.value for item in items] == ["--help"]

@@ -1,4 +1,4 @@
-"""``fibws run``: what it starts, and what it says of what it cannot start."""
+"""``fibws run``: the programs that it runs, and its errors."""
 
 from __future__ import annotations
 
@@ -67,38 +67,38 @@ def run(tmp_path: Path, workspace: Path) -> Run:
     return run
 
 
-def test_a_program_is_given_all_that_follows_its_name(run: Run) -> None:
+def test_arguments_after_the_program_are_passed_on(run: Run) -> None:
     done = run("fibonacci", "fibonacci_listener_node.py", "a:=b", "--help", "-x", "--", "_y:=[1]")
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout == "['a:=b', '--help', '-x', '--', '_y:=[1]']\n"
 
 
-def test_a_script_is_run_by_its_path(run: Run, tmp_path: Path) -> None:
+def test_script_runs_by_its_path(run: Run, tmp_path: Path) -> None:
     (tmp_path / "script.py").write_text("import rospy, sys; print(sys.argv)")
     for path in ("script.py", str(tmp_path / "script.py")):
         done = run(path, "a:=b")
         assert (done.returncode, done.stdout) == (0, f"[{path!r}, 'a:=b']\n"), done.stderr
 
 
-def test_a_script_that_is_not_there_is_an_error(run: Run, tmp_path: Path) -> None:
+def test_missing_script_is_an_error(run: Run, tmp_path: Path) -> None:
     done = run("nodes/script.py")
     assert done.returncode == 2
-    assert f"There is no file {Path('nodes/script.py')}, in {tmp_path.resolve()}." in done.stderr
+    assert f"{Path('nodes/script.py')} not found in {tmp_path.resolve()}" in done.stderr
 
 
-def test_a_script_whose_package_was_left_out_is_told_with_it(run: Run) -> None:
+def test_script_without_its_package_is_found(run: Run) -> None:
     done = run("fibonacci_listener_node.py")
     assert done.returncode == 2
-    assert " has one: fibws run fibonacci fibonacci_listener_node.py\n" in done.stderr
+    assert " has it: fibws run fibonacci fibonacci_listener_node.py\n" in done.stderr
 
 
-def test_the_exit_code_is_the_programs_own(run: Run, tmp_path: Path) -> None:
+def test_exit_code_is_the_programs(run: Run, tmp_path: Path) -> None:
     (tmp_path / "script.py").write_text("raise SystemExit(7)")
     assert run("script.py").returncode == 7
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals for others")
-def test_a_signal_is_the_programs_own(tmp_path: Path) -> None:
+def test_program_receives_signals(tmp_path: Path) -> None:
     (tmp_path / "script.py").write_text(
         "import signal, sys\n"
         "signal.signal(signal.SIGTERM, lambda *_: sys.exit(3))\n"
@@ -114,7 +114,7 @@ def test_a_signal_is_the_programs_own(tmp_path: Path) -> None:
         assert process.wait(PATIENCE) == 3
 
 
-def test_a_program_that_is_not_python_is_run_as_it_is(run: Run, workspace: Path) -> None:
+def test_program_that_is_not_python_runs_directly(run: Run, workspace: Path) -> None:
     if sys.platform == "win32":
         pytest.skip("Windows has no sh")
     program = workspace / "src" / "fibonacci" / "scripts" / "hello"
@@ -124,7 +124,7 @@ def test_a_program_that_is_not_python_is_run_as_it_is(run: Run, workspace: Path)
     assert run("fibonacci", "hello", "you").stdout == "hello you\n"
 
 
-def test_a_prefix_starts_the_program(run: Run) -> None:
+def test_prefix_runs_the_program(run: Run) -> None:
     done = run("--prefix", "env -u NOTHING", "fibonacci", "fibonacci_listener_node.py", "x")
     assert (done.stdout, done.stderr) == ("['x']\n", "")
     assert "--prefix: No closing quotation: 'env" in run("--prefix", "'env", "x.py").stderr
@@ -136,33 +136,31 @@ def test_a_prefix_starts_the_program(run: Run) -> None:
     [
         (
             ["fibonacci_broadcaster", "fibonacci_listener_node.py"],
-            "fibonacci has it: rosrun fibonacci fibonacci_listener_node.py",
+            " fibonacci fibonacci_listener_node.py",
         ),
         (["fibonaci", "x.py"], "did you mean fibonacci?"),
         (["fibonacci", "fibonacci_broadcaster_node.py"], "chmod +x "),
         (["fibonacci", "fibonacci_listner_node.py"], "did you mean fibonacci_listener_node.py?"),
-        (["fibonacci"], "Those of fibonacci: fibonacci_listener_node.py."),
-        (["std_msgs"], "std_msgs has none."),
-        ([], "Write PACKAGE PROGRAM, or the path of a script."),
+        (["fibonacci"], "fibonacci: fibonacci_listener_node.py."),
+        (["std_msgs"], "std_msgs: none"),
+        ([], "PACKAGE PROGRAM"),
     ],
 )
-def test_what_cannot_be_run_is_said_with_what_was_missed(
-    words: list[str], said: str, run: Run
-) -> None:
+def test_error_names_the_cause(words: list[str], said: str, run: Run) -> None:
     done = run(*words)
     assert done.returncode in (1, 2)
     assert said in done.stderr
     assert "Traceback" not in done.stderr
 
 
-def test_a_workspace_that_was_not_sourced_is_named(run: Run, workspace: Path) -> None:
+def test_error_names_a_workspace_that_was_not_sourced(run: Run, workspace: Path) -> None:
     done = run("fibonacci", "fibonacci_listener_node.py", cwd=workspace, ROS_PACKAGE_PATH="")
     assert done.returncode == 1
     assert "devel" in done.stderr
     assert "source" in done.stderr
 
 
-def test_a_workspace_can_be_named_instead_of_sourced(run: Run, workspace: Path) -> None:
+def test_workspace_option_replaces_sourcing(run: Run, workspace: Path) -> None:
     program = workspace / "src" / "fibonacci" / "src" / "fibonacci_listener_node.py"
     program.write_text("import json, os; print(json.dumps(dict(os.environ)))")
     (workspace / "devel" / "share").mkdir(parents=True)
@@ -187,18 +185,18 @@ def test_a_workspace_can_be_named_instead_of_sourced(run: Run, workspace: Path) 
         ),
     ],
 )
-def test_programs_of_ros_have_their_like(words: list[str], line: list[str]) -> None:
-    assert module._line(words, None) == [sys.executable, "-P", *line]
+def test_programs_of_ros_have_substitutes(words: list[str], line: list[str]) -> None:
+    assert module._command_line(words, None) == [sys.executable, "-P", *line]
 
 
-def test_what_is_not_there_of_ros_says_so(run: Run) -> None:
+def test_program_of_ros_without_a_substitute_is_an_error(run: Run) -> None:
     done = run("turtlesim", "turtlesim_node")
     assert (done.returncode, done.stdout) == (1, "")
     assert "turtlesim" in done.stderr and "fibws open" in done.stderr
 
 
 def complete(words: str, **environ: str) -> list[str]:
-    told = subprocess.run(
+    done = subprocess.run(
         FIBWS,
         capture_output=True,
         text=True,
@@ -211,7 +209,7 @@ def complete(words: str, **environ: str) -> list[str]:
         },
         timeout=PATIENCE,
     )
-    return told.stdout.split()
+    return done.stdout.split()
 
 
 def test_packages_and_programs_are_completed(workspace: Path) -> None:

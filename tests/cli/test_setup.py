@@ -1,4 +1,4 @@
-"""``fibws setup``, read by the shells that are installed here."""
+"""``fibws setup``, run by the shells of this machine."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ SHELLS = [
 
 @pytest.fixture(autouse=True)
 def no_ros(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """The environment of one who has no ROS, nor anything set up."""
+    """An environment without ROS and without setup."""
     monkeypatch.setenv("PATH", str(tmp_path))
     for name in [name for name in os.environ if name.startswith(("ROS_", "FIBWS_"))]:
         monkeypatch.delenv(name)
@@ -41,7 +41,7 @@ def setup(*words: str) -> Result:
     return CliRunner().invoke(command, ["setup", *words], prog_name="fibws")
 
 
-def test_it_prints_text_for_a_shell_and_tells_a_person_what_it_did() -> None:
+def test_setup_prints_a_script_and_a_summary() -> None:
     result = setup()
     assert result.exit_code == 0, result.output
     assert f"export PATH={BIN_FOLDER}" in result.stdout
@@ -49,14 +49,14 @@ def test_it_prints_text_for_a_shell_and_tells_a_person_what_it_did() -> None:
     assert "source <(fibws setup --undo)" in result.stderr
 
 
-def test_it_can_be_quiet() -> None:
+def test_quiet_setup_prints_only_the_script() -> None:
     for words in (["--quiet"], ["bash", "-q"], ["--undo", "--quiet"]):
         result = setup(*words)
         assert (result.exit_code, result.stderr) == (0, "")
         assert result.stdout
 
 
-def test_typed_at_a_terminal_it_explains_how_it_is_meant(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_at_a_terminal_it_explains_its_use(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(output, "is_terminal", lambda: True)
     for words in ([], ["--undo"]):
         result = setup(*words)
@@ -67,42 +67,40 @@ def test_typed_at_a_terminal_it_explains_how_it_is_meant(monkeypatch: pytest.Mon
 
 
 @pytest.mark.parametrize("shell", ["fish", "tcsh", "powershell"])
-def test_other_shells_are_told_how_to_do_without(shell: str) -> None:
+def test_unsupported_shell_is_an_error_with_alternatives(shell: str) -> None:
     result = setup(shell)
     assert (result.exit_code, result.stdout) == (1, "false\n")
-    assert f"not to {shell}." in result.stderr
+    assert shell in result.stderr
     assert "fibws run" in result.stderr
 
 
 @pytest.fixture
 def roscore(tmp_path: Path) -> Path:
-    """The roscore of a ROS that is installed."""
+    """The roscore of an installed ROS."""
     program = tmp_path / ("roscore.bat" if os.name == "nt" else "roscore")
     program.touch(mode=0o755)
     return program
 
 
-def test_a_ros_that_is_installed_is_not_hidden_unasked(roscore: Path) -> None:
+def test_installed_ros_is_not_hidden_by_default(roscore: Path) -> None:
     result = setup()
     assert (result.exit_code, result.stdout) == (1, "false\n")
-    assert f"Nothing is set up: a ROS is installed (there is {roscore})" in result.stderr
+    assert str(roscore) in result.stderr
     assert "--shadow-ros" in result.stderr
 
 
-def test_a_ros_that_is_installed_is_hidden_if_asked(
+def test_installed_ros_is_hidden_with_shadow_ros(
     roscore: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     result = setup("--shadow-ros")
     assert result.exit_code == 0
     assert f"export PATH={BIN_FOLDER}{os.pathsep}{roscore.parent}\n" in result.stdout
-    # Asked once, it stands: the setup of a workspace, read afterwards, does not ask again.
+    # The setup file of a workspace, sourced later, does not need the option.
     monkeypatch.setenv(SETUP, "{}")
     assert setup("--quiet").exit_code == 0
 
 
-def test_it_takes_workspaces_back_that_were_built_here(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+def test_undo_removes_workspaces(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     devel = tmp_path / "devel"
     devel.mkdir()
     (devel / ".fibws").touch()
@@ -117,7 +115,7 @@ def test_it_takes_workspaces_back_that_were_built_here(
 
 @pytest.fixture
 def environment(tmp_path: Path, hub: HubThread) -> dict[str, str]:
-    """The environment of one who has installed fibws, has no ROS, and has started a hub."""
+    """An environment with fibws and a hub, without ROS."""
     tools = tmp_path / "tools"
     tools.mkdir()
     program = tools / "fibws"
@@ -148,9 +146,7 @@ def terminal(request: pytest.FixtureRequest, environment: dict[str, str]) -> Ite
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such shells")
 @pytest.mark.parametrize("shell", SHELLS)
-def test_a_shell_that_reads_it_has_what_ros_has_until_it_is_undone(
-    shell: str, environment: dict[str, str]
-) -> None:
+def test_shell_has_commands_of_ros_until_undo(shell: str, environment: dict[str, str]) -> None:
     text = """
 source <(fibws setup) && echo "done: $?"
 command -v rostopic; echo $ROS_DISTRO
@@ -176,14 +172,14 @@ echo "$PATH ${PYTHONPATH-none} ${ROS_DISTRO-none} ${FIBWS_PYTHON-none}"
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such shells")
 @pytest.mark.parametrize("terminal", SHELLS, indirect=True)
-def test_the_commands_complete_by_tab(terminal: Terminal, publish: Publish) -> None:
+def test_commands_complete_by_tab(terminal: Terminal, publish: Publish) -> None:
     publish("/fibonacci", "std_msgs/Int32", {"data": 8})
     terminal.wait_for("ready> ")
     if "zsh" in terminal.process.args[0]:  # type: ignore[index, operator]
         terminal.type("autoload -U compinit; compinit -D\n")
         terminal.wait_for("ready> ")
     terminal.type("source <(fibws setup)\n")
-    terminal.wait_for("take it back")
+    terminal.wait_for("--undo)")
     terminal.wait_for("ready> ")
     terminal.type_until("\x15rostopic echo -n 1 /fib\t", "onacci")
     terminal.type("\n")

@@ -19,12 +19,12 @@ from fibws.hub import Hub
 DEMO = ("fibws", "demo", "--rate", "100")
 
 
-async def test_it_runs_a_hub_and_both_nodes(start: Start) -> None:
+async def test_demo_runs_a_hub_and_both_nodes(start: Start) -> None:
     program = await start(*DEMO, "--port", "0")
-    found = re.fullmatch(r"A hub is at (ws://127\.0\.0\.1:\d+) now\.\n", await program.line())
+    found = re.search(r"(ws://127\.0\.0\.1:\d+)", await program.line())
     assert found is not None
     assert found[1].replace("ws", "http") in await program.line()
-    assert "Ctrl-C" in await program.line()
+    await program.line()
     lines = [await program.line() for _ in range(10)]
     said = [line.split()[-1] for line in lines if line.startswith("broadcaster [INFO] [")]
     heard = [line.split()[-1] for line in lines if line.startswith("listener    [INFO] [")]
@@ -36,9 +36,9 @@ async def test_it_runs_a_hub_and_both_nodes(start: Start) -> None:
     assert (code, err) == (0, "")
 
 
-async def test_it_uses_a_hub_that_is_there(hub: Hub, start: Start) -> None:
+async def test_demo_uses_a_running_hub(hub: Hub, start: Start) -> None:
     program = await start(*DEMO, "--port", str(hub.port))
-    assert await program.line() == f"There is a hub at {hub.url} already, so this uses it.\n"
+    assert hub.url in await program.line()
     for _ in range(6):
         last = await program.line()
     assert "[INFO]" in last
@@ -48,8 +48,8 @@ async def test_it_uses_a_hub_that_is_there(hub: Hub, start: Start) -> None:
 
 
 @pytest.fixture
-async def stranger() -> AsyncIterator[int]:
-    """The port of a web server."""
+async def web_server() -> AsyncIterator[int]:
+    """The port of a web server that is not a hub."""
 
     async def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         await reader.readuntil(b"\r\n\r\n")
@@ -63,18 +63,15 @@ async def stranger() -> AsyncIterator[int]:
     await server.wait_closed()
 
 
-async def test_a_port_that_is_taken_by_something_else_is_said_in_a_line(
-    stranger: int, start: Start
-) -> None:
-    program = await start(*DEMO, "--port", str(stranger))
+async def test_port_in_use_by_another_program_is_an_error(web_server: int, start: Start) -> None:
+    program = await start(*DEMO, "--port", str(web_server))
     code, out, err = await program.end()
     assert (code, out) == (1, "")
-    assert err == (
-        f"Error: Port {stranger} is taken, and not by a hub. Choose another one with --port.\n"
-    )
+    assert str(web_server) in err and "--port" in err
+    assert err.count("\n") == 1
 
 
-async def test_it_ends_quietly_when_nobody_reads_what_it_prints(start: Start) -> None:
+async def test_demo_ends_quietly_when_its_output_is_closed(start: Start) -> None:
     program = await start(*DEMO, "--port", "0")
     await program.line()
     program.stop_reading()
@@ -82,7 +79,7 @@ async def test_it_ends_quietly_when_nobody_reads_what_it_prints(start: Start) ->
     assert (code, err) == (0, "")
 
 
-def test_a_hub_that_cannot_start_for_another_reason_says_which(
+def test_error_of_the_hub_is_reported(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     class NoHub(Hub):

@@ -11,7 +11,7 @@ import click
 from fibws import names
 from fibws.cli import complete, output
 from fibws.cli.arguments import DigitOptions
-from fibws.cli.common_options import linked
+from fibws.cli.common_options import examples, linked
 from fibws.cli.input import piped
 from fibws.cli.topic import pipe
 from fibws.cli.topic.publisher import Publisher
@@ -51,6 +51,11 @@ RATE = 10.0
     help="With -r, let now and auto be the time of each message.",
 )
 @linked("pub", endless=True)
+@examples(
+    '{topic pub} -r 10 /chatter std_msgs/String "data: hello"',
+    '{topic pub} -1 /cmd_vel geometry_msgs/Twist "{linear: {x: 1.5}}"',
+    "{topic pub} /point geometry_msgs/Point 1 2 3",
+)
 def command(
     client: HubClient,
     topic: str,
@@ -68,11 +73,6 @@ def command(
     ARGS are YAML: one object, or a value for each field in order. In them, now stands for the time
     and auto for a header of now. If one begins with a minus, write -- before them all. Without
     ARGS, the messages are those of a file or of standard input, with --- between them.
-
-    \b
-      fibws topic pub -r 10 /chatter std_msgs/String "data: hello"
-      fibws topic pub -1 /cmd_vel geometry_msgs/Twist "{linear: {x: 1.5}}"
-      fibws topic pub /point geometry_msgs/Point 1 2 3
     """
     if rate is not None and once:
         raise click.UsageError("You cannot select both -r and -1 (--once)")

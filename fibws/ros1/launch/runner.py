@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from fibws.command_names import command_name
-from fibws.processes import explained
+from fibws.processes import start_error
 from fibws.ros1.launch.command import Start
 from fibws.ros1.launch.log import Log
 from fibws.ros1.launch.model import Node
@@ -190,7 +190,7 @@ class Runner:
             await process.begin()
         except OSError as error:
             command = process.start.command
-            why = _why(explained(error, command[0]))
+            why = _why(start_error(error, command[0]))
             self._screen.complain(f"[{process.name}] cannot be started: {why}: {' '.join(command)}")
             return False
         self._screen.say(f"process[{process.name}]: started with pid [{process.pid}]", bold=True)

@@ -14,22 +14,26 @@ from fibws.command_names import SETUP, is_set_up
 
 FOLDER = Path(__file__).absolute().parent
 BIN_FOLDER = FOLDER / "bin"
-"""Holds the commands; it is to be the first of PATH."""
+"""The folder of the commands, for the front of PATH."""
 PYTHON_FOLDER = FOLDER.parent / "python"
-"""Holds rospy and the like; it is to be the first of PYTHONPATH."""
+"""The folder of rospy and the like, for the front of PYTHONPATH."""
 
 PYTHON = "FIBWS_PYTHON"
-"""The variable that names the Python by which the commands run."""
+"""The variable for the Python that runs the commands."""
 DISTRO = "noetic"
 OF_ROS = {"ROS_DISTRO": DISTRO, "ROS_VERSION": "1", "ROS_PYTHON_VERSION": "3"}
-"""What scripts and launch files ask a ROS 1 for."""
+"""Variables of a ROS 1 that scripts and launch files read."""
 
 Changes: TypeAlias = dict[str, str | None]
-"""New values of variables; those with None are no more."""
+"""New values of variables; None unsets one."""
 
 
 def set_up(environ: Mapping[str, str]) -> Changes:
-    """What puts commands and modules on their paths; done again, it changes nothing."""
+    """Return the changes that put commands and modules on their paths.
+
+    The variable `SETUP` records the earlier values of the other variables. In an environment that
+    is set up already, nothing changes.
+    """
     record = _record(environ)
     if record is None:
         record = {name: environ.get(name) for name in (PYTHON, *OF_ROS)}
@@ -43,11 +47,11 @@ def set_up(environ: Mapping[str, str]) -> Changes:
 
 
 def undo(environ: Mapping[str, str], besides: Iterable[tuple[str, Path]] = ()) -> Changes:
-    """What takes `set_up` back, whatever else was done to the paths meanwhile.
+    """Return the changes that undo `set_up`; other folders on the paths are kept.
 
     Args:
-        environ: the variables as they are.
-        besides: what else is to go: folders, each with the variable that has it on its path.
+        environ: the current variables.
+        besides: further folders to remove, each with its path variable.
     """
     paths = {name: _others(environ.get(name)) for name in ("PATH", "PYTHONPATH")}
     for name, folder in besides:
@@ -62,7 +66,7 @@ def undo(environ: Mapping[str, str], besides: Iterable[tuple[str, Path]] = ()) -
 
 
 def other_ros(environ: Mapping[str, str]) -> str | None:
-    """What shows that a ROS is installed or was set up, or None if nothing does."""
+    """Return how to recognize another ROS that is installed or set up; None without one."""
     others = _joined(*_others(environ.get("PATH")))
     if roscore := shutil.which("roscore", path=others):
         return f"there is {roscore}"
@@ -84,7 +88,7 @@ def _record(environ: Mapping[str, str]) -> Changes | None:
 
 
 def _others(path: str | None) -> list[str]:
-    """The folders of a path but for ours, and those of other installations of fibws."""
+    """Return the folders of a path that no installation of fibws has put there."""
     folders = path.split(os.pathsep) if path else []
     return [folder for folder in folders if not _is_ours(folder)]
 

@@ -1,4 +1,4 @@
-"""Programs of ROS's own packages that have their like in fibws, and those that have none."""
+"""Substitutes for programs of ROS's own packages."""
 
 from __future__ import annotations
 
@@ -33,15 +33,15 @@ _SCRIPTS = {
 
 
 def command_line(package: str, program: str, arguments: Sequence[str]) -> list[str] | None:
-    """What to start instead of a program of ROS's own, or None if it is not known.
+    """Return the command to run instead of a program of ROS's own; None for other programs.
 
     Args:
         package: its package.
         program: its name, with ``.py`` or without.
-        arguments: what to call it with.
+        arguments: its arguments.
 
     Raises:
-        WorkspaceError: it is known, and there is nothing like it here.
+        WorkspaceError: the package has no substitute here.
     """
     name = (package, program.removesuffix(".py"))
     if name in _MODULES:
@@ -54,12 +54,12 @@ def command_line(package: str, program: str, arguments: Sequence[str]) -> list[s
 
 
 def _unsupported() -> dict[str, str]:
-    """Return why each package of ROS without a substitute here has none."""
-    page = f"needs a window, which fibws has not; the hub's page: {command_name('open')}"
+    """Return the packages of ROS without a substitute, each with the reason."""
+    page = f"opens a window, which fibws cannot; see the hub's page instead: {command_name('open')}"
     built_in = "is part of the hub and needs no start"
     talker = command_name("run rospy_tutorials talker")
     return {
-        "turtlesim": f"{page}. Its messages are known: {command_name('msg show turtlesim/Pose')}",
+        "turtlesim": f"{page}. To see its messages: {command_name('msg show turtlesim/Pose')}",
         "rviz": page,
         "rqt_reconfigure": page,
         "rqt_image_view": page,

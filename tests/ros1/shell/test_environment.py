@@ -1,4 +1,4 @@
-"""What a shell's variables become, and how they become what they were."""
+"""The environment variables that ``fibws setup`` sets and restores."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ PATH = os.pathsep.join(["/usr/local/bin", "/usr/bin"])
 
 
 def after(environ: dict[str, str], changes: Changes) -> dict[str, str]:
-    """The variables when changes were made."""
+    """Return the variables with changes applied."""
     changed = {**environ, **changes}
     return {name: value for name, value in changed.items() if value is not None}
 
@@ -29,7 +29,7 @@ def undone(environ: dict[str, str]) -> dict[str, str]:
     return after(environ, environment.undo(environ))
 
 
-def test_commands_and_modules_are_first_on_their_paths() -> None:
+def test_commands_and_modules_come_first_on_their_paths() -> None:
     found = set_up({"PATH": PATH, "PYTHONPATH": "/own"})
     assert found["PATH"] == f"{BIN_FOLDER}{os.pathsep}{PATH}"
     assert found["PYTHONPATH"] == f"{PYTHON_FOLDER}{os.pathsep}/own"
@@ -37,11 +37,11 @@ def test_commands_and_modules_are_first_on_their_paths() -> None:
     assert {name: found[name] for name in OF_ROS} == OF_ROS
 
 
-def test_a_path_that_was_not_set_has_no_empty_part() -> None:
+def test_path_that_was_not_set_has_no_empty_part() -> None:
     assert set_up({"PATH": PATH})["PYTHONPATH"] == str(PYTHON_FOLDER)
 
 
-def test_done_twice_it_is_as_done_once() -> None:
+def test_second_setup_changes_nothing() -> None:
     once = set_up({"PATH": PATH})
     assert set_up(once) == once
 
@@ -54,12 +54,12 @@ def test_done_twice_it_is_as_done_once() -> None:
         {"PATH": PATH, "ROS_DISTRO": "humble", "ROS_VERSION": "2", "FIBWS_PYTHON": "python9"},
     ],
 )
-def test_what_is_undone_is_as_it_was(before: dict[str, str]) -> None:
+def test_undo_restores_the_variables(before: dict[str, str]) -> None:
     assert undone(set_up(before)) == before
     assert undone(set_up(set_up(before))) == before
 
 
-def test_what_came_to_a_path_meanwhile_stays_when_it_is_undone() -> None:
+def test_undo_keeps_folders_added_after_setup() -> None:
     environ = set_up({"PATH": PATH})
     environ["PATH"] = os.pathsep.join(["/new/bin", environ["PATH"]])
     environ["PYTHONPATH"] = os.pathsep.join(["/new/modules", environ["PYTHONPATH"]])
@@ -69,7 +69,7 @@ def test_what_came_to_a_path_meanwhile_stays_when_it_is_undone() -> None:
     }
 
 
-def test_workspaces_go_with_it_and_folders_of_others_stay() -> None:
+def test_undo_removes_workspaces_and_keeps_other_folders() -> None:
     environ = set_up({"PATH": PATH})
     workspace = {"PYTHONPATH": "/ws/devel/lib", "ROS_PACKAGE_PATH": "/ws/src", "CMAKE": "/ws/devel"}
     environ["PYTHONPATH"] = os.pathsep.join(["/ws/devel/lib", environ["PYTHONPATH"]])
@@ -80,11 +80,11 @@ def test_workspaces_go_with_it_and_folders_of_others_stay() -> None:
     assert after(environ, changes) == {"PATH": PATH, "ROS_PACKAGE_PATH": "/own/src"}
 
 
-def test_what_was_never_done_can_be_undone() -> None:
+def test_undo_without_setup_changes_nothing() -> None:
     assert undone({"PATH": PATH, "ROS_DISTRO": "humble"}) == {"PATH": PATH, "ROS_DISTRO": "humble"}
 
 
-def test_another_installation_of_fibws_is_replaced() -> None:
+def test_other_installation_of_fibws_is_replaced() -> None:
     other = "/venv/lib/python3.12/site-packages/fibws/ros1"
     environ = set_up({"PATH": f"{other}/bin{os.pathsep}{PATH}", "PYTHONPATH": f"{other}/python"})
     assert environ["PATH"] == f"{BIN_FOLDER}{os.pathsep}{PATH}"
@@ -99,33 +99,33 @@ def test_invalid_record_is_ignored(record: str) -> None:
 
 @pytest.fixture
 def roscore(tmp_path: Path) -> Path:
-    """The roscore of a ROS that is installed."""
+    """The roscore of an installed ROS."""
     program = tmp_path / "noetic" / ("roscore.bat" if os.name == "nt" else "roscore")
     program.parent.mkdir()
     program.touch(mode=0o755)
     return program
 
 
-def test_a_ros_is_seen_by_its_roscore(roscore: Path) -> None:
+def test_other_ros_is_found_by_its_roscore(roscore: Path) -> None:
     environ = {"PATH": str(roscore.parent)}
     assert environment.other_ros(environ) == f"there is {roscore}"
     assert environment.other_ros({"PATH": str(roscore.parent.parent)}) is None
 
 
-def test_our_own_roscore_is_no_other_ros() -> None:
+def test_roscore_of_fibws_is_not_another_ros() -> None:
     assert environment.other_ros({"PATH": str(BIN_FOLDER)}) is None
 
 
 @pytest.mark.parametrize("name", ["ROS_ROOT", "ROS_DISTRO"])
-def test_a_ros_is_seen_by_its_variables(name: str) -> None:
+def test_other_ros_is_found_by_its_variables(name: str) -> None:
     assert environment.other_ros({"PATH": "", name: "kinetic"}) == f"{name} is kinetic"
 
 
-def test_our_own_variables_are_no_other_ros() -> None:
+def test_variables_of_fibws_are_not_another_ros() -> None:
     assert environment.other_ros(set_up({"PATH": ""})) is None
 
 
-def test_a_record_that_is_none_of_ours_sets_nothing() -> None:
+def test_record_with_invalid_values_sets_nothing() -> None:
     record = '{"ROS_DISTRO": 5, "FIBWS_PYTHON": ["a"], "PATH": "/x"}'
     changes = environment.undo({"FIBWS_SETUP": record})
     assert changes["ROS_DISTRO"] is None and changes["FIBWS_PYTHON"] is None

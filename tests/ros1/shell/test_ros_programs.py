@@ -1,4 +1,4 @@
-"""Programs of ROS's own packages."""
+"""Substitutes for programs of ROS's own packages."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from fibws.ros1.shell import ros_programs
 
 
 @pytest.mark.parametrize(("package", "program"), ros_programs._MODULES)
-def test_each_is_a_program_of_fibws(package: str, program: str) -> None:
+def test_each_substitute_runs(package: str, program: str) -> None:
     line = ros_programs.command_line(package, program, ["--help"])
     assert line is not None
     done = subprocess.run(line, capture_output=True, text=True)
@@ -22,24 +22,24 @@ def test_each_is_a_program_of_fibws(package: str, program: str) -> None:
     assert done.stdout.startswith("Usage:")
 
 
-def test_the_name_may_end_in_py() -> None:
+def test_name_may_end_in_py() -> None:
     assert ros_programs.command_line(
         "rospy_tutorials", "talker.py", []
     ) == ros_programs.command_line("rospy_tutorials", "talker", [])
 
 
-def test_others_are_not_known() -> None:
+def test_other_programs_are_unknown() -> None:
     assert ros_programs.command_line("fibonacci", "talker", []) is None
     assert ros_programs.command_line("rospy_tutorials", "nothing", []) is None
 
 
 @pytest.mark.parametrize("package", ros_programs._unsupported())
-def test_what_has_no_like_here_says_why(package: str) -> None:
+def test_package_without_a_substitute_is_an_error(package: str) -> None:
     with pytest.raises(WorkspaceError, match=f"^{package} "):
         ros_programs.command_line(package, "anything", [])
 
 
-async def test_the_listener_hears_the_talker(
+async def test_listener_receives_from_talker(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     import asyncio

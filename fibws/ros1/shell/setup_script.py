@@ -1,4 +1,4 @@
-"""Text for ``source``, in sh's language as bash, zsh and dash have it in common."""
+"""The scripts that ``fibws setup`` prints, in the language that sh, bash, zsh and dash share."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if ! command -v roscd >/dev/null 2>&1; then
                     printf '%s\\n' "${{CMAKE_PREFIX_PATH%%:*}}"
                     return
                 fi
-                echo "Write PACKAGE or PACKAGE/FOLDER." >&2
+                echo "Missing argument: PACKAGE or PACKAGE/FOLDER" >&2
                 return 2
                 ;;
         esac
@@ -41,7 +41,7 @@ fi
 _BASH = """\
 if (( BASH_VERSINFO[0] * 100 + BASH_VERSINFO[1] >= 404 )); then
 %(fibws)s
-_fibws_door_completion() {
+_fibws_alias_completion() {
     local words
     case ${1##*/} in
 %(cases)s
@@ -50,43 +50,35 @@ _fibws_door_completion() {
     COMP_WORDS=(fibws "${words[@]}" "${COMP_WORDS[@]:1}")
     _fibws_completion fibws
 }
-complete -o nosort -F _fibws_door_completion %(doors)s
+complete -o nosort -F _fibws_alias_completion %(aliases)s
 fi
 """
 
 _ZSH = """\
 %(fibws)s
-_fibws_door_completion() {
-    local -a door
+_fibws_alias_completion() {
+    local -a command
     case $service in
 %(cases)s
     esac
-    (( CURRENT += $#door ))
-    words=(fibws $door "${(@)words[2,-1]}")
+    (( CURRENT += $#command ))
+    words=(fibws $command "${(@)words[2,-1]}")
     _fibws_completion
 }
-compdef _fibws_door_completion %(doors)s
+compdef _fibws_alias_completion %(aliases)s
 """
 
 
-def assignments(changes: Changes) -> str:
-    """The commands that give variables their new values."""
-    return "".join(
-        f"unset {name}\n" if value is None else f"export {name}={quote(value)}\n"
-        for name, value in changes.items()
-    )
-
-
-def begin(changes: Changes, bash: str, zsh: str) -> str:
-    """All that a shell needs in which fibws stands in for ROS 1.
+def set_up(changes: Changes, bash: str, zsh: str) -> str:
+    """Return the script that gives a shell ROS 1's commands.
 
     Args:
         changes: of `fibws.ros1.shell.environment.set_up`.
-        bash: what completes ``fibws`` in bash.
-        zsh: what does so in zsh.
+        bash: bash's completion of ``fibws``.
+        zsh: zsh's completion of ``fibws``.
     """
-    bash = _BASH % _completed(bash, "words=({words})")
-    zsh = _ZSH % _completed(zsh, "door=({words})")
+    bash = _BASH % _completion(bash, "words=({words})")
+    zsh = _ZSH % _completion(zsh, "command=({words})")
     return f"""\
 {assignments(changes)}{_FUNCTIONS}\
 if [ -n "${{BASH_VERSION-}}" ]; then
@@ -97,23 +89,31 @@ fi
 """
 
 
-def end(changes: Changes) -> str:
-    """What takes `begin` back.
+def undo(changes: Changes) -> str:
+    """Return the script that undoes `set_up`.
 
     Args:
         changes: of `fibws.ros1.shell.environment.undo`.
     """
-    doors = " ".join(ALIASES)
+    aliases = " ".join(ALIASES)
     return f"""\
 {assignments(changes)}{_NO_FUNCTIONS}\
 if [ -n "${{BASH_VERSION-}}" ]; then
-    complete -r {doors} 2>/dev/null || :
+    complete -r {aliases} 2>/dev/null || :
 elif [ -n "${{ZSH_VERSION-}}" ]; then
-    if command -v compdef >/dev/null; then compdef -d {doors}; fi
+    if command -v compdef >/dev/null; then compdef -d {aliases}; fi
 fi
 """
 
 
-def _completed(fibws: str, assignment: str) -> dict[str, str]:
-    cases = [f"        {door}) {assignment.format(words=ALIASES[door])} ;;" for door in ALIASES]
-    return {"fibws": fibws, "cases": "\n".join(cases), "doors": " ".join(ALIASES)}
+def assignments(changes: Changes) -> str:
+    """Return the commands that set and unset variables."""
+    return "".join(
+        f"unset {name}\n" if value is None else f"export {name}={quote(value)}\n"
+        for name, value in changes.items()
+    )
+
+
+def _completion(fibws: str, assignment: str) -> dict[str, str]:
+    cases = [f"        {name}) {assignment.format(words=ALIASES[name])} ;;" for name in ALIASES]
+    return {"fibws": fibws, "cases": "\n".join(cases), "aliases": " ".join(ALIASES)}
