@@ -7,10 +7,10 @@ from urllib.parse import urlsplit
 
 import click
 
+from fibws import hub_address
 from fibws.cli.exit_handling import ending
 from fibws.command_names import command_name
 from fibws.errors import FibwsError
-from fibws.node import address
 from fibws.processes import exec_command
 
 _IGNORED = "Ignored; accepted for compatibility with roscore."
@@ -37,8 +37,8 @@ def command(port: int | None, verbose: bool, workers: str | None, timeout: str |
     with ending():
         if port is None:
             _warn_if_nodes_look_elsewhere()
-            port = _port_of_nodes() or address.DEFAULT_PORT
-        url = f"ws://{address.LOOPBACK[0]}:{port}"
+            port = _port_of_nodes() or hub_address.DEFAULT_PORT
+        url = f"ws://{hub_address.LOOPBACK[0]}:{port}"
         if port and _is_running(url):
             raise click.ClickException(
                 f"{command_name('core')} cannot run as another roscore/master is already running: "
@@ -46,20 +46,20 @@ def command(port: int | None, verbose: bool, workers: str | None, timeout: str |
                 "where it was started."
             )
         if port and port != _port_of_nodes():
-            click.echo(f"In the other terminals, type: export {address.ENVIRONMENT}={url}")
+            click.echo(f"In the other terminals, type: export {hub_address.ENVIRONMENT}={url}")
         exec_command([sys.executable, "-P", "-m", "fibws.hub", "--port", str(port)])
 
 
 def _port_of_nodes() -> int | None:
     """Return the port at which nodes look for the hub; None if that is a proxy's, with TLS."""
-    url = urlsplit(address.hub_url())
+    url = urlsplit(hub_address.hub_url())
     return (url.port or 80) if url.scheme == "ws" else None
 
 
 def _warn_if_nodes_look_elsewhere() -> None:
-    host = urlsplit(address.hub_url()).hostname
-    if host not in address.LOOPBACK:
-        text = f"WARNING: {address.ENVIRONMENT} sends nodes to the hub at {host}"
+    host = urlsplit(hub_address.hub_url()).hostname
+    if host not in hub_address.LOOPBACK:
+        text = f"WARNING: {hub_address.ENVIRONMENT} sends nodes to the hub at {host}"
         click.echo(f"{text}, but this hub is only for this machine", err=True)
 
 

@@ -13,7 +13,7 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple, Self, TypeAlias
 
-from fibws import names
+from fibws import hub_address, names
 from fibws.client.rosapi_schemas import ANSWERS, fault
 from fibws.client.websocket import Message, Stream
 from fibws.errors import (
@@ -23,7 +23,6 @@ from fibws.errors import (
     ServiceTimeout,
     UnknownService,
 )
-from fibws.node import address
 from fibws.protocol.serialized import ROS1, read_delivery
 
 PATIENCE = 5.0
@@ -66,7 +65,7 @@ class HubClient:
     """
 
     def __init__(self, tool: str, hub: str | None = None) -> None:
-        self.url = address.hub_url(hub)
+        self.url = hub_address.hub_url(hub)
         self.namespace = names.check_namespace(os.environ.get("ROS_NAMESPACE", "/"))
         name = names.anonymous(f"fibws_{tool}", pid=os.getpid(), random=os.urandom(8))
         self.node = names.resolve(name)

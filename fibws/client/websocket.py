@@ -20,8 +20,8 @@ from websockets.http11 import Response
 from websockets.typing import Subprotocol
 from websockets.uri import parse_uri
 
+from fibws import hub_address
 from fibws.errors import HubLost, HubUnreachable, NoHub
-from fibws.node import address
 from fibws.protocol.serialized import SUBPROTOCOL
 
 PATIENCE = 5.0
@@ -67,7 +67,7 @@ class Stream:
         """Received messages; the caller of `read` removes them."""
         self._fragments: list[bytes | bytearray] = []
         self._is_binary = False
-        uri = parse_uri(address.node_url(url, node))
+        uri = parse_uri(hub_address.node_url(url, node))
         # With a timeout of 0, TLS reports missing data as an error.
         self._least_wait = 0.001 if uri.secure else 0.0
         self._protocol = ClientProtocol(

@@ -31,7 +31,7 @@ from websockets.protocol import Event, State
 from websockets.typing import Subprotocol
 
 from fibws.errors import HubUnreachable, NodeError, NodeKilled, NodeReplaced
-from fibws.node.address import node_url
+from fibws.hub_address import node_url
 from fibws.node.log import ROSOUT
 from fibws.node.outgoing_queue import TURN, PublisherLane
 from fibws.node.session import MAX_SIZE, Session

@@ -13,11 +13,10 @@ from typing import TYPE_CHECKING, Any, Literal, Self, overload
 
 from typing_extensions import TypeVar
 
-from fibws import names
+from fibws import hub_address, names
 from fibws.interfaces import Action, Message, Service, Time
 from fibws.interfaces.message import F, G, R, Req, Res
 from fibws.msg.rosgraph_msgs import Log
-from fibws.node import address
 from fibws.node.calls import Calls
 from fibws.node.checks import check_queue_size, check_timeout
 from fibws.node.connection import Connection
@@ -119,7 +118,7 @@ class Node:
             name, anonymous=anonymous, namespace=namespace, remapping=remapping
         )
         environment = os.environ
-        self._hub = address.hub_url(hub)
+        self._hub = hub_address.hub_url(hub)
         self._types = Types(time.time_ns)
         self.log = log or node_log(
             self.name, log_format or environment.get("ROSCONSOLE_FORMAT") or FORMAT

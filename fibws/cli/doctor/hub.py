@@ -9,11 +9,10 @@ from collections.abc import Iterator
 from typing import Any
 from urllib.parse import urlsplit
 
-from fibws import __version__
+from fibws import __version__, hub_address
 from fibws.cli.doctor.finding import Finding, ok, warning, wrong
 from fibws.client.hub_client import HubClient
 from fibws.errors import HubUnreachable, InvalidAddress, InvalidName, NoHub
-from fibws.node import address
 
 PATIENCE = 3.0
 """Seconds in which a plain HTTP request must be answered."""
@@ -26,12 +25,12 @@ CLOCKS = 0.5
 
 def url_of(hub: str | None) -> str:
     """The address that was asked for, as it was written."""
-    return hub or os.environ.get(address.ENVIRONMENT) or address.DEFAULT
+    return hub or os.environ.get(hub_address.ENVIRONMENT) or hub_address.DEFAULT
 
 
 def reach(hub: str | None) -> HubClient | Finding:
     """A client to the hub, or why there is none."""
-    elsewhere = f"tell where it is: {address.ENVIRONMENT}=ws://HOST:PORT"
+    elsewhere = f"tell where it is: {hub_address.ENVIRONMENT}=ws://HOST:PORT"
     try:
         return HubClient("doctor", hub)
     except (InvalidAddress, InvalidName):
@@ -47,8 +46,8 @@ def reach(hub: str | None) -> HubClient | Finding:
 def _source(hub: str | None) -> str:
     if hub:
         return "--hub tells of it"
-    is_set = os.environ.get(address.ENVIRONMENT)
-    return f"{address.ENVIRONMENT} {'tells of it' if is_set else 'is not set'}"
+    is_set = os.environ.get(hub_address.ENVIRONMENT)
+    return f"{hub_address.ENVIRONMENT} {'tells of it' if is_set else 'is not set'}"
 
 
 def answering(url: str) -> str:

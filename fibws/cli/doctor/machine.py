@@ -8,11 +8,10 @@ import re
 import sys
 from collections.abc import Iterator
 
-from fibws import __version__, names
+from fibws import __version__, hub_address, names
 from fibws.cli import output
 from fibws.cli.doctor.finding import Finding, ok, warning, wrong
 from fibws.errors import InvalidAddress, InvalidName
-from fibws.node import address
 
 PYTHON = (3, 11)
 PROXIES = ("https_proxy", "http_proxy", "all_proxy", "wss_proxy", "ws_proxy")
@@ -114,10 +113,12 @@ def _namespace() -> Iterator[Finding]:
 
 def _address(hub: str) -> Iterator[Finding]:
     try:
-        address.hub_url(hub)
+        hub_address.hub_url(hub)
     except InvalidAddress as error:
-        where = address.ENVIRONMENT if os.environ.get(address.ENVIRONMENT) == hub else "--hub"
-        yield wrong("environment", f"{where}: {error}", f"Such as {address.DEFAULT}.")
+        where = (
+            hub_address.ENVIRONMENT if os.environ.get(hub_address.ENVIRONMENT) == hub else "--hub"
+        )
+        yield wrong("environment", f"{where}: {error}", f"Such as {hub_address.DEFAULT}.")
 
 
 def _proxies(hub: str) -> Iterator[Finding]:
@@ -132,20 +133,20 @@ def _proxies(hub: str) -> Iterator[Finding]:
 
 def _of_ros() -> Iterator[Finding]:
     found = [name for name in OF_ROS if os.environ.get(name)]
-    if found and not os.environ.get(address.ENVIRONMENT):
+    if found and not os.environ.get(hub_address.ENVIRONMENT):
         yield warning(
             "environment",
             f"{', '.join(found)} tell of another ROS, of which fibws knows nothing",
-            f"To say where the hub is, set {address.ENVIRONMENT}.",
+            f"To say where the hub is, set {hub_address.ENVIRONMENT}.",
         )
 
 
 def _told(hub: str) -> str:
-    known = (address.ENVIRONMENT, "ROS_NAMESPACE", "FIBWS_INTERFACES")
+    known = (hub_address.ENVIRONMENT, "ROS_NAMESPACE", "FIBWS_INTERFACES")
     told = [f"{name}={os.environ[name]}" for name in known if os.environ.get(name)]
     if told:
         return ", ".join(told)
-    so = f", so the hub is {hub}" if hub == address.DEFAULT else ""
+    so = f", so the hub is {hub}" if hub == hub_address.DEFAULT else ""
     return f"No variable of fibws is set{so}"
 
 

@@ -11,13 +11,12 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from fibws import names
+from fibws import hub_address, names
 from fibws.cli import output
 from fibws.cli.common_options import SETTINGS, hub_option
 from fibws.cli.exit_handling import ending
 from fibws.cli.run import workspace_option
 from fibws.errors import FibwsError
-from fibws.node import address
 from fibws.suggestions import hint
 
 if TYPE_CHECKING:
@@ -171,7 +170,7 @@ def _url(options: dict[str, Any]) -> str:
         if hub is not None:
             raise click.UsageError("Give the hub's --port on this machine, or its --hub URL.")
         return f"ws://127.0.0.1:{port}"
-    return address.hub_url(hub)
+    return hub_address.hub_url(hub)
 
 
 def _node(launch: Launch, name: str) -> Node:

@@ -15,7 +15,7 @@ from fibws.cli.exit_handling import end_line
 from fibws.cli.launch.parameters import prepare
 from fibws.client.hub_client import HubClient
 from fibws.errors import LaunchError, NoHub
-from fibws.node.address import LOOPBACK
+from fibws.hub_address import LOOPBACK
 from fibws.ros1.launch.command import hub_does_it, log_folder, start_of
 from fibws.ros1.launch.hub import start_hub
 from fibws.ros1.launch.model import Launch, Node

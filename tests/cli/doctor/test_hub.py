@@ -79,7 +79,7 @@ def test_it_tells_where_the_address_is_from(is_set: bool, monkeypatch: pytest.Mo
         url = f"ws://127.0.0.1:{taken.getsockname()[1]}"
     if is_set:
         monkeypatch.setenv("FIBWS_HUB", url)
-    monkeypatch.setattr("fibws.node.address.DEFAULT", url)
+    monkeypatch.setattr("fibws.hub_address.DEFAULT", url)
     expected = "FIBWS_HUB tells of it" if is_set else "FIBWS_HUB is not set"
     assert f"({expected}; " in why_not(None).text
 

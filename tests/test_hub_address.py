@@ -2,7 +2,7 @@
 
 import pytest
 
-from fibws.node.address import hub_url, node_url
+from fibws.hub_address import hub_url, node_url
 
 
 @pytest.mark.parametrize(
