@@ -1,24 +1,63 @@
-"""What a name was perhaps meant to be, for errors that there is nothing of that name."""
+"""Similar names, for the end of an error about an unknown name: ``; did you mean /chatter?``."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 
-
-def nearest(name: str, known: Iterable[str]) -> str | None:
-    """The one of the known names that is almost the same, if any is."""
-    from difflib import get_close_matches  # only an error has a use for it
-
-    return next(iter(get_close_matches(name, list(known), 1)), None)
+MISSPELLED = 0.84
+"""Similarity of two topics' names from which one is likely misspelled: `/fibonaci` and
+`/fibonacci` have 0.95, names of six letters of which one differs 0.83."""
 
 
-def hint(name: str, known: Iterable[str]) -> str:
-    """The end of an error's text, ``; did you mean /chatter?``; empty if no name is near."""
+def nearest(name: str, known: Iterable[str], cutoff: float = 0.6) -> str | None:
+    """Return the known name that is most similar, regardless of case; None if none is.
+
+    Args:
+        cutoff: the least similarity, from 0 to 1.
+    """
+    from difflib import get_close_matches  # Only errors need it.
+
+    by_lower = {each.lower(): each for each in reversed(list(known))}
+    near = get_close_matches(name.lower(), list(by_lower), 1, cutoff)
+    return by_lower[near[0]] if near else None
+
+
+def suggestion(name: str, known: Iterable[str]) -> str:
+    """Return ``; did you mean /chatter?``, or an empty string if no known name is similar."""
     found = nearest(name, known)
     return f"; did you mean {found}?" if found else ""
 
 
-def hint_or_all(name: str, known: Iterable[str]) -> str:
-    """The same, but all the names if none is near, ``; known are arg, node``; empty without any."""
+def suggestion_or_known(name: str, known: Iterable[str]) -> str:
+    """Return the same, or ``; known are arg, node`` if no name is similar."""
     names = list(known)
-    return hint(name, names) or (f"; known are {', '.join(names)}" if names else "")
+    return suggestion(name, names) or (f"; known are {', '.join(names)}" if names else "")
+
+
+def misspelled(name: str, others: Iterable[str]) -> str | None:
+    """Return the name of a topic that is likely the same one, spelled differently.
+
+    It has another namespace, case or underscores, or a letter differs. Names that differ only in
+    numbers, such as ``/camera_1`` and ``/camera_2``, differ on purpose.
+    """
+    from difflib import SequenceMatcher
+
+    candidates = [each for each in others if _without_numbers(each) != _without_numbers(name)]
+    same_base = [each for each in candidates if _base(each) == _base(name)]
+    if same_base:
+        return min(same_base, key=lambda each: (len(each), each))
+    similarities = [
+        (SequenceMatcher(None, name.lower(), each.lower()).ratio(), each) for each in candidates
+    ]
+    similarity, most_similar = max(similarities, default=(0.0, None))
+    return most_similar if similarity >= MISSPELLED else None
+
+
+def _base(name: str) -> str:
+    """Return a name without its namespace, regardless of case and underscores."""
+    return name.rpartition("/")[2].replace("_", "").lower()
+
+
+def _without_numbers(name: str) -> str:
+    return re.sub(r"\d+", "0", name)

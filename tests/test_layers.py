@@ -31,7 +31,7 @@ BELOW = {
     "command_names": set[str](),
     "definition_folders": set[str](),
     "processes": set[str](),
-    "interfaces": {"errors", "names"},
+    "interfaces": {"errors", "names", "suggestions"},
     "protocol": {"errors", "names", "interfaces"},
     "values": {*LOWEST, "interfaces", "definition_folders"},
     "hub": {"errors", "names", "protocol", "interfaces", "__version__"},

@@ -1,21 +1,64 @@
-"""What a name was perhaps meant to be."""
+"""Similar names."""
 
 from __future__ import annotations
 
-from fibws.suggestions import hint, hint_or_all, nearest
+import pytest
+
+from fibws.suggestions import misspelled, nearest, suggestion, suggestion_or_known
+
+TOPICS = ["/fibonacci", "/robot/scan", "/cmd_vel", "/camera_1/image", "/odom"]
 
 
-def test_the_nearest_name_is_the_one_that_was_perhaps_meant() -> None:
+def test_most_similar_name_is_nearest() -> None:
     assert nearest("/chater", ["/chatter", "/charter_flight"]) == "/chatter"
     assert nearest("/chater", iter(["/rosout"])) is None
 
 
-def test_an_error_can_end_with_it() -> None:
-    assert hint("/chater", ["/chatter"]) == "; did you mean /chatter?"
-    assert hint("/chater", []) == ""
+def test_nearest_ignores_case() -> None:
+    assert nearest("int", ["STRING", "INT"]) == "INT"
 
 
-def test_an_error_can_end_with_all_that_there_is() -> None:
-    assert hint_or_all("ag", ["arg", "node"]) == "; did you mean arg?"
-    assert hint_or_all("qwertz", iter(["arg", "node"])) == "; known are arg, node"
-    assert hint_or_all("qwertz", []) == ""
+def test_cutoff_excludes_names_that_are_less_similar() -> None:
+    assert nearest("std_msg", ["std_srvs"]) == "std_srvs"
+    assert nearest("std_msg", ["std_srvs"], cutoff=0.8) is None
+
+
+def test_suggestion_names_the_nearest_or_is_empty() -> None:
+    assert suggestion("/chater", ["/chatter"]) == "; did you mean /chatter?"
+    assert suggestion("/chater", []) == ""
+
+
+def test_all_known_names_are_listed_if_none_is_similar() -> None:
+    assert suggestion_or_known("ag", ["arg", "node"]) == "; did you mean arg?"
+    assert suggestion_or_known("qwertz", iter(["arg", "node"])) == "; known are arg, node"
+    assert suggestion_or_known("qwertz", []) == ""
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("/fibonaci", "/fibonacci"),
+        ("/Fibonacci", "/fibonacci"),
+        ("/fibonnaci", "/fibonacci"),
+        ("/cmdvel", "/cmd_vel"),
+        ("/cmd_val", "/cmd_vel"),
+        ("/scan", "/robot/scan"),
+        ("/robt/scan", "/robot/scan"),
+        ("/elsewhere/odom", "/odom"),
+    ],
+)
+def test_typo_or_other_namespace_is_a_misspelling(name: str, expected: str) -> None:
+    assert misspelled(name, TOPICS) == expected
+
+
+@pytest.mark.parametrize("name", ["/chatter", "/numbers", "/camera_2/image", "/odometry/filtered"])
+def test_different_names_are_not_misspellings(name: str) -> None:
+    assert misspelled(name, TOPICS) is None
+
+
+def test_shortest_name_is_chosen_among_several_namespaces() -> None:
+    assert misspelled("/scan", ["/robot/front/scan", "/robot/scan"]) == "/robot/scan"
+
+
+def test_nothing_is_misspelled_without_other_names() -> None:
+    assert misspelled("/scan", []) is None

@@ -7,7 +7,7 @@ import click
 from fibws.cli.commands import Root, command
 from fibws.cli.common_options import SETTINGS, examples_text
 from fibws.command_names import ALIASES, set_called_alias
-from fibws.suggestions import hint
+from fibws.suggestions import suggestion
 
 
 class _Aliases(Root):
@@ -23,7 +23,7 @@ class _Aliases(Root):
         """
         alias, *others = args
         if alias not in ALIASES:
-            raise click.UsageError(f"Unknown command {alias!r}{hint(alias, ALIASES)}")
+            raise click.UsageError(f"Unknown command {alias!r}{suggestion(alias, ALIASES)}")
         set_called_alias(alias)
         name, *words = ALIASES[alias].split()
         found = command.get_command(ctx, name)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
-from fibws.suggestions import hint, nearest
+from fibws.suggestions import nearest, suggestion
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
@@ -67,7 +67,7 @@ class LazyGroup(click.Group):
         name = args[0]
         if name not in self.modules and not name.startswith("-"):
             raise click.UsageError(
-                f"No such command {name!r}{hint(name, self.modules) or '.'}", ctx
+                f"No such command {name!r}{suggestion(name, self.modules) or '.'}", ctx
             )
         return super().resolve_command(ctx, args)
 

@@ -13,7 +13,7 @@ from fibws.cli import complete, output
 from fibws.cli.common_options import examples, linked
 from fibws.client.hub_client import HubClient
 from fibws.errors import InvalidName
-from fibws.suggestions import hint
+from fibws.suggestions import suggestion
 from fibws.values.field_paths import splits
 
 PARTS = {
@@ -49,7 +49,7 @@ def command(client: HubClient, words: tuple[str, ...]) -> None:
         part, names = "topics", [part, *names]
     if part not in PARTS:
         known = f"There are {', '.join(PARTS)}."
-        raise click.UsageError(f"The page has no {part!r}{hint(part, PARTS) or '.'} {known}")
+        raise click.UsageError(f"The page has no {part!r}{suggestion(part, PARTS) or '.'} {known}")
     if names and part not in WITH_NAMES:
         raise click.UsageError(f"{part} takes no names, such as {names[0]!r}.")
     for address in addresses(client, part, names):

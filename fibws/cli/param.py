@@ -14,7 +14,7 @@ from fibws.cli import arguments, complete, output
 from fibws.cli.common_options import json_option, linked
 from fibws.client.hub_client import HubClient
 from fibws.errors import FibwsError, ServiceError
-from fibws.suggestions import hint
+from fibws.suggestions import suggestion
 from fibws.values import parameter_files
 
 ROOT = "/"
@@ -203,4 +203,4 @@ def _ask(client: HubClient, service: str, **request: str) -> dict[str, Any]:
 
 
 def _not_set(client: HubClient, name: str) -> click.ClickException:
-    return click.ClickException(f"Parameter [{name}] is not set{hint(name, _names(client))}")
+    return click.ClickException(f"Parameter [{name}] is not set{suggestion(name, _names(client))}")

@@ -12,7 +12,7 @@ from fibws.cli import output
 from fibws.cli.arguments import spread
 from fibws.cli.common_options import SETTINGS, examples
 from fibws.errors import FibwsError, WorkspaceError
-from fibws.suggestions import hint, nearest
+from fibws.suggestions import nearest, suggestion
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
@@ -120,7 +120,7 @@ def _extras(text: str | None) -> list[str]:
     for each in found:
         if each not in EXTRAS:
             known = f"there are {', '.join(EXTRAS)}"
-            raise click.BadParameter(f"{each!r} is none{hint(each, EXTRAS) or f'; {known}'}")
+            raise click.BadParameter(f"{each!r} is none{suggestion(each, EXTRAS) or f'; {known}'}")
     return found
 
 

@@ -11,7 +11,7 @@ from fibws.cli.common_options import examples, json_option, linked
 from fibws.cli.input import piped
 from fibws.client.graph_snapshot import Entry, Snapshot, within
 from fibws.client.hub_client import HubClient
-from fibws.suggestions import hint
+from fibws.suggestions import suggestion
 from fibws.values import parsing, printing
 from fibws.values.typedefs import TIMES, Typedefs, if_known
 
@@ -146,7 +146,7 @@ def _found(client: HubClient, service: str) -> Entry:
 def _available(client: HubClient, name: str) -> Entry:
     services = {each["name"]: each for each in Snapshot(client).services}
     if name not in services:
-        nearest = hint(name, services) or "."
+        nearest = suggestion(name, services) or "."
         raise click.ClickException(f"Service [{name}] is not available{nearest}")
     return services[name]
 

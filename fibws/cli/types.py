@@ -20,7 +20,7 @@ from fibws.errors import (
     UnknownPackage,
     UnknownType,
 )
-from fibws.suggestions import hint
+from fibws.suggestions import suggestion
 from fibws.values import type_text
 from fibws.values.typedefs import Typedefs
 
@@ -126,7 +126,7 @@ def _package(kind: Kind) -> click.Command:
         try:
             names = installed.names(package)
         except UnknownPackage:
-            text = f"Unknown package {package}{hint(package, installed.packages())}"
+            text = f"Unknown package {package}{suggestion(package, installed.packages())}"
             raise click.ClickException(text) from None
         _print(names, single_line=single_line, as_json=as_json)
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from fibws.client.hub_client import HubClient
 from fibws.errors import UnknownName
-from fibws.suggestions import hint
+from fibws.suggestions import suggestion
 
 Entry = dict[str, Any]
 """One node, topic, service or action, with the fields of its message in fibws_msgs."""
@@ -70,7 +70,7 @@ def within(namespace: str | None, entries: Iterable[Entry]) -> list[Entry]:
 def _named(kind: str, name: str, entries: Iterable[Entry]) -> Entry:
     known = {each["name"]: each for each in entries}
     if name not in known:
-        raise UnknownName(f"Unknown {kind} {name}{hint(name, known)}")
+        raise UnknownName(f"Unknown {kind} {name}{suggestion(name, known)}")
     return known[name]
 
 

@@ -6,7 +6,6 @@ Packages have ROS's layout, ``<package>/msg/Type.msg``.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Literal, TypeAlias
 
@@ -18,9 +17,11 @@ from fibws.interfaces.definition import (
     MessageDefinition,
     ServiceDefinition,
 )
+from fibws.suggestions import nearest
 
 Kind: TypeAlias = Literal["msg", "srv", "action"]
 KINDS: tuple[Kind, ...] = ("msg", "srv", "action")
+
 
 STANDARD = Path(__file__).parent / "definitions"
 """The folder of the standard packages."""
@@ -146,9 +147,9 @@ class Folders:
         package, _, short = name.partition("/")
         if package not in self.packages():
             return UnknownPackage(package)
-        by_lower = {other.partition("/")[2].lower(): other for other in self.names(kind, package)}
-        nearest = get_close_matches(short.lower(), by_lower, 1)
-        return UnknownType(kind, package, short, by_lower[nearest[0]] if nearest else None)
+        names = [other.partition("/")[2] for other in self.names(kind, package)]
+        near = nearest(short, names)
+        return UnknownType(kind, package, short, f"{package}/{near}" if near else None)
 
     def _read(self, name: str, kind: Kind) -> tuple[str, str, str, str] | None:
         """The text that defines a type, its package, its own name and the file's name."""

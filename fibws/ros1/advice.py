@@ -6,6 +6,7 @@ import os
 import sys
 
 from fibws.definition_folders import VARIABLE, find_unnamed, hold_definitions
+from fibws.suggestions import nearest
 
 _WORDS = {"msg": "message", "srv": "service"}
 
@@ -27,7 +28,7 @@ def advise(fullname: str) -> None:
 
 def no_such_name(package: str, kind: str, name: str, names: list[str]) -> str:
     """The text about a name that ``package.msg`` does not hold, although it holds ``names``."""
-    near = _nearest(name, names)
+    near = nearest(name, names)
     return (
         f"cannot import name {name!r} from '{package}.{kind}': {package} has no {_WORDS[kind]} of "
         f"this name{f'; did you mean {near}?' if near else ''}"
@@ -59,7 +60,7 @@ def _advice(fullname: str, package: str, kind: str) -> str:
         setup = root.parent / "devel" / "setup.bash"
         make = "" if setup.is_file() else f"run catkin_make in {root.parent}, then "
         return f"{text}: {make}source {setup}"
-    near = _nearest(package, _packages(), cutoff=0.8)
+    near = nearest(package, _packages(), cutoff=0.8)
     guess = f"did you mean {near}? Or is " if near else "is "
     return (
         f"{text}: {guess}it in a workspace? Then run catkin_make there and source its "
@@ -77,11 +78,3 @@ def _packages() -> list[str]:
         return default_interfaces().packages()
     except InterfaceError:  # Who imports what is there is told of it.
         return []
-
-
-def _nearest(name: str, names: list[str], cutoff: float = 0.6) -> str | None:
-    from difflib import get_close_matches
-
-    by_lower = {each.lower(): each for each in names}
-    near = get_close_matches(name.lower(), by_lower, 1, cutoff)
-    return by_lower[near[0]] if near else None

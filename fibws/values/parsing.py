@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from fibws.errors import InvalidValue
+from fibws.suggestions import nearest
 from fibws.values.typedefs import FLOATS, HEADER, STRINGS, TIMES, Field, Typedefs
 
 MOST_VALUES = 5_000_000
@@ -219,10 +220,8 @@ class _Reading:
         return f"{', '.join(names) or 'nothing'} ({type_})"
 
     def _no_such_field(self, path: str, name: str, fields: Mapping[str, Field]) -> str:
-        from difflib import get_close_matches
-
-        near = get_close_matches(name, fields, 1)
-        hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(fields) or 'none'}"
+        near = nearest(name, fields)
+        hint = f"did you mean {near}?" if near else f"there are {', '.join(fields) or 'none'}"
         return f"No field name [{path}{name}]: {hint}"
 
 

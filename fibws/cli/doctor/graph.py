@@ -8,9 +8,9 @@ from collections.abc import Iterable, Iterator
 from typing import Any, TypeAlias
 
 from fibws.cli.doctor.finding import Finding, listed, ok, warning
-from fibws.cli.doctor.spelling import meant
 from fibws.cli.graph.view import Topic, View
 from fibws.cli.output import counted
+from fibws.suggestions import misspelled
 
 Look: TypeAlias = tuple[dict[str, Any], dict[str, Any]]
 """What /rosapi/graph and /rosapi/statistics said at one time."""
@@ -56,7 +56,7 @@ def ends(view: View) -> Iterator[Finding]:
     explained: set[str] = set()
     for topic in silent:
         others = [each.name for each in published if _may_be_one(topic, each)]
-        guess = meant(topic.name, others)
+        guess = misspelled(topic.name, others)
         if guess is not None:
             explained |= {topic.name, guess}
             yield warning(

@@ -17,7 +17,7 @@ from fibws.cli.common_options import SETTINGS, hub_option
 from fibws.cli.exit_handling import ending
 from fibws.cli.run import workspace_option
 from fibws.errors import FibwsError
-from fibws.suggestions import hint
+from fibws.suggestions import suggestion
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
@@ -178,7 +178,7 @@ def _node(launch: Launch, name: str) -> Node:
     if wanted not in launch.nodes:
         known = "".join(f"\n * {each}" for each in launch.nodes)
         raise click.ClickException(
-            f"Cannot find node {wanted}{hint(wanted, launch.nodes) or '.'} There are:{known}"
+            f"Cannot find node {wanted}{suggestion(wanted, launch.nodes) or '.'} There are:{known}"
         )
     return launch.nodes[wanted]
 

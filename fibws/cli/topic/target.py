@@ -11,7 +11,7 @@ import click
 
 from fibws.client.hub_client import HubClient
 from fibws.errors import ServiceError, UnknownField
-from fibws.suggestions import hint
+from fibws.suggestions import suggestion
 from fibws.values.field_paths import Path, splits
 from fibws.values.typedefs import Field, Typedefs, if_known
 
@@ -76,7 +76,7 @@ def wait(client: HubClient, name: str, *, subscribe: Callable[[str], None] | Non
         subscribe(name)
     target = find(client, name)
     if target is None:
-        meant = hint(name, (topic for topic, type_ in all_types(client).items() if type_))
+        meant = suggestion(name, (topic for topic, type_ in all_types(client).items() if type_))
         click.echo(f"WARNING: topic [{name}] does not appear to be published yet{meant}", err=True)
         while target is None:
             time.sleep(INTERVAL)

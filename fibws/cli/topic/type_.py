@@ -8,7 +8,7 @@ from fibws.cli import complete, output
 from fibws.cli.common_options import json_option, linked
 from fibws.cli.topic.target import all_types, find, global_name
 from fibws.client.hub_client import HubClient
-from fibws.suggestions import hint
+from fibws.suggestions import suggestion
 
 
 @click.command()
@@ -21,7 +21,7 @@ def command(client: HubClient, topic: str, as_json: bool) -> None:
     target = find(client, name)
     if target is None:
         typed = [topic for topic, type_ in all_types(client).items() if type_]
-        raise click.ClickException(f"unknown topic type [{name}]{hint(name, typed)}")
+        raise click.ClickException(f"unknown topic type [{name}]{suggestion(name, typed)}")
     if as_json:
         found = {"topic": target.topic, "type": target.type}
         if target.path:

@@ -11,7 +11,7 @@ from fibws.ros1.launch.scope import Scope
 from fibws.ros1.launch.substitution import substitute
 from fibws.ros1.launch.tag import Tag
 from fibws.ros1.launch.value import boolean
-from fibws.suggestions import hint_or_all
+from fibws.suggestions import suggestion_or_known
 
 CONDITIONS = ("if", "unless")
 
@@ -49,7 +49,7 @@ class Attributes:
             return
         for name in tag.attributes:
             if name not in known and name not in CONDITIONS:
-                hint = hint_or_all(name, known) or "; it has none"
+                hint = suggestion_or_known(name, known) or "; it has none"
                 raise tag.fault(f"<{tag.name}> has no attribute {name}{hint}")
 
     @overload

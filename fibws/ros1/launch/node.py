@@ -9,7 +9,7 @@ from fibws.ros1.launch.model import Launch, Node
 from fibws.ros1.launch.parameter import read_param, read_rosparam, set_parameter
 from fibws.ros1.launch.scope import Scope
 from fibws.ros1.launch.tag import Tag
-from fibws.suggestions import hint_or_all
+from fibws.suggestions import suggestion_or_known
 
 NODE = (
     *("pkg", "type", "name", "args", "output", "respawn", "respawn_delay", "required", "ns"),
@@ -110,7 +110,7 @@ def _read_inner(
     tag: Tag, child: Tag, scope: Scope, own: Scope, within: Scope, launch: Launch
 ) -> None:
     if child.name not in INNER:
-        hint = hint_or_all(child.name, INNER)
+        hint = suggestion_or_known(child.name, INNER)
         raise child.fault(f"<{tag.name}> has no <{child.name}> in it{hint}")
     if not applies(child, scope):
         return

@@ -13,7 +13,7 @@ from fibws.ros1.launch.parameter import read_param, read_rosparam
 from fibws.ros1.launch.scope import Scope
 from fibws.ros1.launch.tag import Tag, read
 from fibws.ros1.launch.world import World
-from fibws.suggestions import hint_or_all
+from fibws.suggestions import suggestion_or_known
 
 MACHINE = ("name", "address", "env-loader", "ssh-port", "user", "password", "default", "timeout")
 STANDARD_INPUT = "<stdin>"
@@ -94,7 +94,7 @@ class Reader:
         """A line for each argument of the command line that no file has an <arg> for."""
         known = list(self.launch.arguments)
         return [
-            f"{name}:={value}: no <arg> is called {name}{hint_or_all(name, known)}"
+            f"{name}:={value}: no <arg> is called {name}{suggestion_or_known(name, known)}"
             for name, value in self._values.items()
             if name not in known and not name.startswith("__")
         ]
@@ -114,7 +114,7 @@ class Reader:
         if tag.name == "master":
             self._warn(tag, "<master> has no meaning any more, and is read past")
         elif tag.name not in self._tags:
-            near = hint_or_all(tag.name, self._tags)
+            near = suggestion_or_known(tag.name, self._tags)
             raise tag.fault(f"there is no tag <{tag.name}>{near}")
         elif applies(tag, scope):
             self._tags[tag.name](tag, scope)
@@ -199,7 +199,7 @@ class Reader:
         given = scope.inner()
         for child in tag.children:
             if child.name not in ("arg", "env"):
-                hint = hint_or_all(child.name, ["arg", "env"])
+                hint = suggestion_or_known(child.name, ["arg", "env"])
                 raise child.fault(f"<include> has no <{child.name}> in it{hint}")
             if applies(child, given):
                 if child.name == "env":
@@ -267,4 +267,4 @@ def _argument(tag: Tag, scope: Scope, into: Scope) -> tuple[str, str | None, str
 
 
 def _meant(name: str, known: list[str]) -> str:
-    return hint_or_all(name, known) or "; it has none"
+    return suggestion_or_known(name, known) or "; it has none"

@@ -7,7 +7,7 @@ from typing import Any
 
 from fibws import names
 from fibws.ros1.launch.world import World
-from fibws.suggestions import hint_or_all
+from fibws.suggestions import suggestion_or_known
 
 PRIVATE = "~"
 
@@ -83,7 +83,7 @@ class Scope:
         if name in self.declared:
             raise ValueError(f"the arg {name} has no value: it must be given as {name}:=VALUE")
         known = sorted(self.declared)
-        raise ValueError(f"no <arg> is called {name} here{hint_or_all(name, known)}")
+        raise ValueError(f"no <arg> is called {name} here{suggestion_or_known(name, known)}")
 
     def anonymous(self, name: str) -> str:
         """The name that ``$(anon name)`` stands for, the same every time."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from fibws.ros1.launch.evaluation import evaluate
 from fibws.ros1.launch.value import automatic
-from fibws.suggestions import hint_or_all
+from fibws.suggestions import suggestion_or_known
 
 if TYPE_CHECKING:
     from fibws.ros1.launch.scope import Scope
@@ -57,7 +57,7 @@ def substitute(text: str, scope: Scope) -> str:
 def _replaced(found: re.Match[str], scope: Scope) -> str:
     command, *words = found[1].split() or [""]
     if command not in _REPLACE:
-        near = hint_or_all(command, [*_REPLACE, "eval"])
+        near = suggestion_or_known(command, [*_REPLACE, "eval"])
         raise ValueError(f"{found[0]}: there is no $({command}){near}")
     return _REPLACE[command](words, scope)
 

@@ -24,7 +24,7 @@ from fibws.ros1.workspace.recipe import Recipe
 from fibws.ros1.workspace.setup_files import setup_files
 from fibws.ros1.workspace.source import Source
 from fibws.ros1.workspace.tree import File, Tree, remove, write
-from fibws.suggestions import hint
+from fibws.suggestions import suggestion
 
 BUILT_BY, RECORD, TOOL = ".built_by", ".fibws", "fibws"
 """Files in devel/ that tell whose it is, and which files in it are ours; and our name for that."""
@@ -214,7 +214,7 @@ class Workspace:
         if not names:
             return set(sources)
         unknown = [name for name in names if name not in sources]
-        texts = [f"{name}{hint(name, sources)}" for name in unknown]
+        texts = [f"{name}{suggestion(name, sources)}" for name in unknown]
         if unknown and len(unknown) == len(names):
             raise WorkspaceError(f"Packages not found in the workspace: {', '.join(texts)}")
         if unknown:

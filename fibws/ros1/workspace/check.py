@@ -19,7 +19,7 @@ from fibws.ros1.workspace.programs import (
     is_executable,
 )
 from fibws.ros1.workspace.source import Source
-from fibws.suggestions import hint, nearest
+from fibws.suggestions import nearest, suggestion
 
 
 def check(source: Source, packages: Collection[str]) -> None:
@@ -56,7 +56,7 @@ def _check_components(source: Source, packages: Collection[str]) -> None:
         if name == "catkin" or name in recipe.modules:
             continue
         if name not in packages and name not in PROVIDED | ELSEWHERE:
-            near = hint(name, {*packages, *PROVIDED})
+            near = suggestion(name, {*packages, *PROVIDED})
             recipe.fault(line, f"find_package(): there is no package {name} here{near}")
         elif name not in manifest.build:
             recipe.warn(line, f"package.xml lacks <build_depend>{name}</build_depend>")

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from fibws.errors import DefinitionError, FibwsError, UnknownPackage
 from fibws.ros1.workspace.recipe import ADD_FILES, Listed
 from fibws.ros1.workspace.source import Source
-from fibws.suggestions import hint
+from fibws.suggestions import suggestion
 
 if TYPE_CHECKING:
     from fibws.interfaces import Interfaces, MessageDefinition
@@ -76,7 +76,7 @@ def _unfit(listed: Listed, kind: str, there: list[str]) -> str:
     if not path.is_file():
         if path.name in there:
             return f"write {path.name}: {ADD_FILES[kind]}() looks in the folder {kind}/ by itself"
-        return f"there is no {kind}/{path.name}{hint(path.name, there)}"
+        return f"there is no {kind}/{path.name}{suggestion(path.name, there)}"
     if path.suffix != f".{kind}":
         return f"{ADD_FILES[kind]}() lists .{kind} files: {path.name}"
     if not (path.stem.isascii() and path.stem.isidentifier()):

@@ -9,7 +9,7 @@ from fibws.ros1.workspace.cmake import vocabulary
 from fibws.ros1.workspace.cmake.script import Call, Script, Value
 from fibws.ros1.workspace.cmake.syntax import Command, read_commands
 from fibws.ros1.workspace.recipe import ADD_FILES, FILE, Listed, Recipe
-from fibws.suggestions import hint, nearest
+from fibws.suggestions import nearest, suggestion
 
 
 def read_recipe(folder: Path) -> Recipe:
@@ -249,7 +249,7 @@ class _Reading:
         if same:
             return f"; did you mean {same[0].relative_to(self._folder).as_posix()}?"
         files = (each for each in self._folder.rglob(f"*{path.suffix}") if each.is_file())
-        return hint(name, [each.relative_to(self._folder).as_posix() for each in files])
+        return suggestion(name, [each.relative_to(self._folder).as_posix() for each in files])
 
     def _set_destinations(self) -> None:
         project = self.recipe.project.text
