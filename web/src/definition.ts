@@ -1,6 +1,6 @@
 /** A type's definition as its .msg file would have it; the types in it are folded. */
 import { h } from "./dom";
-import { type TypeDef, definition } from "./types";
+import { definition, type TypeDef } from "./types";
 
 /** Elements for a list of types that begins with the one that was asked for. */
 export function definitions([asked, ...inner]: readonly TypeDef[]): HTMLElement[] {

@@ -26,10 +26,10 @@ export function h<K extends keyof HTMLElementTagNameMap>(
   // After the children: a select has its value only once it has its options.
   append(element, children);
   if ("value" in attributes && "value" in element) {
-    (element as { value: unknown }).value = attributes["value"] ?? "";
+    (element as { value: unknown }).value = attributes.value ?? "";
   }
   if ("checked" in attributes && element instanceof HTMLInputElement) {
-    element.checked = attributes["checked"] === true;
+    element.checked = attributes.checked === true;
   }
   return element;
 }
@@ -62,7 +62,6 @@ function dress(element: Element, attributes: Attributes): void {
     if (typeof value === "function") {
       element.addEventListener(name.slice(2), value as unknown as EventListener);
     } else if (name === "checked" || (name === "value" && "value" in element)) {
-      continue;
     } else if (value === true) {
       element.setAttribute(name, "");
     } else if (value !== false && value !== null && value !== undefined) {

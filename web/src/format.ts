@@ -14,7 +14,7 @@ export function hertz(rate: number): string {
 
 /** A number of bytes: `0 B`, `999 B`, `1.5 KiB`, `20 MiB`. */
 export function bytes(count: number): string {
-  let rest = count > 0 ? count : 0;
+  let rest = Math.max(0, count);
   let unit = 0;
   while (rest >= 999.5 && unit < BINARY.length - 1) {
     rest /= 1024;

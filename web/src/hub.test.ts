@@ -38,7 +38,7 @@ class Connection {
 
   /** The operations of one kind since the last time that one asked. */
   take(op: string): Operation[] {
-    const taken = this.sent.filter((operation) => operation["op"] === op);
+    const taken = this.sent.filter((operation) => operation.op === op);
     this.sent.length = 0;
     return taken;
   }
@@ -72,7 +72,7 @@ test("a call that is made before the hub is there is sent once it is", async () 
   open();
   const [call] = connection.take("call_service");
   expect(call).toMatchObject({ service: "/add", args: { a: 1 } });
-  connection.emit(call?.["id"] as string, { result: true, values: { sum: 3 } });
+  connection.emit(call?.id as string, { result: true, values: { sum: 3 } });
   await expect(answer).resolves.toEqual({ sum: 3 });
 });
 
@@ -81,8 +81,8 @@ test("a call fails with the text of who refused it", async () => {
   const refused = hub.call("/add", "a/Add");
   const invalid = hub.call("/add", "a/Add");
   const [one, other] = connection.take("call_service");
-  connection.emit(one?.["id"] as string, { result: false, values: "no such service" });
-  connection.emit(`status:${String(other?.["id"])}`, { level: "error", msg: "no such operation" });
+  connection.emit(one?.id as string, { result: false, values: "no such service" });
+  connection.emit(`status:${String(other?.id)}`, { level: "error", msg: "no such operation" });
   await expect(refused).rejects.toThrow("no such service");
   await expect(invalid).rejects.toThrow("no such operation");
 });
@@ -141,9 +141,9 @@ test("what the hub refuses is told to whoever asked for it", () => {
   hub.subscribe("/t", {}, () => undefined, deaf);
   const publication = hub.advertise("/t", "a/T", mute);
   const [subscribe, advertise] = connection.sent;
-  connection.emit(`status:${String(subscribe?.["id"])}`, { msg: "not this type" });
+  connection.emit(`status:${String(subscribe?.id)}`, { msg: "not this type" });
   publication.publish({ data: 1 });
-  connection.emit(`status:${String(advertise?.["id"])}`, { msg: "not this value" });
+  connection.emit(`status:${String(advertise?.id)}`, { msg: "not this value" });
   expect(deaf.mock.calls).toEqual([["not this type"]]);
   expect(mute.mock.calls).toEqual([["not this value"]]);
   close();

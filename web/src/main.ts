@@ -5,7 +5,7 @@ import { isHidden } from "./hidden";
 import { Hub } from "./hub";
 import { Model } from "./model";
 import { Shell, TABS, type Tab } from "./shell";
-import { type MakeView, type View, pathOf } from "./view";
+import { type MakeView, pathOf, type View } from "./view";
 import { welcome } from "./welcome";
 
 /** Each tab's view is fetched when it is first looked at. */
@@ -50,7 +50,7 @@ async function go(): Promise<void> {
   if (shown !== view) {
     shown?.hide();
     replace(shell.stage, view.element);
-    shell.stage.dataset["view"] = tab;
+    shell.stage.dataset.view = tab;
     shown = view;
   }
   view.show(path);

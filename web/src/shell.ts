@@ -150,7 +150,7 @@ function state(hub: Hub): HTMLElement {
     again,
   );
   const tell = () => {
-    box.dataset["state"] = hub.state.value;
+    box.dataset.state = hub.state.value;
     const why = hub.reason.value === "" ? "" : ` (${hub.reason.value})`;
     say(words, (hub.ended.value ? "closed" : STATES[hub.state.value]) + why);
     again.hidden = !hub.ended.value;

@@ -1,4 +1,5 @@
 import { describe, expect, it } from "vitest";
+import { typedef } from "./typedef.fixture";
 import {
   byteLength,
   bytesOf,
@@ -9,10 +10,9 @@ import {
   own,
   rangeOf,
   stepsOf,
-  typeText,
   Types,
+  typeText,
 } from "./types";
-import { typedef } from "./typedef.fixture";
 
 const HEADER = typedef("std_msgs/Header", [
   ["seq", "uint32"],

@@ -3,7 +3,10 @@
 import address from "./graph/layout.worker.ts?worker&url";
 
 interface TrustedTypes {
-  createPolicy(name: string, rules: { createScriptURL(url: string): string }): {
+  createPolicy(
+    name: string,
+    rules: { createScriptURL(url: string): string },
+  ): {
     createScriptURL(url: string): URL;
   };
 }

@@ -52,14 +52,14 @@ export class Log {
   add(message: Message): void {
     this.#count += 1;
     const { secs = 0, nsecs = 0 } =
-      (message["header"] as { stamp?: { secs?: number; nsecs?: number } } | undefined)?.stamp ?? {};
+      (message.header as { stamp?: { secs?: number; nsecs?: number } } | undefined)?.stamp ?? {};
     const entry: Entry = {
       number: this.#count,
       secs,
       nsecs,
-      level: Number(message["level"]),
-      node: String(message["name"]),
-      text: String(message["msg"]),
+      level: Number(message.level),
+      node: String(message.name),
+      text: String(message.msg),
       where: where(message),
     };
     this.#entries.push(entry);
@@ -75,7 +75,7 @@ export class Log {
 }
 
 function where(message: Message): string {
-  const [file, line, name] = [message["file"], message["line"], message["function"]];
+  const [file, line, name] = [message.file, message.line, message.function];
   if (typeof file !== "string" || file === "") return "";
   return `${file}:${String(line)}${typeof name === "string" && name !== "" ? ` ${name}` : ""}`;
 }

@@ -6,7 +6,7 @@ import { h, replace, say } from "../dom";
 import { plural, whole } from "../format";
 import type { Model } from "../model";
 import type { MakeView, View } from "../view";
-import { type Entry, type Filter, LEVELS, clock, levelName, line, passes } from "./entry";
+import { clock, type Entry, type Filter, LEVELS, levelName, line, passes } from "./entry";
 import { GRAVE, type Log, ROOM } from "./log";
 
 /** Names that one can choose from. */

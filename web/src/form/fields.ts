@@ -1,13 +1,13 @@
 /** The fields of a message and the elements of arrays, and so on inwards. */
 import { h, replace } from "../dom";
-import { type Field, type Types, isBytes, kindOf, own } from "../types";
+import { type Field, isBytes, kindOf, own, type Types } from "../types";
 import { CheckControl, type Control, Folded, TextControl, typeOf } from "./controls";
 import {
-  type Problem,
-  type Reading,
   lengthProblem,
   objectOf,
+  type Problem,
   parseJson,
+  type Reading,
   readBytes,
   readText,
 } from "./readings";

@@ -4,7 +4,7 @@
  * A value is as JSON has it, but for what JSON numbers in a browser cannot hold: an integer beyond
  * 2^53 is its decimal digits, as a string.
  */
-import { type Field, bytesOf, byteLength, kindOf, own, rangeOf, typeText } from "../types";
+import { byteLength, bytesOf, type Field, kindOf, own, rangeOf, typeText } from "../types";
 
 /** What is wrong, and where: the path is empty for the message itself. */
 export interface Problem {

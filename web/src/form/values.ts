@@ -1,11 +1,11 @@
 /** The values of messages: what they are at first, whether they are right, and how they are sent. */
-import { type Field, type Types, isBytes, kindOf, own, typeText } from "../types";
+import { type Field, isBytes, kindOf, own, type Types, typeText } from "../types";
 import {
-  type Problem,
-  type Reading,
   inRange,
   lengthProblem,
   objectOf,
+  type Problem,
+  type Reading,
   readBytes,
   readText,
 } from "./readings";

@@ -4,7 +4,13 @@ import { Arranger, islands } from "./arrange";
 import type { Box, Plan } from "./places";
 
 const box = (id: string, group: string | null = null) => ({ id, width: 80, height: 40, group });
-const link = (from: string, to: string) => ({ id: `${from}>${to}`, from, to, width: 40, height: 15 });
+const link = (from: string, to: string) => ({
+  id: `${from}>${to}`,
+  from,
+  to,
+  width: 40,
+  height: 15,
+});
 
 function plan(names: string[], pairs: [string, string][], more: Partial<Plan> = {}): Plan {
   return {
@@ -27,7 +33,13 @@ function overlap(a: Box, b: Box): boolean {
 
 describe("an arrangement", () => {
   it("goes from left to right along the arrows, or from the top down", () => {
-    const chain = plan(["a", "b", "c"], [["a", "b"], ["b", "c"]]);
+    const chain = plan(
+      ["a", "b", "c"],
+      [
+        ["a", "b"],
+        ["b", "c"],
+      ],
+    );
     const across = new Arranger().arrange(chain);
     expect(at(across, "a").x).toBeLessThan(at(across, "b").x);
     expect(at(across, "b").x).toBeLessThan(at(across, "c").x);
@@ -38,7 +50,10 @@ describe("an arrangement", () => {
 
   it("lets no box lie on another, and all in its bounds", () => {
     const names = [..."abcdefghijkl"];
-    const pairs = names.map((name, index): [string, string] => [name, names[(index * 5 + 3) % 12] ?? "a"]);
+    const pairs = names.map((name, index): [string, string] => [
+      name,
+      names[(index * 5 + 3) % 12] ?? "a",
+    ]);
     const places = new Arranger().arrange(plan(names, pairs));
     const boxes = [...places.boxes.values()];
     for (const [index, one] of boxes.entries()) {
@@ -58,7 +73,16 @@ describe("an arrangement", () => {
 
   it("has a place for arrows in a ring, between the same two, and from a box to itself", () => {
     const places = new Arranger().arrange(
-      plan(["a", "b", "c"], [["a", "b"], ["b", "c"], ["c", "a"], ["b", "a"], ["a", "a"]]),
+      plan(
+        ["a", "b", "c"],
+        [
+          ["a", "b"],
+          ["b", "c"],
+          ["c", "a"],
+          ["b", "a"],
+          ["a", "a"],
+        ],
+      ),
     );
     for (const { points } of places.links.values()) {
       expect(points.length).toBeGreaterThan(1);
@@ -68,25 +92,58 @@ describe("an arrangement", () => {
 
   it("draws a namespace around those in it, and around nothing else", () => {
     const places = new Arranger().arrange({
-      ...plan([], [["a", "b"], ["b", "c"]]),
+      ...plan(
+        [],
+        [
+          ["a", "b"],
+          ["b", "c"],
+        ],
+      ),
       boxes: [box("a", "/r"), box("b", "/r"), box("c"), box("d")],
       groups: [{ name: "/r", parent: null, width: 20 }],
     });
     const around = places.groups.get("/r") as Box;
-    expect(["a", "b", "c", "d"].map((id) => overlap(around, at(places, id)))).toEqual([true, true, false, false]);
+    expect(["a", "b", "c", "d"].map((id) => overlap(around, at(places, id)))).toEqual([
+      true,
+      true,
+      false,
+      false,
+    ]);
   });
 
   it("leaves the others alone when one comes that has nothing to do with them", () => {
     const arranger = new Arranger();
-    const before = arranger.arrange(plan(["a", "b", "x", "y"], [["a", "b"], ["x", "y"]]));
-    const after = arranger.arrange(plan(["a", "b", "n", "x", "y"], [["a", "b"], ["x", "y"]]));
+    const before = arranger.arrange(
+      plan(
+        ["a", "b", "x", "y"],
+        [
+          ["a", "b"],
+          ["x", "y"],
+        ],
+      ),
+    );
+    const after = arranger.arrange(
+      plan(
+        ["a", "b", "n", "x", "y"],
+        [
+          ["a", "b"],
+          ["x", "y"],
+        ],
+      ),
+    );
     const step = (id: string) => at(after, id).x - at(before, id).x;
     expect(step("b")).toBe(step("a"));
     expect(step("y")).toBe(step("x"));
   });
 
   it("is the same each time", () => {
-    const twice = plan(["a", "b", "c"], [["a", "b"], ["a", "c"]]);
+    const twice = plan(
+      ["a", "b", "c"],
+      [
+        ["a", "b"],
+        ["a", "c"],
+      ],
+    );
     expect(new Arranger().arrange(twice)).toEqual(new Arranger().arrange(structuredClone(twice)));
   });
 
@@ -104,6 +161,14 @@ it("finds what hangs together by arrows or by namespaces", () => {
       { name: "/r/s", parent: "/r", width: 20 },
     ],
   });
-  expect(found.map(({ boxes }) => boxes.map(({ id }) => id))).toEqual([["a", "b"], ["c", "d"], ["e"]]);
-  expect(found.map(({ links, groups }) => [links.length, groups.length])).toEqual([[1, 0], [0, 2], [0, 0]]);
+  expect(found.map(({ boxes }) => boxes.map(({ id }) => id))).toEqual([
+    ["a", "b"],
+    ["c", "d"],
+    ["e"],
+  ]);
+  expect(found.map(({ links, groups }) => [links.length, groups.length])).toEqual([
+    [1, 0],
+    [0, 2],
+    [0, 0],
+  ]);
 });

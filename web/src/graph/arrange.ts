@@ -2,7 +2,7 @@
 
 import { Graph, layout } from "@dagrejs/dagre";
 
-import { type Box, type Places, type Plan, type Point, type Way, around, moved } from "./places";
+import { around, type Box, moved, type Places, type Plan, type Point, type Way } from "./places";
 import { layersOf, spread, way } from "./ways";
 
 /** A part of the plan with no arrow and no namespace in common with the rest. */
@@ -51,7 +51,8 @@ export function islands(plan: Plan): Island[] {
   const inGroup = (name: string): string => `group ${name}`;
   for (const { id } of plan.boxes) chief.set(id, id);
   for (const { name } of plan.groups) chief.set(inGroup(name), inGroup(name));
-  for (const { name, parent } of plan.groups) if (parent !== null) join(inGroup(name), inGroup(parent));
+  for (const { name, parent } of plan.groups)
+    if (parent !== null) join(inGroup(name), inGroup(parent));
   for (const { id, group } of plan.boxes) if (group !== null) join(id, inGroup(group));
   for (const { from, to } of plan.links) join(from, to);
   const found = new Map<string, Island>();
@@ -107,7 +108,10 @@ function place(island: Island): Places {
     const ends = [boxes.get(from) as Box, boxes.get(to) as Box] as const;
     links.set(id, way(points, { x, y }, ends, layers));
   }
-  const height = Math.max(0, ...island.links.map((link) => (island.down ? link.width : link.height)));
+  const height = Math.max(
+    0,
+    ...island.links.map((link) => (island.down ? link.width : link.height)),
+  );
   spread([...links.values()], layers, height + 2);
   return fitted({ boxes, links, groups: groupsOf(island, boxes) });
 }
@@ -118,7 +122,9 @@ function groupsOf(island: Island, boxes: ReadonlyMap<string, Box>): Map<string, 
   for (const { name, width } of island.groups.toReversed()) {
     const members = [
       ...island.boxes.filter(({ group }) => group === name).map(({ id }) => boxes.get(id)),
-      ...island.groups.filter(({ parent }) => parent === name).map((inner) => found.get(inner.name)),
+      ...island.groups
+        .filter(({ parent }) => parent === name)
+        .map((inner) => found.get(inner.name)),
     ].filter((box) => box !== undefined);
     const inner = around(members);
     if (inner === null) continue;
@@ -149,7 +155,8 @@ function fitted({ boxes, links, groups }: Omit<Places, "bounds">): Places {
 /** Side by side in rows, as wide as the eye has room for; the order stays. */
 function pack(islands: readonly Places[], aspect: number): Places {
   const area = islands.reduce(
-    (sum, { bounds: { width, height } }) => sum + (width + BETWEEN_ISLANDS) * (height + BETWEEN_ISLANDS),
+    (sum, { bounds: { width, height } }) =>
+      sum + (width + BETWEEN_ISLANDS) * (height + BETWEEN_ISLANDS),
     0,
   );
   const widest = Math.max(0, ...islands.map(({ bounds }) => bounds.width));

@@ -21,7 +21,9 @@ it("tells each node and topic with what goes out of it and into it", () => {
           type: "std_msgs/String",
           checked: true,
           publishers: [{ node: "/talker", latch: true }],
-          subscriptions: [{ node: "/listener", queue_length: 0, throttle_rate: 0, compression: "none" }],
+          subscriptions: [
+            { node: "/listener", queue_length: 0, throttle_rate: 0, compression: "none" },
+          ],
         },
       ],
       services: [],

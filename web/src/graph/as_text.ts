@@ -23,7 +23,7 @@ export function asText({ elements, edges }: Picture, rates: Rates): string {
   return elements
     .filter(({ kind }) => kind !== "topic")
     .concat(elements.filter(({ kind }) => kind === "topic"))
-    .map(({ id, kind, name, type }) => [
+    .flatMap(({ id, kind, name, type }) => [
       `${kind} ${name}${type === "" ? "" : ` [${type}]`}`,
       ...(out.get(id) ?? []).map(
         (edge) =>
@@ -35,6 +35,5 @@ export function asText({ elements, edges }: Picture, rates: Rates): string {
           `  <─ ${edge.label ? `${edge.label} <─ ` : ""}${byId.get(edge.from)?.name}${flow(edge)}`,
       ),
     ])
-    .flat()
     .join("\n");
 }

@@ -1,6 +1,6 @@
 import { expect, it } from "vitest";
 
-import { USUAL, passes, recall, remember } from "./choices";
+import { passes, recall, remember, USUAL } from "./choices";
 
 function storage(text: string | null) {
   const kept = { text };
@@ -16,7 +16,12 @@ function storage(text: string | null) {
 it("remembers what was chosen", () => {
   const place = storage(null);
   remember({ ...USUAL, debug: true, namespaces: false, filter: "/robot" }, () => place);
-  expect(recall(() => place)).toEqual({ ...USUAL, debug: true, namespaces: false, filter: "/robot" });
+  expect(recall(() => place)).toEqual({
+    ...USUAL,
+    debug: true,
+    namespaces: false,
+    filter: "/robot",
+  });
 });
 
 it.each([null, "", "no JSON", "null", "3", '{"debug": "yes", "filter": 3}'])(

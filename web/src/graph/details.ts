@@ -46,7 +46,12 @@ export class Details {
         h("div", {}, this.#kind, this.#title),
         h(
           "button",
-          { class: "icon", "aria-label": "Close the details", title: "Close (Esc)", onclick: close },
+          {
+            class: "icon",
+            "aria-label": "Close the details",
+            title: "Close (Esc)",
+            onclick: close,
+          },
           "✕",
         ),
       ),
@@ -121,7 +126,12 @@ export class Details {
     return [
       terms([
         ["address", node.address || (node.own ? "the hub itself" : "unknown")],
-        ["since", this.#lively(() => `${moment(node.since.secs, 0).slice(0, 19)}, ${ago(Date.now() / 1000 - since)}`)],
+        [
+          "since",
+          this.#lively(
+            () => `${moment(node.since.secs, 0).slice(0, 19)}, ${ago(Date.now() / 1000 - since)}`,
+          ),
+        ],
         node.own ? null : ["outbox", kept],
       ]),
       list(
@@ -165,13 +175,20 @@ export class Details {
       ),
       terms([
         ["type", h("code", {}, topic.type || "none yet")],
-        topic.checked || topic.type === "" ? null : ["checked", "no: the hub does not know this type"],
+        topic.checked || topic.type === ""
+          ? null
+          : ["checked", "no: the hub does not know this type"],
         ["flow", flowing],
       ]),
       list(
         "Publishers",
         topic.publishers.map(({ node, latch }) => [
-          h("span", {}, link("node", node), latch ? h("span", { class: "badge" }, "latched") : null),
+          h(
+            "span",
+            {},
+            link("node", node),
+            latch ? h("span", { class: "badge" }, "latched") : null,
+          ),
           this.#lively((rates) => {
             const flow = rates.publishers.get(key(node));
             return `${hertz(flow?.messages ?? 0)}, ${bandwidth(flow?.bytes ?? 0)}`;
@@ -212,7 +229,11 @@ export class Details {
 
   #service({ name, type, node }: ServiceInfo): Child[] {
     return [
-      h("p", { class: "links" }, h("a", { class: "button", href: route("services", name) }, "call")),
+      h(
+        "p",
+        { class: "links" },
+        h("a", { class: "button", href: route("services", name) }, "call"),
+      ),
       terms([
         ["type", h("code", {}, type)],
         ["node", link("node", node)],

@@ -7,7 +7,7 @@ import { flowText } from "./flow";
 import { type EdgeMark, type ElementMark, look, makeEdge, makeElement, put } from "./marks";
 import { MANY, Motion } from "./motion";
 import { rising } from "./order";
-import type { Edge, Element as Drawn, Group, Picture } from "./picture";
+import type { Element as Drawn, Edge, Group, Picture } from "./picture";
 import type { Box, Places } from "./places";
 
 /** So many new marks are drawn at once. */
@@ -83,7 +83,8 @@ export class Drawing {
     this.#drawGroups(picture.groups, places);
     this.#drawElements(elements, places);
     this.#drawEdges(edges, places);
-    if (focused instanceof SVGElement && focused.isConnected) focused.focus({ preventScroll: true });
+    if (focused instanceof SVGElement && focused.isConnected)
+      focused.focus({ preventScroll: true });
     this.measure(rates);
     this.choose(this.#chosen);
     const jumps =
@@ -142,7 +143,7 @@ export class Drawing {
 
   #markOf(target: EventTarget | null): ElementMark | undefined {
     const mark = target instanceof Element ? target.closest<SVGGElement>(".element") : null;
-    return this.#elementMarks.get(mark?.dataset["id"] ?? "");
+    return this.#elementMarks.get(mark?.dataset.id ?? "");
   }
 
   #choose(target: EventTarget | null): void {
@@ -162,7 +163,7 @@ export class Drawing {
   /** Give the arrow that is pointed at its title; the others need none. */
   #entitle(target: EventTarget | null): void {
     const mark = target instanceof Element ? target.closest<SVGGElement>(".edge") : null;
-    const pointed = this.#edgeMarks.get(mark?.dataset["id"] ?? "");
+    const pointed = this.#edgeMarks.get(mark?.dataset.id ?? "");
     if (pointed === undefined) return;
     pointed.title ??= pointed.mark.insertBefore(svg("title"), pointed.mark.firstChild);
     say(pointed.title, flowText(pointed.edge, this.#rates).title);

@@ -38,7 +38,9 @@ export function flowText(edge: Edge, rates: Rates): FlowText {
   const words = [`${edge.about}: ${hertz(messages)}`];
   if (bytes > 0) words.push(bandwidth(bytes));
   if (dropped > 0) {
-    words.push(`${whole(dropped)} dropped since it came${dropping > 0 ? `, ${hertz(dropping)} now` : ""}`);
+    words.push(
+      `${whole(dropped)} dropped since it came${dropping > 0 ? `, ${hertz(dropping)} now` : ""}`,
+    );
   }
   return {
     label: parts.filter((part) => part !== "").join(" "),

@@ -1,8 +1,8 @@
 /// <reference lib="webworker" />
 // Places what it is asked to, away from the page's own thread.
 
-import type { Plan } from "./places";
 import { Arranger } from "./arrange";
+import type { Plan } from "./places";
 
 declare const self: DedicatedWorkerGlobalScope;
 

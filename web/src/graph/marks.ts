@@ -1,7 +1,7 @@
 // What stands on the screen for an element and for an arrow.
 
 import { svg } from "../dom";
-import type { Edge, Element as Drawn } from "./picture";
+import type { Element as Drawn, Edge } from "./picture";
 import type { Box, Point, Way } from "./places";
 import { outline, shortened } from "./shapes";
 

@@ -15,10 +15,7 @@ export class Motion {
   #frame = 0;
 
   /** Moves what is in the maps at the time. */
-  constructor(
-    elements: ReadonlyMap<string, ElementMark>,
-    edges: ReadonlyMap<string, EdgeMark>,
-  ) {
+  constructor(elements: ReadonlyMap<string, ElementMark>, edges: ReadonlyMap<string, EdgeMark>) {
     this.#elements = elements;
     this.#edges = edges;
   }
@@ -77,7 +74,10 @@ export class Motion {
   /** Tells whether the arrow looks otherwise now. */
   #bend(mark: EdgeMark, part: number): boolean {
     const { from, to, edge } = mark;
-    const label = { x: mix(from.label.x, to.label.x, part), y: mix(from.label.y, to.label.y, part) };
+    const label = {
+      x: mix(from.label.x, to.label.x, part),
+      y: mix(from.label.y, to.label.y, part),
+    };
     const points = part === 1 ? to.points : between(from.points, to.points, part);
     mark.at = { points, label };
     const ends = [this.#elements.get(edge.from), this.#elements.get(edge.to)] as const;

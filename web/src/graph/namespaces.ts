@@ -46,9 +46,7 @@ export function namespaces(elements: readonly Named[], wanted: boolean | null): 
     const space = innermost(name);
     if (space !== undefined) of.set(id, space);
   }
-  const groups = [...drawn]
-    .sort()
-    .map((name) => ({ name, parent: innermost(name) ?? null }));
+  const groups = [...drawn].sort().map((name) => ({ name, parent: innermost(name) ?? null }));
   return { groups, of };
 }
 

@@ -11,7 +11,12 @@ const node = (name: string) => ({
   own: false,
 });
 
-function topic(name: string, publishers: string[], subscribers: string[], latch = false): TopicInfo {
+function topic(
+  name: string,
+  publishers: string[],
+  subscribers: string[],
+  latch = false,
+): TopicInfo {
   return {
     name,
     type: "std_msgs/String",
@@ -94,7 +99,11 @@ describe("a picture", () => {
     const drawn = picture(chain, { ...USUAL, filter: "/robot", namespaces: false });
     expect(ids(drawn)).toEqual(["node /b", "node /robot/a", "topic /robot/x"]);
     expect(arrows(drawn)).toHaveLength(2);
-    expect(ids(picture(chain, { ...USUAL, filter: "y" }))).toEqual(["node /b", "node /c", "topic /y"]);
+    expect(ids(picture(chain, { ...USUAL, filter: "y" }))).toEqual([
+      "node /b",
+      "node /c",
+      "topic /y",
+    ]);
   });
 
   it("shows services only when asked, with a dashed arrow to their provider", () => {
@@ -125,8 +134,13 @@ describe("a picture", () => {
   it("has types while there is room for them, or as was chosen", () => {
     expect(picture(CHATTER, USUAL).elements[0]?.second).toBe("std_msgs/String");
     expect(picture(CHATTER, { ...USUAL, types: false }).elements[0]?.second).toBe("");
-    const many = graph(["/a"], [..."abcdefghi"].map((letter) => topic(`/${letter}`, ["/a"], [])));
-    expect(picture(many, USUAL).elements.map(({ second }) => second)).not.toContain("std_msgs/String");
+    const many = graph(
+      ["/a"],
+      [..."abcdefghi"].map((letter) => topic(`/${letter}`, ["/a"], [])),
+    );
+    expect(picture(many, USUAL).elements.map(({ second }) => second)).not.toContain(
+      "std_msgs/String",
+    );
     expect(picture(many, { ...USUAL, types: true }).typed).toBe(true);
   });
 });

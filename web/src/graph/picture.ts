@@ -208,7 +208,12 @@ function drawAction(draft: Draft, action: ActionInfo, all: readonly TopicInfo[])
   const box = draft.put("action", action.name, action.type);
   const server = idOf("node", action.node);
   if (!action.over_topics) {
-    draft.draw({ from: box, to: server, dashed: true, about: `${action.node} serves ${action.name}` });
+    draft.draw({
+      from: box,
+      to: server,
+      dashed: true,
+      about: `${action.node} serves ${action.name}`,
+    });
     return;
   }
   const topics = new Set(actionTopics(action.name));
@@ -259,4 +264,5 @@ function about({ kind, name, type }: Sketch, out: number, into: number): string 
 
 const compare = (a: string, b: string): number => (a < b ? -1 : a > b ? 1 : 0);
 
-const byKindAndName = (a: Sketch, b: Sketch): number => compare(a.name, b.name) || compare(a.kind, b.kind);
+const byKindAndName = (a: Sketch, b: Sketch): number =>
+  compare(a.name, b.name) || compare(a.kind, b.kind);

@@ -55,7 +55,12 @@ export function around(boxes: Iterable<Box>): Box | null {
     bottom = Math.max(bottom, y + height / 2);
   }
   if (left > right) return null;
-  return { x: (left + right) / 2, y: (top + bottom) / 2, width: right - left, height: bottom - top };
+  return {
+    x: (left + right) / 2,
+    y: (top + bottom) / 2,
+    width: right - left,
+    height: bottom - top,
+  };
 }
 
 /** The same, all of it moved by so much. */

@@ -42,7 +42,9 @@ const SCREEN = { aspect: 1.6, down: false };
 
 it("gives longer names larger boxes, and the longest an end", () => {
   const [short, long, longest] = planOf(
-    drawn({ elements: [element("a"), element("b", "b".repeat(30)), element("c", "c".repeat(900))] }),
+    drawn({
+      elements: [element("a"), element("b", "b".repeat(30)), element("c", "c".repeat(900))],
+    }),
     measure,
     SCREEN,
   ).boxes;

@@ -1,7 +1,7 @@
 // From a picture to what the layout needs to know of it, and from one layout to the next.
 
-import { type Places, type Plan, moved } from "./places";
 import type { Edge, Picture } from "./picture";
+import { moved, type Places, type Plan } from "./places";
 import { type Measure, shortened, sizeOf } from "./shapes";
 
 /** Room for `999 Hz` and a mark, so that a rate that changes moves nothing. */

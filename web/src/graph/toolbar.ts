@@ -46,12 +46,21 @@ export class Toolbar {
         "fieldset",
         { class: "switches" },
         h("legend", { class: "visually-hidden" }, "Shown"),
-        this.#switch("services", "Services", "Services, with a dashed arrow to their provider", "service"),
+        this.#switch(
+          "services",
+          "Services",
+          "Services, with a dashed arrow to their provider",
+          "service",
+        ),
         this.#switch("actions", "Actions", "Actions; their five topics are one box", "action"),
         this.#switch("namespaces", "Namespaces", "Boxes around those of one namespace"),
         this.#switch("types", "Types", "The types of topics, services and actions"),
         this.#switch("deadEnds", "Dead ends", "Topics without a publisher or without a subscriber"),
-        this.#switch("debug", "Debug", "The hub's own nodes, /rosout, this page, and the topics of actions"),
+        this.#switch(
+          "debug",
+          "Debug",
+          "The hub's own nodes, /rosout, this page, and the topics of actions",
+        ),
       ),
     );
   }

@@ -4,7 +4,7 @@ import "./view.css";
 
 import { h, replace, say } from "../dom";
 import type { Graph, Model, Rates } from "../model";
-import { type MakeView, type View, route } from "../view";
+import { type MakeView, route, type View } from "../view";
 import { asText } from "./as_text";
 import { recall, remember } from "./choices";
 import { Details } from "./details";
@@ -12,10 +12,10 @@ import { Drawing } from "./drawing";
 import { Layout } from "./layout";
 import type { Kind, Picture } from "./picture";
 import { idOf, picture } from "./picture";
-import { type Box, type Places, around } from "./places";
+import { around, type Box, type Places } from "./places";
 import { anchored, planOf } from "./plan";
 import { ruler } from "./shapes";
-import { Toolbar, icon } from "./toolbar";
+import { icon, Toolbar } from "./toolbar";
 import { Viewport } from "./viewport";
 
 const KINDS: readonly Kind[] = ["node", "topic", "service", "action"];
@@ -206,8 +206,8 @@ class GraphView implements View {
 
   #tellLegend({ elements }: Picture): void {
     const kinds = KINDS.filter((kind) => elements.some((element) => element.kind === kind));
-    if (this.#legend.dataset["kinds"] === kinds.join()) return;
-    this.#legend.dataset["kinds"] = kinds.join();
+    if (this.#legend.dataset.kinds === kinds.join()) return;
+    this.#legend.dataset.kinds = kinds.join();
     replace(this.#legend, ...kinds.map((kind) => h("span", {}, icon(kind), kind)));
   }
 

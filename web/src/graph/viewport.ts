@@ -141,7 +141,9 @@ export class Viewport {
       return;
     }
     const [dx, dy] = [event.clientX - former.clientX, event.clientY - former.clientY];
-    const other = [...this.#pointers.values()].find(({ pointerId }) => pointerId !== event.pointerId);
+    const other = [...this.#pointers.values()].find(
+      ({ pointerId }) => pointerId !== event.pointerId,
+    );
     if (!this.#dragged) {
       if (Math.hypot(dx, dy) < STILL) return;
       this.#dragged = true;

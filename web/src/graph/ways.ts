@@ -88,14 +88,18 @@ export function spread(ways: readonly Way[], { depths, down }: Layers, apart: nu
   for (const way of ways) {
     const at = way.points.map(turn);
     const [first, words, last] = at;
-    if (first === undefined || words === undefined || last === undefined || at.length !== 3) continue;
+    if (first === undefined || words === undefined || last === undefined || at.length !== 3)
+      continue;
     const columns = [...depths.keys()].filter((x) => x < Math.min(first.x, last.x) + 1);
     const gap = `${columns.length} ${Math.sign(last.x - first.x)}`;
     gaps.set(gap, [...(gaps.get(gap) ?? []), { way, middle: (first.y + last.y) / 2 }]);
   }
   for (const row of gaps.values()) {
     row.sort((a, b) => a.middle - b.middle);
-    const places = inRow(row.map(({ middle }) => middle), apart);
+    const places = inRow(
+      row.map(({ middle }) => middle),
+      apart,
+    );
     for (const [index, { way }] of row.entries()) {
       const { x } = turn(way.label);
       way.label = turn({ x, y: places[index] as number });

@@ -34,7 +34,7 @@ export function meant(text: string): string {
 
 /** One cannot see ends of lines and blanks at the ends; only quotes say that they are meant. */
 function printable(text: string): string {
-  return text.replace(/[\u0000-\u001f\u007f]/g, " ").trim();
+  return text.replace(/\p{Cc}/gu, " ").trim();
 }
 
 function parsed(json: string): unknown {

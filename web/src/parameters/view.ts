@@ -227,7 +227,7 @@ class ParametersView implements View {
     this.#editing = null;
     this.#draw();
     for (const button of this.#list.querySelectorAll<HTMLElement>("[data-change]")) {
-      if (button.dataset["change"] === name) button.focus();
+      if (button.dataset.change === name) button.focus();
     }
   }
 

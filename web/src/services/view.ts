@@ -151,8 +151,8 @@ function table(label: string, body: HTMLElement): HTMLTableElement {
 
 function fill(body: HTMLElement, offers: readonly Offer[], tab: string, selected: string): void {
   const text = JSON.stringify([offers, selected]);
-  if (body.dataset["offers"] === text) return;
-  body.dataset["offers"] = text;
+  if (body.dataset.offers === text) return;
+  body.dataset.offers = text;
   const focused = body.contains(document.activeElement)
     ? document.activeElement?.textContent
     : undefined;

@@ -94,16 +94,16 @@ export class Chart {
 
   /** Show the samples between two times, in seconds. */
   show(curves: readonly Samples[], from: number, to: number, logarithmic: boolean): void {
-    if (this.#plot === undefined) return;
+    const plot = this.#plot;
+    if (plot === undefined) return;
     this.#from = from;
     this.#to = to;
     const shown = logarithmic ? curves.map(positive) : curves;
     this.#extent = (logarithmic ? logarithmicExtent : linearExtent)(shown, from);
-    this.#sparse = shown.map(({ times }) => times.length < this.#plot!.width / 14);
+    this.#sparse = shown.map(({ times }) => times.length < plot.width / 14);
     const { width, height } = this.#size();
-    if (width !== this.#plot.width || height !== this.#plot.height)
-      this.#plot.setSize({ width, height });
-    this.#plot.setData(align(shown) as uPlot.AlignedData);
+    if (width !== plot.width || height !== plot.height) plot.setSize({ width, height });
+    plot.setData(align(shown) as uPlot.AlignedData);
   }
 
   #series({ style, colour }: Look, at: number, count: number): uPlot.Series {

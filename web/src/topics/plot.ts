@@ -4,7 +4,7 @@ import { hertz } from "../format";
 import type { Hub } from "../hub";
 import type { Model } from "../model";
 import { Chart } from "./chart";
-import { Feed, type Curve } from "./feed";
+import { type Curve, Feed } from "./feed";
 import { LegendEntry } from "./legend";
 import { notPositive } from "./scales";
 import { STYLES } from "./strokes";
@@ -88,11 +88,7 @@ export class Plot {
       "aria-label": "Logarithmic",
       onchange: () => this.#make(),
     });
-    this.#pause = h(
-      "button",
-      { type: "button", onclick: () => this.#toggle() },
-      "Pause",
-    );
+    this.#pause = h("button", { type: "button", onclick: () => this.#toggle() }, "Pause");
     this.#tools = h(
       "div",
       { class: "toolbar end" },

@@ -36,11 +36,7 @@ export class Publish {
       value: "1",
       "aria-label": "Messages a second",
     });
-    this.#repeat = h(
-      "button",
-      { type: "button", onclick: () => this.#toggle() },
-      "Repeat",
-    );
+    this.#repeat = h("button", { type: "button", onclick: () => this.#toggle() }, "Repeat");
     this.element = h(
       "form",
       // The fields have words of their own for what is wrong.

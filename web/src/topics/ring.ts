@@ -76,7 +76,7 @@ export class Ring {
    * picture does not flicker as it moves on. */
   #thin(start: number, end: number, size: number): Samples {
     const chosen: number[] = [];
-    for (let next = start; next < end;) {
+    for (let next = start; next < end; ) {
       const stop = Math.min(end, (Math.floor(next / size) + 1) * size);
       let least = next;
       let greatest = next;

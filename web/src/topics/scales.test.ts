@@ -1,4 +1,5 @@
 import { describe, expect, it } from "vitest";
+import type { Samples } from "./ring";
 import {
   axisText,
   clock,
@@ -7,7 +8,6 @@ import {
   logarithmicTicks,
   notPositive,
 } from "./scales";
-import type { Samples } from "./ring";
 
 function curve(values: number[]): Samples {
   return { times: Float64Array.from(values, (_, at) => at), values: Float64Array.from(values) };

@@ -93,7 +93,7 @@ export function drawMarker(
 ): void {
   const [times, values] = [plot.data[0], plot.data[at] ?? []];
   if (look === undefined) return;
-  const to = plot.scales["x"]?.max ?? Infinity;
+  const to = plot.scales.x?.max ?? Infinity;
   for (let row = times.length - 1; row >= 0; row -= 1) {
     const [time, value] = [times[row], values[row]];
     if (typeof value !== "number" || time === undefined || time > to) continue;

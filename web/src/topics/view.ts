@@ -4,10 +4,10 @@ import type { Hub } from "../hub";
 import type { Model } from "../model";
 import { Types } from "../types";
 import type { MakeView } from "../view";
-import { Plot } from "./plot";
 import { TopicList } from "./list";
 import { NewTopic } from "./new_topic";
 import { TopicPage } from "./page";
+import { Plot } from "./plot";
 import "../browse.css";
 import "./topics.css";
 

@@ -1,7 +1,7 @@
 /** A single value of a message as text: exact, or it says that it is not. */
 import { h, say, svg } from "../dom";
 import { moment, plural, span, whole } from "../format";
-import { type Field, byteLength, bytesOf, isBytes, kindOf, own } from "../types";
+import { byteLength, bytesOf, type Field, isBytes, kindOf, own } from "../types";
 
 /** Characters of a string that are shown. */
 const CHARACTERS = 2000;

@@ -1,8 +1,8 @@
 /** A message as a tree, which stays as it was unfolded while the messages change. */
 import { h, say } from "../dom";
 import { plural, whole } from "../format";
-import { type Field, type Types, kindOf, own, typeText } from "../types";
-import { type Item, Leaf, type PlotPath, leafText } from "./leaf";
+import { type Field, kindOf, own, type Types, typeText } from "../types";
+import { type Item, Leaf, leafText, type PlotPath } from "./leaf";
 import "./tree.css";
 
 /** Elements of an array that are shown at first, with each click, and at most. */
