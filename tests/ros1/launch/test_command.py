@@ -126,7 +126,7 @@ def test_what_the_hub_does_needs_no_start(packages: Packages, tmp_path: Path) ->
         ({"type": "rn.sh"}, "<node n>: no executable 'rn.sh' in package 'robot': did you mean run"),
         ({"args": "'x"}, "<node n>: args: No closing quotation: 'x"),
         ({"prefix": "'x"}, "<node n>: No closing quotation"),
-        ({"package": "turtlesim", "type": "turtlesim_node"}, "<node n>: turtlesim draws in"),
+        ({"package": "turtlesim", "type": "turtlesim_node"}, "<node n>: turtlesim opens a window"),
         ({"package": "fibws", "type": "nope"}, "<node n>: package 'fibws' not found"),
     ],
 )
