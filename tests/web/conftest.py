@@ -1,7 +1,7 @@
-"""A hub, and its page in Chromium: whatever the browser complains of fails the test.
+"""Fixtures with a hub and its page in Chromium: browser warnings and errors fail the test.
 
-The browser is started once, so that all tests here run on one event loop. Fixtures that are
-coroutines must be on it, too: `fixture` makes them so.
+The browser is started once, so all tests here run in one event loop. `fixture` makes fixtures use
+that loop, too.
 """
 
 from __future__ import annotations
@@ -38,15 +38,15 @@ QUIET = (
     "--disable-component-update --disable-sync"
 ).split()
 TASK = "ThreadControllerImpl::RunTask"
-"""What Chromium's traces call one turn of a thread's loop."""
+"""The name of a thread's task in Chromium's traces."""
 STRANGER = "stranger.example"
-"""A host's name that leads to this machine."""
+"""A host name that resolves to this machine."""
 
 fixture = partial(pytest_asyncio.fixture, loop_scope="session")
 
-PATIENCE = 60_000
-"""Milliseconds: a busy machine is no fault of the page's."""
-expect.set_options(timeout=PATIENCE)
+TIMEOUT = 60_000
+"""A timeout in ms that is long enough for busy machines."""
+expect.set_options(timeout=TIMEOUT)
 
 OpenPage = Callable[..., Awaitable[Page]]
 
@@ -56,7 +56,7 @@ ONE_LOOP = pytest.mark.asyncio(loop_scope="session")
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
-    """Choose the loop's scope before the plugin makes it a parameter."""
+    """Choose the loop scope before the plugin makes it a parameter."""
     if inspect.iscoroutinefunction(metafunc.function):
         metafunc.definition.add_marker(ONE_LOOP, append=False)
 
@@ -71,33 +71,33 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 class Complaints:
-    """What the browser complained of: errors, warnings, violations of the policy."""
+    """Errors, warnings and policy violations in the browser's console."""
 
     def __init__(self) -> None:
         self.seen: list[str] = []
 
     def watch(self, page: Page) -> None:
         page.on("pageerror", lambda error: self.seen.append(f"{error}\n{error.stack or ''}"))
-        page.on("console", self._hear)
+        page.on("console", self._on_console)
 
-    def _hear(self, said: ConsoleMessage) -> None:
-        if said.type in ("error", "warning"):
-            self.seen.append(f"{said.text} ({said.location['url']})")
+    def _on_console(self, message: ConsoleMessage) -> None:
+        if message.type in ("error", "warning"):
+            self.seen.append(f"{message.text} ({message.location['url']})")
 
     def expect(self, text: str) -> None:
-        """Take note of what the test brought about on purpose, however often it was said."""
-        assert any(text in each for each in self.seen), f"no complaint says {text!r}: {self.seen}"
+        """Require and ignore messages with a text, which the test provokes."""
+        assert any(text in each for each in self.seen), f"no message has {text!r}: {self.seen}"
         self.allow(text)
 
     def allow(self, text: str) -> None:
-        """As `expect`, of what need not have been said."""
+        """Ignore messages with a text."""
         self.seen = [each for each in self.seen if text not in each]
 
 
 @fixture(scope="session")
 async def browser() -> AsyncIterator[Browser]:
     if CHROMIUM is None and not os.environ.get("CI"):
-        pytest.skip("there is no Chromium here")
+        pytest.skip("Chromium is not installed")
     async with async_playwright() as playwright:
         browser = await playwright.chromium.launch(
             executable_path=CHROMIUM,
@@ -120,12 +120,12 @@ def complaints() -> Complaints:
 
 @fixture
 async def open_page(browser: Browser, complaints: Complaints, hub: Hub) -> AsyncIterator[OpenPage]:
-    """Opens the page of a hub: ``await open_page(hub, "#/topics", width=360)``.
+    """Return a function that opens a hub's page: ``await open_page(hub, "#/topics", width=360)``.
 
-    Keywords besides ``width`` and ``height`` are those of playwright's ``new_context``, such as
-    ``color_scheme="dark"``; ``prepare`` is JavaScript that runs before the page's own, ``address``
-    where the page is if that is not the hub's own. The connection to the hub is there when it is
-    given. The test's hub is asked for so that it outlives all pages, which would complain.
+    It returns once the page is connected. ``prepare`` is JavaScript that runs before the page's
+    own, ``address`` is the page's address if it is not the hub's own; other keywords are those of
+    playwright's ``new_context``, such as ``color_scheme="dark"``. The fixture ``hub`` is requested
+    so that it outlives all pages.
     """
     if not (BUILT / "index.html").exists() and not os.environ.get("CI"):
         pytest.skip("the page is not built: npm ci && npm run build, in web/")
@@ -141,9 +141,9 @@ async def open_page(browser: Browser, complaints: Complaints, hub: Hub) -> Async
         **context: Any,
     ) -> Page:
         viewport: ViewportSize = {"width": width, "height": height}
-        its_own = await browser.new_context(viewport=viewport, **context)
-        its_own.set_default_timeout(PATIENCE)
-        page = await its_own.new_page()
+        own_context = await browser.new_context(viewport=viewport, **context)
+        own_context.set_default_timeout(TIMEOUT)
+        page = await own_context.new_page()
         complaints.watch(page)
         await page.add_init_script(prepare)
         await page.goto(f"{address or web_address(hub)}/{route}")
@@ -157,12 +157,12 @@ async def open_page(browser: Browser, complaints: Complaints, hub: Hub) -> Async
 
 
 def web_address(hub: Hub) -> str:
-    """Where the hub serves its page, without a slash at the end."""
+    """Return the address of the hub's page, without a trailing slash."""
     return hub.url.replace("ws:", "http:", 1)
 
 
 async def until(page: Page, expression: str) -> None:
-    """Wait for an expression in JavaScript to be true.
+    """Wait until a JavaScript expression is true.
 
     `Page.wait_for_function` needs eval, which the page's policy forbids.
     """
@@ -173,9 +173,9 @@ async def until(page: Page, expression: str) -> None:
 
 @asynccontextmanager
 async def traced(browser: Browser) -> AsyncIterator[list[float]]:
-    """The CPU time in seconds of each task of the pages' main threads; filled when it is left.
+    """Yield a list that gets the CPU seconds of each main thread task of the pages at the end.
 
-    Unlike the time by the clock, it is not lengthened by what else the machine does.
+    Unlike elapsed time, CPU time does not depend on the load of the machine.
     """
     tasks: list[float] = []
     await browser.start_tracing(categories=["toplevel"])

@@ -1,4 +1,4 @@
-"""The page at each address by which a browser may reach it: it takes none for granted."""
+"""The page at different addresses: localhost, IPv6, behind a proxy, and other hubs."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .conftest import OpenPage, web_address
 
 @asynccontextmanager
 async def proxy(hub: Hub, prefix: str) -> AsyncIterator[str]:
-    """The address of a reverse proxy that has the hub below a path of its own, and nothing else."""
+    """Run a reverse proxy that serves only the hub, below a path; yield its address."""
 
     async def pump(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         with contextlib.suppress(ConnectionError):
@@ -43,41 +43,39 @@ async def proxy(hub: Hub, prefix: str) -> AsyncIterator[str]:
     assert [path for path in asked if not path.startswith(f"{prefix}/")] == []
 
 
-async def expect_all_to_work(page: Page, hub: Hub, address: str) -> None:
-    """Its scripts, styles, worker and connection come from that address, and no other."""
+async def expect_page_to_work(page: Page, hub: Hub, address: str) -> None:
+    """Check that scripts, styles, worker and connection use that address and no other."""
     async with fibws.Node("talker", hub=hub.url) as node:
         numbers = await node.advertise("fibonacci", Int32, latch=True)
         await numbers.publish(data=8)
-        # The layout is the worker's.
+        # The worker computes the layout.
         await expect(page.locator('.graph [data-id="topic /fibonacci"]')).to_be_visible()
         await page.goto(f"{address}/#/topics/%2Ffibonacci")
         await expect(page.locator(".echo .tree-value")).to_have_text("8")
         await page.get_by_role("button", name="Help").click()
-        told = page.get_by_role("dialog", name="Help")
-        await expect(told).to_contain_text(f'src="{address}/roslib.js"')
-        await expect(told).to_contain_text(f'WebSocket("{address.replace("http", "ws", 1)}")')
+        help_ = page.get_by_role("dialog", name="Help")
+        await expect(help_).to_contain_text(f'src="{address}/roslib.js"')
+        await expect(help_).to_contain_text(f'WebSocket("{address.replace("http", "ws", 1)}")')
         fetched = await page.evaluate("performance.getEntriesByType('resource').map(e => e.name)")
         assert len(fetched) > 5
         assert [url for url in fetched if not url.startswith((f"{address}/", "data:"))] == []
 
 
-async def test_the_page_works_by_the_name_localhost(hub: Hub, open_page: OpenPage) -> None:
+async def test_page_works_at_localhost(hub: Hub, open_page: OpenPage) -> None:
     address = f"http://localhost:{hub.port}"
-    await expect_all_to_work(await open_page(hub, address=address), hub, address)
+    await expect_page_to_work(await open_page(hub, address=address), hub, address)
 
 
-@pytest.mark.skipif(not socket.has_dualstack_ipv6(), reason="there is no IPv6 here")
-async def test_the_page_works_by_an_address_of_ipv6(open_page: OpenPage) -> None:
+@pytest.mark.skipif(not socket.has_dualstack_ipv6(), reason="IPv6 is not available")
+async def test_page_works_at_an_ipv6_address(open_page: OpenPage) -> None:
     async with Hub(Settings(host="::1", port=0)) as hub:
         page = await open_page(hub)
         assert web_address(hub).startswith("http://[::1]:")
-        await expect_all_to_work(page, hub, web_address(hub))
+        await expect_page_to_work(page, hub, web_address(hub))
 
 
-async def test_the_page_works_behind_a_proxy_that_gives_it_a_path(
-    hub: Hub, open_page: OpenPage
-) -> None:
+async def test_page_works_behind_a_proxy_with_a_path(hub: Hub, open_page: OpenPage) -> None:
     async with proxy(hub, "/lab/robot") as address:
         page = await open_page(hub, address=address)
-        await expect_all_to_work(page, hub, address)
+        await expect_page_to_work(page, hub, address)
         await page.close()

@@ -1,7 +1,7 @@
-"""What the page takes: its first paint, its longest tasks, its memory.
+"""The performance of the page: first paint, longest tasks, memory.
 
-Machines that run tests have other things to do, so a task is measured by the CPU time that it took,
-and what has to be measured by the clock counts if it is right in one of a few rounds.
+Test machines are busy, so tasks are measured by CPU time, and a measurement of elapsed time counts
+if one of several rounds is fast enough.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from fibws.hub import Hub
 from .conftest import OpenPage, traced, until
 
 ROUNDS = 10
-"""Of so many one at least is to be quick enough."""
+"""How many rounds to try; one of them must be fast enough."""
 KEEP_SOCKETS = """
     window.sockets = [];
     window.WebSocket = class extends WebSocket {
@@ -30,11 +30,11 @@ KEEP_SOCKETS = """
 """
 HOUR = 3600
 PER_SECOND = 50
-"""Messages that the hub sends to a page that plots a topic, however fast that is published."""
-SAID = 5
-"""Of so many messages one is followed by something on /rosout."""
+"""Messages per second that the hub sends to a page that plots a topic."""
+LOG_INTERVAL = 5
+"""Every this many messages, one is logged on /rosout."""
 PAUSE = 1500
-"""After so many messages the page may do something else."""
+"""Every this many messages, the page may do something else."""
 
 
 async def advertise(client: ClientConnection, topic: str) -> None:
@@ -49,7 +49,7 @@ async def subscribe(client: ClientConnection, topic: str) -> None:
 
 @asynccontextmanager
 async def graph(hub: Hub, nodes: int, topics: int) -> AsyncIterator[list[ClientConnection]]:
-    """Nodes that publish some of the topics each, and hear some that others publish."""
+    """Connect nodes that each publish and subscribe to some of the topics."""
     clients: list[ClientConnection] = []
     try:
         for number in range(nodes):
@@ -65,7 +65,7 @@ async def graph(hub: Hub, nodes: int, topics: int) -> AsyncIterator[list[ClientC
             await client.close()
 
 
-async def test_ten_nodes_are_seen_within_a_second(open_page: OpenPage, hub: Hub) -> None:
+async def test_ten_nodes_are_drawn_within_two_seconds(open_page: OpenPage, hub: Hub) -> None:
     async with graph(hub, nodes=10, topics=12):
         rounds = []
         for _ in range(ROUNDS):
@@ -80,7 +80,7 @@ async def test_ten_nodes_are_seen_within_a_second(open_page: OpenPage, hub: Hub)
     raise AssertionError(rounds)
 
 
-async def test_200_nodes_and_300_topics_freeze_nothing_while_nodes_come_and_go(
+async def test_large_graph_does_not_block_the_page(
     browser: Browser, open_page: OpenPage, hub: Hub
 ) -> None:
     async with graph(hub, nodes=200, topics=300), traced(browser) as tasks:
@@ -103,49 +103,49 @@ async def test_200_nodes_and_300_topics_freeze_nothing_while_nodes_come_and_go(
     assert 0.01 < max(tasks) < 0.2, sorted(tasks)[-5:]
 
 
-async def test_an_hour_of_messages_does_not_grow_the_page_s_memory(
+async def test_memory_does_not_grow_during_an_hour_of_messages(
     open_page: OpenPage, hub: Hub
 ) -> None:
-    """What a hub would send in an hour is handed to the page as if it had come from there."""
+    """The messages of an hour are passed to the page as if the hub had sent them."""
     async with connect(f"{hub.url}/?node=/counter") as client:
         await advertise(client, "/count")
         page = await open_page(hub, "#/topics/%2Fcount", prepare=KEEP_SOCKETS)
         await page.get_by_role("button", name="Plot", exact=True).first.click()
         await expect(page.locator("canvas")).to_be_visible()
         await expect(page.locator(".echo")).to_be_visible()
-        await hand_over(page, HOUR // 6)
+        await simulate(page, HOUR // 6)
         before = await memory(page)
-        await hand_over(page, HOUR)
+        await simulate(page, HOUR)
         after = await memory(page)
     assert after["JSHeapUsedSize"] - before["JSHeapUsedSize"] < 2**20, (before, after)
     assert after["Nodes"] - before["Nodes"] < 30, (before, after)
     assert after["JSEventListeners"] - before["JSEventListeners"] < 20, (before, after)
 
 
-async def hand_over(page: Page, seconds: int) -> None:
-    """Have the page hear what comes in so many seconds."""
+async def simulate(page: Page, seconds: int) -> None:
+    """Pass the messages of some seconds to the page."""
     await page.evaluate(
-        """async ([messages, said, pause]) => {
+        """async ([messages, interval, pause]) => {
             const socket = sockets[0];
-            const hear = (topic, msg) => {
+            const receive = (topic, msg) => {
                 const data = JSON.stringify({ op: "publish", topic, msg });
                 socket.dispatchEvent(new MessageEvent("message", { data }));
             };
             for (let n = 0; n < messages; n += 1) {
-                hear("/count", { data: n });
-                if (n % said === 0) {
-                    hear("/rosout_agg", { level: 2, name: "/counter", msg: `counted to ${n}` });
+                receive("/count", { data: n });
+                if (n % interval === 0) {
+                    receive("/rosout_agg", { level: 2, name: "/counter", msg: `counted to ${n}` });
                 }
                 if (n % pause === 0) await new Promise(requestAnimationFrame);
             }
             await new Promise((done) => requestAnimationFrame(() => setTimeout(done)));
         }""",
-        [seconds * PER_SECOND, SAID, PAUSE],
+        [seconds * PER_SECOND, LOG_INTERVAL, PAUSE],
     )
 
 
 async def memory(page: Page) -> dict[str, float]:
-    """What the page holds once all that nothing refers to is gone."""
+    """Return the page's memory metrics after garbage collection."""
     devtools = await page.context.new_cdp_session(page)
     await devtools.send("Performance.enable")
     for _ in range(3):

@@ -1,4 +1,4 @@
-"""The hub's page: what stands around its views, and the README's snippet, in a real browser."""
+"""The page around its views, and the snippet of the README, in a real browser."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import asyncio
 import json
 import re
 from pathlib import Path
+from urllib.parse import quote
 
 import pytest
 from playwright.async_api import Browser, Page, expect
@@ -16,17 +17,17 @@ from fibws.hub import Hub, Settings
 from fibws.msg.std_msgs import Int32
 from fibws.srv.fibws_msgs import KillNode
 
-from .conftest import STRANGER, Complaints, OpenPage, web_address
+from .conftest import STRANGER, Complaints, OpenPage, until, web_address
 
 README = Path(__file__).parents[2] / "README.md"
 SNIPPET = re.compile(r"```js\n(const hub = new WebSocket.*?)```", re.DOTALL)
 VIEWS = ["graph", "topics", "services", "console", "parameters"]
 LOST = "WebSocket connection to"
-"""What Chromium says of an attempt that failed."""
+"""Chromium's warning about a failed connection."""
 
 
 async def publish_a_number(hub: Hub) -> None:
-    """Latch a number for all who will listen, until cancelled."""
+    """Publish a latched number, until cancelled."""
     async with connect(f"{hub.url}/?node=/broadcaster") as client:
         topic = {"topic": "/fibonacci", "type": "std_msgs/Int32", "latch": True}
         await client.send(json.dumps({"op": "advertise", **topic}))
@@ -35,11 +36,11 @@ async def publish_a_number(hub: Hub) -> None:
 
 
 async def paste(page: Page, snippet: str, hub: Hub) -> str:
-    """Run a snippet as the console does; return the first line that it logs."""
+    """Run a snippet as in the browser's console; return the first line that it logs."""
     broadcaster = asyncio.create_task(publish_a_number(hub))
     console = await page.context.new_cdp_session(page)
     try:
-        async with page.expect_console_message(lambda said: said.type == "log") as message:
+        async with page.expect_console_message(lambda line: line.type == "log") as message:
             answer = await console.send(
                 "Runtime.evaluate", {"expression": snippet, "replMode": True}
             )
@@ -49,7 +50,12 @@ async def paste(page: Page, snippet: str, hub: Hub) -> str:
         broadcaster.cancel()
 
 
-async def test_an_empty_hub_shows_what_to_type_next(open_page: OpenPage, hub: Hub) -> None:
+async def roslib(page: Page) -> None:
+    """Wait until `ROSLIB` is available in the console."""
+    await until(page, "'value' in (Object.getOwnPropertyDescriptor(window, 'ROSLIB') ?? {})")
+
+
+async def test_empty_hub_shows_first_steps(open_page: OpenPage, hub: Hub) -> None:
     page = await open_page(hub)
     await expect(page.get_by_role("heading", name="This hub is empty")).to_be_visible()
     commands = page.locator(".copyable pre")
@@ -58,7 +64,7 @@ async def test_an_empty_hub_shows_what_to_type_next(open_page: OpenPage, hub: Hu
     await expect(page.locator("#count-nodes")).to_have_text("0")
 
 
-async def test_the_welcome_goes_when_the_first_node_comes_and_can_be_reopened(
+async def test_first_steps_disappear_with_the_first_node_and_can_be_reopened(
     open_page: OpenPage, hub: Hub
 ) -> None:
     page = await open_page(hub)
@@ -78,20 +84,19 @@ async def test_the_welcome_goes_when_the_first_node_comes_and_can_be_reopened(
 
 
 @pytest.mark.parametrize("number", [2, 3])
-async def test_the_welcome_s_snippets_hear_the_numbers_once_they_are_copied(
+async def test_snippets_of_the_first_steps_receive_numbers(
     open_page: OpenPage, hub: Hub, number: int
 ) -> None:
     page = await open_page(hub, permissions=["clipboard-read", "clipboard-write"])
     await page.locator(".copyable").nth(number).get_by_role("button", name="Copy").click()
     await expect(page.get_by_role("button", name="Copied")).to_be_visible()
     snippet = await page.evaluate("navigator.clipboard.readText()")
+    await roslib(page)
     assert len(snippet.splitlines()) == {2: 5, 3: 2}[number]
     assert await paste(page, snippet, hub) == "I heard 8"
 
 
-async def test_a_page_without_a_clipboard_copies_all_the_same(
-    open_page: OpenPage, hub: Hub
-) -> None:
+async def test_copying_works_without_the_clipboard_api(open_page: OpenPage, hub: Hub) -> None:
     page = await open_page(hub)
     await page.evaluate("Object.defineProperty(navigator, 'clipboard', {value: undefined})")
     await page.get_by_role("button", name="Copy").first.click()
@@ -103,7 +108,7 @@ async def test_a_page_without_a_clipboard_copies_all_the_same(
     await expect(name).to_have_value(f"python -m fibws.broadcaster --hub {hub.url}")
 
 
-async def test_what_cannot_be_copied_is_selected(open_page: OpenPage, hub: Hub) -> None:
+async def test_text_is_selected_if_copying_fails(open_page: OpenPage, hub: Hub) -> None:
     page = await open_page(hub)
     await page.evaluate("Object.defineProperty(navigator, 'clipboard', {value: undefined})")
     await page.evaluate("document.execCommand = () => false")
@@ -113,30 +118,64 @@ async def test_what_cannot_be_copied_is_selected(open_page: OpenPage, hub: Hub) 
     assert selected == f"python -m fibws.broadcaster --hub {hub.url}"
 
 
-async def test_the_console_is_told_once_what_is_at_hand_there(
+async def test_browser_console_shows_an_example_once(
     browser: Browser, hub: Hub, open_page: OpenPage
 ) -> None:
     page = await browser.new_page()
-    said: list[str] = []
-    page.on("console", lambda message: said.append(message.text))
+    lines: list[str] = []
+    page.on("console", lambda message: lines.append(message.text))
     await page.goto(web_address(hub))
     await page.wait_for_selector("#hub[data-state=open]")
-    [told] = [text for text in said if "ROSLIB" in text]
-    example = re.search(r"(const \w+ = new ROSLIB\.Topic.*\n.*;)", told)
+    await roslib(page)
+    [text] = [line for line in lines if "ROSLIB" in line]
+    example = re.search(r"(const \w+ = new ROSLIB\.Topic.*\n.*;)", text)
     assert example is not None
     assert await paste(page, example[1], hub) == "I heard 8"
 
 
-async def test_whoever_subscribes_from_the_console_is_a_node_that_others_see(
+async def test_roslib_is_loaded_after_the_page(open_page: OpenPage, hub: Hub) -> None:
+    page = await open_page(hub)
+    await roslib(page)
+    start = (
+        "performance.getEntriesByType('resource').find(e => e.name.endsWith('roslib.js')).startTime"
+    )
+    loaded = "performance.getEntriesByType('navigation')[0].loadEventStart"
+    assert await page.evaluate(f"{start} >= {loaded}")
+
+
+async def test_connection_of_the_browser_console_is_a_visible_node(
     open_page: OpenPage, hub: Hub
 ) -> None:
     page = await open_page(hub)
+    await roslib(page)
     nodes = await page.evaluate("new Promise((done, failed) => ros.getNodes(done, failed))")
     assert len([name for name in nodes if name.startswith("/browser_")]) == 1
     await expect(page.locator("#count-nodes")).to_have_text("1")
 
 
-async def test_the_page_says_that_the_hub_is_gone_and_is_live_again_when_it_is_back(
+@pytest.mark.parametrize("written", ["{}", "ws://{}", " {} "])
+async def test_query_names_another_hub(open_page: OpenPage, hub: Hub, written: str) -> None:
+    async with Hub(Settings(port=0, allow_origin=(web_address(hub),))) as other:
+        address = written.format(f"localhost:{other.port}")
+        page = await open_page(hub, f"?hub={quote(address)}")
+        await expect(page.locator("#hub code")).to_have_text(f"ws://localhost:{other.port}")
+
+
+async def test_empty_query_names_the_hub_of_the_page(open_page: OpenPage, hub: Hub) -> None:
+    page = await open_page(hub, "?hub=")
+    await expect(page.locator("#hub code")).to_have_text(hub.url)
+
+
+async def test_invalid_address_is_reported(browser: Browser, hub: Hub) -> None:
+    page = await browser.new_page()
+    await page.goto(f"{web_address(hub)}/?hub=http://robot")
+    await expect(page.get_by_role("alert")).to_contain_text("http://robot")
+    await page.get_by_role("link").click()
+    await page.wait_for_selector("#hub[data-state=open]")
+    await page.close()
+
+
+async def test_page_reconnects_when_the_hub_is_back(
     open_page: OpenPage, complaints: Complaints
 ) -> None:
     async with Hub(Settings(port=0)) as hub:
@@ -145,19 +184,19 @@ async def test_the_page_says_that_the_hub_is_gone_and_is_live_again_when_it_is_b
         async with fibws.Node("talker", hub=hub.url) as node:
             node.log.warning("before")
             await expect(page.locator(".log li")).to_contain_text(["before"])
-    state = page.get_by_role("status").filter(has_text="trying again")
+    state = page.get_by_role("status").filter(has_text="reconnecting")
     await expect(state).to_contain_text("the hub is shutting down")
     await expect(page.locator(".log li")).to_contain_text(["before"])
     async with Hub(Settings(port=port)) as hub:
         await expect(page.locator("#state")).to_have_text("connected")
         async with fibws.Node("talker", hub=hub.url) as node:
-            # The page's subscription is there before the state says so.
+            # The page subscribes before it shows that it is connected.
             node.log.warning("after")
             await expect(page.locator(".log li")).to_contain_text(["before", "after"])
     complaints.allow(LOST)
 
 
-async def test_a_page_that_was_told_to_end_comes_back_only_when_it_is_asked_to(
+async def test_page_reconnects_on_demand_after_a_shutdown_request(
     open_page: OpenPage, hub: Hub
 ) -> None:
     page = await open_page(hub)
@@ -172,7 +211,7 @@ async def test_a_page_that_was_told_to_end_comes_back_only_when_it_is_asked_to(
     await expect(page.get_by_role("button", name="Connect")).to_be_hidden()
 
 
-async def test_messages_are_counted_as_they_flow(open_page: OpenPage, hub: Hub) -> None:
+async def test_rate_of_all_messages_is_shown(open_page: OpenPage, hub: Hub) -> None:
     page = await open_page(hub)
     async with fibws.Node("talker", hub=hub.url) as node:
         numbers = await node.advertise("numbers", Int32)
@@ -188,7 +227,7 @@ async def test_messages_are_counted_as_they_flow(open_page: OpenPage, hub: Hub) 
         publishing.cancel()
 
 
-async def test_no_view_needs_more_than_a_phone_s_width(open_page: OpenPage, hub: Hub) -> None:
+async def test_every_view_fits_the_width_of_a_phone(open_page: OpenPage, hub: Hub) -> None:
     namespace = "/a/quite/deep/namespace"
     async with fibws.Node("with_a_long_name", namespace=namespace, hub=hub.url) as node:
         await node.advertise("/another/deep/namespace/with/a_topic_of_a_long_name", Int32)
@@ -202,7 +241,7 @@ async def test_no_view_needs_more_than_a_phone_s_width(open_page: OpenPage, hub:
             assert (view, wide) == (view, 360)
 
 
-async def test_every_control_is_reached_by_the_tab_key_and_has_a_name(
+async def test_every_control_is_reached_by_tab_and_has_a_name(
     open_page: OpenPage, hub: Hub
 ) -> None:
     async with fibws.Node("talker", hub=hub.url) as node:
@@ -214,7 +253,7 @@ async def test_every_control_is_reached_by_the_tab_key_and_has_a_name(
             await visit(page, view)
             count = await page.evaluate(MARK_CONTROLS)
             assert count > len(VIEWS)
-            # What a view shows only now, since it had to ask the hub, has stops of its own.
+            # Controls that appear later, when the hub has responded, also take the focus.
             for _ in range(10 * count):
                 if not await page.evaluate(MISSED):
                     break
@@ -248,9 +287,7 @@ NAMELESS = f"""{VISIBLE_CONTROLS}.filter((each) =>
 ).map((each) => each.outerHTML)"""
 
 
-async def test_a_route_can_be_left_by_the_browser_s_back_button(
-    open_page: OpenPage, hub: Hub
-) -> None:
+async def test_back_button_returns_to_the_previous_view(open_page: OpenPage, hub: Hub) -> None:
     page = await open_page(hub)
     await page.get_by_role("link", name="Console").click()
     await page.get_by_role("link", name="Parameters").click()
@@ -260,20 +297,20 @@ async def test_a_route_can_be_left_by_the_browser_s_back_button(
     await expect(page.locator("section.console")).to_be_visible()
 
 
-async def test_the_readme_snippet_works_from_another_page_on_localhost(
+async def test_snippet_of_the_readme_works_from_another_page_on_localhost(
     browser: Browser, hub: Hub
 ) -> None:
     found = SNIPPET.search(README.read_text())
     assert found is not None
     snippet = found[1].replace("ws://localhost:9090", hub.url)
     assert len(snippet.splitlines()) == 5
-    async with Hub(Settings(port=0)) as elsewhere:
+    async with Hub(Settings(port=0)) as other:
         page = await browser.new_page()
-        await page.goto(f"http://localhost:{elsewhere.port}/healthz")
+        await page.goto(f"http://localhost:{other.port}/healthz")
         assert await paste(page, snippet, hub) == "I heard 8"
 
 
-async def test_the_readme_snippet_works_in_the_page_itself(open_page: OpenPage, hub: Hub) -> None:
+async def test_snippet_of_the_readme_works_in_the_page(open_page: OpenPage, hub: Hub) -> None:
     found = SNIPPET.search(README.read_text())
     assert found is not None
     page = await open_page(hub)
@@ -281,11 +318,11 @@ async def test_the_readme_snippet_works_in_the_page_itself(open_page: OpenPage, 
 
 
 @pytest.mark.parametrize("allowed", [False, True])
-async def test_a_page_of_another_origin_connects_only_if_that_is_allowed(
+async def test_page_of_another_origin_connects_only_if_allowed(
     browser: Browser, allowed: bool
 ) -> None:
-    async with Hub(Settings(port=0)) as elsewhere:
-        origin = f"http://{STRANGER}:{elsewhere.port}"
+    async with Hub(Settings(port=0)) as other:
+        origin = f"http://{STRANGER}:{other.port}"
         async with Hub(Settings(port=0, allow_origin=(origin,) if allowed else ())) as hub:
             page = await browser.new_page()
             await page.goto(f"{origin}/")

@@ -1,4 +1,4 @@
-"""/roslib.js in a page of somebody else's, written as roslib 1's first tutorial is."""
+"""/roslib.js in a page of another server, written like the first tutorial of roslib 1."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ TUTORIAL = """\
 <meta charset="utf-8" />
 <script type="text/javascript" src="{site}/roslib.js"></script>
 <script type="text/javascript">
-  var said = {{}};
+  var seen = {{}};
   var ros = new ROSLIB.Ros({{
     url : '{hub}'
   }});
-  ros.on('connection', function() {{ said.connection = true; }});
-  ros.on('error', function(error) {{ said.error = String(error); }});
+  ros.on('connection', function() {{ seen.connection = true; }});
+  ros.on('error', function(error) {{ seen.error = String(error); }});
 
   var cmdVel = new ROSLIB.Topic({{
     ros : ros,
@@ -48,7 +48,7 @@ TUTORIAL = """\
     messageType : 'std_msgs/String'
   }});
   listener.subscribe(function(message) {{
-    said.heard = message.data;
+    seen.received = message.data;
     listener.unsubscribe();
   }});
 
@@ -58,11 +58,11 @@ TUTORIAL = """\
     serviceType : 'rospy_tutorials/AddTwoInts'
   }});
   var request = new ROSLIB.ServiceRequest({{ a : 1, b : 2 }});
-  addTwoIntsClient.callService(request, function(result) {{ said.sum = result.sum; }});
+  addTwoIntsClient.callService(request, function(result) {{ seen.sum = result.sum; }});
 
   var favoriteColor = new ROSLIB.Param({{ ros : ros, name : 'favorite_color' }});
   favoriteColor.set('red');
-  favoriteColor.get(function(value) {{ said.color = value; }});
+  favoriteColor.get(function(value) {{ seen.color = value; }});
 
   var setBool = new ROSLIB.Service({{
     ros : ros,
@@ -83,7 +83,7 @@ TUTORIAL = """\
 
 @asynccontextmanager
 async def served(html: str) -> AsyncIterator[str]:
-    """The address of a server on another port that has nothing but this page."""
+    """Run a server on another port with this page only; yield its address."""
 
     async def answer(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         await reader.readuntil(b"\r\n\r\n")
@@ -98,7 +98,7 @@ async def served(html: str) -> AsyncIterator[str]:
         yield f"http://127.0.0.1:{server.sockets[0].getsockname()[1]}/"
 
 
-async def test_an_old_tutorial_s_page_works_with_it(
+async def test_page_of_an_old_tutorial_works(
     browser: Browser, hub: Hub, complaints: Complaints
 ) -> None:
     page = await browser.new_page()
@@ -114,10 +114,12 @@ async def test_an_old_tutorial_s_page_works_with_it(
             velocity = await anext(aiter(velocities))
             assert velocity.linear.z == 0.3
             assert velocity.angular.x == -0.1
-            await page.wait_for_function("said.connection && said.heard && said.sum && said.color")
-            assert await page.evaluate("said") == {
+            await page.wait_for_function(
+                "seen.connection && seen.received && seen.sum && seen.color"
+            )
+            assert await page.evaluate("seen") == {
                 "connection": True,
-                "heard": "hello",
+                "received": "hello",
                 "sum": 3,
                 "color": "red",
             }

@@ -1,4 +1,4 @@
-"""The page's services: the list, the form to call one, and the actions, in a real browser."""
+"""The Services tab of the page: list, form for calls, and actions, in a real browser."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ ADD = "#/services/%2Fadd_two_ints"
 
 def add(request: AddTwoIntsRequest) -> AddTwoIntsResponse:
     if request.a == 13:
-        raise ValueError(f"13 is no good {MARKUP}")
+        raise ValueError(f"13 is unlucky {MARKUP}")
     return AddTwoIntsResponse(request.a + request.b)
 
 
@@ -49,7 +49,7 @@ async def call(page: Page, a: str, b: str) -> None:
     await page.keyboard.press("Enter")
 
 
-async def test_a_service_is_found_in_the_list_and_called(
+async def test_service_is_found_by_the_filter_and_called(
     hub: Hub, node: fibws.Node, open_page: OpenPage
 ) -> None:
     page = await open_page(hub, "#/services")
@@ -60,43 +60,41 @@ async def test_a_service_is_found_in_the_list_and_called(
     await names.click()
     await call(page, "1", "2")
     await expect(page.locator(".service-response .tree")).to_have_text("sum:3")
-    await expect(page.get_by_text("answered after")).to_be_visible()
+    await expect(page.get_by_text("response after")).to_be_visible()
     await expect(page.get_by_role("link", name="/adder").first).to_have_attribute(
         "href", "#/graph/node/%2Fadder"
     )
 
 
-async def test_long_integers_are_sent_exactly_and_told_to_be_rounded(
+async def test_large_integers_are_sent_exactly_and_marked_as_rounded(
     hub: Hub, node: fibws.Node, open_page: OpenPage
 ) -> None:
     page = await open_page(hub, ADD)
     await call(page, str(2**53 + 1), "2")
-    # 2^53 + 3 itself is no number of a browser's; without the 1, it would be 2^53 + 2.
+    # Browsers cannot represent 2^53 + 3; without the 1, the sum would be 2^53 + 2.
     await expect(page.locator(".tree-value")).to_have_text(f"≈ {2**53 + 4}")
 
 
-async def test_what_is_wrong_is_told_and_not_sent(
-    hub: Hub, node: fibws.Node, open_page: OpenPage
-) -> None:
+async def test_invalid_request_is_not_sent(hub: Hub, node: fibws.Node, open_page: OpenPage) -> None:
     page = await open_page(hub, ADD)
     await call(page, "1", "two")
-    await expect(page.locator(".form-problems")).to_contain_text("b: “two” is no whole number")
+    await expect(page.locator(".form-problems")).to_contain_text("b: “two”")
     await expect(page.locator(".service-response")).to_be_empty()
 
 
-async def test_what_the_provider_says_is_told_in_words(
+async def test_error_of_the_service_is_shown(
     hub: Hub, node: fibws.Node, open_page: OpenPage
 ) -> None:
     page = await open_page(hub, ADD)
     await call(page, "13", "2")
-    await expect(page.locator(".browse-page > .error")).to_contain_text(f"13 is no good {MARKUP}")
+    await expect(page.locator(".browse-page > .error")).to_contain_text(f"13 is unlucky {MARKUP}")
     await expect(page.get_by_text("failed after")).to_be_visible()
     await call(page, "12", "2")
     await expect(page.locator(".service-response .tree")).to_have_text("sum:14")
     await expect(page.locator(".browse-page > .error")).to_be_hidden()
 
 
-async def test_a_request_without_fields_and_a_response_with_markup(
+async def test_request_without_fields_and_response_with_markup(
     hub: Hub, node: fibws.Node, open_page: OpenPage
 ) -> None:
     page = await open_page(hub, "#/services/%2Fspeak")
@@ -106,7 +104,7 @@ async def test_a_request_without_fields_and_a_response_with_markup(
     assert await page.evaluate("window.harmed") is None
 
 
-async def test_a_form_stays_as_it_is_while_other_services_come(
+async def test_form_is_kept_when_other_services_appear(
     hub: Hub, node: fibws.Node, open_page: OpenPage
 ) -> None:
     page = await open_page(hub, ADD)
@@ -116,14 +114,14 @@ async def test_a_form_stays_as_it_is_while_other_services_come(
     await expect(page.get_by_label("a int64")).to_have_value("8")
 
 
-async def test_a_service_that_is_not_there_is_waited_for(hub: Hub, open_page: OpenPage) -> None:
+async def test_missing_service_can_be_called_when_it_appears(hub: Hub, open_page: OpenPage) -> None:
     page = await open_page(hub, ADD)
-    await expect(page.get_by_text("Nobody provides this service now.")).to_be_visible()
+    await expect(page.get_by_text("No node provides this service")).to_be_visible()
     async with fibws.Node("adder", hub=hub.url) as node:
         await node.service("/add_two_ints", AddTwoInts, add)
         await call(page, "1", "2")
         await expect(page.locator(".service-response .tree")).to_have_text("sum:3")
-    await expect(page.get_by_text("Nobody provides this service now.")).to_be_visible()
+    await expect(page.get_by_text("No node provides this service")).to_be_visible()
 
 
 async def test_actions_are_listed_with_type_and_node(
@@ -138,7 +136,7 @@ async def test_actions_are_listed_with_type_and_node(
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-async def test_nothing_is_wider_than_a_narrow_window(
+async def test_view_fits_a_narrow_window(
     hub: Hub, node: fibws.Node, open_page: OpenPage, scheme: str
 ) -> None:
     page = await open_page(hub, "#/services", width=360, height=740, color_scheme=scheme)

@@ -1,4 +1,4 @@
-"""The page's topics: the list, the echo, the plot and the form to publish, in a real browser."""
+"""The Topics tab of the page: list, echo, plot and form to publish, in a real browser."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ async def node(hub: Hub) -> AsyncIterator[fibws.Node]:
         yield node
 
 
-async def climb(node: fibws.Node, topic: str = "/fibonacci") -> None:
-    """Publish the Fibonacci numbers at 20 Hz, and from the start again, until cancelled."""
+async def publish_fibonacci(node: fibws.Node, topic: str = "/fibonacci") -> None:
+    """Publish the Fibonacci numbers at 20 Hz, repeatedly, until cancelled."""
     numbers = await node.advertise(topic, Int32)
     while True:
         one, other = 0, 1
@@ -40,25 +40,25 @@ async def climb(node: fibws.Node, topic: str = "/fibonacci") -> None:
 
 
 @fixture
-async def climbing(node: fibws.Node) -> AsyncIterator[None]:
-    """The numbers climb on /fibonacci."""
-    task = asyncio.create_task(climb(node))
+async def fibonacci(node: fibws.Node) -> AsyncIterator[None]:
+    """Publish the Fibonacci numbers on /fibonacci."""
+    task = asyncio.create_task(publish_fibonacci(node))
     yield
     task.cancel()
 
 
 def row(page: Page, topic: str) -> Locator:
-    """The line of the list that tells of a topic."""
+    """Return the row of a topic in the list."""
     return page.locator(".browse-list tbody tr").filter(has=page.get_by_text(topic, exact=True))
 
 
 def curve(page: Page, name: str) -> Locator:
-    """The legend's entry of a curve."""
+    """Return the entry of a curve in the legend."""
     return page.locator(".plot-legend li").filter(has_text=name)
 
 
 def value(page: Page, key: str) -> Locator:
-    """What the echo shows at a key."""
+    """Return the value of a field in the echo."""
     key_of = page.locator(".tree-key", has_text=re.compile(f"^{re.escape(key)}:$"))
     return page.locator(".echo .tree-leaf").filter(has=key_of).locator(".tree-value")
 
@@ -67,18 +67,16 @@ async def open_publish(page: Page) -> None:
     await page.locator("details.section > summary", has_text="Publish").click()
 
 
-async def test_the_list_shows_each_topic_with_its_type_and_rate(
-    hub: Hub, climbing: None, open_page: OpenPage
-) -> None:
+async def test_list_has_types_and_rates(hub: Hub, fibonacci: None, open_page: OpenPage) -> None:
     page = await open_page(hub, "#/topics")
-    fibonacci = row(page, "/fibonacci")
-    await expect(fibonacci.locator(".col-type")).to_have_text("std_msgs/Int32")
-    await expect(fibonacci.locator(".col-publishers")).to_have_text("1")
-    await expect(fibonacci.locator(".col-rate")).to_have_text(re.compile(r"^[\d.]*[1-9][\d.]* Hz$"))
-    await expect(fibonacci.locator(".col-bandwidth")).to_have_text(re.compile(r"B/s$"))
+    cells = row(page, "/fibonacci")
+    await expect(cells.locator(".col-type")).to_have_text("std_msgs/Int32")
+    await expect(cells.locator(".col-publishers")).to_have_text("1")
+    await expect(cells.locator(".col-rate")).to_have_text(re.compile(r"^[\d.]*[1-9][\d.]* Hz$"))
+    await expect(cells.locator(".col-bandwidth")).to_have_text(re.compile(r"B/s$"))
 
 
-async def test_the_list_is_filtered_and_sorted_and_hides_the_hubs_own(
+async def test_list_is_sorted_and_filtered_and_hides_topics_of_the_hub(
     hub: Hub, node: fibws.Node, open_page: OpenPage
 ) -> None:
     for topic, kind in (("/b", Int32), ("/a", String), ("/c", Int32)):
@@ -91,16 +89,16 @@ async def test_the_list_is_filtered_and_sorted_and_hides_the_hubs_own(
     await expect(names).to_have_text(["/b", "/c", "/a"])
     await page.get_by_role("button", name="Type").click()
     await expect(names).to_have_text(["/a", "/b", "/c"])
-    await page.get_by_label("Filter topics").fill("int32")
-    await expect(names).to_have_text(["/b", "/c"])
+    await page.get_by_label("Filter topics").fill("int32 -/c")
+    await expect(names).to_have_text(["/b"])
     await page.get_by_label("Filter topics").fill("rosout")
-    await expect(page.get_by_text("No topic matches the filter.")).to_be_visible()
+    await expect(page.get_by_text("No topics match")).to_be_visible()
     await page.get_by_label("Debug").check()
     await expect(names).to_have_text(["/rosout", "/rosout_agg"])
 
 
-async def test_rows_stay_while_their_numbers_change(
-    hub: Hub, climbing: None, open_page: OpenPage
+async def test_rows_are_not_replaced_while_numbers_change(
+    hub: Hub, fibonacci: None, open_page: OpenPage
 ) -> None:
     page = await open_page(hub, "#/topics")
     await expect(row(page, "/fibonacci").locator(".col-rate")).to_contain_text("Hz")
@@ -112,13 +110,15 @@ async def test_rows_stay_while_their_numbers_change(
                      {subtree: true, childList: true});
     }""")
     await until(page, "window.changes.length > 0")
-    assert "" not in await page.evaluate("window.changes"), "only cells change, which have a class"
+    assert "" not in await page.evaluate("window.changes"), (
+        "only cells may change; unlike the body, they have a class"
+    )
     assert await page.evaluate(
         "window.rows.every((row, at) => row === document.querySelectorAll('tbody tr')[at])"
     )
 
 
-async def test_the_echo_shows_the_newest_message_until_it_is_paused(
+async def test_echo_shows_the_newest_message_until_paused(
     hub: Hub, node: fibws.Node, open_page: OpenPage
 ) -> None:
     numbers = await node.advertise("/fibonacci", Int32, latch=True)
@@ -130,13 +130,13 @@ async def test_the_echo_shows_the_newest_message_until_it_is_paused(
     await page.get_by_role("button", name="Plot data").click()
     plotted = curve(page, "/fibonacci data").locator("output")
     await expect(plotted).to_have_text("13")
-    # What is latched came once more, but for the plot.
+    # The latched message came again, but only for the plot.
     count = page.locator(".echo-count")
     await expect(count).to_contain_text("2 messages shown")
 
     await page.locator(".echo").focus()
     await page.keyboard.press("Space")
-    await expect(page.get_by_role("button", name="Go on")).to_be_visible()
+    await expect(page.get_by_role("button", name="Resume")).to_be_visible()
     for number in (21, 34):
         await numbers.publish(data=number)
         await expect(plotted).to_have_text(str(number))
@@ -149,7 +149,7 @@ async def test_the_echo_shows_the_newest_message_until_it_is_paused(
     await expect(value(page, "data")).to_have_text("55")
 
 
-async def test_the_echo_is_a_tree_that_stays_unfolded(
+async def test_echo_keeps_its_open_branches(
     hub: Hub, node: fibws.Node, open_page: OpenPage
 ) -> None:
     scans = await node.advertise("/scan", LaserScan, latch=True)
@@ -170,19 +170,17 @@ async def test_the_echo_is_a_tree_that_stays_unfolded(
     await expect(page.get_by_role("button", name="… 50 more")).to_be_visible()
 
 
-async def test_the_echo_says_what_a_browsers_numbers_cannot_hold(
+async def test_echo_marks_integers_that_browsers_round(
     hub: Hub, node: fibws.Node, open_page: OpenPage
 ) -> None:
     numbers = await node.advertise("/n", Int64, latch=True)
     await numbers.publish(data=2**53 + 1)
     page = await open_page(hub, "#/topics/%2Fn")
     await expect(value(page, "data")).to_have_text("≈ 9007199254740992")
-    await expect(value(page, "data")).to_have_attribute("title", re.compile("exact up to 2\\^53"))
+    await expect(value(page, "data")).to_have_attribute("title", re.compile(r"2\^53"))
 
 
-async def test_text_with_markup_does_no_harm(
-    hub: Hub, node: fibws.Node, open_page: OpenPage
-) -> None:
+async def test_markup_is_not_interpreted(hub: Hub, node: fibws.Node, open_page: OpenPage) -> None:
     words = await node.advertise("/chatter", String, latch=True)
     await words.publish(data=MARKUP)
     page = await open_page(hub, "#/topics/%2Fchatter")
@@ -214,12 +212,10 @@ INK = """() => {
     }
     return columns.size;
 }"""
-"""How many of the canvas's columns the first curve has drawn in."""
+"""The number of columns of the canvas in which the first curve has pixels."""
 
 
-async def test_a_plot_draws_the_numbers_that_climb(
-    hub: Hub, climbing: None, open_page: OpenPage
-) -> None:
+async def test_plot_draws_a_curve(hub: Hub, fibonacci: None, open_page: OpenPage) -> None:
     page = await open_page(hub, "#/topics")
     await row(page, "/fibonacci").get_by_role("button", name="Plot").click()
     output = curve(page, "/fibonacci data").locator("output")
@@ -227,14 +223,14 @@ async def test_a_plot_draws_the_numbers_that_climb(
     await until(page, f"({INK})() > 300")
     await page.get_by_label("Logarithmic").check()
     await until(page, f"({INK})() > 300")
-    await expect(page.locator(".plot-notes")).to_contain_text("no place on a logarithmic axis")
+    await expect(page.locator(".plot-notes")).to_contain_text("logarithmic axis")
     shown = [await output.inner_text()]
     while len(shown) < 3:
         await expect(output).not_to_have_text(shown[-1])
         shown.append(await output.inner_text())
 
 
-async def test_several_fields_of_several_topics_are_plotted_at_once(
+async def test_plot_has_several_fields_of_several_topics(
     hub: Hub, node: fibws.Node, open_page: OpenPage
 ) -> None:
     poses = await node.advertise("/pose", PoseStamped, latch=True)
@@ -251,15 +247,13 @@ async def test_several_fields_of_several_topics_are_plotted_at_once(
     await page.get_by_role("link", name="Graph", exact=True).click()
     await page.get_by_role("link", name="Topics", exact=True).click()
     await expect(page.locator(".plot-legend li")).to_have_count(3)
-    await page.get_by_role("button", name="Take /temperature data away").click()
+    await page.get_by_role("button", name="Remove /temperature data").click()
     await expect(page.locator(".plot-legend li")).to_have_count(2)
     await page.get_by_role("button", name="Remove all").click()
     await expect(page.locator(".plot-legend li")).to_have_count(0)
 
 
-async def test_a_plot_stands_still_while_it_is_paused(
-    hub: Hub, node: fibws.Node, open_page: OpenPage
-) -> None:
+async def test_paused_plot_does_not_change(hub: Hub, node: fibws.Node, open_page: OpenPage) -> None:
     numbers = await node.advertise("/fibonacci", Int32, latch=True)
     await numbers.publish(data=8)
     page = await open_page(hub, f"{FIBONACCI}/plot")
@@ -269,11 +263,11 @@ async def test_a_plot_stands_still_while_it_is_paused(
     await numbers.publish(data=13)
     await expect(value(page, "data")).to_have_text("13")
     await expect(output).to_have_text("8")
-    await page.locator(".plot").get_by_role("button", name="Go on").click()
+    await page.locator(".plot").get_by_role("button", name="Resume").click()
     await expect(output).to_have_text("13")
 
 
-async def test_a_field_that_is_no_number_is_named(
+async def test_plot_names_a_field_without_a_number(
     hub: Hub, node: fibws.Node, open_page: OpenPage
 ) -> None:
     numbers = await node.advertise("/fibonacci", Int32, latch=True)
@@ -281,15 +275,13 @@ async def test_a_field_that_is_no_number_is_named(
     page = await open_page(hub, FIBONACCI)
     await page.get_by_label("Field to plot").fill("nope[3]")
     await page.keyboard.press("Enter")
-    await expect(page.locator(".plot-notes")).to_contain_text("/fibonacci has no number at nope[3]")
+    await expect(page.locator(".plot-notes")).to_contain_text("nope[3]")
 
 
-async def test_what_the_form_publishes_is_heard(
-    hub: Hub, node: fibws.Node, open_page: OpenPage
-) -> None:
+async def test_form_publishes_messages(hub: Hub, node: fibws.Node, open_page: OpenPage) -> None:
     page = await open_page(hub, "#/topics")
     await node.advertise("/status", GoalStatus)
-    async with asyncio.timeout(60), node.subscribe("/status", GoalStatus) as heard:
+    async with asyncio.timeout(60), node.subscribe("/status", GoalStatus) as received:
         await row(page, "/status").get_by_role("link").click()
         await open_publish(page)
         assert await page.locator("option[value='3']").inner_text() == "SUCCEEDED"
@@ -297,7 +289,7 @@ async def test_what_the_form_publishes_is_heard(
         await page.get_by_label("text string").fill("well\ndone")
         await page.get_by_label("stamp time").fill("1.5")
         await page.keyboard.press("Enter")
-        message = await anext(heard)
+        message = await anext(received)
         assert (message.status, message.text) == (3, "well\ndone")
         assert message.goal_id.stamp.to_sec() == 1.5
         await expect(page.get_by_text("1 message published")).to_be_visible()
@@ -307,13 +299,13 @@ async def test_what_the_form_publishes_is_heard(
         assert '"text": "well\\ndone"' in await text.input_value()
         await text.fill('{"status": 4}')
         await page.get_by_role("button", name="Publish", exact=True).click()
-        assert (await anext(heard)).status == 4
+        assert (await anext(received)).status == 4
         await page.get_by_label("as JSON").uncheck()
         await expect(page.get_by_label("status uint8")).to_have_value("4")
         await expect(page.get_by_label("text string")).to_have_value("")
 
 
-async def test_wrong_values_are_refused_with_words(
+async def test_invalid_values_are_not_published(
     hub: Hub, node: fibws.Node, open_page: OpenPage
 ) -> None:
     await node.advertise("/small", Int8)
@@ -321,18 +313,18 @@ async def test_wrong_values_are_refused_with_words(
     await open_publish(page)
     field = page.get_by_label("data int8")
     publish = page.get_by_role("button", name="Publish", exact=True)
-    async with asyncio.timeout(60), node.subscribe("/small", Int8) as heard:
+    async with asyncio.timeout(60), node.subscribe("/small", Int8) as received:
         await field.fill("300")
         await publish.click()
         await expect(field).to_have_attribute("aria-invalid", "true")
         problems = page.locator(".form-problems")
-        await expect(problems).to_have_text("data: 300 does not fit: int8 holds -128 to 127")
+        await expect(problems).to_have_text(re.compile("data: 300 .*-128 to 127"))
         await page.get_by_label("as JSON").check()
         text = page.get_by_label("JSON of std_msgs/Int8")
         for wrong, why in (
-            ('{"data": 1.5}', "data: “1.5” is no whole number: int8 holds -128 to 127"),
-            ('{"dada": 1}', "dada: std_msgs/Int8 has no such field; it has data"),
-            ("{", "This is no JSON"),
+            ('{"data": 1.5}', "data: “1.5”"),
+            ('{"dada": 1}', "dada: "),
+            ("{", "Invalid JSON"),
         ):
             await text.fill(wrong)
             await publish.click()
@@ -340,21 +332,21 @@ async def test_wrong_values_are_refused_with_words(
         await text.fill('{"data": 7}')
         await publish.click()
         await expect(problems).to_be_empty()
-        assert (await anext(heard)).data == 7, "nothing that was wrong has been published"
+        assert (await anext(received)).data == 7, "invalid messages must not be published"
 
 
-async def test_long_integers_are_sent_exactly_and_bytes_as_a_list(
+async def test_large_integers_and_bytes_are_published_exactly(
     hub: Hub, node: fibws.Node, open_page: OpenPage
 ) -> None:
     await node.advertise("/long", Int64)
     page = await open_page(hub, "#/topics/%2Flong")
     await open_publish(page)
-    async with asyncio.timeout(60), node.subscribe("/long", Int64) as heard:
+    async with asyncio.timeout(60), node.subscribe("/long", Int64) as received:
         await page.get_by_label("data int64").fill("9007199254740993")
         await page.keyboard.press("Enter")
-        assert (await anext(heard)).data == 2**53 + 1
+        assert (await anext(received)).data == 2**53 + 1
     await node.advertise("/bytes", UInt8MultiArray)
-    async with asyncio.timeout(60), node.subscribe("/bytes", UInt8MultiArray) as bytes_heard:
+    async with asyncio.timeout(60), node.subscribe("/bytes", UInt8MultiArray) as bytes_received:
         await row(page, "/bytes").get_by_role("link").click()
         await open_publish(page)
         await page.get_by_label("data uint8[]").fill("[1, 2, 255]")
@@ -367,34 +359,34 @@ async def test_long_integers_are_sent_exactly_and_bytes_as_a_list(
         await page.get_by_role("button", name="Add an element to dim").click()
         await page.get_by_label("label string").fill("x")
         await page.keyboard.press("Enter")
-        message = await anext(bytes_heard)
+        message = await anext(bytes_received)
         assert message.data == b"\x01\x02\xff"
         assert [each.label for each in message.layout.dim] == ["x"]
 
 
-async def test_a_message_is_published_again_and_again_until_stopped(
+async def test_message_is_published_repeatedly_until_stopped(
     hub: Hub, node: fibws.Node, open_page: OpenPage
 ) -> None:
     await node.advertise("/fibonacci", Int32)
     page = await open_page(hub, FIBONACCI)
     await open_publish(page)
-    async with asyncio.timeout(60), node.subscribe("/fibonacci", Int32) as heard:
+    async with asyncio.timeout(60), node.subscribe("/fibonacci", Int32) as received:
         await page.get_by_label("data int32").fill("8")
         await page.get_by_label("Messages a second").fill("50")
         await page.get_by_role("button", name="Repeat").click()
         for _ in range(5):
-            assert (await anext(heard)).data == 8
+            assert (await anext(received)).data == 8
         await page.get_by_role("button", name="Stop").click()
         await page.get_by_label("data int32").fill("13")
         await page.keyboard.press("Enter")
-        while (await anext(heard)).data == 8:
+        while (await anext(received)).data == 8:
             pass
         await page.get_by_label("Messages a second").fill("1000")
         await page.get_by_role("button", name="Repeat").click()
-        await expect(page.get_by_text("The rate is from 0.1 to 100 Hz.")).to_be_visible()
+        await expect(page.get_by_text("between 0.1 and 100 Hz")).to_be_visible()
 
 
-async def test_a_new_topic_is_made_by_its_first_message(
+async def test_new_topic_is_created_by_its_first_message(
     hub: Hub, node: fibws.Node, open_page: OpenPage
 ) -> None:
     page = await open_page(hub, "#/topics")
@@ -402,30 +394,30 @@ async def test_a_new_topic_is_made_by_its_first_message(
     form = page.locator(".new-topic")
     await form.get_by_label("Name").fill("two words")
     await page.keyboard.press("Enter")
-    await expect(form.get_by_role("alert")).to_contain_text("“two words” is no name for a topic")
+    await expect(form.get_by_role("alert")).to_contain_text("“two words”")
     await form.get_by_label("Name").fill("chatter")
     await form.get_by_label("Type").fill("std_msgs/String")
     await page.keyboard.press("Enter")
-    await expect(page.locator(".browse-page .notice")).to_contain_text("not there yet")
-    async with asyncio.timeout(60), node.subscribe("/chatter", String) as heard:
+    await expect(page.locator(".browse-page .notice")).to_contain_text("does not exist yet")
+    async with asyncio.timeout(60), node.subscribe("/chatter", String) as received:
         await page.get_by_label("data string").fill("hello")
         await page.keyboard.press("Enter")
-        assert (await anext(heard)).data == "hello"
+        assert (await anext(received)).data == "hello"
     await expect(row(page, "/chatter")).to_be_visible()
     await expect(page.locator(".browse-page .notice")).to_be_hidden()
 
 
-async def test_a_type_that_the_hub_does_not_know_is_told(hub: Hub, open_page: OpenPage) -> None:
+async def test_unknown_type_is_reported(hub: Hub, open_page: OpenPage) -> None:
     page = await open_page(hub, "#/topics")
     await page.get_by_role("button", name="New topic").click()
     await page.locator(".new-topic").get_by_label("Name").fill("/x")
     await page.locator(".new-topic").get_by_label("Type").fill("std_msgs/Nope")
     await page.keyboard.press("Enter")
-    await expect(page.locator(".browse-page .notice")).to_contain_text("no such msg in std_msgs")
+    await expect(page.locator(".browse-page .notice")).to_contain_text("std_msgs")
 
 
-async def test_a_topic_tells_who_is_connected_and_what_its_type_is(
-    hub: Hub, climbing: None, open_page: OpenPage
+async def test_topic_page_has_connections_and_type(
+    hub: Hub, fibonacci: None, open_page: OpenPage
 ) -> None:
     page = await open_page(hub, FIBONACCI)
     await expect(page.get_by_role("link", name="/robot")).to_have_attribute(
@@ -438,7 +430,7 @@ async def test_a_topic_tells_who_is_connected_and_what_its_type_is(
     await expect(page.locator(".section pre")).to_have_text("int32 data")
 
 
-async def test_leaving_ends_what_only_the_sight_of_it_needs(
+async def test_hidden_view_ends_its_subscriptions(
     hub: Hub, node: fibws.Node, open_page: OpenPage
 ) -> None:
     await node.advertise("/fibonacci", Int32)
@@ -450,7 +442,7 @@ async def test_leaving_ends_what_only_the_sight_of_it_needs(
     await expect(subscribers).to_have_text("0")
 
 
-async def test_who_comes_back_finds_the_form_as_it_was(
+async def test_form_is_kept_while_another_view_is_shown(
     hub: Hub, node: fibws.Node, open_page: OpenPage
 ) -> None:
     await node.advertise("/fibonacci", Int32)
@@ -461,15 +453,15 @@ async def test_who_comes_back_finds_the_form_as_it_was(
     await expect(page.locator(".topics")).to_have_count(0)
     await page.go_back()
     await expect(page.get_by_label("data int32")).to_have_value("8")
-    async with asyncio.timeout(60), node.subscribe("/fibonacci", Int32) as heard:
+    async with asyncio.timeout(60), node.subscribe("/fibonacci", Int32) as received:
         await page.get_by_role("button", name="Publish", exact=True).click()
-        assert (await anext(heard)).data == 8
+        assert (await anext(received)).data == 8
         await expect(value(page, "data")).to_have_text("8")
 
 
 @pytest.mark.parametrize("width", [360, 1280])
-async def test_nothing_is_wider_than_the_window(
-    hub: Hub, climbing: None, node: fibws.Node, open_page: OpenPage, width: int
+async def test_view_fits_the_width_of_the_window(
+    hub: Hub, fibonacci: None, node: fibws.Node, open_page: OpenPage, width: int
 ) -> None:
     await node.advertise("/a/very/long/name/of/a/topic/indeed/" + "x" * 60, PoseStamped)
     page = await open_page(hub, "#/topics", width=width, height=740)

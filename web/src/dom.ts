@@ -1,7 +1,7 @@
 /**
- * Elements are made here, and only so: text becomes text nodes, whatever it holds.
+ * Creates and changes elements. All elements are created here: text always becomes a text node.
  *
- * Markup is never parsed, and there is no `style` attribute, which the page's policy forbids.
+ * Markup is never parsed. `style` attributes are forbidden by the page's security policy.
  */
 
 export type Child = Node | string | number | null | undefined | false;
@@ -11,7 +11,7 @@ export type Attributes = Record<string, string | number | boolean | null | undef
 const SVG = "http://www.w3.org/2000/svg";
 
 /**
- * An HTML element.
+ * Create an HTML element.
  *
  * Attributes: a function under `on…` becomes a listener, `true` an attribute without a value;
  * `false`, `null` and `undefined` are left out; `value` and `checked` are set as properties.
@@ -22,9 +22,9 @@ export function h<K extends keyof HTMLElementTagNameMap>(
   ...children: Child[]
 ): HTMLElementTagNameMap[K] {
   const element = document.createElement(tag);
-  dress(element, attributes);
-  // After the children: a select has its value only once it has its options.
+  setAttributes(element, attributes);
   append(element, children);
+  // After the children: a select takes a value only once it has options.
   if ("value" in attributes && "value" in element) {
     (element as { value: unknown }).value = attributes.value ?? "";
   }
@@ -34,34 +34,87 @@ export function h<K extends keyof HTMLElementTagNameMap>(
   return element;
 }
 
-/** An SVG element, with attributes as `h` takes them. */
+/** Create an SVG element; attributes are as for `h`. */
 export function svg<K extends keyof SVGElementTagNameMap>(
   tag: K,
   attributes: Attributes = {},
   ...children: Child[]
 ): SVGElementTagNameMap[K] {
   const element = document.createElementNS(SVG, tag);
-  dress(element, attributes);
+  setAttributes(element, attributes);
   append(element, children);
   return element;
 }
 
-/** Give an element these children in place of those it has. */
+/** Replace all children of an element. */
 export function replace(element: Element, ...children: Child[]): void {
   element.replaceChildren();
   append(element, children);
 }
 
-/** Set an element's text, without touching the document when it says so already. */
-export function say(element: Element, text: string): void {
+/** Set an element's text; the document is touched only if it changes. */
+export function setText(element: Element, text: string): void {
   if (element.textContent !== text) element.textContent = text;
 }
 
-function dress(element: Element, attributes: Attributes): void {
+/**
+ * Put children of an element into a given order, moving as few of them as possible.
+ *
+ * New children are inserted; others are not removed. A child that has the focus keeps it.
+ */
+export function reorder(parent: Element, wanted: readonly Element[]): void {
+  const focused = document.activeElement;
+  const ranks = new Map(wanted.map((child, rank) => [child, rank]));
+  const current = [...parent.children].flatMap((child) => ranks.get(child) ?? []);
+  const stays = longestRising(current);
+  let next: Element | null = null;
+  for (let rank = wanted.length - 1; rank >= 0; rank -= 1) {
+    const child = wanted[rank] as Element;
+    // Moving a child costs as much as inserting a new one.
+    if (!stays.has(rank)) parent.insertBefore(child, next);
+    next = child;
+  }
+  const isLost = focused !== document.activeElement && parent.contains(focused);
+  if (isLost && (focused instanceof HTMLElement || focused instanceof SVGElement)) {
+    focused.focus({ preventScroll: true });
+  }
+}
+
+/** The longest rising subsequence of some distinct numbers. */
+export function longestRising(numbers: readonly number[]): Set<number> {
+  // By length: the lowest number that a rising subsequence of that length can end with.
+  const ends: number[] = [];
+  const before = new Map<number, number | undefined>();
+  for (const number of numbers) {
+    let low = 0;
+    let high = ends.length;
+    while (low < high) {
+      const middle = (low + high) >>> 1;
+      if ((ends[middle] as number) < number) low = middle + 1;
+      else high = middle;
+    }
+    before.set(number, ends[low - 1]);
+    ends[low] = number;
+  }
+  const found = new Set<number>();
+  for (let at = ends.at(-1); at !== undefined; at = before.get(at)) found.add(at);
+  return found;
+}
+
+/** Set an attribute; returns whether it changed. The document is touched only then. */
+export function setAttribute(element: Element, name: string, value: string): boolean {
+  if (element.getAttribute(name) === value) return false;
+  element.setAttribute(name, value);
+  return true;
+}
+
+function setAttributes(element: Element, attributes: Attributes): void {
   for (const [name, value] of Object.entries(attributes)) {
+    const isProperty = name === "checked" || (name === "value" && "value" in element);
     if (typeof value === "function") {
       element.addEventListener(name.slice(2), value as unknown as EventListener);
-    } else if (name === "checked" || (name === "value" && "value" in element)) {
+    } else if (isProperty) {
+      // The caller sets it once the children are there.
     } else if (value === true) {
       element.setAttribute(name, "");
     } else if (value !== false && value !== null && value !== undefined) {

@@ -1,8 +1,51 @@
-import { expect, it } from "vitest";
-import { matches } from "./filter";
+import { expect, test } from "vitest";
 
-it("finds what has all the words in some field, whatever the case", () => {
+import { Filter } from "./filter";
+
+const matches = (text: string, ...fields: string[]): boolean => new Filter(text).matches(...fields);
+
+test("an empty filter matches everything", () => {
   expect(matches("", "x")).toBe(true);
+  expect(matches("  ")).toBe(true);
+  expect(new Filter(" ").isEmpty).toBe(true);
+});
+
+test("all words must occur, in any field and any case", () => {
   expect(matches("SCAN  a/b", "/scan", "a/B")).toBe(true);
   expect(matches("scan laser", "/scan", "a/B")).toBe(false);
+  expect(matches("a.b", "/axb")).toBe(false);
+});
+
+test("a word does not match across two fields", () => {
+  expect(matches("ab", "/a", "b")).toBe(false);
+});
+
+test.each([
+  ["/robot", "/robot/scan", true],
+  ["/robot", "/ROBOT2", true],
+  ["/robot", "/my/robot", false],
+  ["/robot/s", "/robot/scan", true],
+  ["/string", "std_msgs/String", false],
+  ["/robot scan", "/robot/scan", true],
+  ["/scan", "subscribed to /scan.", true],
+  ["/a.b", "/axb", false],
+])("a word with a slash matches the start of a name: %s in %s is %s", (text, field, expected) => {
+  expect(matches(text, field)).toBe(expected);
+});
+
+test.each([
+  ["-camera", "/scan", true],
+  ["-camera", "/Camera/image", false],
+  ["robot -camera", "/robot/camera", false],
+  ["robot -/camera", "/robot/camera", true],
+  ["-", "/anything", true],
+  ["image -", "/anything", false],
+])("a word with a minus excludes: %s in %s is %s", (text, field, expected) => {
+  expect(matches(text, field)).toBe(expected);
+});
+
+test("exclusion can be asked for alone", () => {
+  const filter = new Filter("robot -camera");
+  expect(filter.excludes("/camera")).toBe(true);
+  expect(filter.excludes("/scan")).toBe(false);
 });

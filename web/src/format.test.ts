@@ -1,8 +1,8 @@
 import { describe, expect, it } from "vitest";
-import { ago, bandwidth, bytes, figure, hertz, moment, plural, span, whole } from "./format";
+import { ago, bandwidth, bytes, dateTime, duration, figure, hertz, plural, whole } from "./format";
 
 describe("format", () => {
-  it("writes rates in few digits", () => {
+  it("formats rates in few digits", () => {
     const rates: [number, string][] = [
       [0, "0 Hz"],
       [NaN, "0 Hz"],
@@ -20,7 +20,7 @@ describe("format", () => {
     for (const [rate, text] of rates) expect(hertz(rate)).toBe(text);
   });
 
-  it("writes bytes in powers of 1024", () => {
+  it("formats sizes in powers of 1024", () => {
     const counts: [number, string][] = [
       [0, "0 B"],
       [-3, "0 B"],
@@ -34,7 +34,7 @@ describe("format", () => {
     expect(bandwidth(1536)).toBe("1.5 KiB/s");
   });
 
-  it("says how long ago", () => {
+  it("formats times in the past", () => {
     const spans: [number, string][] = [
       [-1, "now"],
       [0.9, "now"],
@@ -46,7 +46,7 @@ describe("format", () => {
     for (const [secs, text] of spans) expect(ago(secs)).toBe(text);
   });
 
-  it("writes counts and values", () => {
+  it("formats counts and values", () => {
     expect(whole(1_234_567)).toBe("1\u202f234\u202f567");
     expect(plural(1, "topic")).toBe("1 topic");
     expect(plural(0, "topic")).toBe("0 topics");
@@ -55,13 +55,13 @@ describe("format", () => {
     expect(figure(1.5e-7)).toBe("1.5e-7");
   });
 
-  it("writes moments and spans", () => {
+  it("formats dates and durations", () => {
     const secs = new Date(2026, 10, 21, 20, 35, 5).getTime() / 1000;
-    expect(moment(secs, 123_456_789)).toBe("2026-11-21 20:35:05.123456");
-    expect(moment(0, 0)).toBe("0");
-    expect(moment(1e300, 0)).toBe("1e+300 s");
-    expect(span(1, 500_000_000)).toBe("1.5 s");
-    expect(span(-2, 500_000_000)).toBe("-1.5 s");
-    expect(span(0, 0)).toBe("0 s");
+    expect(dateTime(secs, 123_456_789)).toBe("2026-11-21 20:35:05.123456");
+    expect(dateTime(0, 0)).toBe("0");
+    expect(dateTime(1e300, 0)).toBe("1e+300 s");
+    expect(duration(1, 500_000_000)).toBe("1.5 s");
+    expect(duration(-2, 500_000_000)).toBe("-1.5 s");
+    expect(duration(0, 0)).toBe("0 s");
   });
 });

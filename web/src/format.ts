@@ -1,4 +1,4 @@
-// Rates, bytes, times and numbers as text: the same words in every view.
+/** Rates, sizes, times and numbers as text, the same in every view. */
 
 const BINARY = ["B", "KiB", "MiB", "GiB", "TiB"];
 
@@ -28,7 +28,7 @@ export function bandwidth(rate: number): string {
   return `${bytes(rate)}/s`;
 }
 
-/** How long ago something was, `secs` seconds: `now`, `3 s ago`, `5 min ago`, `2 h ago`. */
+/** A time `secs` seconds ago: `now`, `3 s ago`, `5 min ago`, `2 h ago`. */
 export function ago(secs: number): string {
   if (!(secs >= 1)) return "now";
   if (secs < 60) return `${Math.floor(secs)} s ago`;
@@ -37,7 +37,7 @@ export function ago(secs: number): string {
   return `${Math.floor(secs / 86_400)} d ago`;
 }
 
-/** `count` things: `1 publisher`, `2 publishers`. */
+/** A count with its noun: `1 publisher`, `2 publishers`. */
 export function plural(count: number, one: string, many = `${one}s`): string {
   return `${whole(count)} ${count === 1 ? one : many}`;
 }
@@ -47,14 +47,14 @@ export function whole(count: number): string {
   return String(Math.round(count)).replace(/\B(?=(\d{3})+$)/g, "\u202f");
 }
 
-/** A measured value in few digits, for legends and axes: `0.1`, `1836311903`, `1.5e-7`. */
+/** A value in few digits, for legends: `0.1`, `1836311903`, `1.5e-7`. */
 export function figure(value: number): string {
   if (Number.isInteger(value) && Math.abs(value) < 1e15) return String(value);
   return String(Number(value.toPrecision(6)));
 }
 
-/** A moment as local text to the microsecond: `2026-11-21 20:35:15.123456`; an unset one is `0`. */
-export function moment(secs: number, nsecs: number): string {
+/** A local date and time to the microsecond: `2026-11-21 20:35:15.123456`; `0` if it is not set. */
+export function dateTime(secs: number, nsecs: number): string {
   if (secs === 0 && nsecs === 0) return "0";
   const date = new Date(secs * 1000);
   if (Number.isNaN(date.getTime())) return `${secs} s`;
@@ -62,7 +62,7 @@ export function moment(secs: number, nsecs: number): string {
   return `${day} ${timeOfDay(secs)}.${String(Math.floor(nsecs / 1000)).padStart(6, "0")}`;
 }
 
-/** The local time of day, without the parts of a second: `20:35:15`. */
+/** The local time of day in seconds: `20:35:15`. */
 export function timeOfDay(secs: number): string {
   const date = new Date(secs * 1000);
   return [date.getHours(), date.getMinutes(), date.getSeconds()].map(two).join(":");
@@ -72,8 +72,8 @@ function two(part: number): string {
   return String(part).padStart(2, "0");
 }
 
-/** A length of time to the nanosecond, without trailing zeros: `1.5 s`. */
-export function span(secs: number, nsecs: number): string {
+/** A duration to the nanosecond, without trailing zeros: `1.5 s`. */
+export function duration(secs: number, nsecs: number): string {
   const negative = secs < 0 && nsecs > 0;
   const [whole, rest] = negative ? [-(secs + 1), 1e9 - nsecs] : [secs, nsecs];
   const fraction = String(rest).padStart(9, "0").replace(/0+$/, "");

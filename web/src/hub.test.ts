@@ -1,189 +1,249 @@
-import type { Ros } from "roslib";
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 
-import { Hub, NoAnswer } from "./hub";
+import { CallTimeout, Hub, hubUrl, isDefaultHub, type Operation, withNode } from "./hub";
 
-type Operation = Record<string, unknown>;
-
-/** Stands for roslib's connection: the test opens and closes it, and says what the hub says. */
-class Connection {
+/** Stands in for the browser's WebSocket: the test plays the hub. */
+class FakeSocket {
+  static all: FakeSocket[] = [];
+  readonly url: string;
   readonly sent: Operation[] = [];
-  attempts = 0;
-  readonly #listeners = new Map<string, ((what: unknown) => void)[]>();
+  onopen: (() => void) | null = null;
+  onmessage: ((event: { data: string }) => void) | null = null;
+  onclose: ((event: { code: number; reason: string }) => void) | null = null;
+  closed = false;
 
-  on(event: string, listener: (what: unknown) => void): void {
-    this.#listeners.set(event, [...(this.#listeners.get(event) ?? []), listener]);
+  constructor(url: string) {
+    if (url.includes(" ")) throw new SyntaxError(`The URL '${url}' is invalid.`);
+    this.url = url;
+    FakeSocket.all.push(this);
   }
 
-  off(event: string): void {
-    this.#listeners.delete(event);
-  }
-
-  emit(event: string, what: unknown): void {
-    for (const listener of this.#listeners.get(event) ?? []) listener(what);
-  }
-
-  connect(): Promise<void> {
-    this.attempts += 1;
-    return Promise.resolve();
+  send(data: string): void {
+    this.sent.push(JSON.parse(data));
   }
 
   close(): void {
-    this.emit("close", { code: 1006, reason: "" });
-  }
-
-  callOnConnection(operation: Operation): void {
-    this.sent.push(operation);
-  }
-
-  /** The operations of one kind since the last time that one asked. */
-  take(op: string): Operation[] {
-    const taken = this.sent.filter((operation) => operation.op === op);
-    this.sent.length = 0;
-    return taken;
+    this.closed = true;
   }
 }
 
-let connection: Connection;
 let hub: Hub;
+
+const socket = (): FakeSocket => FakeSocket.all.at(-1) as FakeSocket;
+const open = (): void => socket().onopen?.();
+const receive = (operation: Operation): void =>
+  socket().onmessage?.({ data: JSON.stringify(operation) });
+const close = (code = 1001, reason = "the hub is shutting down"): void =>
+  socket().onclose?.({ code, reason });
+
+/** Remove and return the sent operations of one kind. */
+function take(op: string): Operation[] {
+  const taken = socket().sent.filter((operation) => operation.op === op);
+  socket().sent.length = 0;
+  return taken;
+}
 
 beforeEach(() => {
   vi.useFakeTimers();
   vi.stubGlobal("window", globalThis);
-  connection = new Connection();
-  hub = new Hub("ws://hub", connection as unknown as Ros);
+  vi.stubGlobal("WebSocket", FakeSocket);
+  FakeSocket.all = [];
+  hub = new Hub("ws://hub/");
 });
 afterEach(() => {
   vi.useRealTimers();
   vi.unstubAllGlobals();
 });
 
-function open(): void {
-  connection.emit("connection", {});
-}
-
-function close(code = 1001, reason = "the hub is shutting down"): void {
-  connection.emit("close", { code, reason });
-}
-
-test("a call that is made before the hub is there is sent once it is", async () => {
-  const answer = hub.call("/add", "a/Add", { a: 1 });
-  expect(connection.take("call_service")).toEqual([]);
+test("the page connects as a node", () => {
+  expect(socket().url).toBe(`ws://hub/?node=${hub.node}`);
+  expect(hub.state.value).toBe("connecting");
   open();
-  const [call] = connection.take("call_service");
-  expect(call).toMatchObject({ service: "/add", args: { a: 1 } });
-  connection.emit(call?.id as string, { result: true, values: { sum: 3 } });
-  await expect(answer).resolves.toEqual({ sum: 3 });
+  expect(hub.state.value).toBe("open");
 });
 
-test("a call fails with the text of who refused it", async () => {
+test("a call made before the connection opens is sent afterwards", async () => {
+  const response = hub.call("/add", "a/Add", { a: 1 });
+  expect(take("call_service")).toEqual([]);
   open();
-  const refused = hub.call("/add", "a/Add");
+  const [call] = take("call_service");
+  expect(call).toMatchObject({ service: "/add", args: { a: 1 }, timeout: 60 });
+  receive({ op: "service_response", id: call?.id, result: true, values: { sum: 3 } });
+  await expect(response).resolves.toEqual({ sum: 3 });
+});
+
+test("a call fails with the text of the service or of the hub", async () => {
+  open();
+  const failed = hub.call("/add", "a/Add");
+  const silent = hub.call("/add", "a/Add");
   const invalid = hub.call("/add", "a/Add");
-  const [one, other] = connection.take("call_service");
-  connection.emit(one?.id as string, { result: false, values: "no such service" });
-  connection.emit(`status:${String(other?.id)}`, { level: "error", msg: "no such operation" });
-  await expect(refused).rejects.toThrow("no such service");
-  await expect(invalid).rejects.toThrow("no such operation");
+  const [one, two, three] = take("call_service").map(({ id }) => id);
+  receive({ op: "service_response", id: one, service: "/add", result: false, values: "overflow" });
+  receive({ op: "service_response", id: two, service: "/add", result: false, values: "" });
+  receive({ op: "status", id: three, level: "error", msg: "unknown service" });
+  await expect(failed).rejects.toThrow("overflow");
+  await expect(silent).rejects.toThrow("/add");
+  await expect(invalid).rejects.toThrow("unknown service");
 });
 
-test("a call fails when its time is over, and when the connection is lost", async () => {
+test("a call fails when it times out and when the connection is lost", async () => {
   open();
   const late = hub.call("/slow", "a/Slow", {}, 10);
-  const told = expect(late).rejects.toThrow(NoAnswer);
+  const timedOut = expect(late).rejects.toThrow(CallTimeout);
   await vi.advanceTimersByTimeAsync(12_001);
-  await told;
+  await timedOut;
   const lost = hub.call("/slow", "a/Slow");
   close();
-  await expect(lost).rejects.toThrow("The connection was lost");
+  await expect(lost).rejects.toThrow("connection was lost");
 });
 
-test("what was subscribed to and advertised comes back with the connection", () => {
+test("a response after the timeout is ignored", async () => {
+  open();
+  const late = hub.call("/slow", "a/Slow", {}, 10);
+  const timedOut = expect(late).rejects.toThrow(CallTimeout);
+  const [call] = take("call_service");
+  await vi.advanceTimersByTimeAsync(12_001);
+  await timedOut;
+  expect(() =>
+    receive({ op: "service_response", id: call?.id, result: true, values: {} }),
+  ).not.toThrow();
+});
+
+test("subscriptions and advertisements are repeated after a reconnection", () => {
   open();
   const stop = hub.subscribe("/gone", {}, () => undefined);
   hub.subscribe("/kept", { throttle: 100, queue: 1 }, () => undefined);
   hub.advertise("/mine", "a/T");
   stop();
-  connection.sent.length = 0;
   close();
   expect(hub.state.value).toBe("closed");
+  vi.advanceTimersByTime(250);
   open();
   expect(hub.state.value).toBe("open");
-  const [subscribe, ...more] = connection.sent.filter(({ op }) => op === "subscribe");
-  expect(more).toEqual([]);
-  expect(subscribe).toMatchObject({ topic: "/kept", throttle_rate: 100, queue_length: 1 });
-  // It would keep nodes from giving the topic another type.
-  expect(subscribe).not.toHaveProperty("type");
-  expect(connection.take("advertise")).toMatchObject([{ topic: "/mine" }]);
+  const subscribed = socket().sent.filter(({ op }) => op === "subscribe");
+  expect(subscribed).toMatchObject([{ topic: "/kept", throttle_rate: 100, queue_length: 1 }]);
+  // A type would keep nodes from giving the topic another one.
+  expect(subscribed[0]).not.toHaveProperty("type");
+  expect(take("advertise")).toMatchObject([{ topic: "/mine" }]);
 });
 
-test("each listener of a topic hears it until it leaves, and the last leaves the hub", () => {
+test("each listener has its own subscription", () => {
   open();
   const [one, other] = [vi.fn(), vi.fn()];
   const stopOne = hub.subscribe("/t", {}, one);
   const stopOther = hub.subscribe("/t", {}, other);
-  const ids = connection.take("subscribe").map(({ id }) => id);
+  const ids = take("subscribe").map(({ id }) => id);
   expect(new Set(ids).size).toBe(2);
-  connection.emit("/t", { msg: { data: 1 } });
+  receive({ op: "publish", topic: "/t", msg: { data: 1 } });
   stopOne();
   stopOne();
-  connection.emit("/t", { msg: { data: 2 } });
+  receive({ op: "publish", topic: "/t", msg: { data: 2 } });
   expect(one.mock.calls).toEqual([[{ data: 1 }]]);
   expect(other.mock.calls).toEqual([[{ data: 1 }], [{ data: 2 }]]);
-  expect(connection.take("unsubscribe")).toMatchObject([{ id: ids[0] }]);
+  expect(take("unsubscribe")).toMatchObject([{ id: ids[0] }]);
   stopOther();
-  expect(connection.take("unsubscribe")).toMatchObject([{ id: ids[1] }]);
+  expect(take("unsubscribe")).toMatchObject([{ id: ids[1] }]);
+  expect(() => receive({ op: "publish", topic: "/t", msg: {} })).not.toThrow();
 });
 
-test("what the hub refuses is told to whoever asked for it", () => {
+test("errors are reported to the caller of the operation", () => {
   open();
-  const [deaf, mute] = [vi.fn(), vi.fn()];
-  hub.subscribe("/t", {}, () => undefined, deaf);
-  const publication = hub.advertise("/t", "a/T", mute);
-  const [subscribe, advertise] = connection.sent;
-  connection.emit(`status:${String(subscribe?.id)}`, { msg: "not this type" });
+  const [subscriber, publisher] = [vi.fn(), vi.fn()];
+  hub.subscribe("/t", {}, () => undefined, subscriber);
+  const publication = hub.advertise("/t", "a/T", publisher);
+  const [subscribe, advertise] = socket().sent.map(({ id }) => id);
+  receive({ op: "status", id: subscribe, msg: "not this type" });
   publication.publish({ data: 1 });
-  connection.emit(`status:${String(advertise?.id)}`, { msg: "not this value" });
-  expect(deaf.mock.calls).toEqual([["not this type"]]);
-  expect(mute.mock.calls).toEqual([["not this value"]]);
+  expect(take("publish")).toMatchObject([{ id: advertise, topic: "/t", msg: { data: 1 } }]);
+  receive({ op: "status", id: advertise, msg: "not this value" });
+  expect(subscriber.mock.calls).toEqual([["not this type"]]);
+  expect(publisher.mock.calls).toEqual([["not this value"]]);
   close();
   publication.publish({ data: 2 });
-  expect(mute).toHaveBeenCalledTimes(2);
+  expect(publisher).toHaveBeenCalledTimes(2);
+  publication.close();
 });
 
-test("attempts to come back are made at longer and longer intervals, but not for ever longer", () => {
+test("the time between attempts doubles up to a maximum", () => {
+  open();
   close();
-  const pauses: number[] = [];
+  const waits: number[] = [];
   for (let n = 0; n < 8; n += 1) {
-    const before = connection.attempts;
+    const before = FakeSocket.all.length;
     let waited = 0;
-    while (connection.attempts === before) {
+    while (FakeSocket.all.length === before) {
       vi.advanceTimersByTime(50);
       waited += 50;
     }
-    pauses.push(waited);
+    waits.push(waited);
     close(1006, "");
   }
-  expect(pauses).toEqual([250, 500, 1000, 2000, 4000, 4000, 4000, 4000]);
+  expect(waits).toEqual([250, 500, 1000, 2000, 4000, 4000, 4000, 4000]);
   expect(hub.reason.value).toBe("the hub is shutting down");
 });
 
-test("a page that was told to end does not come back by itself", () => {
+test("the page does not reconnect by itself after a shutdown request", () => {
   open();
   close(4002, "shutdown request");
   expect(hub.ended.value).toBe(true);
   vi.advanceTimersByTime(60_000);
-  expect(connection.attempts).toBe(1);
+  expect(FakeSocket.all).toHaveLength(1);
   hub.connect();
   open();
   expect(hub.ended.value).toBe(false);
 });
 
-test("a connection on which nothing comes back is given up", () => {
+test("a connection that no longer responds is replaced", () => {
   open();
-  hub.drop("it does not answer");
+  const dead = socket();
+  hub.drop("no response");
   expect(hub.state.value).toBe("closed");
-  expect(hub.reason.value).toBe("it does not answer");
+  expect(hub.reason.value).toBe("no response");
+  expect(dead.closed).toBe(true);
   vi.advanceTimersByTime(250);
-  expect(connection.attempts).toBe(2);
+  expect(FakeSocket.all).toHaveLength(2);
+  open();
+  expect([dead.onmessage, dead.onclose]).toEqual([null, null]);
+  expect(hub.state.value).toBe("open");
+});
+
+test("an address that the browser rejects is reported and not tried again", () => {
+  const broken = new Hub("ws://two words/");
+  expect(broken.state.value).toBe("closed");
+  expect(broken.reason.value).toContain("two words");
+  expect(broken.ended.value).toBe(true);
+});
+
+test.each([
+  ["robot", "ws://robot:9090/"],
+  ["robot:9191", "ws://robot:9191/"],
+  ["localhost:9090", "ws://localhost:9090/"],
+  ["robot:80", "ws://robot/"],
+  ["[::1]", "ws://[::1]:9090/"],
+  [" 10.0.0.1:1/lab ", "ws://10.0.0.1:1/lab"],
+  ["ws://robot", "ws://robot/"],
+  ["wss://robot:443/lab?token=1", "wss://robot/lab?token=1"],
+])("the address %s is %s", (address, url) => {
+  expect(hubUrl(address)).toBe(url);
+});
+
+test("addresses without a scheme are secure on a secure page", () => {
+  expect(hubUrl("robot", true)).toBe("wss://robot:9090/");
+});
+
+test.each(["two words", "http://robot", "ws://", "9090", "robot:0", "ws://robot/#x", "a:b"])(
+  "the address %s is invalid",
+  (address) => {
+    expect(() => hubUrl(address)).toThrow(address);
+  },
+);
+
+test("the default hub is on this machine at port 9090", () => {
+  expect(isDefaultHub("ws://localhost:9090/")).toBe(true);
+  expect(isDefaultHub("ws://localhost:9091/")).toBe(false);
+  expect(isDefaultHub("ws://robot:9090/")).toBe(false);
+});
+
+test("the node's name is added to the address's query", () => {
+  expect(withNode("ws://robot/?token=1", "/page_1")).toBe("ws://robot/?token=1&node=/page_1");
 });

@@ -1,14 +1,16 @@
 /**
- * The page's one connection to the hub: it comes back by itself, and what was subscribed to and
- * advertised comes back with it.
+ * The page's connection to the hub, by the rosbridge protocol over one WebSocket.
+ *
+ * It reconnects by itself, and then subscribes and advertises again.
  */
-import type { Ros } from "roslib";
-
-import { Listeners } from "./listeners";
 import { type Signal, Source } from "./signal";
+import { TopicListeners } from "./topic_listeners";
 
 export type Message = Record<string, unknown>;
 export type State = "connecting" | "open" | "closed";
+
+/** An operation of the rosbridge protocol. */
+export type Operation = { op: string } & Record<string, unknown>;
 
 export interface Publication {
   publish(message: Message): void;
@@ -16,36 +18,31 @@ export interface Publication {
 }
 
 export interface SubscribeOptions {
-  /** Least time between two messages, in ms. */
+  /** Minimum time between two messages, in ms. */
   throttle?: number;
-  /** Messages that the hub keeps for a page that falls behind. */
+  /** How many messages the hub queues while the page falls behind. */
   queue?: number;
 }
-
-type Operation = Parameters<Ros["callOnConnection"]>[0];
 
 interface Call {
   readonly operation: Operation;
   sent: boolean;
-  fail(why: Error): void;
+  resolve(values: unknown): void;
+  reject(error: Error): void;
 }
 
-interface Advertisement {
-  readonly operation: Operation;
-}
+/** Seconds that a service has to respond. */
+const TIMEOUT = 60;
+/** Time between two attempts to connect, in ms: doubled each time, up to the maximum. */
+const MIN_RETRY = 250;
+const MAX_RETRY = 4000;
+/** The hub closes with a code from here on if a client must not reconnect by itself. */
+const NO_RECONNECT = 4000;
 
-/** Seconds that a service has for its answer. */
-const PATIENCE = 60;
-/** Time between two attempts, in ms: doubled up to the last. */
-const FIRST_PAUSE = 250;
-const LAST_PAUSE = 4000;
-/** Close codes from here on say that one should not come back by oneself. */
-const FOR_GOOD = 4000;
-
-/** Neither a service nor the hub has answered a call in time. */
-export class NoAnswer extends Error {
-  constructor(service: string, type: string, patience: number) {
-    super(`${service} (${type}) did not answer within ${patience} s`);
+/** Neither the service nor the hub responded in time. */
+export class CallTimeout extends Error {
+  constructor(service: string, type: string, seconds: number) {
+    super(`${service} (${type}) did not respond within ${seconds} s`);
   }
 }
 
@@ -53,232 +50,261 @@ export class Hub {
   readonly url: string;
   readonly node = `/page_${randomHex()}`;
   readonly state: Signal<State>;
-  /** What was said when the connection was lost; empty if nothing was. */
+  /** Why the connection was lost, if the hub gave a reason. */
   readonly reason: Signal<string>;
-  /** Whether the hub has said that one should not come back by oneself. */
+  /** Whether the page has stopped reconnecting. */
   readonly ended: Signal<boolean>;
 
-  readonly #ros: Ros;
   readonly #state = new Source<State>("connecting");
   readonly #reason = new Source("");
   readonly #ended = new Source(false);
+  /** Calls without a response, by their ids. */
   readonly #calls = new Map<string, Call>();
-  readonly #listeners = new Map<string, Listeners<Operation>>();
-  readonly #advertisements = new Set<Advertisement>();
+  readonly #listeners = new Map<string, TopicListeners<Operation>>();
+  readonly #advertised = new Map<string, Operation>();
+  /** Who receives the errors about an operation, by its id. */
+  readonly #onError = new Map<string, (why: string) => void>();
+  #socket: WebSocket | undefined;
   #ids = 0;
-  #pause = FIRST_PAUSE;
-  #attempt: number | undefined;
+  #retryTime = MIN_RETRY;
+  #retryTimer: number | undefined;
 
-  /** `url` is the hub's WebSocket address; `ros` speaks to it. */
-  constructor(url: string, ros: Ros) {
+  /** `url` is the hub's WebSocket address. */
+  constructor(url: string) {
     this.url = url;
-    this.#ros = ros;
     this.state = this.#state;
     this.reason = this.#reason;
     this.ended = this.#ended;
-    ros.on("connection", () => this.#opened());
-    ros.on("close", (event) => this.#closed(event as unknown as CloseEvent));
-    // A failed attempt is told by "close", too; without a listener it would be thrown.
-    ros.on("error", () => undefined);
     this.connect();
   }
 
-  /** Try to connect now, rather than when the next attempt is due. */
+  /** Connect now, instead of at the next attempt. */
   connect(): void {
-    window.clearTimeout(this.#attempt);
-    this.#ros.connect(asNode(this.url, this.node)).catch(() => this.#retry());
+    window.clearTimeout(this.#retryTimer);
+    this.#abandon();
+    try {
+      this.#open(new WebSocket(withNode(this.url, this.node)));
+    } catch (error) {
+      // The browser rejects the address: another attempt would fail as well.
+      this.#disconnected((error as Error).message);
+      this.#ended.set(true);
+    }
   }
 
-  /** Give up a connection on which nothing comes back any more, and connect anew. */
+  /** Replace a connection that no longer responds by a new one. */
   drop(why: string): void {
     if (this.#state.value !== "open") return;
-    this.#lose(why);
-    this.#ros.close();
+    this.#abandon();
+    this.#disconnected(why);
+    this.#retry();
   }
 
   /**
-   * Call a service; gives its response.
+   * Call a service; return its response.
    *
-   * Rejects with an `Error` that has the provider's or the hub's text; with `NoAnswer` when
-   * nothing came for `patience` seconds and a little.
+   * Rejects with an `Error` that has the text of the service or of the hub, or with `CallTimeout`.
    */
-  call<T>(service: string, type: string, request: Message = {}, patience = PATIENCE): Promise<T> {
-    const id = this.#id("call");
+  call<T>(service: string, type: string, request: Message = {}, timeout = TIMEOUT): Promise<T> {
+    const id = this.#newId("call");
     return new Promise<T>((resolve, reject) => {
-      const late = () => call.fail(new NoAnswer(service, type, patience));
-      const timer = window.setTimeout(late, (patience + 2) * 1000);
-      const done = () => {
+      // The hub reports a timeout itself, unless the connection is dead.
+      const onTimeout = () => call.reject(new CallTimeout(service, type, timeout));
+      const timer = window.setTimeout(onTimeout, (timeout + 2) * 1000);
+      const finish = () => {
         window.clearTimeout(timer);
         this.#calls.delete(id);
-        this.#ros.off(id);
-        this.#ros.off(`status:${id}`);
+        this.#onError.delete(id);
       };
       const call: Call = {
-        operation: {
-          op: "call_service",
-          id,
-          service,
-          args: request,
-          timeout: patience,
-        } as Operation,
+        operation: { op: "call_service", id, service, args: request, timeout },
         sent: false,
-        fail: (why) => {
-          done();
-          reject(why);
+        resolve: (values) => {
+          finish();
+          resolve(values as T);
+        },
+        reject: (error) => {
+          finish();
+          reject(error);
         },
       };
       this.#calls.set(id, call);
-      this.#ros.on(id, (answer) => {
-        const { result, values } = answer as unknown as { result: boolean; values: unknown };
-        if (result) {
-          done();
-          resolve(values as T);
-        } else {
-          const why = typeof values === "string" && values !== "" ? values : `${service} failed`;
-          call.fail(new Error(why));
-        }
-      });
-      this.#ros.on(`status:${id}`, (status) => call.fail(new Error(text(status))));
-      this.#send(call);
+      this.#onError.set(id, (why) => call.reject(new Error(why)));
+      this.#sendCall(call);
     });
   }
 
   /**
-   * Hear a topic, until the function that is given back is called.
+   * Subscribe to a topic; return a function that unsubscribes.
    *
-   * No type is named: a subscriber that names one keeps nodes from giving the topic another.
+   * The type is left out: naming one would keep nodes from giving the topic another type.
    *
-   * `refused` hears why the hub will not have it, each time that it is asked. The hub knows one
-   * rate per topic and client; a listener that wants fewer messages than another gets fewer.
+   * `onError` receives the reason each time that the hub rejects the subscription. The hub has one
+   * throttle rate per topic and client, so slower listeners are throttled here.
    */
   subscribe(
     topic: string,
     { throttle = 0, queue = 0 }: SubscribeOptions,
-    hear: (message: Message) => void,
-    refused?: (why: string) => void,
+    listener: (message: Message) => void,
+    onError?: (why: string) => void,
   ): () => void {
-    const id = this.#id("subscribe");
-    let listeners = this.#listeners.get(topic);
-    if (listeners === undefined) {
-      const fresh = new Listeners<Operation>();
-      listeners = fresh;
-      this.#listeners.set(topic, fresh);
-      this.#ros.on(topic, (heard) => {
-        fresh.tell((heard as unknown as { msg: Message }).msg);
-      });
-    }
-    const operation = {
-      op: "subscribe",
-      id,
-      topic,
-      throttle_rate: throttle,
-      queue_length: queue,
-    } as Operation;
-    listeners.add(id, operation, throttle, hear);
-    this.#hearRefusals(id, refused);
-    this.#say(operation);
+    const id = this.#newId("subscribe");
+    const listeners = this.#listeners.get(topic) ?? new TopicListeners<Operation>();
+    this.#listeners.set(topic, listeners);
+    const operation = { op: "subscribe", id, topic, throttle_rate: throttle, queue_length: queue };
+    listeners.add(id, operation, throttle, listener);
+    if (onError !== undefined) this.#onError.set(id, onError);
+    this.#send(operation);
     return () => {
       if (!listeners.remove(id)) return;
-      this.#ros.off(`status:${id}`);
-      this.#say({ op: "unsubscribe", id, topic } as Operation);
-      if (listeners.empty && this.#listeners.get(topic) === listeners) {
+      this.#onError.delete(id);
+      this.#send({ op: "unsubscribe", id, topic });
+      if (listeners.isEmpty && this.#listeners.get(topic) === listeners) {
         this.#listeners.delete(topic);
-        this.#ros.off(topic);
       }
     };
   }
 
-  /** Register as a topic's publisher; `refused` hears what the hub does not take, and why. */
-  advertise(topic: string, type: string, refused?: (why: string) => void): Publication {
-    const id = this.#id("advertise");
-    const advertisement = { operation: { op: "advertise", id, topic, type } as Operation };
-    this.#advertisements.add(advertisement);
-    this.#hearRefusals(id, refused);
-    this.#say(advertisement.operation);
+  /** Advertise a topic; `onError` receives the reason when the hub rejects that or a message. */
+  advertise(topic: string, type: string, onError?: (why: string) => void): Publication {
+    const id = this.#newId("advertise");
+    const operation = { op: "advertise", id, topic, type };
+    this.#advertised.set(id, operation);
+    if (onError !== undefined) this.#onError.set(id, onError);
+    this.#send(operation);
     return {
       publish: (message) => {
-        if (this.#state.value !== "open") {
-          refused?.("There is no connection to the hub now: nothing was published");
-          return;
-        }
-        this.#say({ op: "publish", id, topic, msg: message } as Operation);
+        if (this.#state.value === "open") this.#send({ op: "publish", id, topic, msg: message });
+        else onError?.("Not connected to the hub: the message was not published");
       },
       close: () => {
-        if (!this.#advertisements.delete(advertisement)) return;
-        this.#ros.off(`status:${id}`);
-        this.#say({ op: "unadvertise", id, topic } as Operation);
+        if (!this.#advertised.delete(id)) return;
+        this.#onError.delete(id);
+        this.#send({ op: "unadvertise", id, topic });
       },
     };
   }
 
-  #hearRefusals(id: string, refused: ((why: string) => void) | undefined): void {
-    if (refused !== undefined) {
-      this.#ros.on(`status:${id}`, (status) => refused(text(status)));
+  #open(socket: WebSocket): void {
+    this.#socket = socket;
+    socket.onopen = () => this.#connected();
+    socket.onmessage = ({ data }: MessageEvent<string>) => this.#receive(JSON.parse(data));
+    socket.onclose = ({ code, reason }) => {
+      this.#disconnected(reason);
+      if (code < NO_RECONNECT) this.#retry();
+      else this.#ended.set(true);
+    };
+  }
+
+  /** Close the socket, if there is one, and ignore whatever it still does. */
+  #abandon(): void {
+    if (this.#socket === undefined) return;
+    this.#socket.onopen = this.#socket.onmessage = this.#socket.onclose = null;
+    this.#socket.close();
+    this.#socket = undefined;
+  }
+
+  #receive(operation: Operation): void {
+    const { op, id } = operation;
+    switch (op) {
+      case "publish":
+        this.#listeners.get(operation.topic as string)?.dispatch(operation.msg as Message);
+        break;
+      case "service_response":
+        this.#respond(this.#calls.get(id as string), operation);
+        break;
+      case "status":
+        this.#onError.get(id as string)?.(String(operation.msg));
+        break;
     }
   }
 
-  /** Send what need not be sent again: it is, from the registers, when the hub is back. */
-  #say(operation: Operation): void {
-    if (this.#state.value === "open") this.#ros.callOnConnection(operation);
+  #respond(call: Call | undefined, { result, values, service }: Operation): void {
+    if (result === true) call?.resolve(values);
+    else call?.reject(new Error(values ? String(values) : `${String(service)} failed`));
   }
 
-  #send(call: Call): void {
-    if (this.#state.value === "open") {
-      call.sent = true;
-      this.#ros.callOnConnection(call.operation);
-    }
+  /** Send an operation, unless the hub is not there: those that matter then are sent later. */
+  #send(operation: Operation): void {
+    if (this.#state.value === "open") this.#socket?.send(JSON.stringify(operation));
   }
 
-  #opened(): void {
-    this.#pause = FIRST_PAUSE;
-    for (const advertisement of this.#advertisements) {
-      this.#ros.callOnConnection(advertisement.operation);
-    }
-    for (const listeners of this.#listeners.values()) {
-      for (const operation of listeners.operations()) this.#ros.callOnConnection(operation);
-    }
+  #sendCall(call: Call): void {
+    call.sent = this.#state.value === "open";
+    this.#send(call.operation);
+  }
+
+  #connected(): void {
+    this.#retryTime = MIN_RETRY;
+    const listeners = [...this.#listeners.values()];
+    const operations = [
+      ...this.#advertised.values(),
+      ...listeners.flatMap((all) => all.operations()),
+    ];
+    for (const operation of operations) this.#socket?.send(JSON.stringify(operation));
     this.#reason.set("");
     this.#ended.set(false);
     this.#state.set("open");
-    for (const call of this.#calls.values()) {
-      if (!call.sent) this.#send(call);
-    }
+    for (const call of this.#calls.values()) if (!call.sent) this.#sendCall(call);
   }
 
-  #closed({ code, reason }: CloseEvent): void {
-    this.#lose(reason);
-    if (code < FOR_GOOD) this.#retry();
-    else this.#ended.set(true);
-  }
-
-  #lose(why: string): void {
-    // The attempts that follow have nothing to say of why it was lost.
+  #disconnected(why: string): void {
+    // Attempts that fail later have no reason: the first one stays.
     if (this.#state.value === "open" || why !== "") this.#reason.set(why);
     this.#state.set("closed");
     for (const call of [...this.#calls.values()]) {
-      if (call.sent) call.fail(new Error("The connection was lost before the answer came"));
+      if (call.sent) call.reject(new Error("The connection was lost before the response arrived"));
     }
   }
 
   #retry(): void {
-    this.#state.set("closed");
-    window.clearTimeout(this.#attempt);
-    this.#attempt = window.setTimeout(() => this.connect(), this.#pause);
-    this.#pause = Math.min(2 * this.#pause, LAST_PAUSE);
+    window.clearTimeout(this.#retryTimer);
+    this.#retryTimer = window.setTimeout(() => this.connect(), this.#retryTime);
+    this.#retryTime = Math.min(2 * this.#retryTime, MAX_RETRY);
   }
 
-  #id(what: string): string {
+  #newId(kind: string): string {
     this.#ids += 1;
-    return `${what}:${this.#ids}`;
+    return `${kind}:${this.#ids}`;
   }
 }
 
-function text(status: unknown): string {
-  return String((status as { msg?: unknown }).msg ?? "The hub refused, without a reason");
+const DEFAULT_PORT = "9090";
+
+/**
+ * The WebSocket address of a hub as a user writes it: `robot` is `ws://robot:9090/`, as for `--hub`.
+ *
+ * Throws an `Error` if the address is invalid.
+ */
+export function hubUrl(address: string, secure = false): string {
+  const text = address.trim();
+  const hasScheme = text.includes("://");
+  const url = parsed(hasScheme ? text : `${secure ? "wss" : "ws"}://${text}`);
+  const isHub = url?.protocol === "ws:" || url?.protocol === "wss:";
+  if (!isHub || url.hash !== "" || url.port === "0" || /^\d+$/.test(text)) {
+    throw new Error(`Invalid hub address “${text}”: expected host:port or ws://host:port`);
+  }
+  // The text is asked, since a URL drops the port that is its scheme's default.
+  const hasPort = /^[^/?]*:\d+([/?]|$)/.test(text);
+  if (!hasScheme && !hasPort) url.port = DEFAULT_PORT;
+  return url.href;
 }
 
-/** The address at which a hub takes a client for the node of that name. */
-export function asNode(url: string, node: string): string {
+function parsed(text: string): URL | undefined {
+  try {
+    return new URL(text);
+  } catch {
+    return undefined;
+  }
+}
+
+/** Whether a hub's address is where programs find it by themselves. */
+export function isDefaultHub(url: string): boolean {
+  const { hostname, port } = new URL(url);
+  return port === DEFAULT_PORT && ["localhost", "127.0.0.1", "[::1]"].includes(hostname);
+}
+
+/** The address with the name that the client's node is to have. */
+export function withNode(url: string, node: string): string {
   return `${url}${url.includes("?") ? "&" : "?"}node=${node}`;
 }
 

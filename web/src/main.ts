@@ -1,88 +1,109 @@
-/** The page: a connection, a model of the graph, and a view for each tab. */
-import { offer } from "./browser_console";
+/** The page's entry: connects to the hub and shows the view of the chosen tab. */
+import { offerConsole } from "./browser_console";
 import { h, replace } from "./dom";
-import { isHidden } from "./hidden";
-import { Hub } from "./hub";
+import { isHidden } from "./hidden_names";
+import { Hub, hubUrl } from "./hub";
 import { Model } from "./model";
 import { Shell, TABS, type Tab } from "./shell";
 import { type MakeView, pathOf, type View } from "./view";
 import { welcome } from "./welcome";
 
-/** Each tab's view is fetched when it is first looked at. */
-const MAKERS = import.meta.glob<{ makeView: MakeView }>("./*/view.ts");
+/** The modules of the views, each loaded when its tab is first opened. */
+const MODULES = import.meta.glob<{ makeView: MakeView }>("./*/view.ts");
 
-const address = new URLSearchParams(location.search).get("hub") ?? ownAddress();
-const hub = new Hub(address, new ROSLIB.Ros());
-const model = new Model(hub);
-const shell = new Shell(hub, model);
-const views = new Map<Tab, Promise<View>>();
-const greeting = still(
-  h(
-    "section",
-    { class: "welcome-view", "aria-labelledby": "welcome" },
-    h("h2", { id: "welcome" }, "This hub is empty"),
-    welcome(address),
-  ),
-);
-/** Whether there is nothing but the hub itself and pages. */
-let empty = false;
-let shown: View | null = null;
+try {
+  start(address());
+} catch (error) {
+  replace(document.body, invalidAddress((error as Error).message));
+}
 
-offer(address);
-window.addEventListener("hashchange", () => void go());
-model.graph.watch((graph) => {
-  if (graph === null) return;
-  const before = empty;
-  empty = [...graph.nodes, ...graph.topics].every(({ name }) => isHidden(name));
-  if (empty !== before) void go();
-});
-void go();
+/** Show the hub at a WebSocket address. */
+function start(url: string): void {
+  const hub = new Hub(url);
+  const model = new Model(hub);
+  const shell = new Shell(hub, model);
+  const views = new Map<Tab, Promise<View>>();
+  const welcomeView = staticView(
+    h(
+      "section",
+      { class: "welcome-view", "aria-labelledby": "welcome" },
+      h("h2", { id: "welcome" }, "This hub is empty"),
+      welcome(url),
+    ),
+  );
+  /** Whether the hub has no nodes and topics besides its own and those of pages. */
+  let isEmpty = false;
+  let shown: View | null = null;
 
-/** Show what the address names. */
-async function go(): Promise<void> {
-  const [first = "graph", ...path] = pathOf(location.hash);
-  const tab = TABS.find(({ name }) => name === first)?.name ?? "graph";
-  shell.select(tab);
-  const hash = location.hash;
-  const view = empty && tab === "graph" ? greeting : await viewOf(tab);
-  // Another may have been asked for while this one was fetched.
-  if (hash !== location.hash || (empty && tab === "graph" && view !== greeting)) return;
-  if (shown !== view) {
-    shown?.hide();
-    replace(shell.stage, view.element);
-    shell.stage.dataset.view = tab;
-    shown = view;
+  /** Show the view that the URL fragment names. */
+  async function navigate(): Promise<void> {
+    const { hash } = location;
+    const [first = "graph", ...path] = pathOf(hash);
+    const tab = TABS.find(({ name }) => name === first)?.name ?? "graph";
+    shell.select(tab);
+    const view = isEmpty && tab === "graph" ? welcomeView : await viewOf(tab);
+    // The user may have gone on while the view was loading.
+    if (hash !== location.hash || (isEmpty && tab === "graph" && view !== welcomeView)) return;
+    if (shown !== view) {
+      shown?.hide();
+      replace(shell.stage, view.element);
+      shell.stage.dataset.view = tab;
+      shown = view;
+    }
+    view.show(path);
   }
-  view.show(path);
-}
 
-function viewOf(tab: Tab): Promise<View> {
-  let view = views.get(tab);
-  if (view === undefined) {
-    view = makeView(tab);
-    views.set(tab, view);
-    // What could not be fetched may be there at the next try.
-    view.catch(() => views.delete(tab));
+  function viewOf(tab: Tab): Promise<View> {
+    let view = views.get(tab);
+    if (view === undefined) {
+      view = loadView(tab);
+      views.set(tab, view);
+      // It may succeed at the next try.
+      view.catch(() => views.delete(tab));
+    }
+    return view.catch((error: unknown) => errorView(tab, String(error)));
   }
-  return view.catch((error: unknown) => apology(tab, String(error)));
+
+  async function loadView(tab: Tab): Promise<View> {
+    const load = MODULES[`./${tab}/view.ts`];
+    if (load === undefined) return errorView(tab, "it was not built");
+    return (await load()).makeView(hub, model);
+  }
+
+  offerConsole(url);
+  window.addEventListener("hashchange", () => void navigate());
+  model.graph.watch((graph) => {
+    if (graph === null) return;
+    const wasEmpty = isEmpty;
+    isEmpty = [...graph.nodes, ...graph.topics].every(({ name }) => isHidden(name));
+    if (isEmpty !== wasEmpty) void navigate();
+  });
+  void navigate();
 }
 
-async function makeView(tab: Tab): Promise<View> {
-  const fetchModule = MAKERS[`./${tab}/view.ts`];
-  if (fetchModule === undefined) return apology(tab, "it is not built");
-  return (await fetchModule()).makeView(hub, model);
+/** The hub's address: that of this page, unless `?hub=robot:9090` names another. */
+function address(): string {
+  const { protocol, host, pathname, search } = location;
+  const secure = protocol === "https:";
+  const other = new URLSearchParams(search).get("hub")?.trim();
+  if (other) return hubUrl(other, secure);
+  return `${secure ? "wss" : "ws"}://${host}${pathname.replace(/[^/]*$/, "")}`;
 }
 
-function apology(tab: Tab, why: string): View {
-  return still(h("section", { class: "empty", role: "alert" }, `There is no ${tab} view: ${why}.`));
+function invalidAddress(problem: string): HTMLElement {
+  return h(
+    "main",
+    { class: "empty", role: "alert" },
+    h("p", {}, `${problem}.`),
+    h("p", {}, h("a", { href: location.pathname }, "Show the hub of this page")),
+  );
 }
 
-/** A view that is always the same. */
-function still(element: HTMLElement): View {
+function errorView(tab: Tab, why: string): View {
+  const text = `The ${tab} view could not be loaded: ${why}.`;
+  return staticView(h("section", { class: "empty", role: "alert" }, text));
+}
+
+function staticView(element: HTMLElement): View {
   return { element, show: () => undefined, hide: () => undefined };
-}
-
-function ownAddress(): string {
-  const { protocol, host, pathname } = location;
-  return `${protocol === "https:" ? "wss" : "ws"}://${host}${pathname.replace(/[^/]*$/, "")}`;
 }

@@ -1,6 +1,6 @@
-/** The graph as the hub tells it, and how much flows in it. */
+/** The graph and its rates, polled from the hub. */
 import { Log } from "./console/log";
-import { type Hub, NoAnswer } from "./hub";
+import { CallTimeout, type Hub } from "./hub";
 import { type ClientStatistics, Meter, NO_RATES, type Rates, type Statistics } from "./rates";
 import { type Signal, Source } from "./signal";
 import type { TypeDef } from "./types";
@@ -14,10 +14,10 @@ export interface Time {
 
 export interface NodeInfo {
   name: string;
-  /** IP and port; empty for the hub's own. */
+  /** IP address and port; empty for the hub's own nodes. */
   address: string;
   since: Time;
-  /** Whether it is one of the hub's own. */
+  /** Whether it is part of the hub. */
   own: boolean;
 }
 
@@ -36,7 +36,7 @@ export interface SubscriptionInfo {
 
 export interface TopicInfo {
   name: string;
-  /** Empty if it has none yet. */
+  /** Empty if it is unknown so far. */
   type: string;
   checked: boolean;
   publishers: PublisherInfo[];
@@ -53,7 +53,7 @@ export interface ActionInfo {
   name: string;
   type: string;
   node: string;
-  /** As in ROS 1, rather than by operations as in ROS 2. */
+  /** Whether it uses topics, as in ROS 1; else the operations of ROS 2. */
   over_topics: boolean;
 }
 
@@ -65,17 +65,17 @@ export interface Graph {
   actions: ActionInfo[];
 }
 
-/** Time from one answer to the next question, in ms. */
+/** Time from a response to the next request, in ms. */
 const INTERVAL = 1000;
-/** Seconds after which an answer is no longer waited for. */
-const PATIENCE = 10;
+/** Seconds until a request times out. */
+const TIMEOUT = 10;
 
 export class Model {
-  /** null until the hub has told it. */
+  /** null until the first response. */
   readonly graph: Signal<Graph | null>;
   readonly rates: Signal<Rates>;
   readonly clients: Signal<ClientStatistics[]>;
-  /** What nodes say on /rosout. */
+  /** The messages on /rosout. */
   readonly log: Log;
 
   readonly #hub: Hub;
@@ -83,10 +83,10 @@ export class Model {
   readonly #rates = new Source<Rates>(NO_RATES);
   readonly #clients = new Source<ClientStatistics[]>([]);
   readonly #types = new Map<string, Promise<TypeDef[]>>();
-  /** null until this connection has had its first answer. */
+  /** null until the first response on this connection. */
   #meter: Meter | null = null;
   #timer: number | undefined;
-  #asking = false;
+  #requesting = false;
 
   constructor(hub: Hub) {
     this.#hub = hub;
@@ -94,11 +94,11 @@ export class Model {
     this.rates = this.#rates;
     this.clients = this.#clients;
     this.log = new Log(hub);
-    hub.state.watch(() => this.#ask());
-    document.addEventListener("visibilitychange", () => this.#ask());
+    hub.state.watch(() => this.#poll());
+    document.addEventListener("visibilitychange", () => this.#poll());
   }
 
-  /** The definition of a message's type and of those in it, its own first. */
+  /** The definitions of a message type, which comes first, and of the types in it. */
   typedefs(type: string): Promise<TypeDef[]> {
     return this.#details("message_details", "MessageDetails", type);
   }
@@ -113,36 +113,36 @@ export class Model {
 
   #details(service: string, serviceType: string, type: string): Promise<TypeDef[]> {
     const key = `${service} ${type}`;
-    let kept = this.#types.get(key);
-    if (kept === undefined) {
-      kept = this.#hub
+    let cached = this.#types.get(key);
+    if (cached === undefined) {
+      cached = this.#hub
         .call<{ typedefs: TypeDef[] }>(`/rosapi/${service}`, `rosapi/${serviceType}`, { type })
         .then(({ typedefs }) => typedefs);
-      this.#types.set(key, kept);
-      // A type that is unknown now may be known later.
-      kept.catch(() => this.#types.delete(key));
+      this.#types.set(key, cached);
+      // An unknown type may be known later.
+      cached.catch(() => this.#types.delete(key));
     }
-    return kept;
+    return cached;
   }
 
-  /** Ask now, and then again and again while there is somebody to see it. */
-  #ask(): void {
+  /** Request the statistics now, and periodically while the page is visible and connected. */
+  #poll(): void {
     window.clearTimeout(this.#timer);
-    if (this.#asking || this.#hub.state.value !== "open" || document.hidden) {
-      if (this.#hub.state.value !== "open") this.#forget();
+    if (this.#requesting || this.#hub.state.value !== "open" || document.hidden) {
+      if (this.#hub.state.value !== "open") this.#reset();
       return;
     }
-    this.#asking = true;
+    this.#requesting = true;
     this.#update()
       .catch((error: unknown) => {
-        // The hub itself answers these at once: if it does not, the connection is dead.
-        if (error instanceof NoAnswer) this.#hub.drop("it does not answer");
+        // The hub responds to these at once, unless the connection is dead.
+        if (error instanceof CallTimeout) this.#hub.drop("no response");
         else console.debug(error);
       })
       .finally(() => {
-        this.#asking = false;
+        this.#requesting = false;
         window.clearTimeout(this.#timer);
-        this.#timer = window.setTimeout(() => this.#ask(), INTERVAL);
+        this.#timer = window.setTimeout(() => this.#poll(), INTERVAL);
       });
   }
 
@@ -152,18 +152,18 @@ export class Model {
       "/rosapi/statistics",
       "fibws_msgs/GetStatistics",
       {},
-      PATIENCE,
+      TIMEOUT,
     );
     if (this.#graph.value?.revision !== statistics.revision || this.#meter === null) {
-      this.#graph.set(await hub.call<Graph>("/rosapi/graph", "fibws_msgs/GetGraph", {}, PATIENCE));
+      this.#graph.set(await hub.call<Graph>("/rosapi/graph", "fibws_msgs/GetGraph", {}, TIMEOUT));
     }
     this.#meter ??= new Meter();
     this.#rates.set(this.#meter.rates(statistics));
     this.#clients.set(statistics.clients);
   }
 
-  /** A hub that comes back counts anew; the graph stays in sight until then. */
-  #forget(): void {
+  /** A restarted hub counts from zero. The graph stays until the hub responds. */
+  #reset(): void {
     this.#meter = null;
     this.#types.clear();
     this.#rates.set(NO_RATES);

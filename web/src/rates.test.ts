@@ -7,25 +7,30 @@ function atTime(secs: number, nsecs: number, ...topics: TopicStatistics[]): Stat
   return { revision: 1, stamp: { secs, nsecs }, topics, clients: [] };
 }
 
-function topic(messages: number, bytes: number, heard: number, dropped: number): TopicStatistics {
+function topic(
+  messages: number,
+  bytes: number,
+  received: number,
+  dropped: number,
+): TopicStatistics {
   return {
     topic: "/t",
     publishers: [{ node: "/p", messages, bytes }],
-    subscriptions: [{ node: "/s", messages: heard, dropped }],
+    subscriptions: [{ node: "/s", messages: received, dropped }],
   };
 }
 
-/** The rates as of the last of some answers. */
-function rates(...answers: Statistics[]): Rates {
+/** The rates as of the last of some responses. */
+function rates(...responses: Statistics[]): Rates {
   const meter = new Meter();
-  return answers.map((answer) => meter.rates(answer)).at(-1) ?? NO_RATES;
+  return responses.map((response) => meter.rates(response)).at(-1) ?? NO_RATES;
 }
 
-/** What is told of one topic whose messages come at fixed times, answer by answer. */
-function told(period: number, answers: number): string[] {
+/** The rate shown for a topic with messages at fixed times, after each response. */
+function shownRates(period: number, responses: number): string[] {
   const meter = new Meter();
-  return Array.from({ length: answers }, (_, at) => {
-    // An answer takes its time, and the next question waits for it.
+  return Array.from({ length: responses }, (_, at) => {
+    // Each request follows the previous response, which takes some time.
     const now = 1000 + 1.013 * at;
     const messages = Math.floor(now / period);
     const [secs, nsecs] = [Math.floor(now), Math.round((now % 1) * 1e9)];
@@ -45,12 +50,12 @@ test("a rate is the difference of two totals over the time between their stamps"
   expect(result.dropped.get("/t /s")).toBe(3);
 });
 
-test("what was not there before has all of its total from since then", () => {
+test("a new topic counts from zero", () => {
   const result = rates(atTime(1, 0), atTime(2, 0, topic(5, 50, 5, 0)));
   expect(result.topics.get("/t")).toEqual({ messages: 5, bytes: 50, dropped: 0 });
 });
 
-test("who left and came back in between counts from nothing", () => {
+test("a node that reconnected counts from zero", () => {
   const result = rates(atTime(1, 0, topic(100, 1000, 100, 10)), atTime(2, 0, topic(4, 40, 4, 0)));
   expect(result.topics.get("/t")).toEqual({ messages: 4, bytes: 40, dropped: 0 });
 });
@@ -61,7 +66,7 @@ test.each([0, -5])("a clock that moved by %d s gives no rates", (moved) => {
   expect(result.topics.get("/t")).toEqual({ messages: 0, bytes: 0, dropped: 0 });
 });
 
-test("there are no rates before the second answer", () => {
+test("there are no rates before the second response", () => {
   expect(rates(atTime(1, 0, topic(5, 50, 5, 0)))).toBe(NO_RATES);
 });
 
@@ -69,21 +74,24 @@ test.each([
   [1, ["1.0 Hz"]],
   [2, ["0.40 Hz", "0.60 Hz"]],
   [5, ["0.20 Hz", "0.40 Hz"]],
-])("a topic that speaks every %d s is not told to start and stop", (period, texts) => {
-  expect(new Set(told(period, 300).slice(6))).toEqual(new Set(texts));
+])("the rate of a topic with a message every %d s is steady", (period, texts) => {
+  expect(new Set(shownRates(period, 300).slice(6))).toEqual(new Set(texts));
 });
 
-test.each([1000, 15, 3])("a topic of %d Hz that begins or ends does so by the next answer", (n) => {
-  const totals = [0, 0, 0, n, 2 * n, 3 * n, 3 * n, 3 * n];
-  const meter = new Meter();
-  const heard = totals.map((total, at) =>
-    meter.rates(atTime(at, 0, topic(total, 4 * total, 0, 0))).topics.get("/t"),
-  );
-  expect(heard.slice(1).map((flow) => flow?.messages)).toEqual([0, 0, n, n, n, 0, 0]);
-  expect(heard[3]?.bytes).toBe(4 * n);
-});
+test.each([1000, 15, 3])(
+  "a topic of %d Hz that starts or stops shows that with the next response",
+  (n) => {
+    const totals = [0, 0, 0, n, 2 * n, 3 * n, 3 * n, 3 * n];
+    const meter = new Meter();
+    const flows = totals.map((total, at) =>
+      meter.rates(atTime(at, 0, topic(total, 4 * total, 0, 0))).topics.get("/t"),
+    );
+    expect(flows.slice(1).map((flow) => flow?.messages)).toEqual([0, 0, n, n, n, 0, 0]);
+    expect(flows[3]?.bytes).toBe(4 * n);
+  },
+);
 
-test("drops are those since the last answer", () => {
+test("drops are those since the last response", () => {
   const result = rates(
     atTime(1, 0, topic(1, 4, 1, 0)),
     atTime(2, 0, topic(2, 8, 1, 5)),

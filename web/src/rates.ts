@@ -1,4 +1,4 @@
-/** From totals to what flows in a second. */
+/** Rates per second, computed from the totals in the hub's statistics. */
 
 export interface PublisherStatistics {
   node: string;
@@ -26,7 +26,7 @@ export interface ClientStatistics {
   slow: boolean;
 }
 
-/** The totals at one time, each since its publisher, subscription or client came. */
+/** A response of /rosapi/statistics: totals since each publisher, subscription or client came. */
 export interface Statistics {
   revision: number;
   stamp: { secs: number; nsecs: number };
@@ -34,7 +34,7 @@ export interface Statistics {
   clients: ClientStatistics[];
 }
 
-/** Per second: drops as of the last answer, the rest as a mean over some (see `Meter`). */
+/** Per second. Drops are those since the last response, the rest is a mean (see `Meter`). */
 export interface Flow {
   messages: number;
   bytes: number;
@@ -51,7 +51,7 @@ export interface Rates {
   dropped: Map<string, number>;
 }
 
-/** The key of what flows from a node to a topic, or from there to a node. */
+/** The key of the messages between a topic and a node. */
 export const flowKey = (topic: string, node: string): string => `${topic} ${node}`;
 
 export const NO_RATES: Rates = {
@@ -61,9 +61,9 @@ export const NO_RATES: Rates = {
   dropped: new Map(),
 };
 
-/** Answers that a mean reaches back over at most; they come about once a second. */
-const MOST = 5;
-/** So many messages make a rate: of fewer, one more or less would be seen. */
+/** Responses that a mean covers at most; they arrive about once a second. */
+const MAX_RESPONSES = 5;
+/** Messages that are enough for a rate: with fewer, one more or less would be visible. */
 const ENOUGH = 20;
 
 interface Count {
@@ -72,8 +72,8 @@ interface Count {
   readonly dropped: number;
 }
 
-/** What one answer said, by `flowKey`. */
-interface Answer {
+/** The counts in one response, by `flowKey`. */
+interface Sample {
   readonly secs: number;
   readonly publishers: ReadonlyMap<string, Count>;
   readonly subscriptions: ReadonlyMap<string, Count>;
@@ -82,28 +82,28 @@ interface Answer {
 const NOTHING: Count = { messages: 0, bytes: 0, dropped: 0 };
 
 /**
- * Makes rates of the totals that one hub tells again and again.
+ * Computes rates from consecutive responses of one hub.
  *
- * Where much flows, they are those since the answer before. Where little flows, whether a message
- * came just before an answer or just after it would make them jump, so that they are a mean over
- * more answers that are alike, and as round as these allow: a topic of 1 Hz has 1 Hz.
+ * Busy topics: the rate since the previous response. Slow topics would jump, depending on whether a
+ * message came just before or just after a response. Their rate is a mean over several responses
+ * with similar counts, rounded as far as these allow: a topic of 1 Hz shows 1 Hz.
  */
 export class Meter {
-  #former: Answer[] = [];
+  #previous: Sample[] = [];
 
-  /** The rates as of an answer; `NO_RATES` at the first. */
+  /** The rates as of a response; `NO_RATES` for the first one. */
   rates(statistics: Statistics): Rates {
-    const latest = answer(statistics);
-    const all = this.#former;
-    this.#former = [...all, latest].slice(-MOST);
+    const latest = sampleOf(statistics);
+    const all = this.#previous;
+    this.#previous = [...all, latest].slice(-MAX_RESPONSES);
     if (all.length === 0) return NO_RATES;
-    // No clock is to be trusted to go forward.
-    const former = all.filter(({ secs }) => secs < latest.secs).reverse();
-    return flows(statistics, latest, former);
+    // The clock may have been set back.
+    const previous = all.filter(({ secs }) => secs < latest.secs).reverse();
+    return flows(statistics, latest, previous);
   }
 }
 
-function answer({ stamp, topics }: Statistics): Answer {
+function sampleOf({ stamp, topics }: Statistics): Sample {
   const publishers = new Map<string, Count>();
   const subscriptions = new Map<string, Count>();
   for (const each of topics) {
@@ -115,8 +115,8 @@ function answer({ stamp, topics }: Statistics): Answer {
   return { secs: stamp.secs + stamp.nsecs / 1e9, publishers, subscriptions };
 }
 
-/** `former` are the answers before the latest, the newest first. */
-function flows({ topics }: Statistics, latest: Answer, former: readonly Answer[]): Rates {
+/** `previous` are the samples before the latest, newest first. */
+function flows({ topics }: Statistics, latest: Sample, previous: readonly Sample[]): Rates {
   const result: Rates = {
     topics: new Map(),
     publishers: new Map(),
@@ -128,7 +128,7 @@ function flows({ topics }: Statistics, latest: Answer, former: readonly Answer[]
     result.topics.set(topic, whole);
     for (const { node } of publishers) {
       const key = flowKey(topic, node);
-      const flow = flowOf(key, "publishers", latest, former);
+      const flow = flowOf(key, "publishers", latest, previous);
       result.publishers.set(key, flow);
       whole.messages += flow.messages;
       whole.bytes += flow.bytes;
@@ -136,8 +136,8 @@ function flows({ topics }: Statistics, latest: Answer, former: readonly Answer[]
     const size = whole.messages > 0 ? whole.bytes / whole.messages : 0;
     for (const { node, dropped } of subscriptions) {
       const key = flowKey(topic, node);
-      const flow = flowOf(key, "subscriptions", latest, former);
-      // The hub counts bytes where they come in; a message's mean size tells the rest.
+      const flow = flowOf(key, "subscriptions", latest, previous);
+      // The hub counts bytes only of publishers; subscribers get messages of the same mean size.
       flow.bytes = flow.messages * size;
       result.subscriptions.set(key, flow);
       result.dropped.set(key, dropped);
@@ -150,20 +150,23 @@ function flows({ topics }: Statistics, latest: Answer, former: readonly Answer[]
 function flowOf(
   key: string,
   which: "publishers" | "subscriptions",
-  latest: Answer,
-  former: readonly Answer[],
+  latest: Sample,
+  previous: readonly Sample[],
 ): Flow {
   const now = latest[which].get(key) ?? NOTHING;
   const flow: Flow = { messages: 0, bytes: 0, dropped: 0 };
   let after = now;
   let until = latest.secs;
-  for (const [at, { secs, [which]: counts }] of former.entries()) {
-    const told = counts.get(key);
-    // Who left and came back counts anew.
-    const same = told !== undefined && told.messages <= after.messages;
-    const before = same ? told : NOTHING;
+  for (const [at, { secs, [which]: counts }] of previous.entries()) {
+    const count = counts.get(key);
+    // A node that reconnected counts from zero.
+    const same = count !== undefined && count.messages <= after.messages;
+    const before = same ? count : NOTHING;
     const here = after.messages - before.messages;
-    if (at > 0 && !alike(now.messages - after.messages, latest.secs - until, here, until - secs))
+    if (
+      at > 0 &&
+      !isSimilar(now.messages - after.messages, latest.secs - until, here, until - secs)
+    )
       break;
     const seconds = latest.secs - secs;
     const messages = now.messages - before.messages;
@@ -177,14 +180,14 @@ function flowOf(
   return flow;
 }
 
-/** Whether one rate may have led to both of two counts, each taken over some seconds. */
-function alike(one: number, oneSeconds: number, other: number, otherSeconds: number): boolean {
+/** Whether two counts, each over some seconds, can come from one constant rate. */
+function isSimilar(one: number, oneSeconds: number, other: number, otherSeconds: number): boolean {
   const apart = Math.abs(one / oneSeconds - other / otherSeconds);
-  // Each may have one message too many or too few; and nobody is quite punctual.
+  // Each may have one message too many or too few, and publishers have some jitter.
   return apart <= 1.1 * (1 / oneSeconds + 1 / otherSeconds);
 }
 
-/** A rate in the fewest digits that tell it to one message. */
+/** A rate with the fewest digits that match the count to one message. */
 function roundest(messages: number, seconds: number): number {
   const mean = messages / seconds;
   for (let digits = 1; digits < 4; digits += 1) {

@@ -1,9 +1,9 @@
-// What /roslib.js is built from: roslib 2, and the names of roslib 1 that tutorials' pages use.
+/** The entry of /roslib.js: roslib 2, and the classes of roslib 1 that tutorials use. */
 
 export * from "roslib";
 
 declare global {
-  /** All of this, where a page has loaded /roslib.js; what else is bundled imports only its types. */
+  /** Defined once /roslib.js is loaded. The page's own modules import only its types. */
   var ROSLIB: typeof import("./roslib");
 }
 
@@ -13,11 +13,11 @@ class Values {
   }
 }
 
-/** What `topic.publish(new ROSLIB.Message({data: 8}))` sends; roslib 2 takes the bare object as well. */
+/** For `topic.publish(new ROSLIB.Message({data: 8}))`; roslib 2 also accepts plain objects. */
 export class Message extends Values {}
 
-/** What `service.callService(new ROSLIB.ServiceRequest({a: 1, b: 2}), ...)` sends. */
+/** For `service.callService(new ROSLIB.ServiceRequest({a: 1, b: 2}), ...)`. */
 export class ServiceRequest extends Values {}
 
-/** What a service of the page's own answers with. */
+/** The response of a service that a page provides. */
 export class ServiceResponse extends Values {}

@@ -1,13 +1,13 @@
-/** What stands around the views: the tabs, the hub's state, and how much is going on. */
+/** The page around the views: tabs, state of the connection, counts. */
 import "./shell.css";
 
-import { h, replace, say, svg } from "./dom";
+import { h, replace, setText, svg } from "./dom";
 import { hertz } from "./format";
-import { isHidden } from "./hidden";
+import { isHidden } from "./hidden_names";
 import type { Hub, State } from "./hub";
 import type { Graph, Model, Rates } from "./model";
 import { route } from "./view";
-import { help } from "./welcome";
+import { showHelp } from "./welcome";
 
 export const TABS = [
   { name: "graph", label: "Graph" },
@@ -21,13 +21,13 @@ export type Tab = (typeof TABS)[number]["name"];
 const STATES: Record<State, string> = {
   connecting: "connecting …",
   open: "connected",
-  closed: "lost: trying again …",
+  closed: "disconnected: reconnecting …",
 };
-/** A count that no tab can show all of. */
-const MANY = 99;
+/** The highest number that a badge shows. */
+const MAX_BADGE = 99;
 
 export class Shell {
-  /** Where the view of the chosen tab is shown. */
+  /** The place of the chosen view. */
   readonly stage = h("main", { id: "stage", tabindex: -1 });
   readonly #links = new Map<Tab, HTMLAnchorElement>();
   readonly #nodes = h("dd", { id: "count-nodes" }, "–");
@@ -37,16 +37,16 @@ export class Shell {
   constructor(hub: Hub, model: Model) {
     replace(document.body, this.#header(hub), this.stage);
     this.#badge(model);
-    model.graph.watch((graph) => this.#count(graph));
-    model.rates.watch((rates) => this.#measure(rates));
+    model.graph.watch((graph) => this.#showCounts(graph));
+    model.rates.watch((rates) => this.#showRate(rates));
   }
 
-  /** Mark a tab as the one in sight. */
+  /** Mark a tab as chosen. */
   select(tab: Tab): void {
     for (const [name, link] of this.#links) {
       if (name === tab) {
         link.setAttribute("aria-current", "page");
-        // In a narrow window the tabs are wider than it is.
+        // The tabs may be wider than a narrow window.
         link.scrollIntoView({ block: "nearest", inline: "nearest" });
       } else {
         link.removeAttribute("aria-current");
@@ -57,17 +57,17 @@ export class Shell {
   }
 
   #header(hub: Hub): HTMLElement {
-    const count = (what: string, number: HTMLElement) => h("div", {}, h("dt", {}, what), number);
+    const count = (noun: string, number: HTMLElement) => h("div", {}, h("dt", {}, noun), number);
     return h(
       "header",
       { id: "header" },
       h(
         "a",
         { class: "skip", href: "#stage", onclick: (event: Event) => this.#skip(event) },
-        "To the content",
+        "Skip to content",
       ),
-      h("h1", {}, mark(), "fibws"),
-      state(hub),
+      h("h1", {}, logo(), "fibws"),
+      connectionState(hub),
       h(
         "dl",
         { id: "counts" },
@@ -78,7 +78,7 @@ export class Shell {
       h("nav", { "aria-label": "Views" }, ...TABS.map(({ name, label }) => this.#tab(name, label))),
       h(
         "button",
-        { type: "button", class: "quiet", id: "help", onclick: () => help(hub.url) },
+        { type: "button", class: "quiet", id: "help", onclick: () => showHelp(hub.url) },
         "Help",
       ),
     );
@@ -97,7 +97,7 @@ export class Shell {
       number.hidden = count === 0;
       replace(
         number,
-        count > MANY ? `${MANY}+` : count,
+        count > MAX_BADGE ? `${MAX_BADGE}+` : count,
         h(
           "span",
           { class: "visually-hidden" },
@@ -107,37 +107,41 @@ export class Shell {
     });
   }
 
-  #count(graph: Graph | null): void {
+  #showCounts(graph: Graph | null): void {
     if (graph === null) return;
-    tell(this.#nodes, graph.nodes, "node");
-    tell(this.#topics, graph.topics, "topic");
+    showCount(this.#nodes, graph.nodes, "node");
+    showCount(this.#topics, graph.topics, "topic");
   }
 
-  #measure(rates: Rates): void {
+  #showRate(rates: Rates): void {
     let messages = 0;
     for (const [topic, flow] of rates.topics) if (!isHidden(topic)) messages += flow.messages;
-    say(this.#rate, rates.topics.size === 0 ? "–" : hertz(messages));
+    setText(this.#rate, rates.topics.size === 0 ? "–" : hertz(messages));
   }
 
-  /** The address belongs to the routes, so the jump is made here. */
+  /** The fragment is the route, so a link to #stage would leave the view. */
   #skip(event: Event): void {
     event.preventDefault();
     this.stage.focus();
   }
 }
 
-/** Say how many there are, and what they are: the term stands before its number. */
-function tell(number: HTMLElement, all: readonly { readonly name: string }[], one: string): void {
+/** Show how many are not hidden, with the noun in singular or plural before it. */
+function showCount(
+  number: HTMLElement,
+  all: readonly { readonly name: string }[],
+  one: string,
+): void {
   const count = all.filter(({ name }) => !isHidden(name)).length;
-  say(number, String(count));
+  setText(number, String(count));
   const term = number.previousElementSibling;
-  if (term !== null) say(term, count === 1 ? one : `${one}s`);
+  if (term !== null) setText(term, count === 1 ? one : `${one}s`);
 }
 
-/** The hub's address, and whether it is there: told by a mark, in words, and aloud. */
-function state(hub: Hub): HTMLElement {
-  const words = h("span", { id: "state", role: "status" });
-  const again = h(
+/** The hub's address, and the state of the connection: as a mark and in words. */
+function connectionState(hub: Hub): HTMLElement {
+  const text = h("span", { id: "state", role: "status" });
+  const button = h(
     "button",
     { class: "quiet", hidden: true, onclick: () => hub.connect() },
     "Connect",
@@ -145,24 +149,24 @@ function state(hub: Hub): HTMLElement {
   const box = h(
     "div",
     { id: "hub" },
-    h("code", { title: `This page is ${hub.node} there` }, hub.url.replace(/\/$/, "")),
-    words,
-    again,
+    h("code", { title: `This page is the node ${hub.node}` }, hub.url.replace(/\/$/, "")),
+    text,
+    button,
   );
-  const tell = () => {
+  const update = () => {
     box.dataset.state = hub.state.value;
     const why = hub.reason.value === "" ? "" : ` (${hub.reason.value})`;
-    say(words, (hub.ended.value ? "closed" : STATES[hub.state.value]) + why);
-    again.hidden = !hub.ended.value;
+    setText(text, (hub.ended.value ? "closed" : STATES[hub.state.value]) + why);
+    button.hidden = !hub.ended.value;
   };
-  hub.state.watch(tell);
-  hub.reason.watch(tell);
-  hub.ended.watch(tell);
+  hub.state.watch(update);
+  hub.reason.watch(update);
+  hub.ended.watch(update);
   return box;
 }
 
-/** The hub, and three nodes around it. */
-function mark(): SVGElement {
+/** The logo: the hub, and three nodes around it. */
+function logo(): SVGElement {
   const ends = [
     [6, 6],
     [26, 6],

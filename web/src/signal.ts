@@ -1,11 +1,11 @@
-/** A value that tells those who watch it of each change. */
+/** An observable value. */
 export interface Signal<T> {
   readonly value: T;
-  /** Calls the listener at once and at each change; gives what ends that. */
+  /** Call the listener now and at each change; returns a function that stops this. */
   watch(listener: (value: T) => void): () => void;
 }
 
-/** A signal's owner: the one who sets it. */
+/** A signal that can be set. */
 export class Source<T> implements Signal<T> {
   #value: T;
   readonly #listeners = new Set<(value: T) => void>();
@@ -22,13 +22,13 @@ export class Source<T> implements Signal<T> {
     if (Object.is(value, this.#value)) return;
     this.#value = value;
     for (const listener of [...this.#listeners]) {
-      // A listener may have left while another was told.
+      // Another listener may have removed it just now.
       if (this.#listeners.has(listener)) listener(value);
     }
   }
 
   watch(listener: (value: T) => void): () => void {
-    // Wrapped, so that the same function may watch twice and leave twice.
+    // Wrapped, so that the same function can watch twice and stop twice.
     const own = (value: T): void => listener(value);
     this.#listeners.add(own);
     listener(this.#value);

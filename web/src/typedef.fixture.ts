@@ -1,6 +1,6 @@
 import type { TypeDef } from "./types";
 
-/** A type definition for tests, in few words. */
+/** Create a type definition for tests. */
 export function typedef(
   type: string,
   fields: [name: string, type: string, array?: number][],

@@ -3,13 +3,12 @@ import { typedef } from "./typedef.fixture";
 import {
   byteLength,
   bytesOf,
-  definition,
   isBytes,
   kindOf,
   numberAt,
   own,
+  parsePath,
   rangeOf,
-  stepsOf,
   Types,
   typeText,
 } from "./types";
@@ -40,7 +39,7 @@ const SCAN = new Types([
 ]);
 
 describe("types", () => {
-  it("tells the kinds of types and the ranges of integers", () => {
+  it("have kinds, and integers have ranges", () => {
     expect(
       ["int8", "char", "float32", "wstring", "bool", "time", "duration", "a/B"].map(kindOf),
     ).toEqual(["integer", "integer", "float", "string", "bool", "time", "duration", "message"]);
@@ -52,8 +51,8 @@ describe("types", () => {
     expect(typeText({ name: "c", type: "float64", array: 36 })).toBe("float64[36]");
   });
 
-  it("finds the numbers of a message", () => {
-    expect(SCAN.leafPaths()).toEqual([
+  it("list the paths of their numbers", () => {
+    expect(SCAN.numberPaths()).toEqual([
       "header.seq",
       "header.stamp",
       "ranges[0]",
@@ -63,20 +62,20 @@ describe("types", () => {
       "points[1].y",
       "on",
     ]);
-    expect(SCAN.leafPaths(3)).toHaveLength(3);
+    expect(SCAN.numberPaths(3)).toHaveLength(3);
     expect(SCAN.plotPaths()).toEqual(["ranges[0]"]);
     expect(new Types([typedef("std_msgs/Int32", [["data", "int32"]])]).plotPaths()).toEqual([
       "data",
     ]);
-    expect(new Types([]).leafPaths()).toEqual([]);
+    expect(new Types([]).numberPaths()).toEqual([]);
   });
 
-  it("reads the number at a path", () => {
+  it("read the number at a path", () => {
     const at = (message: unknown, path: string): number | undefined =>
-      numberAt(message, stepsOf(path) ?? []);
-    expect(stepsOf("poses[3].x")).toEqual(["poses", 3, "x"]);
-    expect(stepsOf("poses[x]")).toBeUndefined();
-    expect(stepsOf("")).toBeUndefined();
+      numberAt(message, parsePath(path) ?? []);
+    expect(parsePath("poses[3].x")).toEqual(["poses", 3, "x"]);
+    expect(parsePath("poses[x]")).toBeUndefined();
+    expect(parsePath("")).toBeUndefined();
     expect(at({ pose: { x: 1.5 } }, "pose.x")).toBe(1.5);
     expect(at({ ranges: [1, 2] }, "ranges[1]")).toBe(2);
     expect(at({ ranges: [1, 2] }, "ranges[2]")).toBeUndefined();
@@ -87,7 +86,7 @@ describe("types", () => {
     expect(at({ x: null }, "x.y")).toBeUndefined();
   });
 
-  it("sees only a message's own fields, whatever they are called", () => {
+  it("use only own properties, whatever their names are", () => {
     expect(own({}, "constructor")).toBeUndefined();
     expect(own(JSON.parse('{"__proto__": 3}'), "__proto__")).toBe(3);
     expect(numberAt({}, ["__proto__", "length"])).toBeUndefined();
@@ -97,11 +96,11 @@ describe("types", () => {
         ["toString", "int8"],
       ]),
     ]);
-    expect(odd.leafPaths()).toEqual(["__proto__", "toString"]);
+    expect(odd.numberPaths()).toEqual(["__proto__", "toString"]);
     expect(odd.fields("constructor")).toEqual([]);
   });
 
-  it("offers the constants that a field can hold", () => {
+  it("offer the constants that fit a field", () => {
     const status = new Types([
       typedef(
         "a/Status",
@@ -119,29 +118,7 @@ describe("types", () => {
     expect(status.constants("a/Status", "float64")).toEqual([]);
   });
 
-  it("writes a definition as a .msg file does", () => {
-    const def = typedef(
-      "a/Status",
-      [
-        ["status", "uint8"],
-        ["data", "int8", 0],
-        ["c", "float64", 36],
-      ],
-      [
-        ["LIST", "a b"],
-        ["ACTIVE", "1"],
-        ["PI", "3.14"],
-        ["OFF", "False"],
-        ["FAR", "-70000"],
-      ],
-    );
-    expect(definition(def)).toBe(
-      "string LIST=a b\nuint8 ACTIVE=1\nfloat64 PI=3.14\nbool OFF=False\nint32 FAR=-70000\n" +
-        "uint8 status\nint8[] data\nfloat64[36] c",
-    );
-  });
-
-  it("knows the bytes of base64", () => {
+  it("decode base64", () => {
     expect(byteLength(btoa("abcd"))).toBe(4);
     expect(byteLength("")).toBe(0);
     expect([...(bytesOf(btoa("ab")) ?? [])]).toEqual([97, 98]);

@@ -1,12 +1,12 @@
-// What messages are made of, as rosapi tells it: fields, ranges, definitions, numbers to plot.
+/** Message types as rosapi describes them: fields, ranges, constants, and paths to numbers. */
 
-/** A type as rosapi/TypeDef has it; a list of them begins with the type that was asked for. */
+/** A rosapi/TypeDef. Lists of them begin with the requested type. */
 export interface TypeDef {
   type: string;
   fieldnames: string[];
-  /** Full names, with the brackets of arrays taken off. */
+  /** Full names, without the brackets of arrays. */
   fieldtypes: string[];
-  /** -1: no array, 0: an array of any length, n: an array of n elements. */
+  /** -1: not an array, 0: an array of any length, n: an array of n elements. */
   fieldarraylen: number[];
   examples: string[];
   constnames: string[];
@@ -16,7 +16,7 @@ export interface TypeDef {
 export interface Field {
   readonly name: string;
   readonly type: string;
-  /** -1: no array, 0: an array of any length, n: an array of n elements. */
+  /** -1: not an array, 0: an array of any length, n: an array of n elements. */
   readonly array: number;
 }
 
@@ -36,7 +36,7 @@ const INTEGERS = new Map<string, readonly [low: bigint, high: bigint]>([
   ["char", [0n, 255n]],
 ]);
 
-/** What sort of value a type's is. */
+/** The kind of value that a type has. */
 export function kindOf(type: string): Kind {
   if (INTEGERS.has(type)) return "integer";
   if (type === "float32" || type === "float64") return "float";
@@ -61,7 +61,7 @@ export function typeText(field: Field): string {
   return `${field.type}[${field.array === 0 ? "" : field.array}]`;
 }
 
-/** A type with all those that are in it. */
+/** A type with all types in it. */
 export class Types {
   readonly root: string;
   readonly #fields = new Map<string, Field[]>();
@@ -85,7 +85,7 @@ export class Types {
     }
   }
 
-  /** The fields of a message; of what is none, or is not known, there are none. */
+  /** The fields of a message type; empty for other types and for unknown ones. */
   fields(type: string): readonly Field[] {
     return kindOf(type) === "message" ? (this.#fields.get(type) ?? []) : [];
   }
@@ -94,7 +94,7 @@ export class Types {
     return this.fields(type).find((field) => field.name === name);
   }
 
-  /** A message's constants that a value of an integer type, or of strings, could be. */
+  /** The constants of a message that fit a field of an integer or string type. */
   constants(message: string, type: string): readonly Constant[] {
     const all = this.#constants.get(message) ?? [];
     const range = rangeOf(type);
@@ -109,23 +109,23 @@ export class Types {
   }
 
   /**
-   * The paths of all numbers in a message, what a plot can show: `pose.position.x`.
+   * The paths of all plottable values in a message: `pose.position.x`.
    *
-   * Of an array of any length the first element stands for all: `ranges[0]`. Times are numbers of
-   * seconds, and booleans are 0 and 1. At most `most` paths.
+   * Of an array of any length, only the first element: `ranges[0]`. Times count as seconds,
+   * booleans as 0 and 1.
    */
-  leafPaths(most = 500): string[] {
+  numberPaths(limit = 500): string[] {
     const paths: string[] = [];
-    const visit = (type: string, before: string): void => {
+    const visit = (type: string, parent: string): void => {
       for (const field of this.fields(type)) {
-        if (paths.length >= most) return;
-        const path = before === "" ? field.name : `${before}.${field.name}`;
+        if (paths.length >= limit) return;
+        const path = parent === "" ? field.name : `${parent}.${field.name}`;
         const kind = kindOf(field.type);
         if (kind === "string") continue;
-        const elements = field.array < 0 ? [path] : indices(path, field.array, most);
+        const elements = field.array < 0 ? [path] : elementPaths(path, field.array, limit);
         for (const each of elements) {
           if (kind === "message") visit(field.type, each);
-          else if (paths.length < most) paths.push(each);
+          else if (paths.length < limit) paths.push(each);
         }
       }
     };
@@ -133,9 +133,9 @@ export class Types {
     return paths;
   }
 
-  /** The paths that one click on "plot" shows: all numbers of a small message, or the first. */
+  /** The paths that the button "Plot" adds: up to three, or else only the first. */
   plotPaths(): string[] {
-    const paths = this.leafPaths().filter((path) => !this.#isHeader(path));
+    const paths = this.numberPaths().filter((path) => !this.#isHeader(path));
     return paths.length <= 3 ? paths : paths.slice(0, 1);
   }
 
@@ -145,39 +145,13 @@ export class Types {
   }
 }
 
-function indices(path: string, length: number, most: number): string[] {
-  const count = length === 0 ? 1 : Math.min(length, most);
+function elementPaths(path: string, length: number, limit: number): string[] {
+  const count = length === 0 ? 1 : Math.min(length, limit);
   return Array.from({ length: count }, (_, index) => `${path}[${index}]`);
 }
 
-/** A type as its .msg file would write it, constants first. */
-export function definition(def: TypeDef): string {
-  const lines: [string, string][] = def.constnames.map((name, at) => [
-    constantType(def, def.constvalues[at] ?? ""),
-    `${name}=${def.constvalues[at] ?? ""}`,
-  ]);
-  def.fieldnames.forEach((name, at) => {
-    const type = def.fieldtypes[at] ?? "";
-    lines.push([typeText({ name, type, array: def.fieldarraylen[at] ?? -1 }), name]);
-  });
-  return lines.map(([type, name]) => `${type} ${name}`).join("\n");
-}
-
-/** rosapi leaves out the types of constants: the first field that such a value fits has it. */
-function constantType(def: TypeDef, value: string): string {
-  if (value === "True" || value === "False") return "bool";
-  if (/^-?\d+$/.test(value)) {
-    const fits = def.fieldtypes.find((type) => {
-      const range = rangeOf(type);
-      return range !== undefined && range[0] <= BigInt(value) && BigInt(value) <= range[1];
-    });
-    return fits ?? "int32";
-  }
-  return /^-?(\d|inf|nan)/.test(value) ? "float64" : "string";
-}
-
-/** A path's parts: `poses[3].x` is `["poses", 3, "x"]`; what is no path is `undefined`. */
-export function stepsOf(path: string): (string | number)[] | undefined {
+/** Parse a path: `poses[3].x` is `["poses", 3, "x"]`; `undefined` if it is invalid. */
+export function parsePath(path: string): (string | number)[] | undefined {
   const steps: (string | number)[] = [];
   for (const part of path.trim().split(".")) {
     const found = /^([A-Za-z_]\w*)((?:\[\d+\])*)$/.exec(part);
@@ -188,19 +162,16 @@ export function stepsOf(path: string): (string | number)[] | undefined {
   return steps;
 }
 
-/** An object's own value: a message's field may be called `__proto__` or `constructor`. */
+/** An own property of an object: a field may be called `__proto__` or `constructor`. */
 export function own(value: unknown, name: string): unknown {
   if (typeof value !== "object" || value === null || !Object.hasOwn(value, name)) return undefined;
   return (value as Record<string, unknown>)[name];
 }
 
-/** The number at a path of a message: times are seconds, booleans 0 and 1; else `undefined`. */
-export function numberAt(
-  message: unknown,
-  steps: readonly (string | number)[],
-): number | undefined {
+/** The number at a path of a message: times as seconds, booleans as 0 and 1; else `undefined`. */
+export function numberAt(message: unknown, path: readonly (string | number)[]): number | undefined {
   let value = message;
-  for (const step of steps) {
+  for (const step of path) {
     if (typeof step === "string") value = own(value, step);
     else if (Array.isArray(value)) value = value[step] as unknown;
     else value = typeof value === "string" ? byteAt(value, step) : undefined;
@@ -212,13 +183,13 @@ export function numberAt(
   return typeof secs === "number" && typeof nsecs === "number" ? secs + nsecs / 1e9 : undefined;
 }
 
-/** One byte of base64 text: three bytes are four letters, so that only those are decoded. */
+/** One byte of base64 text. Only the four letters that encode it are decoded. */
 function byteAt(base64: string, index: number): number | undefined {
   const start = Math.floor(index / 3) * 4;
   return bytesOf(base64.slice(start, start + 4))?.[index % 3];
 }
 
-/** The bytes that base64 text stands for; `undefined` if it is none. */
+/** Decode base64 text; `undefined` if it is invalid. */
 export function bytesOf(base64: string): Uint8Array | undefined {
   try {
     return Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
@@ -227,7 +198,7 @@ export function bytesOf(base64: string): Uint8Array | undefined {
   }
 }
 
-/** How many bytes base64 text stands for. */
+/** The number of bytes that base64 text encodes. */
 export function byteLength(base64: string): number {
   const padding = /=*$/.exec(base64.slice(-2))?.[0].length ?? 0;
   return Math.max(0, Math.floor(base64.length / 4) * 3 - padding);

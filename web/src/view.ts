@@ -4,21 +4,21 @@ import type { Model } from "./model";
 /** One tab of the page. */
 export interface View {
   readonly element: HTMLElement;
-  /** Comes into sight; the path is the rest of the route, decoded: `["node", "/talker"]`. */
+  /** The view becomes visible. The path is the rest of the route, decoded: `["node", "/talker"]`. */
   show(path: string[]): void;
-  /** Goes out of sight, and ends every subscription that only the sight of it needs. */
+  /** The view becomes hidden: it ends the subscriptions that it needs only while visible. */
   hide(): void;
 }
 
 /** What each folder's `view.ts` exports as `makeView`. */
 export type MakeView = (hub: Hub, model: Model) => View;
 
-/** The address of a view: `route("topics", "/chatter")` is `#/topics/%2Fchatter`. */
+/** The URL fragment of a view: `route("topics", "/chatter")` is `#/topics/%2Fchatter`. */
 export function route(...path: string[]): string {
   return `#/${path.map(encodeURIComponent).join("/")}`;
 }
 
-/** The path that an address names, decoded; what cannot be decoded stands as it is. */
+/** The path in a URL fragment, decoded; parts that are invalid stay as they are. */
 export function pathOf(hash: string): string[] {
   return hash
     .replace(/^#\/?/, "")

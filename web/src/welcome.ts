@@ -1,61 +1,59 @@
-/** What to do next: shown by an empty hub, and to whoever asks for help. */
+/** First steps: shown for an empty hub, and as help. */
 import "./welcome.css";
 
 import { EXAMPLE } from "./browser_console";
-import { copyable } from "./copy";
+import { copyable } from "./copy_button";
 import { h } from "./dom";
+import { isDefaultHub } from "./hub";
 
-/** Where a program finds the hub by itself. */
-const DEFAULT_PORT = "9090";
-
-/** The steps, for the hub at a WebSocket address. */
+/** The first steps with the hub at a WebSocket address. */
 export function welcome(url: string): HTMLElement {
   const address = url.replace(/\/$/, "");
   const site = address.replace(/^ws/, "http");
-  const hub = isDefault(address) ? "" : ` --hub ${address}`;
+  const hub = isDefaultHub(url) ? "" : ` --hub ${address}`;
   return h(
     "div",
     { class: "welcome" },
     h(
       "p",
       { class: "lead" },
-      "Nodes and web pages meet here: it is the ROS graph over WebSockets, with no ROS installed.",
+      "This hub connects nodes and web pages: the ROS graph over WebSockets, without ROS.",
     ),
     h(
       "ol",
       {},
       step(
         "Start two nodes",
-        "Each in a terminal of its own. One publishes the Fibonacci numbers, the other prints " +
-          "them; both appear here.",
-        copyable(`python -m fibws.broadcaster${hub}`, "the broadcaster's command"),
-        copyable(`python -m fibws.listener${hub}`, "the listener's command"),
+        "Each in its own terminal. One publishes the Fibonacci numbers, the other prints them. " +
+          "Both appear on this page.",
+        copyable(`python -m fibws.broadcaster${hub}`, "the command of the broadcaster"),
+        copyable(`python -m fibws.listener${hub}`, "the command of the listener"),
       ),
       step(
-        "Hear them in this browser",
-        "Open this page's console (F12, then “Console”) and paste:",
-        copyable(snippet(address), "the console's snippet"),
+        "Receive them in this browser",
+        "Open the console of this page (F12, then “Console”) and paste:",
+        copyable(snippet(address), "the snippet"),
         h(
           "p",
           {},
-          "Or with roslib: ",
+          "Or use roslib: ",
           h("code", {}, "ROSLIB"),
           " and a connection, ",
           h("code", {}, "ros"),
-          ", are at hand there.",
+          ", are available there.",
         ),
         copyable(EXAMPLE, "the snippet for roslib"),
       ),
       step(
-        "Write a page of your own",
-        "Any page that localhost serves may connect; for one opened as a file, start the hub with " +
-          "--allow-origin null. roslib comes from this hub, in one file:",
-        copyable(page(site, address), "the beginning of a page"),
+        "Write your own page",
+        "Pages served by localhost may connect. For a page opened as a file, start the hub with " +
+          "--allow-origin null. The hub serves roslib as one file:",
+        copyable(page(site, address), "the page"),
         h(
           "p",
           { class: "soft small" },
           h("a", { href: "roslib.js" }, "roslib.js"),
-          " · how the hub is doing: ",
+          " · the hub's health: ",
           h("a", { href: "healthz" }, "healthz"),
         ),
       ),
@@ -63,21 +61,21 @@ export function welcome(url: string): HTMLElement {
   );
 }
 
-/** The same, over whatever is in sight. */
-export function help(url: string): void {
+/** Show the first steps in a dialog. */
+export function showHelp(url: string): void {
   const dialog = h(
     "dialog",
     { class: "help", "aria-label": "Help" },
     h(
       "form",
       { method: "dialog", class: "toolbar" },
-      h("h2", { class: "grow" }, "What to do next"),
+      h("h2", { class: "grow" }, "First steps"),
       h("button", { class: "end" }, "Close"),
     ),
     welcome(url),
   );
   dialog.addEventListener("close", () => dialog.remove());
-  // A click that hits the dialog itself, and nothing in it, is one beside it.
+  // A click on the dialog itself, not on anything in it, is outside of its box.
   dialog.addEventListener("click", (event) => {
     if (event.target === dialog) dialog.close();
   });
@@ -89,7 +87,7 @@ function step(title: string, text: string, ...pieces: HTMLElement[]): HTMLElemen
   return h("li", {}, h("h3", {}, title), h("p", {}, text), ...pieces);
 }
 
-/** The README's: with nothing but what each browser has. */
+/** The snippet of the README, which needs no library. */
 function snippet(address: string): string {
   return `const hub = new WebSocket("${address}");
 const subscribe = {op: "subscribe", topic: "/fibonacci", type: "std_msgs/Int32"};
@@ -105,9 +103,4 @@ function page(site: string, address: string): string {
   const topic = new ROSLIB.Topic({ros, name: "/fibonacci", messageType: "std_msgs/Int32"});
   topic.subscribe((message) => document.body.append(message.data + " "));
 </script>`;
-}
-
-function isDefault(address: string): boolean {
-  const { hostname, port } = new URL(address);
-  return port === DEFAULT_PORT && ["localhost", "127.0.0.1", "[::1]"].includes(hostname);
 }

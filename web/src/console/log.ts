@@ -1,27 +1,86 @@
-/** The newest of what all nodes have said on `/rosout`, from the page's opening. */
+/** The messages that nodes log on `/rosout` while the page is open. */
+import type { Filter } from "../filter";
+import { timeOfDay } from "../format";
 import type { Hub, Message } from "../hub";
 import { type Signal, Source } from "../signal";
-import type { Entry } from "./entry";
 
-/** Entries that are kept. */
-export const ROOM = 2000;
-/** Messages that the hub keeps for a page that falls behind. */
+/** One logged message. */
+export interface Entry {
+  /** Counted from 1, without gaps. */
+  number: number;
+  secs: number;
+  nsecs: number;
+  level: number;
+  node: string;
+  text: string;
+  /** File, line and function; empty if they are not known. */
+  where: string;
+}
+
+export interface Level {
+  value: number;
+  /** As in ROS. */
+  name: string;
+}
+
+/** The levels of rosgraph_msgs/Log, in ascending order. */
+export const LEVELS: readonly Level[] = [
+  { value: 1, name: "DEBUG" },
+  { value: 2, name: "INFO" },
+  { value: 4, name: "WARN" },
+  { value: 8, name: "ERROR" },
+  { value: 16, name: "FATAL" },
+];
+
+/** The name of a level; unknown ones get their number. */
+export function levelName(value: number): string {
+  return LEVELS.find((level) => level.value === value)?.name ?? `LEVEL ${value}`;
+}
+
+/** Which entries are shown. */
+export interface EntryFilter {
+  /** The minimum level. */
+  level: number;
+  /** A node's full name; empty for all nodes. */
+  node: string;
+  text: Filter;
+}
+
+export function passes(entry: Entry, { level, node, text }: EntryFilter): boolean {
+  if (entry.level < level || (node !== "" && entry.node !== node)) return false;
+  return text.matches(entry.node, entry.text);
+}
+
+/** An entry as rospy prints it: `[INFO] [1700000000.123456] [/talker]: hello`. */
+export function line(entry: Entry): string {
+  const micros = String(Math.floor(entry.nsecs / 1000)).padStart(6, "0");
+  return `[${levelName(entry.level)}] [${entry.secs}.${micros}] [${entry.node}]: ${entry.text}`;
+}
+
+/** The local time of day to the millisecond. */
+export function clock({ secs, nsecs }: Pick<Entry, "secs" | "nsecs">): string {
+  return `${timeOfDay(secs)}.${String(Math.floor(nsecs / 1e6)).padStart(3, "0")}`;
+}
+
+/** How many entries are kept. */
+export const MAX_ENTRIES = 2000;
+/** How many messages the hub queues while the page falls behind. */
 const QUEUE = 200;
-/** The level of warnings: from here on something is wrong. */
-export const GRAVE = 4;
+/** The level of warnings. */
+export const WARN = 4;
 
 export class Log {
-  /** The number of the newest entry; told at most once per frame. */
+  /** The number of the newest entry; set at most once per frame. */
   readonly newest: Signal<number>;
-  /** Warnings and errors since somebody looked. */
+  /** Warnings and errors since the console was last visible. */
   readonly unseen: Signal<number>;
 
   readonly #newest = new Source(0);
   readonly #unseen = new Source(0);
   #entries: Entry[] = [];
   #count = 0;
-  #wrong = 0;
-  #looking = false;
+  #warnings = 0;
+  #visible = false;
   #frame: number | undefined;
 
   constructor(hub: Hub) {
@@ -32,16 +91,16 @@ export class Log {
     });
   }
 
-  /** The entries that came after one, the oldest first. */
+  /** The entries after a number, oldest first. */
   after(number: number): Entry[] {
     const missing = Math.min(this.#count - number, this.#entries.length);
     return missing > 0 ? this.#entries.slice(-missing) : [];
   }
 
-  /** While somebody looks, nothing counts as unseen. */
-  look(looking: boolean): void {
-    this.#looking = looking;
-    this.#wrong = 0;
+  /** Record whether the console is visible: then no entry counts as unseen. */
+  setVisible(visible: boolean): void {
+    this.#visible = visible;
+    this.#warnings = 0;
     this.#unseen.set(0);
   }
 
@@ -63,12 +122,12 @@ export class Log {
       where: where(message),
     };
     this.#entries.push(entry);
-    if (this.#entries.length > ROOM) this.#entries.shift();
-    if (entry.level >= GRAVE && !this.#looking) this.#wrong += 1;
-    // A page out of sight has no frames, and nothing to draw either.
+    if (this.#entries.length > MAX_ENTRIES) this.#entries.shift();
+    if (entry.level >= WARN && !this.#visible) this.#warnings += 1;
+    // A hidden page has no frames, and nothing to draw.
     this.#frame ??= requestAnimationFrame(() => {
       this.#frame = undefined;
-      this.#unseen.set(this.#wrong);
+      this.#unseen.set(this.#warnings);
       this.#newest.set(this.#count);
     });
   }

@@ -1,32 +1,43 @@
-/** What the nodes say, the newest at the bottom. */
+/** The Console tab: the messages that nodes log, newest at the bottom. */
 import "./console.css";
 
-import { copyButton } from "../copy";
-import { h, replace, say } from "../dom";
+import { copyButton } from "../copy_button";
+import { h, replace, setText } from "../dom";
+import { Filter, filterInput } from "../filter";
 import { plural, whole } from "../format";
 import type { Model } from "../model";
 import type { MakeView, View } from "../view";
-import { clock, type Entry, type Filter, LEVELS, levelName, line, passes } from "./entry";
-import { GRAVE, type Log, ROOM } from "./log";
+import {
+  clock,
+  type Entry,
+  type EntryFilter,
+  LEVELS,
+  type Log,
+  levelName,
+  line,
+  MAX_ENTRIES,
+  passes,
+  WARN,
+} from "./log";
 
-/** Names that one can choose from. */
-const MOST_NAMES = 500;
-/** How near to its end a list counts as scrolled to the end, in px. */
-const NEAR = 8;
+/** How many names the list of nodes has at most. */
+const MAX_NAMES = 500;
+/** The list counts as scrolled to its end up to this distance, in px. */
+const AT_END = 8;
 
 export const makeView: MakeView = (_hub, model) => new ConsoleView(model);
 
 class ConsoleView implements View {
   readonly element: HTMLElement;
   readonly #log: Log;
-  readonly #filter: Filter = { level: 0, node: "", text: "" };
+  readonly #filter: EntryFilter = { level: 0, node: "", text: new Filter() };
   readonly #rows = h("ol", { class: "log" });
   readonly #scroller = h("div", {
     class: "scroll",
     tabindex: 0,
     role: "log",
     "aria-live": "off",
-    "aria-label": "What the nodes say",
+    "aria-label": "Messages",
   });
   readonly #nodes = h("select", { "aria-label": "Node" }, h("option", { value: "" }, "all nodes"));
   readonly #names = new Set<string>();
@@ -35,10 +46,10 @@ class ConsoleView implements View {
   readonly #newest = h(
     "button",
     { type: "button", class: "to-end primary", hidden: true },
-    "To the newest",
+    "Jump to newest",
   );
   #shown: Entry[] = [];
-  /** The number of the newest entry that was drawn, or filtered out. */
+  /** The number of the newest entry that was drawn or filtered out. */
   #drawn = 0;
   #paused = false;
   #following = true;
@@ -60,13 +71,13 @@ class ConsoleView implements View {
   }
 
   show(): void {
-    this.#log.look(true);
+    this.#log.setVisible(true);
     this.#stop ??= this.#log.newest.watch(() => this.#draw());
     if (this.#following) this.#follow();
   }
 
   hide(): void {
-    this.#log.look(false);
+    this.#log.setVisible(false);
     this.#stop?.();
     this.#stop = undefined;
   }
@@ -74,7 +85,7 @@ class ConsoleView implements View {
   #toolbar(): HTMLElement {
     const level = h(
       "select",
-      { "aria-label": "Least level" },
+      { "aria-label": "Minimum level" },
       h("option", { value: 0 }, "all levels"),
       ...LEVELS.slice(1).map(({ value, name }, index, { length }) =>
         h("option", { value }, index === length - 1 ? name : `${name} and above`),
@@ -82,13 +93,7 @@ class ConsoleView implements View {
     );
     level.addEventListener("change", () => this.#choose({ level: Number(level.value) }));
     this.#nodes.addEventListener("change", () => this.#choose({ node: this.#nodes.value }));
-    const text = h("input", {
-      type: "search",
-      "aria-label": "Text",
-      placeholder: "text or node",
-      class: "grow",
-    });
-    text.addEventListener("input", () => this.#choose({ text: text.value }));
+    const text = filterInput("Filter messages", (filter) => this.#choose({ text: filter }));
     const clear = h("button", { type: "button" }, "Clear");
     clear.addEventListener("click", () => this.#clear());
     return h(
@@ -103,7 +108,7 @@ class ConsoleView implements View {
     );
   }
 
-  #choose(change: Partial<Filter>): void {
+  #choose(change: Partial<EntryFilter>): void {
     Object.assign(this.#filter, change);
     this.#redraw();
   }
@@ -117,36 +122,36 @@ class ConsoleView implements View {
     replace(this.#rows);
     this.#shown = [];
     this.#drawn = 0;
-    // Paused or not: what stands there is to pass the filter.
-    this.#take();
+    // Even while paused: the filter applies to what is shown.
+    this.#appendNew();
     this.#follow();
   }
 
   #setPaused(paused: boolean): void {
     this.#paused = paused;
     this.#pause.classList.toggle("on", paused);
-    say(this.#pause, paused ? "Go on" : "Pause");
+    setText(this.#pause, paused ? "Resume" : "Pause");
     this.#draw();
   }
 
   #draw(): void {
-    if (this.#paused) this.#tell(this.#log.after(this.#drawn).length);
-    else this.#take();
+    if (this.#paused) this.#showStatus(this.#log.after(this.#drawn).length);
+    else this.#appendNew();
   }
 
-  #take(): void {
+  #appendNew(): void {
     const entries = this.#log.after(this.#drawn);
     this.#append(entries.filter((entry) => passes(entry, this.#filter)));
     this.#drawn = entries.at(-1)?.number ?? this.#drawn;
-    for (const { node } of entries) this.#offer(node);
-    this.#tell(0);
+    for (const { node } of entries) this.#addNode(node);
+    this.#showStatus(0);
   }
 
   #append(entries: Entry[]): void {
     if (entries.length === 0) return;
     this.#rows.append(...entries.map(row));
     this.#shown.push(...entries);
-    const excess = this.#shown.length - ROOM;
+    const excess = this.#shown.length - MAX_ENTRIES;
     if (excess > 0) {
       this.#shown.splice(0, excess);
       for (let gone = 0; gone < excess; gone += 1) this.#rows.firstElementChild?.remove();
@@ -154,30 +159,29 @@ class ConsoleView implements View {
     if (this.#following) this.#scroller.scrollTop = this.#scroller.scrollHeight;
   }
 
-  #offer(name: string): void {
-    if (this.#names.has(name) || this.#names.size >= MOST_NAMES) return;
+  #addNode(name: string): void {
+    if (this.#names.has(name) || this.#names.size >= MAX_NAMES) return;
     this.#names.add(name);
     this.#nodes.append(h("option", { value: name }, name));
   }
 
-  #tell(waiting: number): void {
+  #showStatus(waiting: number): void {
     const count = this.#shown.length;
-    const filtered = this.#filter.level > 0 || this.#filter.node !== "" || this.#filter.text !== "";
+    const filtered =
+      this.#filter.level > 0 || this.#filter.node !== "" || !this.#filter.text.isEmpty;
     let text = plural(count, "line");
     if (count === 0) {
-      text = filtered
-        ? "Nothing passes the filter."
-        : "Nothing has been said yet since this page was opened.";
-    } else if (count === ROOM) {
-      text = `The newest ${whole(ROOM)} lines; older ones are let go.`;
+      text = filtered ? "No lines match the filter." : "No messages since this page was opened.";
+    } else if (count === MAX_ENTRIES) {
+      text = `The newest ${whole(MAX_ENTRIES)} lines; older lines are discarded.`;
     }
     if (this.#paused) text += ` Paused: ${whole(waiting)} more.`;
-    say(this.#note, text);
+    setText(this.#note, text);
   }
 
   #scrolled(): void {
     const { scrollTop, scrollHeight, clientHeight } = this.#scroller;
-    this.#following = scrollTop + clientHeight >= scrollHeight - NEAR;
+    this.#following = scrollTop + clientHeight >= scrollHeight - AT_END;
     this.#newest.hidden = this.#following;
   }
 
@@ -190,8 +194,8 @@ class ConsoleView implements View {
 
 function row(entry: Entry): HTMLElement {
   const name = levelName(entry.level);
-  // Of what is wrong one wants to know where; of the rest only if one asks.
-  const where = entry.level >= GRAVE && entry.where !== "";
+  // Warnings and errors show their source; other messages only in the tooltip.
+  const where = entry.level >= WARN && entry.where !== "";
   return h(
     "li",
     { class: `level-${name.toLowerCase()}`, title: entry.where || null },

@@ -1,22 +1,197 @@
-/** The fields of a message and the elements of arrays, and so on inwards. */
-import { h, replace } from "../dom";
-import { type Field, isBytes, kindOf, own, type Types } from "../types";
-import { CheckControl, type Control, Folded, TextControl, typeOf } from "./controls";
+/** The inputs of a form: one control for each value, nested as the message is. */
+import { type Child, h, replace } from "../dom";
+import { type Field, isBytes, kindOf, own, rangeOf, type Types, typeText } from "../types";
 import {
   lengthProblem,
   objectOf,
   type Problem,
+  parseBytes,
   parseJson,
-  type Reading,
-  readBytes,
-  readText,
-} from "./readings";
+  parseText,
+  type Result,
+  textOf,
+} from "./parsing";
 import { checkField, initial, initialElement } from "./values";
 
-/** Elements up to which a list has inputs of its own for each. */
-const LONG = 64;
+/** Longer arrays are edited as one JSON text, instead of an input for each element. */
+const MAX_INPUTS = 64;
 
-/** The fields of a message, one below the other. */
+interface Control {
+  readonly element: HTMLElement;
+  /** The entered value. Problems are shown in the control and added to the list. */
+  read(problems: Problem[], path: string): unknown;
+  write(value: unknown): void;
+}
+
+let ids = 0;
+
+function freshId(): string {
+  ids += 1;
+  return `field-${ids}`;
+}
+
+/** A field that can be opened, with a control for its content. */
+class FoldedControl implements Control {
+  readonly element: HTMLElement;
+  readonly #inner: Control;
+
+  constructor(field: Field, inner: Control, open: boolean) {
+    this.#inner = inner;
+    this.element = h(
+      "details",
+      { class: "form-nested", open },
+      h("summary", {}, h("span", { class: "form-name" }, field.name), " ", typeOf(field)),
+      inner.element,
+    );
+  }
+
+  read(problems: Problem[], path: string): unknown {
+    const before = problems.length;
+    const value = this.#inner.read(problems, path);
+    // Problems must be visible.
+    if (problems.length > before) (this.element as HTMLDetailsElement).open = true;
+    return value;
+  }
+
+  write(value: unknown): void {
+    this.#inner.write(value);
+  }
+}
+
+/** A value that is entered as text. */
+class TextControl implements Control {
+  readonly element: HTMLElement;
+  readonly #input: HTMLInputElement | HTMLTextAreaElement;
+  readonly #note: HTMLElement;
+  readonly #parse: (text: string) => Result;
+
+  constructor(
+    field: Field,
+    parse: (text: string) => Result,
+    hint = "",
+    constants: readonly { name: string; value: string }[] = [],
+    label = "",
+  ) {
+    this.#parse = parse;
+    const id = freshId();
+    const shared = {
+      id,
+      class: "form-input",
+      placeholder: hint,
+      "aria-describedby": `${id}-note`,
+      autocomplete: "off",
+      spellcheck: "false",
+      oninput: () => this.#validate(),
+      ...(label === "" ? {} : { "aria-label": label }),
+    };
+    // Strings may have several lines.
+    if (kindOf(field.type) === "string" || isBytes(field)) {
+      this.#input = h("textarea", { ...shared, rows: 1, onkeydown: submitOnEnter });
+    } else {
+      const list = constants.length > 0 ? `${id}-constants` : undefined;
+      this.#input = h("input", {
+        ...shared,
+        list,
+        type: "text",
+        inputmode: rangeOf(field.type) === undefined ? "text" : "numeric",
+      });
+    }
+    this.#note = h("span", { class: "form-problem", id: `${id}-note`, "aria-live": "polite" });
+    const now =
+      field.type === "time" &&
+      h(
+        "button",
+        { type: "button", onclick: () => this.write("now"), title: "The time of publishing" },
+        "Now",
+      );
+    const options =
+      constants.length > 0 &&
+      h(
+        "datalist",
+        { id: `${id}-constants` },
+        ...constants.map(({ name, value }) =>
+          h("option", { value, label: value === name ? undefined : name }, name),
+        ),
+      );
+    this.element =
+      label !== ""
+        ? h("span", { class: "form-cell" }, this.#input, this.#note)
+        : labelled(field, id, [this.#input, now, options], this.#note);
+  }
+
+  read(problems: Problem[], path: string): unknown {
+    const result = this.#validate();
+    if ("value" in result) return result.value;
+    problems.push({ path, text: result.problem });
+    return this.#input.value;
+  }
+
+  write(value: unknown): void {
+    this.#input.value = textOf(value);
+    this.#validate();
+  }
+
+  #validate(): Result {
+    const result = this.#parse(this.#input.value);
+    const problem = "problem" in result ? result.problem : "";
+    if (problem === "") this.#input.removeAttribute("aria-invalid");
+    else this.#input.setAttribute("aria-invalid", "true");
+    this.#note.textContent = problem;
+    return result;
+  }
+}
+
+class CheckControl implements Control {
+  readonly element: HTMLElement;
+  readonly #input: HTMLInputElement;
+
+  constructor(field: Field, label = "") {
+    const id = freshId();
+    this.#input = h("input", {
+      id,
+      type: "checkbox",
+      ...(label === "" ? {} : { "aria-label": label }),
+    });
+    this.element =
+      label !== ""
+        ? h("span", { class: "form-cell" }, this.#input)
+        : labelled(field, id, [this.#input]);
+  }
+
+  read(): unknown {
+    return this.#input.checked;
+  }
+
+  write(value: unknown): void {
+    this.#input.checked = value === true;
+  }
+}
+
+/** A control in its own row, with the name and the type of the field as its label. */
+function labelled(field: Field, id: string, entry: Child[], note?: HTMLElement): HTMLElement {
+  const name = h("span", { class: "form-name" }, field.name);
+  return h(
+    "div",
+    { class: "form-field" },
+    h("label", { for: id }, name, " ", typeOf(field)),
+    h("span", { class: "form-entry" }, ...entry),
+    note,
+  );
+}
+
+/** The type of a field, shown beside its name. */
+function typeOf(field: Field): HTMLElement {
+  return h("span", { class: "type" }, typeText(field));
+}
+
+/** Enter submits the form, as in an input; with Shift it inserts a new line. */
+function submitOnEnter(event: KeyboardEvent): void {
+  if (event.key !== "Enter" || event.shiftKey || event.isComposing) return;
+  event.preventDefault();
+  (event.target as HTMLTextAreaElement).form?.requestSubmit();
+}
+
+/** The controls of all fields of a message. */
 export class MessageControl implements Control {
   readonly element: HTMLElement;
   readonly #controls: [Field, Control][];
@@ -56,25 +231,25 @@ export class MessageControl implements Control {
   }
 }
 
-/** One field with its name and type. */
+/** The control of a field, with its name and type. */
 function fieldControl(types: Types, field: Field, message: string, depth: number): Control {
   if (isBytes(field)) {
-    return new TextControl(field, (text) => readBytes(field, text), "base64, or [1, 2, 3]");
+    return new TextControl(field, (text) => parseBytes(field, text), "base64, or [1, 2, 3]");
   }
   if (field.array >= 0) return new ListControl(types, field, message, depth);
   if (kindOf(field.type) === "message") {
-    return new Folded(field, new MessageControl(types, field.type, depth + 1), depth < 2);
+    return new FoldedControl(field, new MessageControl(types, field.type, depth + 1), depth < 2);
   }
   if (field.type === "bool") return new CheckControl(field);
   return new TextControl(
     field,
-    (text) => readText(field.type, text),
+    (text) => parseText(field.type, text),
     "",
     types.constants(message, field.type),
   );
 }
 
-/** An array: an input for each element, or one of JSON text if there are many. */
+/** An array: an input for each element, or one JSON text if there are many. */
 class ListControl implements Control {
   readonly element: HTMLDetailsElement;
   readonly #types: Types;
@@ -86,7 +261,7 @@ class ListControl implements Control {
   readonly #add: HTMLButtonElement;
   readonly #note = h("p", { class: "form-problem", "aria-live": "polite" });
   #elements: Control[] = [];
-  /** The one input of a long list. */
+  /** The input of a long array. */
   #text: Control | undefined;
 
   constructor(types: Types, field: Field, message: string, depth: number) {
@@ -140,10 +315,10 @@ class ListControl implements Control {
     const list: unknown[] = Array.isArray(value) ? value : [];
     this.#elements = [];
     this.#text = undefined;
-    if (list.length > LONG) {
+    if (list.length > MAX_INPUTS) {
       this.#text = new TextControl(
         { ...this.#field, type: "string" },
-        (text) => this.#readList(text),
+        (text) => this.#parseList(text),
         "[1, 2, 3]",
         [],
         this.#field.name,
@@ -156,15 +331,15 @@ class ListControl implements Control {
     }
     this.#add.hidden = this.#text !== undefined;
     this.element.open = list.length > 0 && list.length <= 8;
-    this.#tell(list.length);
+    this.#showCount(list.length);
   }
 
-  #readList(text: string): Reading {
+  #parseList(text: string): Result {
     let value: unknown;
     try {
       value = parseJson(text);
     } catch (error) {
-      return { problem: `no JSON: ${(error as Error).message}` };
+      return { problem: `invalid JSON: ${(error as Error).message}` };
     }
     const problems: Problem[] = [];
     const checked = checkField(this.#types, this.#field, value, problems, "");
@@ -183,7 +358,7 @@ class ListControl implements Control {
       const remove = (): void => {
         this.#elements.splice(this.#elements.indexOf(control), 1);
         row.remove();
-        this.#tell(this.#elements.length);
+        this.#showCount(this.#elements.length);
         this.#add.focus();
       };
       row.append(
@@ -200,7 +375,7 @@ class ListControl implements Control {
       );
     }
     this.#body.append(row);
-    this.#tell(this.#elements.length);
+    this.#showCount(this.#elements.length);
     return control;
   }
 
@@ -209,7 +384,7 @@ class ListControl implements Control {
     const label = `${this.#field.name}[${at}]`;
     switch (kindOf(field.type)) {
       case "message":
-        return new Folded(
+        return new FoldedControl(
           field,
           new MessageControl(this.#types, field.type, this.#depth + 1),
           true,
@@ -219,7 +394,7 @@ class ListControl implements Control {
       default:
         return new TextControl(
           field,
-          (text) => readText(field.type, text),
+          (text) => parseText(field.type, text),
           "",
           this.#types.constants(this.#message, field.type),
           label,
@@ -227,7 +402,7 @@ class ListControl implements Control {
     }
   }
 
-  #tell(length: number): void {
+  #showCount(length: number): void {
     this.#count.textContent = length === 0 ? "empty" : String(length);
   }
 }

@@ -1,16 +1,16 @@
-/** The values of messages: what they are at first, whether they are right, and how they are sent. */
+/** Values of messages: the initial ones, checking, and the form in which they are sent. */
 import { type Field, isBytes, kindOf, own, type Types, typeText } from "../types";
 import {
-  inRange,
   lengthProblem,
   objectOf,
   type Problem,
-  type Reading,
-  readBytes,
-  readText,
-} from "./readings";
+  parseBytes,
+  parseText,
+  type Result,
+  timeFromNanoseconds,
+} from "./parsing";
 
-/** What a field is unless told otherwise; a header's time is the moment of publishing. */
+/** The initial value of a field. The time of a header is the time of publishing. */
 export function initial(types: Types, field: Field, message = ""): unknown {
   if (isBytes(field)) return btoa("\0".repeat(Math.max(0, field.array)));
   if (field.array >= 0) {
@@ -19,7 +19,7 @@ export function initial(types: Types, field: Field, message = ""): unknown {
   return initialElement(types, field, message);
 }
 
-/** What one element of an array field is at first, or the field itself if it is no array. */
+/** The initial value of an element of an array field, or of a field that is not an array. */
 export function initialElement(types: Types, field: Field, message = ""): unknown {
   switch (kindOf(field.type)) {
     case "integer":
@@ -42,7 +42,7 @@ export function initialMessage(types: Types, type: string): Record<string, unkno
   return objectOf(types.fields(type).map((field) => [field.name, initial(types, field, type)]));
 }
 
-/** Check a message that was written as JSON; gives it as it is to be sent. */
+/** Check a message that was entered as JSON; returns it as it will be sent. */
 export function checkMessage(
   types: Types,
   type: string,
@@ -51,7 +51,7 @@ export function checkMessage(
   path = "",
 ): unknown {
   if (typeof value !== "object" || value === null || Array.isArray(value)) {
-    problems.push({ path, text: `${type} is an object: {…}` });
+    problems.push({ path, text: `expected an object {…} for ${type}` });
     return value;
   }
   const checked: [string, unknown][] = [];
@@ -60,8 +60,8 @@ export function checkMessage(
     const at = path === "" ? name : `${path}.${name}`;
     if (field === undefined) {
       const names = types.fields(type).map((each) => each.name);
-      const has = names.length === 0 ? "no fields" : names.join(", ");
-      problems.push({ path: at, text: `${type} has no such field; it has ${has}` });
+      const known = names.length === 0 ? "none" : names.join(", ");
+      problems.push({ path: at, text: `unknown field of ${type}; its fields are ${known}` });
     } else {
       checked.push([name, checkField(types, field, own(value, name), problems, at)]);
     }
@@ -69,7 +69,7 @@ export function checkMessage(
   return objectOf(checked);
 }
 
-/** As `checkMessage` does, for one field. */
+/** Like `checkMessage`, for one field. */
 export function checkField(
   types: Types,
   field: Field,
@@ -78,15 +78,15 @@ export function checkField(
   path: string,
 ): unknown {
   if (isBytes(field)) {
-    const reading = readBytes(
+    const result = parseBytes(
       field,
       typeof value === "string" ? value : (JSON.stringify(value) ?? ""),
     );
-    return settle(reading, value, problems, path);
+    return valueOrProblem(result, value, problems, path);
   }
   if (field.array < 0) return checkElement(types, field, value, problems, path);
   if (!Array.isArray(value)) {
-    problems.push({ path, text: `${typeText(field)} is a list: […]` });
+    problems.push({ path, text: `expected a list […] for ${typeText(field)}` });
     return value;
   }
   const length = lengthProblem(field, value.length);
@@ -110,44 +110,49 @@ function checkElement(
     if (typeof value !== "object" || !Number.isInteger(secs) || !Number.isInteger(nsecs)) {
       problems.push({
         path,
-        text: `a ${kind} is {"secs": 0, "nsecs": 0}${kind === "time" ? ' or "now"' : ""}`,
+        text: `expected {"secs": 0, "nsecs": 0}${kind === "time" ? ' or "now"' : ""} for ${kind}`,
       });
       return value;
     }
     const total = BigInt(secs as number) * 1_000_000_000n + BigInt(nsecs as number);
-    return settle(inRange(kind, total, String(secs)), value, problems, path);
+    return valueOrProblem(timeFromNanoseconds(kind, total, String(secs)), value, problems, path);
   }
-  const right =
+  const isValid =
     (kind === "string" && typeof value === "string") ||
     (kind === "bool" && typeof value === "boolean") ||
     (kind === "float" &&
       (value === null || typeof value === "number" || typeof value === "string")) ||
     (kind === "integer" && (typeof value === "number" || typeof value === "string"));
-  if (!right) {
+  if (!isValid) {
     problems.push({
       path,
-      text: `a ${field.type} is wanted, not ${JSON.stringify(value) ?? "nothing"}`,
+      text: `expected ${field.type}, got ${JSON.stringify(value) ?? "nothing"}`,
     });
     return value;
   }
-  return settle(
-    readText(field.type, value === null ? "nan" : String(value)),
+  return valueOrProblem(
+    parseText(field.type, value === null ? "nan" : String(value)),
     value,
     problems,
     path,
   );
 }
 
-function settle(reading: Reading, value: unknown, problems: Problem[], path: string): unknown {
-  if ("value" in reading) return reading.value;
-  problems.push({ path, text: reading.problem });
+function valueOrProblem(
+  result: Result,
+  value: unknown,
+  problems: Problem[],
+  path: string,
+): unknown {
+  if ("value" in result) return result.value;
+  problems.push({ path, text: result.problem });
   return value;
 }
 
 /**
- * A checked message as `JSON.stringify` is to have it: long integers are written in full.
+ * Prepare a checked message for `JSON.stringify`: large integers keep all digits.
  *
- * Where a browser has no `JSON.rawJSON`, they stay strings.
+ * In browsers without `JSON.rawJSON` they stay strings.
  */
 export function sendable(types: Types, type: string, message: unknown): Record<string, unknown> {
   return objectOf(

@@ -1,11 +1,11 @@
-import { expect, it } from "vitest";
+import { expect, test } from "vitest";
 
 import type { Rates } from "../model";
 import { asText } from "./as_text";
-import { USUAL } from "./choices";
 import { picture } from "./picture";
+import { DEFAULTS } from "./toolbar";
 
-it("tells each node and topic with what goes out of it and into it", () => {
+test("each node and topic is listed with its edges", () => {
   const drawn = picture(
     {
       revision: 1,
@@ -29,7 +29,7 @@ it("tells each node and topic with what goes out of it and into it", () => {
       services: [],
       actions: [],
     },
-    USUAL,
+    DEFAULTS,
   );
   const rates: Rates = {
     topics: new Map(),

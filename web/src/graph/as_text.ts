@@ -1,10 +1,10 @@
-// The picture in lines of text, for screen readers and for who likes to read.
+/** The picture as text, for screen readers and for copying. */
 
 import { hertz } from "../format";
 import type { Rates } from "../model";
 import type { Edge, Picture } from "./picture";
 
-/** A line for each element with its type, and below it one for each arrow that leaves or ends there. */
+/** A line for each element with its type, followed by its edges. */
 export function asText({ elements, edges }: Picture, rates: Rates): string {
   const byId = new Map(elements.map((element) => [element.id, element]));
   const into = new Map<string, typeof edges>();

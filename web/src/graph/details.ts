@@ -1,21 +1,21 @@
-// What is to be known of one element, beside the drawing.
+/** The panel with the details of one element, beside the drawing. */
 
-import { definitions } from "../definition";
-import { type Child, h, replace, say } from "../dom";
-import { ago, bandwidth, bytes, hertz, moment, whole } from "../format";
+import { type Child, h, replace, setText } from "../dom";
+import { ago, bandwidth, bytes, dateTime, hertz, whole } from "../format";
 import type {
   ActionInfo,
   ClientStatistics,
   Graph,
   Model,
+  NodeInfo,
   Rates,
   ServiceInfo,
   TopicInfo,
 } from "../model";
 import { flowKey } from "../rates";
+import { definitions } from "../type_definition";
 import type { TypeDef } from "../types";
 import { route } from "../view";
-import { type Facts, facts } from "./facts";
 import type { Kind } from "./picture";
 
 type Live = (rates: Rates, clients: readonly ClientStatistics[]) => void;
@@ -30,7 +30,7 @@ export class Details {
   #shown: { kind: Kind; name: string } | null = null;
   #drawn = "";
 
-  /** `close` is called when its reader has had enough. */
+  /** `close` is called when the user closes the panel. */
   constructor(model: Model, close: () => void) {
     this.#model = model;
     this.element = h(
@@ -59,47 +59,47 @@ export class Details {
     );
   }
 
-  /** Show an element, or with null none. */
+  /** Show the details of an element; null closes the panel. */
   show(shown: { kind: Kind; name: string } | null): void {
     this.#shown = shown;
     this.#drawn = "";
     this.element.hidden = shown === null;
-    this.follow(this.#model.graph.value);
+    this.update(this.#model.graph.value);
   }
 
-  /** How much of the drawing lies under it, in pixels. */
-  covers(): { width: number; height: number } {
+  /** The size of the part of the drawing that it covers, in pixels. */
+  covered(): { width: number; height: number } {
     const { hidden, offsetWidth, offsetHeight, parentElement } = this.element;
     if (hidden || parentElement === null) return { width: 0, height: 0 };
-    const below = offsetWidth >= parentElement.offsetWidth;
-    return below ? { width: 0, height: offsetHeight } : { width: offsetWidth, height: 0 };
+    const isFullWidth = offsetWidth >= parentElement.offsetWidth;
+    return isFullWidth ? { width: 0, height: offsetHeight } : { width: offsetWidth, height: 0 };
   }
 
-  /** The graph has changed. */
-  follow(graph: Graph | null): void {
+  /** Show the current graph. */
+  update(graph: Graph | null): void {
     const shown = this.#shown;
     if (shown === null || graph === null) return;
-    const known = facts(graph, shown);
-    // What is open or marked in the details stays so until they say something else.
+    const known = elementData(graph, shown);
+    // Unchanged details are not drawn again: folds and selected text stay.
     const drawn = JSON.stringify([shown, known]);
     if (drawn === this.#drawn) return;
     this.#drawn = drawn;
     this.#live = [];
-    const reading = this.#body.contains(document.activeElement);
+    const hasFocus = this.#body.contains(document.activeElement);
     replace(this.#kind, shown.kind);
     replace(this.#title, shown.name);
     replace(this.#body, ...this.#describe(shown.name, known));
-    this.measure();
-    // The link that was followed is gone, and the keyboard with it.
-    if (reading) this.#title.focus();
+    this.updateNumbers();
+    // The focused link was replaced.
+    if (hasFocus) this.#title.focus();
   }
 
-  /** Bring the numbers up to date. */
-  measure(): void {
-    for (const tell of this.#live) tell(this.#model.rates.value, this.#model.clients.value);
+  /** Update the numbers. */
+  updateNumbers(): void {
+    for (const update of this.#live) update(this.#model.rates.value, this.#model.clients.value);
   }
 
-  #describe(name: string, known: Facts | undefined): Child[] {
+  #describe(name: string, known: ElementData | undefined): Child[] {
     switch (known?.kind) {
       case "node":
         return this.#node(known);
@@ -110,42 +110,48 @@ export class Details {
       case "action":
         return this.#action(known.action, known.topics);
       case undefined:
-        return [h("p", { class: "soft" }, `${name} is not in the graph now.`)];
+        return [h("p", { class: "soft" }, `${name} is not in the graph.`)];
     }
   }
 
-  #node({ node, publishes, subscribes, actions, services }: Facts & { kind: "node" }): Child[] {
+  #node({
+    node,
+    publishes,
+    subscribes,
+    actions,
+    services,
+  }: ElementData & { kind: "node" }): Child[] {
     const since = node.since.secs + node.since.nsecs / 1e9;
-    const kept = this.#lively((_, clients) => {
+    const queued = this.#liveText((_, clients) => {
       const client = clients.find((each) => each.node === node.name);
       if (client === undefined) return "–";
-      const slow = client.slow ? ", slow: its socket takes no more now" : "";
-      return `${bytes(client.kept_bytes)} waiting, ${whole(client.dropped)} dropped${slow}`;
+      const slow = client.slow ? ", slow: its socket accepts no data now" : "";
+      return `${bytes(client.kept_bytes)} queued, ${whole(client.dropped)} dropped${slow}`;
     });
     const key = (topic: string): string => flowKey(topic, node.name);
     return [
       terms([
-        ["address", node.address || (node.own ? "the hub itself" : "unknown")],
+        ["address", node.address || (node.own ? "part of the hub" : "unknown")],
         [
           "since",
-          this.#lively(
-            () => `${moment(node.since.secs, 0).slice(0, 19)}, ${ago(Date.now() / 1000 - since)}`,
+          this.#liveText(
+            () => `${dateTime(node.since.secs, 0).slice(0, 19)}, ${ago(Date.now() / 1000 - since)}`,
           ),
         ],
-        node.own ? null : ["outbox", kept],
+        node.own ? null : ["send queue", queued],
       ]),
       list(
         "Publishes",
         publishes.map((topic) => [
           link("topic", topic),
-          this.#lively((rates) => hertz(rates.publishers.get(key(topic))?.messages ?? 0)),
+          this.#liveText((rates) => hertz(rates.publishers.get(key(topic))?.messages ?? 0)),
         ]),
       ),
       list(
         "Subscribes",
         subscribes.map((topic) => [
           link("topic", topic),
-          this.#lively((rates) => hertz(rates.subscriptions.get(key(topic))?.messages ?? 0)),
+          this.#liveText((rates) => hertz(rates.subscriptions.get(key(topic))?.messages ?? 0)),
         ]),
       ),
       list(
@@ -162,7 +168,7 @@ export class Details {
   #topic(topic: TopicInfo): Child[] {
     const { name } = topic;
     const key = (node: string): string => flowKey(name, node);
-    const flowing = this.#lively((rates) => {
+    const flowing = this.#liveText((rates) => {
       const flow = rates.topics.get(name);
       return `${hertz(flow?.messages ?? 0)}, ${bandwidth(flow?.bytes ?? 0)}`;
     });
@@ -174,11 +180,11 @@ export class Details {
         h("a", { class: "button", href: route("topics", name, "plot") }, "plot"),
       ),
       terms([
-        ["type", h("code", {}, topic.type || "none yet")],
+        ["type", h("code", {}, topic.type || "unknown")],
         topic.checked || topic.type === ""
           ? null
-          : ["checked", "no: the hub does not know this type"],
-        ["flow", flowing],
+          : ["checked", "no, the hub does not know this type"],
+        ["rate", flowing],
       ]),
       list(
         "Publishers",
@@ -189,12 +195,12 @@ export class Details {
             link("node", node),
             latch ? h("span", { class: "badge" }, "latched") : null,
           ),
-          this.#lively((rates) => {
+          this.#liveText((rates) => {
             const flow = rates.publishers.get(key(node));
             return `${hertz(flow?.messages ?? 0)}, ${bandwidth(flow?.bytes ?? 0)}`;
           }),
         ]),
-        "none: nobody publishes here",
+        "no publishers",
       ),
       list(
         "Subscribers",
@@ -207,21 +213,21 @@ export class Details {
               "span",
               { class: "soft small" },
               [
-                queue_length > 0 ? `queue of ${queue_length}` : "no queue length",
-                throttle_rate > 0 ? `one in ${throttle_rate} ms at most` : "not throttled",
+                queue_length > 0 ? `queue of ${queue_length}` : "unlimited queue",
+                throttle_rate > 0 ? `at most every ${throttle_rate} ms` : "not throttled",
                 compression === "none" || compression === "" ? "" : compression,
               ]
                 .filter((part) => part !== "")
                 .join(", "),
             ),
           ),
-          this.#lively((rates) => {
+          this.#liveText((rates) => {
             const dropped = rates.dropped.get(key(node)) ?? 0;
             const rate = hertz(rates.subscriptions.get(key(node))?.messages ?? 0);
             return dropped > 0 ? `${rate}, ⚠ ${whole(dropped)} dropped` : rate;
           }),
         ]),
-        "none: nobody listens",
+        "no subscribers",
       ),
       this.#definition(topic.type, "Definition", (type) => this.#model.typedefs(type)),
     ];
@@ -248,23 +254,28 @@ export class Details {
       terms([
         ["type", h("code", {}, type)],
         ["server", link("node", node)],
-        ["carried by", over_topics ? "five topics, as in ROS 1" : "operations, as in ROS 2"],
+        ["transport", over_topics ? "five topics, as in ROS 1" : "operations, as in ROS 2"],
       ]),
       list(
         "Topics",
         topics.map((topic) => [
           link("topic", topic),
-          this.#lively((rates) => hertz(rates.topics.get(topic)?.messages ?? 0)),
+          this.#liveText((rates) => hertz(rates.topics.get(topic)?.messages ?? 0)),
         ]),
       ),
     ];
   }
 
-  /** A type as .msg text; the types in it are folded. */
-  #definition(type: string, title: string, ask: (type: string) => Promise<TypeDef[]>): Child {
+  /** The definition of a type, loaded on demand. */
+  #definition(type: string, title: string, load: (type: string) => Promise<TypeDef[]>): Child {
     if (type === "") return null;
-    const place = h("section", {}, h("h3", {}, title), h("p", { class: "soft small" }, "asking …"));
-    ask(type).then(
+    const place = h(
+      "section",
+      {},
+      h("h3", {}, title),
+      h("p", { class: "soft small" }, "loading …"),
+    );
+    load(type).then(
       (typedefs) => replace(place, h("h3", {}, title), ...definitions(typedefs)),
       (error: Error) =>
         replace(place, h("h3", {}, title), h("p", { class: "soft small" }, error.message)),
@@ -272,10 +283,10 @@ export class Details {
     return place;
   }
 
-  /** A text that is made anew with each answer of the hub's. */
-  #lively(text: (rates: Rates, clients: readonly ClientStatistics[]) => string): HTMLElement {
+  /** A text that is updated with the rates. */
+  #liveText(text: (rates: Rates, clients: readonly ClientStatistics[]) => string): HTMLElement {
     const place = h("span", { class: "live" });
-    this.#live.push((rates, clients) => say(place, text(rates, clients)));
+    this.#live.push((rates, clients) => setText(place, text(rates, clients)));
     return place;
   }
 }
@@ -304,3 +315,59 @@ function list(title: string, rows: Child[][], none?: string): Child {
     h("ul", {}, ...rows.map((cells) => h("li", {}, ...cells))),
   );
 }
+
+export type ElementData =
+  | {
+      kind: "node";
+      node: NodeInfo;
+      /** Names of topics. */
+      publishes: string[];
+      subscribes: string[];
+      actions: string[];
+      services: string[];
+    }
+  | { kind: "topic"; topic: TopicInfo }
+  | { kind: "service"; service: ServiceInfo }
+  /** `topics` are its own ones, if it is over topics. */
+  | { kind: "action"; action: ActionInfo; topics: string[] };
+
+/** The data of one element, if it is in the graph: its details change only with these. */
+export function elementData(
+  graph: Graph,
+  { kind, name }: { kind: Kind; name: string },
+): ElementData | undefined {
+  const named = (each: { name: string }): boolean => each.name === name;
+  const its = (each: { node: string }): boolean => each.node === name;
+  switch (kind) {
+    case "node": {
+      const node = graph.nodes.find(named);
+      return (
+        node && {
+          kind,
+          node,
+          publishes: names(graph.topics.filter(({ publishers }) => publishers.some(its))),
+          subscribes: names(graph.topics.filter(({ subscriptions }) => subscriptions.some(its))),
+          actions: names(graph.actions.filter(its)),
+          services: names(graph.services.filter(its)),
+        }
+      );
+    }
+    case "topic": {
+      const topic = graph.topics.find(named);
+      return topic && { kind, topic };
+    }
+    case "service": {
+      const service = graph.services.find(named);
+      return service && { kind, service };
+    }
+    case "action": {
+      const action = graph.actions.find(named);
+      const topics = action?.over_topics ? names(graph.topics) : [];
+      return (
+        action && { kind, action, topics: topics.filter((topic) => topic.startsWith(`${name}/`)) }
+      );
+    }
+  }
+}
+
+const names = (all: readonly { name: string }[]): string[] => all.map(({ name }) => name);

@@ -1,18 +1,18 @@
 /// <reference lib="webworker" />
-// Places what it is asked to, away from the page's own thread.
+// Lays out graphs off the main thread.
 
-import { Arranger } from "./arrange";
-import type { Plan } from "./places";
+import { LayoutEngine } from "./layout";
+import type { LayoutRequest } from "./layout_types";
 
 declare const self: DedicatedWorkerGlobalScope;
 
-const arranger = new Arranger();
+const engine = new LayoutEngine();
 
-self.onmessage = ({ data }: MessageEvent<{ round: number; plan: Plan }>): void => {
-  const { round, plan } = data;
+self.onmessage = ({ data }: MessageEvent<{ number: number; request: LayoutRequest }>): void => {
+  const { number, request } = data;
   try {
-    self.postMessage({ round, places: arranger.arrange(plan) });
+    self.postMessage({ number, layout: engine.layOut(request) });
   } catch (error) {
-    self.postMessage({ round, error: String(error) });
+    self.postMessage({ number, error: String(error) });
   }
 };

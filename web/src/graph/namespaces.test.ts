@@ -1,15 +1,15 @@
-import { expect, it } from "vitest";
+import { expect, test } from "vitest";
 
 import { enclosing, namespaces } from "./namespaces";
 
 const named = (...names: string[]) => names.map((name) => ({ id: name, name }));
 
-it("knows all namespaces around a name", () => {
+test("all namespaces of a name are found", () => {
   expect(enclosing("/robot/arm/camera")).toEqual(["/robot", "/robot/arm"]);
   expect(enclosing("/camera")).toEqual([]);
 });
 
-it("draws a namespace that has two elements, inside the one around it", () => {
+test("namespaces with two elements are drawn, nested", () => {
   const { groups, of } = namespaces(named("/r/a", "/r/arm/b", "/r/arm/c", "/d"), null);
   expect(groups).toEqual([
     { name: "/r", parent: null },
@@ -20,13 +20,13 @@ it("draws a namespace that has two elements, inside the one around it", () => {
   expect(of.has("/d")).toBe(false);
 });
 
-it("draws one box where several would be around the same", () => {
+test("only the innermost of equal namespaces is drawn", () => {
   expect(namespaces(named("/a/b/c/x", "/a/b/c/y", "/z"), null).groups).toEqual([
     { name: "/a/b/c", parent: null },
   ]);
 });
 
-it("draws none around a single element, nor where all have the same, nor when not wanted", () => {
+test("none is drawn for one element, for a single namespace, or if not wanted", () => {
   expect(namespaces(named("/r/a", "/b"), null).groups).toEqual([]);
   expect(namespaces(named("/r/a", "/r/b"), null).groups).toEqual([]);
   expect(namespaces(named("/r/a", "/r/b"), true).groups).toHaveLength(1);

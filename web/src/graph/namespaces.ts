@@ -1,4 +1,4 @@
-// Which names share a namespace that is worth a box around them.
+/** Finds the namespaces that are drawn as boxes. */
 
 export interface Named {
   id: string;
@@ -6,13 +6,13 @@ export interface Named {
 }
 
 export interface Namespaces {
-  /** Outer ones first. */
+  /** Outer namespaces first. */
   groups: { name: string; parent: string | null }[];
-  /** The innermost group of each element that is in one. */
+  /** The innermost drawn namespace of each element that is in one. */
   of: Map<string, string>;
 }
 
-/** `/robot/arm/camera` is in `/robot` and `/robot/arm`; innermost last. */
+/** The namespaces of a name, innermost last: `/robot`, `/robot/arm` for `/robot/arm/camera`. */
 export function enclosing(name: string): string[] {
   const found: string[] = [];
   for (let at = name.indexOf("/", 1); at !== -1; at = name.indexOf("/", at + 1)) {
@@ -22,8 +22,10 @@ export function enclosing(name: string): string[] {
 }
 
 /**
- * Find the namespaces to draw: those with two elements or more in them, and of several around the
- * very same elements only the innermost. With `wanted` null, none if all names share one namespace.
+ * Find the namespaces to draw: those with two or more elements.
+ *
+ * Of several with the same elements, only the innermost is drawn. If `wanted` is null, none are
+ * drawn unless there are several namespaces.
  */
 export function namespaces(elements: readonly Named[], wanted: boolean | null): Namespaces {
   const none: Namespaces = { groups: [], of: new Map() };

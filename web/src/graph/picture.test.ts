@@ -1,8 +1,9 @@
 import { describe, expect, it } from "vitest";
 
+import { Filter } from "../filter";
 import type { Graph, TopicInfo } from "../model";
-import { USUAL } from "./choices";
 import { picture } from "./picture";
+import { DEFAULTS } from "./toolbar";
 
 const node = (name: string) => ({
   name,
@@ -42,8 +43,8 @@ const arrows = (drawn: { edges: { from: string; to: string }[] }) =>
   drawn.edges.map(({ from, to }) => `${from} -> ${to}`);
 
 describe("a picture", () => {
-  it("has an arrow from the publisher to the topic, and from there to the subscriber", () => {
-    const drawn = picture(CHATTER, USUAL);
+  it("has edges from the publisher to the topic and on to the subscriber", () => {
+    const drawn = picture(CHATTER, DEFAULTS);
     expect(ids(drawn)).toEqual(["topic /chatter", "node /listener", "node /talker"]);
     expect(arrows(drawn)).toEqual([
       "node /talker -> topic /chatter",
@@ -53,21 +54,21 @@ describe("a picture", () => {
     expect(drawn.edges[1]?.subscriptions).toEqual(["/chatter /listener"]);
   });
 
-  it("has the topic's name on the arrow where only nodes are drawn", () => {
-    const drawn = picture(CHATTER, { ...USUAL, topics: false });
+  it("has topics as labels if only nodes are drawn", () => {
+    const drawn = picture(CHATTER, { ...DEFAULTS, topics: false });
     expect(ids(drawn)).toEqual(["node /listener", "node /talker"]);
     expect(arrows(drawn)).toEqual(["node /talker -> node /listener"]);
     expect(drawn.edges[0]?.label).toBe("/chatter");
   });
 
   it("marks what is latched", () => {
-    const drawn = picture(graph(["/a"], [topic("/map", ["/a"], [], true)]), USUAL);
+    const drawn = picture(graph(["/a"], [topic("/map", ["/a"], [], true)]), DEFAULTS);
     expect(drawn.edges[0]?.latched).toBe(true);
     expect(drawn.edges[0]?.about).toBe("/a publishes /map, latched");
   });
 
-  it("says of each element what it is and how many arrows it has", () => {
-    const about = picture(CHATTER, USUAL).elements.map((each) => each.about);
+  it("describes each element and its number of edges", () => {
+    const about = picture(CHATTER, DEFAULTS).elements.map((each) => each.about);
     expect(about).toEqual([
       "topic /chatter, type std_msgs/String, publishers 1, subscribers 1",
       "node /listener, publishes 0, subscribes 1",
@@ -75,51 +76,51 @@ describe("a picture", () => {
     ]);
   });
 
-  it("leaves out what is there for debugging, unless asked", () => {
+  it("hides names of the hub and of tools, unless debugging", () => {
     const noisy = graph(
       ["/talker", "/page_1234", "/fibws_tool_12_34"],
       [topic("/rosout", ["/talker"], []), topic("/chatter", ["/talker"], ["/page_1234"])],
     );
-    expect(ids(picture(noisy, USUAL))).toEqual(["topic /chatter", "node /talker"]);
-    expect(ids(picture(noisy, { ...USUAL, debug: true }))).toContain("node /page_1234");
-    expect(ids(picture(noisy, { ...USUAL, debug: true }))).toContain("topic /rosout");
+    expect(ids(picture(noisy, DEFAULTS))).toEqual(["topic /chatter", "node /talker"]);
+    expect(ids(picture(noisy, { ...DEFAULTS, debug: true }))).toContain("node /page_1234");
+    expect(ids(picture(noisy, { ...DEFAULTS, debug: true }))).toContain("topic /rosout");
   });
 
-  it("shows topics that nobody hears or nobody publishes, unless dead ends are off", () => {
+  it("shows topics without publishers or subscribers, unless dead ends are off", () => {
     const dead = graph(["/a"], [topic("/out", ["/a"], []), topic("/in", [], ["/a"])]);
-    expect(ids(picture(dead, USUAL))).toEqual(["node /a", "topic /in", "topic /out"]);
-    expect(ids(picture(dead, { ...USUAL, deadEnds: false }))).toEqual(["node /a"]);
+    expect(ids(picture(dead, DEFAULTS))).toEqual(["node /a", "topic /in", "topic /out"]);
+    expect(ids(picture(dead, { ...DEFAULTS, deadEnds: false }))).toEqual(["node /a"]);
   });
 
-  it("keeps what the filter names and its neighbours, and no further ones", () => {
+  it("keeps elements that match the filter and their neighbours", () => {
     const chain = graph(
       ["/robot/a", "/b", "/c"],
       [topic("/robot/x", ["/robot/a"], ["/b"]), topic("/y", ["/b"], ["/c"])],
     );
-    const drawn = picture(chain, { ...USUAL, filter: "/robot", namespaces: false });
+    const drawn = picture(chain, { ...DEFAULTS, filter: new Filter("/robot"), namespaces: false });
     expect(ids(drawn)).toEqual(["node /b", "node /robot/a", "topic /robot/x"]);
     expect(arrows(drawn)).toHaveLength(2);
-    expect(ids(picture(chain, { ...USUAL, filter: "y" }))).toEqual([
+    expect(ids(picture(chain, { ...DEFAULTS, filter: new Filter("y") }))).toEqual([
       "node /b",
       "node /c",
       "topic /y",
     ]);
   });
 
-  it("shows services only when asked, with a dashed arrow to their provider", () => {
+  it("shows services on demand, with a dashed edge to their node", () => {
     const serving = graph(["/adder"], [], {
       services: [{ name: "/add", type: "rospy_tutorials/AddTwoInts", node: "/adder" }],
     });
-    expect(ids(picture(serving, USUAL))).toEqual(["node /adder"]);
-    const drawn = picture(serving, { ...USUAL, services: true });
+    expect(ids(picture(serving, DEFAULTS))).toEqual(["node /adder"]);
+    const drawn = picture(serving, { ...DEFAULTS, services: true });
     expect(arrows(drawn)).toEqual(["service /add -> node /adder"]);
     expect(drawn.edges[0]?.dashed).toBe(true);
   });
 
-  it("puts a name inside its namespace's box without the namespace", () => {
+  it("labels elements without the namespace that is drawn around them", () => {
     const drawn = picture(
       graph(["/robot/a", "/robot/b", "/c"], [topic("/robot/arm/x", ["/robot/a"], ["/c"])]),
-      USUAL,
+      DEFAULTS,
     );
     expect(drawn.groups).toEqual([{ name: "/robot", parent: null }]);
     const labels = drawn.elements.map(({ group, label }) => [group, label]);
@@ -131,17 +132,17 @@ describe("a picture", () => {
     ]);
   });
 
-  it("has types while there is room for them, or as was chosen", () => {
-    expect(picture(CHATTER, USUAL).elements[0]?.second).toBe("std_msgs/String");
-    expect(picture(CHATTER, { ...USUAL, types: false }).elements[0]?.second).toBe("");
+  it("shows types in small graphs, or as chosen", () => {
+    expect(picture(CHATTER, DEFAULTS).elements[0]?.second).toBe("std_msgs/String");
+    expect(picture(CHATTER, { ...DEFAULTS, types: false }).elements[0]?.second).toBe("");
     const many = graph(
       ["/a"],
       [..."abcdefghi"].map((letter) => topic(`/${letter}`, ["/a"], [])),
     );
-    expect(picture(many, USUAL).elements.map(({ second }) => second)).not.toContain(
+    expect(picture(many, DEFAULTS).elements.map(({ second }) => second)).not.toContain(
       "std_msgs/String",
     );
-    expect(picture(many, { ...USUAL, types: true }).typed).toBe(true);
+    expect(picture(many, { ...DEFAULTS, types: true }).typed).toBe(true);
   });
 });
 
@@ -154,8 +155,8 @@ describe("an action over topics", () => {
     actions: [{ name: "/fly", type: "demo/Fly", node: "/server", over_topics: true }],
   });
 
-  it("is one box between its client and its server", () => {
-    const drawn = picture(flying, USUAL);
+  it("is one element between its client and its server", () => {
+    const drawn = picture(flying, DEFAULTS);
     expect(ids(drawn)).toEqual(["node /client", "action /fly", "node /server", "node /viewer"]);
     expect(arrows(drawn)).toEqual([
       "action /fly -> node /server",
@@ -168,24 +169,24 @@ describe("an action over topics", () => {
     expect(asks?.subscriptions).toHaveLength(3);
   });
 
-  it("is not seen when actions are off, nor are its topics", () => {
-    const drawn = picture(flying, { ...USUAL, actions: false });
+  it("is hidden with its topics if actions are off", () => {
+    const drawn = picture(flying, { ...DEFAULTS, actions: false });
     expect(ids(drawn)).toEqual(["node /client", "node /server", "node /viewer"]);
   });
 
-  it("is its five topics for who debugs", () => {
-    const drawn = picture(flying, { ...USUAL, debug: true });
+  it("is shown as five topics for debugging", () => {
+    const drawn = picture(flying, { ...DEFAULTS, debug: true });
     expect(ids(drawn)).not.toContain("action /fly");
     expect(ids(drawn).filter((id) => id.startsWith("topic /fly/"))).toHaveLength(5);
   });
 });
 
-it("draws an action by operations with a dashed arrow to its server", () => {
+it("an action over operations has a dashed edge to its server", () => {
   const drawn = picture(
     graph(["/server"], [], {
       actions: [{ name: "/fly", type: "demo/Fly", node: "/server", over_topics: false }],
     }),
-    USUAL,
+    DEFAULTS,
   );
   expect(arrows(drawn)).toEqual(["action /fly -> node /server"]);
   expect(drawn.edges[0]?.dashed).toBe(true);

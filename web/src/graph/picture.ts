@@ -1,29 +1,28 @@
-// The graph as it is to be drawn: elements, arrows and namespaces, before anything has its place.
+/** What of the graph is drawn: elements, edges and namespaces, not yet laid out. */
 
-import { isHidden } from "../hidden";
+import type { Filter } from "../filter";
+import { isHidden } from "../hidden_names";
 import type { ActionInfo, Graph, TopicInfo } from "../model";
 import { flowKey } from "../rates";
-import { actionTopics } from "./action_topics";
-import type { Choices } from "./choices";
-import { passes } from "./choices";
 import { namespaces } from "./namespaces";
+import type { GraphOptions } from "./toolbar";
 
 export type Kind = "node" | "topic" | "service" | "action";
 
 export interface Element {
-  /** Kind and name: a node and a topic may have the same name. */
+  /** Kind and name, as a node and a topic may have the same name. */
   id: string;
   kind: Kind;
   name: string;
   /** The type of a topic, service or action; empty for a node. */
   type: string;
-  /** The innermost namespace that is drawn around it. */
+  /** The innermost drawn namespace around it. */
   group: string | null;
-  /** The name as read inside that namespace. */
+  /** The name within that namespace. */
   label: string;
-  /** The type, where it is to be read in the picture. */
+  /** The second line of text: the type, if types are shown. */
   second: string;
-  /** What a screen reader says. */
+  /** The description for screen readers. */
   about: string;
 }
 
@@ -31,15 +30,15 @@ export interface Edge {
   id: string;
   from: string;
   to: string;
-  /** What flows, as the keys of the model's rates; none where nothing is counted. */
+  /** The keys of its rates in the model; none if its messages are not counted. */
   publishers: string[];
   subscriptions: string[];
-  /** The topic's name where topics are words on the arrows. */
+  /** The topic's name, if topics are drawn as edges. */
   label: string;
   latched: boolean;
   dashed: boolean;
   bothWays: boolean;
-  /** A sentence that says what this arrow is. */
+  /** A sentence that describes the edge. */
   about: string;
 }
 
@@ -52,25 +51,31 @@ export interface Picture {
   elements: Element[];
   edges: Edge[];
   groups: Group[];
-  /** Whether the types are to be read. */
+  /** Whether types are shown. */
   typed: boolean;
 }
 
-/** So many elements leave room for their types. */
+/** Up to this many elements, types are shown by default. */
 const FEW = 8;
+
+/** The topics of an action over topics, as in ROS 1. */
+const ACTION_TOPICS = ["goal", "cancel", "status", "feedback", "result"];
+
+const topicsOf = ({ name }: ActionInfo): string[] => ACTION_TOPICS.map((each) => `${name}/${each}`);
 
 export const idOf = (kind: Kind, name: string): string => `${kind} ${name}`;
 
+/** An element before namespaces are known. */
 type Sketch = Omit<Element, "group" | "label" | "second" | "about">;
 type Line = Pick<Edge, "from" | "to" | "about"> & Partial<Edge>;
 
-/** Draw what the choices ask for. */
-export function picture(graph: Graph, choices: Choices): Picture {
-  const { elements, edges } = chosen(gathered(graph, choices), choices.filter);
-  const leaving = tally(edges.map(({ from }) => from));
-  const arriving = tally(edges.filter(({ dashed }) => !dashed).map(({ to }) => to));
-  const typed = choices.types ?? elements.length <= FEW;
-  const { groups, of } = namespaces(elements, choices.namespaces);
+/** Choose the part of the graph that is drawn. */
+export function picture(graph: Graph, options: GraphOptions): Picture {
+  const { elements, edges } = filtered(collected(graph, options), options.filter);
+  const outgoing = counter(edges.map(({ from }) => from));
+  const incoming = counter(edges.filter(({ dashed }) => !dashed).map(({ to }) => to));
+  const typed = options.types ?? elements.length <= FEW;
+  const { groups, of } = namespaces(elements, options.namespaces);
   return {
     elements: elements.map((element) => {
       const group = of.get(element.id) ?? null;
@@ -79,7 +84,7 @@ export function picture(graph: Graph, choices: Choices): Picture {
         group,
         label: group === null ? element.name : element.name.slice(group.length + 1),
         second: typed ? element.type : "",
-        about: about(element, leaving(element.id), arriving(element.id)),
+        about: description(element, outgoing(element.id), incoming(element.id)),
       };
     }),
     edges,
@@ -88,13 +93,13 @@ export function picture(graph: Graph, choices: Choices): Picture {
   };
 }
 
-/** Elements and the arrows between them. */
-class Draft {
+/** Collects elements and the edges between them. */
+class PictureDraft {
   readonly elements = new Map<string, Sketch>();
   readonly edges: Edge[] = [];
 
-  /** Have an element in it; returns its id. */
-  put(kind: Kind, name: string, type = ""): string {
+  /** Add an element; returns its id. */
+  addElement(kind: Kind, name: string, type = ""): string {
     const id = idOf(kind, name);
     this.elements.set(id, { id, kind, name, type });
     return id;
@@ -104,8 +109,8 @@ class Draft {
     return this.elements.has(idOf(kind, name));
   }
 
-  /** Have an arrow in it, if both its ends are. */
-  draw(line: Line): void {
+  /** Add an edge, if both its ends are elements. */
+  addEdge(line: Line): void {
     if (!this.elements.has(line.from) || !this.elements.has(line.to)) return;
     const id = `${line.from} > ${line.to}${line.label ? ` ${line.label}` : ""}`;
     this.edges.push({
@@ -121,25 +126,25 @@ class Draft {
   }
 }
 
-/** All that the choices ask for, whatever its name. */
-function gathered(graph: Graph, choices: Choices): Draft {
-  const shown = ({ name }: { name: string }): boolean => choices.debug || !isHidden(name);
-  const draft = new Draft();
+/** All elements and edges that the options ask for, before filtering. */
+function collected(graph: Graph, options: GraphOptions): PictureDraft {
+  const shown = ({ name }: { name: string }): boolean => options.debug || !isHidden(name);
+  const draft = new PictureDraft();
   for (const node of graph.nodes.filter(shown)) {
-    if (choices.debug || !node.own) draft.put("node", node.name);
+    if (options.debug || !node.own) draft.addElement("node", node.name);
   }
-  const folded = new Set<string>();
+  const actionTopics = new Set<string>();
   for (const action of graph.actions.filter(shown)) {
-    if (action.over_topics && choices.debug) continue;
-    if (action.over_topics) for (const topic of actionTopics(action.name)) folded.add(topic);
-    if (choices.actions) drawAction(draft, action, graph.topics);
+    if (action.over_topics && options.debug) continue;
+    if (action.over_topics) for (const topic of topicsOf(action)) actionTopics.add(topic);
+    if (options.actions) addAction(draft, action, graph.topics);
   }
   for (const topic of graph.topics.filter(shown)) {
-    if (!folded.has(topic.name)) drawTopic(draft, topic, choices);
+    if (!actionTopics.has(topic.name)) addTopic(draft, topic, options);
   }
-  for (const service of choices.services ? graph.services.filter(shown) : []) {
-    draft.draw({
-      from: draft.put("service", service.name, service.type),
+  for (const service of options.services ? graph.services.filter(shown) : []) {
+    draft.addEdge({
+      from: draft.addElement("service", service.name, service.type),
       to: idOf("node", service.node),
       dashed: true,
       about: `${service.node} provides ${service.name}`,
@@ -148,29 +153,34 @@ function gathered(graph: Graph, choices: Choices): Draft {
   return draft;
 }
 
-/** Those that pass the filter, their neighbours, and the arrows that either has to the first. */
-function chosen(draft: Draft, filter: string): { elements: Sketch[]; edges: Edge[] } {
-  const all = [...draft.elements.values()];
-  const matched = new Set(all.filter(({ name }) => passes(name, filter)).map(({ id }) => id));
-  const edges = draft.edges.filter(({ from, to }) => matched.has(from) || matched.has(to));
-  const near = new Set([...matched, ...edges.flatMap(({ from, to }) => [from, to])]);
+/** The elements that match the filter, their neighbours, and the edges between both. */
+function filtered(draft: PictureDraft, filter: Filter): { elements: Sketch[]; edges: Edge[] } {
+  const all = [...draft.elements.values()].filter(({ name, type }) => !filter.excludes(name, type));
+  const ids = new Set(all.map(({ id }) => id));
+  const matching = new Set(
+    all.filter(({ name, type }) => filter.matches(name, type)).map(({ id }) => id),
+  );
+  const edges = draft.edges.filter(
+    ({ from, to }) => ids.has(from) && ids.has(to) && (matching.has(from) || matching.has(to)),
+  );
+  const shown = new Set([...matching, ...edges.flatMap(({ from, to }) => [from, to])]);
   return {
-    elements: all.filter(({ id }) => near.has(id)).sort(byKindAndName),
+    elements: all.filter(({ id }) => shown.has(id)).sort(byNameAndKind),
     edges: edges.sort((a, b) => compare(a.id, b.id)),
   };
 }
 
-/** As a box with arrows to and from it, or as arrows from node to node. */
-function drawTopic(draft: Draft, topic: TopicInfo, { topics, deadEnds }: Choices): void {
+/** Add a topic, as an element or as edges from node to node. */
+function addTopic(draft: PictureDraft, topic: TopicInfo, { topics, deadEnds }: GraphOptions): void {
   const { name, type } = topic;
   const publishers = topic.publishers.filter(({ node }) => draft.has("node", node));
   const subscribers = topic.subscriptions.filter(({ node }) => draft.has("node", node));
-  const dead = publishers.length === 0 || subscribers.length === 0;
-  if (dead && (!deadEnds || !topics)) return;
+  const isDeadEnd = publishers.length === 0 || subscribers.length === 0;
+  if (isDeadEnd && (!deadEnds || !topics)) return;
   if (topics) {
-    const box = draft.put("topic", name, type);
+    const box = draft.addElement("topic", name, type);
     for (const { node, latch } of publishers) {
-      draft.draw({
+      draft.addEdge({
         from: idOf("node", node),
         to: box,
         publishers: [flowKey(name, node)],
@@ -179,7 +189,7 @@ function drawTopic(draft: Draft, topic: TopicInfo, { topics, deadEnds }: Choices
       });
     }
     for (const { node } of subscribers) {
-      draft.draw({
+      draft.addEdge({
         from: box,
         to: idOf("node", node),
         subscriptions: [flowKey(name, node)],
@@ -190,7 +200,7 @@ function drawTopic(draft: Draft, topic: TopicInfo, { topics, deadEnds }: Choices
   }
   for (const { node: publisher, latch } of publishers) {
     for (const { node: subscriber } of subscribers) {
-      draft.draw({
+      draft.addEdge({
         from: idOf("node", publisher),
         to: idOf("node", subscriber),
         label: name,
@@ -203,12 +213,12 @@ function drawTopic(draft: Draft, topic: TopicInfo, { topics, deadEnds }: Choices
   }
 }
 
-/** A client sends goals to the action and hears of them: one arrow tells both. */
-function drawAction(draft: Draft, action: ActionInfo, all: readonly TopicInfo[]): void {
-  const box = draft.put("action", action.name, action.type);
+/** Add an action. One edge stands for what a client sends and receives. */
+function addAction(draft: PictureDraft, action: ActionInfo, all: readonly TopicInfo[]): void {
+  const box = draft.addElement("action", action.name, action.type);
   const server = idOf("node", action.node);
   if (!action.over_topics) {
-    draft.draw({
+    draft.addEdge({
       from: box,
       to: server,
       dashed: true,
@@ -216,46 +226,46 @@ function drawAction(draft: Draft, action: ActionInfo, all: readonly TopicInfo[])
     });
     return;
   }
-  const topics = new Set(actionTopics(action.name));
-  const sends = new Map<string, string[]>();
-  const hears = new Map<string, string[]>();
+  const topics = new Set(topicsOf(action));
+  const published = new Map<string, string[]>();
+  const subscribed = new Map<string, string[]>();
   const note = (to: Map<string, string[]>, node: string, key: string): void => {
     to.set(node, [...(to.get(node) ?? []), key]);
   };
   for (const topic of all) {
     if (!topics.has(topic.name)) continue;
-    for (const { node } of topic.publishers) note(sends, node, flowKey(topic.name, node));
-    for (const { node } of topic.subscriptions) note(hears, node, flowKey(topic.name, node));
+    for (const { node } of topic.publishers) note(published, node, flowKey(topic.name, node));
+    for (const { node } of topic.subscriptions) note(subscribed, node, flowKey(topic.name, node));
   }
-  draft.draw({
+  draft.addEdge({
     from: box,
     to: server,
-    publishers: sends.get(action.node) ?? [],
-    subscriptions: hears.get(action.node) ?? [],
+    publishers: published.get(action.node) ?? [],
+    subscriptions: subscribed.get(action.node) ?? [],
     bothWays: true,
     about: `${action.node} serves ${action.name}`,
   });
-  for (const node of new Set([...sends.keys(), ...hears.keys()])) {
+  for (const node of new Set([...published.keys(), ...subscribed.keys()])) {
     if (node === action.node) continue;
-    const asks = sends.has(node);
-    draft.draw({
-      from: asks ? idOf("node", node) : box,
-      to: asks ? box : idOf("node", node),
-      publishers: sends.get(node) ?? [],
-      subscriptions: hears.get(node) ?? [],
-      bothWays: asks && hears.has(node),
-      about: asks ? `${node} sends goals to ${action.name}` : `${node} follows ${action.name}`,
+    const isClient = published.has(node);
+    draft.addEdge({
+      from: isClient ? idOf("node", node) : box,
+      to: isClient ? box : idOf("node", node),
+      publishers: published.get(node) ?? [],
+      subscriptions: subscribed.get(node) ?? [],
+      bothWays: isClient && subscribed.has(node),
+      about: isClient ? `${node} sends goals to ${action.name}` : `${node} monitors ${action.name}`,
     });
   }
 }
 
-function tally(ids: readonly string[]): (id: string) => number {
+function counter(ids: readonly string[]): (id: string) => number {
   const counts = new Map<string, number>();
   for (const id of ids) counts.set(id, (counts.get(id) ?? 0) + 1);
   return (id) => counts.get(id) ?? 0;
 }
 
-function about({ kind, name, type }: Sketch, out: number, into: number): string {
+function description({ kind, name, type }: Sketch, out: number, into: number): string {
   const typed = type === "" ? "" : `, type ${type}`;
   if (kind === "node") return `node ${name}, publishes ${out}, subscribes ${into}`;
   if (kind === "topic") return `topic ${name}${typed}, publishers ${into}, subscribers ${out}`;
@@ -264,5 +274,5 @@ function about({ kind, name, type }: Sketch, out: number, into: number): string 
 
 const compare = (a: string, b: string): number => (a < b ? -1 : a > b ? 1 : 0);
 
-const byKindAndName = (a: Sketch, b: Sketch): number =>
+const byNameAndKind = (a: Sketch, b: Sketch): number =>
   compare(a.name, b.name) || compare(a.kind, b.kind);

@@ -1,9 +1,11 @@
-// How large each element is, and its outline: the shape tells what it is.
-
+/** The SVG shapes of elements and edges: sizes, outlines, labels. */
 import { svg } from "../dom";
-import type { Element, Kind } from "./picture";
+import { bandwidth, hertz, whole } from "../format";
+import type { Rates } from "../model";
+import type { Box, EdgePath, Point } from "./layout_types";
+import type { Edge, Kind, Element as PictureElement } from "./picture";
 
-/** Gives the width of a text in pixels. */
+/** Measures the width of a text in pixels. */
 export type Measure = (text: string, font: "name" | "node" | "type" | "rate") => number;
 
 export interface Size {
@@ -11,7 +13,8 @@ export interface Size {
   height: number;
 }
 
-const LONGEST = 42;
+/** The maximum length of a label, in characters. */
+const MAX_LABEL = 42;
 
 const FONTS = {
   name: "500 14px system-ui, sans-serif",
@@ -20,31 +23,31 @@ const FONTS = {
   rate: "11px system-ui, sans-serif",
 };
 
-/** Measures without touching the document, and each text once. */
-export function ruler(): Measure {
+/** Create a measure that works off the document and remembers its results. */
+export function textMeasure(): Measure {
   const context = document.createElement("canvas").getContext("2d");
-  const kept = new Map<string, number>();
+  const cache = new Map<string, number>();
   return (text, font) => {
     const key = `${font} ${text}`;
-    let width = kept.get(key);
+    let width = cache.get(key);
     if (width === undefined) {
       if (context !== null) context.font = FONTS[font];
       width = context?.measureText(text).width ?? 7 * text.length;
-      if (kept.size > 5000) kept.clear();
-      kept.set(key, width);
+      if (cache.size > 5000) cache.clear();
+      cache.set(key, width);
     }
     return width;
   };
 }
 
-/** Long texts lose their middle: the beginning and the end tell names apart. */
-export function shortened(text: string, longest = LONGEST): string {
-  if (text.length <= longest) return text;
-  const half = Math.floor((longest - 1) / 2);
+/** Cut the middle out of a long text, since names differ at their beginning or end. */
+export function shortened(text: string, limit = MAX_LABEL): string {
+  if (text.length <= limit) return text;
+  const half = Math.floor((limit - 1) / 2);
   return `${text.slice(0, half)}…${text.slice(-half)}`;
 }
 
-export function sizeOf(element: Element, measure: Measure): Size {
+export function sizeOf(element: PictureElement, measure: Measure): Size {
   const name = measure(shortened(element.label), element.kind === "node" ? "node" : "name");
   const type = measure(shortened(element.second), "type");
   const widest = Math.max(name, type);
@@ -61,7 +64,7 @@ export function sizeOf(element: Element, measure: Measure): Size {
   }
 }
 
-/** The outline around 0, 0. */
+/** The outline of an element, centred at the origin. */
 export function outline(kind: Kind, { width, height }: Size): SVGElement[] {
   const [x, y] = [width / 2, height / 2];
   switch (kind) {
@@ -88,4 +91,118 @@ export function outline(kind: Kind, { width, height }: Size): SVGElement[] {
         }),
       ];
   }
+}
+
+/** An element on the screen: its position now, before and after the animation. */
+export interface ElementMark {
+  element: PictureElement;
+  at: Box;
+  from: Point;
+  to: Box;
+  mark: SVGGElement;
+}
+
+/** An edge on the screen. */
+export interface EdgeMark {
+  edge: Edge;
+  at: EdgePath;
+  from: EdgePath;
+  to: EdgePath;
+  mark: SVGGElement;
+  line: SVGPathElement;
+  heads: SVGPathElement;
+  hit: SVGPathElement;
+  label: SVGTextElement;
+  /** The text of the rate: all of the label, or its line below the topic's name. */
+  rate: SVGTextContentElement;
+  title?: SVGTitleElement;
+  stroke: number;
+}
+
+export function makeElement(element: PictureElement, box: Box): SVGGElement {
+  return svg(
+    "g",
+    {
+      class: `element ${element.kind}`,
+      role: "button",
+      tabindex: 0,
+      "aria-label": element.about,
+      "data-id": element.id,
+    },
+    ...elementContent(element, box),
+  );
+}
+
+/** The SVG content of an element. */
+export function elementContent(
+  { kind, name, type, label, second }: PictureElement,
+  box: Box,
+): Node[] {
+  const title = svg("title", {}, type === "" ? name : `${name}\n${type}`);
+  const hasType = second !== "";
+  const firstLine = svg("text", { class: "name", y: hasType ? -2 : 4.5 }, shortened(label));
+  const secondLine = hasType ? [svg("text", { class: "type", y: 12 }, shortened(second))] : [];
+  return [title, ...outline(kind, box), firstLine, ...secondLine];
+}
+
+export function makeEdge(edge: Edge, path: EdgePath): EdgeMark {
+  const [line, heads] = [svg("path", { class: "line" }), svg("path", { class: "heads" })];
+  const hit = svg("path", { class: "hit" });
+  const label = svg("text", { class: "words" });
+  let rate: SVGTextContentElement = label;
+  if (edge.label !== "") {
+    rate = svg("tspan", { class: "rate", x: 0, dy: 13 });
+    label.append(svg("tspan", { class: "topic", x: 0 }, shortened(edge.label, 32)), rate);
+  }
+  const mark = svg("g", { class: "edge", "data-id": edge.id }, hit, line, heads, label);
+  return { edge, at: path, from: path, to: path, mark, line, heads, hit, label, rate, stroke: 0 };
+}
+
+/** How an edge shows its rate. */
+export interface RateLabel {
+  /** The label at the edge; empty without messages. */
+  label: string;
+  /** The tooltip. */
+  title: string;
+  /** The width of the line in pixels, logarithmic. */
+  stroke: number;
+  idle: boolean;
+  drops: boolean;
+}
+
+/** The width of an idle edge, and how much ten times the rate adds, in pixels. */
+const MIN_STROKE = 1.25;
+const STROKE_STEP = 0.75;
+
+export function rateLabel(edge: Edge, rates: Rates): RateLabel {
+  let messages = 0;
+  let bytes = 0;
+  let dropping = 0;
+  let dropped = 0;
+  const counted = edge.publishers.length > 0 ? edge.publishers : edge.subscriptions;
+  for (const key of edge.bothWays ? [...edge.publishers, ...edge.subscriptions] : counted) {
+    const flow = rates.publishers.get(key) ?? rates.subscriptions.get(key);
+    messages += flow?.messages ?? 0;
+    bytes += flow?.bytes ?? 0;
+  }
+  for (const key of edge.subscriptions) {
+    dropping += rates.subscriptions.get(key)?.dropped ?? 0;
+    dropped += rates.dropped.get(key) ?? 0;
+  }
+  const rate = messages > 0 ? hertz(messages) : "";
+  const parts = [dropping > 0 ? "⚠" : "", rate, edge.latched ? "latched" : ""];
+  const words = [`${edge.about}: ${hertz(messages)}`];
+  if (bytes > 0) words.push(bandwidth(bytes));
+  if (dropped > 0) {
+    words.push(
+      `${whole(dropped)} dropped since it subscribed${dropping > 0 ? `, ${hertz(dropping)} now` : ""}`,
+    );
+  }
+  return {
+    label: parts.filter((part) => part !== "").join(" "),
+    title: words.join(", "),
+    stroke: Number((MIN_STROKE + STROKE_STEP * Math.log10(1 + Math.max(0, messages))).toFixed(2)),
+    idle: messages === 0,
+    drops: dropping > 0,
+  };
 }

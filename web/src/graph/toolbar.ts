@@ -1,47 +1,99 @@
-// What its reader can choose of the graph.
-
+/** The toolbar of the graph, and the options that it sets. */
 import { h, svg } from "../dom";
-import type { Choices } from "./choices";
+import { Filter, filterInput } from "../filter";
 import type { Kind } from "./picture";
+
+/** What the graph shows. */
+export interface GraphOptions {
+  /** Topics as elements of their own, or as labels of the edges between nodes. */
+  topics: boolean;
+  services: boolean;
+  actions: boolean;
+  deadEnds: boolean;
+  debug: boolean;
+  /** null: only if there is more than one. */
+  namespaces: boolean | null;
+  /** The types of topics, services and actions; null: only in small graphs. */
+  types: boolean | null;
+  filter: Filter;
+}
+
+export const DEFAULTS: GraphOptions = {
+  topics: true,
+  services: false,
+  actions: true,
+  deadEnds: true,
+  debug: false,
+  namespaces: null,
+  types: null,
+  filter: new Filter(),
+};
+
+const KEY = "fibws.graph";
+
+/** Load the options of the last visit; invalid ones get their defaults. */
+export function loadOptions(
+  storage: () => Pick<Storage, "getItem"> = () => localStorage,
+): GraphOptions {
+  const options = { ...DEFAULTS };
+  try {
+    const saved: unknown = JSON.parse(storage().getItem(KEY) ?? "null");
+    if (saved === null || typeof saved !== "object") return options;
+    const { topics, services, actions, deadEnds, debug, namespaces, types, filter } =
+      saved as Record<string, unknown>;
+    if (typeof topics === "boolean") options.topics = topics;
+    if (typeof services === "boolean") options.services = services;
+    if (typeof actions === "boolean") options.actions = actions;
+    if (typeof deadEnds === "boolean") options.deadEnds = deadEnds;
+    if (typeof debug === "boolean") options.debug = debug;
+    if (typeof namespaces === "boolean") options.namespaces = namespaces;
+    if (typeof types === "boolean") options.types = types;
+    if (typeof filter === "string") options.filter = new Filter(filter);
+  } catch {
+    // Storage is forbidden, or has something else.
+  }
+  return options;
+}
+
+/** Save the options for the next visit. */
+export function saveOptions(
+  options: GraphOptions,
+  storage: () => Pick<Storage, "setItem"> = () => localStorage,
+): void {
+  try {
+    storage().setItem(KEY, JSON.stringify({ ...options, filter: options.filter.text }));
+  } catch {
+    // Storage is forbidden.
+  }
+}
 
 type Switch = "services" | "actions" | "deadEnds" | "debug" | "namespaces" | "types";
 
 export class Toolbar {
   readonly element: HTMLElement;
   readonly #switches = new Map<Switch, HTMLInputElement>();
-  readonly #choices: Choices;
+  readonly #options: GraphOptions;
   readonly #changed: () => void;
 
-  /** `choices` is changed here, and `changed` called then. */
-  constructor(choices: Choices, changed: () => void) {
-    this.#choices = choices;
+  /** The toolbar changes `options`, and calls `changed` each time. */
+  constructor(options: GraphOptions, changed: () => void) {
+    this.#options = options;
     this.#changed = changed;
     this.element = h(
       "div",
-      { class: "toolbar", role: "group", "aria-label": "What the graph shows" },
+      { class: "toolbar", role: "group", "aria-label": "Graph options" },
       h(
         "select",
         {
-          "aria-label": "What is drawn",
-          value: choices.topics ? "topics" : "nodes",
+          "aria-label": "Elements",
+          value: options.topics ? "topics" : "nodes",
           onchange: ({ target }: Event) =>
-            this.#choose({ topics: (target as HTMLSelectElement).value === "topics" }),
+            this.#set({ topics: (target as HTMLSelectElement).value === "topics" }),
         },
         h("option", { value: "topics" }, "Nodes and topics"),
         h("option", { value: "nodes" }, "Nodes only"),
       ),
-      h("input", {
-        class: "grow",
-        type: "search",
-        value: choices.filter,
-        placeholder: "Filter: /robot or scan",
-        "aria-label": "Filter by namespace or by a part of the name",
-        title: "/robot: what begins so; scan: what has it anywhere; and their neighbours",
-        spellcheck: "false",
-        autocomplete: "off",
-        oninput: ({ target }: Event) =>
-          this.#choose({ filter: (target as HTMLInputElement).value }),
-      }),
+      filterInput("Filter graph", (filter) => this.#set({ filter }), options.filter.text),
       h(
         "fieldset",
         { class: "switches" },
@@ -49,12 +101,12 @@ export class Toolbar {
         this.#switch(
           "services",
           "Services",
-          "Services, with a dashed arrow to their provider",
+          "Services, with a dashed arrow to their node",
           "service",
         ),
-        this.#switch("actions", "Actions", "Actions; their five topics are one box", "action"),
-        this.#switch("namespaces", "Namespaces", "Boxes around those of one namespace"),
-        this.#switch("types", "Types", "The types of topics, services and actions"),
+        this.#switch("actions", "Actions", "Actions, in place of their five topics", "action"),
+        this.#switch("namespaces", "Namespaces", "Boxes around the elements of a namespace"),
+        this.#switch("types", "Types", "Types of topics, services and actions"),
         this.#switch("deadEnds", "Dead ends", "Topics without a publisher or without a subscriber"),
         this.#switch(
           "debug",
@@ -65,11 +117,11 @@ export class Toolbar {
     );
   }
 
-  /** What is drawn of that which nobody has chosen. */
-  tell(drawn: { namespaces: boolean; types: boolean }): void {
+  /** Check the boxes of options that are set automatically. */
+  showAutomatic(drawn: { namespaces: boolean; types: boolean }): void {
     for (const name of ["namespaces", "types"] as const) {
       const box = this.#switches.get(name);
-      if (box !== undefined && this.#choices[name] === null) box.checked = drawn[name];
+      if (box !== undefined && this.#options[name] === null) box.checked = drawn[name];
     }
   }
 
@@ -77,21 +129,20 @@ export class Toolbar {
     const box = h("input", {
       type: "checkbox",
       name,
-      checked: this.#choices[name] ?? false,
-      onchange: ({ target }: Event) =>
-        this.#choose({ [name]: (target as HTMLInputElement).checked }),
+      checked: this.#options[name] ?? false,
+      onchange: ({ target }: Event) => this.#set({ [name]: (target as HTMLInputElement).checked }),
     });
     this.#switches.set(name, box);
     return h("label", { title }, box, kind === undefined ? null : icon(kind), label);
   }
 
-  #choose(part: Partial<Choices>): void {
-    Object.assign(this.#choices, part);
+  #set(change: Partial<GraphOptions>): void {
+    Object.assign(this.#options, change);
     this.#changed();
   }
 }
 
-/** A small picture of an element's shape. */
+/** A small icon of an element's shape. */
 export function icon(kind: Kind): SVGElement {
   const shapes: Record<Kind, () => SVGElement[]> = {
     node: () => [svg("ellipse", { class: "outline", cx: 10, cy: 7, rx: 8.5, ry: 5.5 })],

@@ -1,28 +1,26 @@
-// The graph, live: nodes, topics, services and actions, and what flows between them.
+/** The Graph tab: nodes, topics, services and actions, with live rates. */
 
 import "./view.css";
 
-import { h, replace, say } from "../dom";
+import { h, replace, setText } from "../dom";
 import type { Graph, Model, Rates } from "../model";
 import { type MakeView, route, type View } from "../view";
 import { asText } from "./as_text";
-import { recall, remember } from "./choices";
 import { Details } from "./details";
 import { Drawing } from "./drawing";
-import { Layout } from "./layout";
+import { anchored, LayoutClient, layoutRequest } from "./layout_client";
+import { around, type Box, type Layout } from "./layout_types";
 import type { Kind, Picture } from "./picture";
 import { idOf, picture } from "./picture";
-import { around, type Box, type Places } from "./places";
-import { anchored, planOf } from "./plan";
-import { ruler } from "./shapes";
-import { icon, Toolbar } from "./toolbar";
+import { textMeasure } from "./shapes";
+import { icon, loadOptions, saveOptions, Toolbar } from "./toolbar";
 import { Viewport } from "./viewport";
 
 const KINDS: readonly Kind[] = ["node", "topic", "service", "action"];
 const NOTHING: Picture = { elements: [], edges: [], groups: [], typed: true };
-/** Below this width in pixels the layers lie from the top down. */
+/** Below this width in pixels, layers go from top to bottom. */
 const NARROW = 560;
-/** A layout that takes longer, in ms, is excused in words. */
+/** After this time in ms, the user is told that the layout is being computed. */
 const LONG = 700;
 
 export const makeView: MakeView = (_hub, model) => new GraphView(model);
@@ -30,15 +28,15 @@ export const makeView: MakeView = (_hub, model) => new GraphView(model);
 class GraphView implements View {
   readonly element: HTMLElement;
   readonly #model: Model;
-  readonly #choices = recall();
-  readonly #measure = ruler();
+  readonly #options = loadOptions();
+  readonly #measure = textMeasure();
   readonly #notice = h("p", { class: "hint", role: "status" });
   readonly #empty = h("p", { class: "empty", hidden: true });
   readonly #legend = h("p", { class: "legend", "aria-hidden": "true" });
   readonly #text = h("pre", { tabindex: 0 });
-  readonly #unfolded = h(
+  readonly #textDetails = h(
     "details",
-    { class: "as-text", ontoggle: () => this.#tellText() },
+    { class: "as-text", ontoggle: () => this.#showText() },
     h("summary", {}, "As text"),
     this.#text,
   );
@@ -46,7 +44,7 @@ class GraphView implements View {
     choose: ({ id, kind, name }) => {
       location.hash = id === this.#chosen ? route("graph") : route("graph", kind, name);
     },
-    visit: (box) => this.#viewport.reveal(box, this.#details.covers()),
+    focus: (box) => this.#viewport.reveal(box, this.#details.covered()),
   });
   readonly #stage = h(
     "div",
@@ -54,7 +52,7 @@ class GraphView implements View {
       class: "stage",
       role: "group",
       tabindex: 0,
-      "aria-label": "Graph: arrow keys move it, plus and minus zoom, 0 shows all",
+      "aria-label": "Graph: arrow keys move, plus and minus zoom, 0 fits everything",
     },
     this.#drawing.element,
     this.#empty,
@@ -62,29 +60,29 @@ class GraphView implements View {
     this.#notice,
   );
   readonly #viewport = new Viewport(this.#stage, this.#drawing.root, (zoom) =>
-    this.#drawing.zoom(zoom),
+    this.#drawing.setZoom(zoom),
   );
   readonly #details: Details;
-  readonly #toolbar = new Toolbar(this.#choices, () => {
-    remember(this.#choices);
-    this.#follow(this.#model.graph.value);
+  readonly #toolbar = new Toolbar(this.#options, () => {
+    saveOptions(this.#options);
+    this.#update(this.#model.graph.value);
   });
-  readonly #layout = new Layout(
-    (places) => this.#place(places),
+  readonly #layouts = new LayoutClient(
+    (layout) => this.#place(layout),
     (why) => {
       window.clearTimeout(this.#hint);
-      say(this.#notice, `The graph could not be laid out: ${why}`);
+      setText(this.#notice, `The graph could not be laid out: ${why}`);
     },
   );
-  readonly #resized = new ResizeObserver(() => this.#follow(this.#model.graph.value));
+  readonly #resized = new ResizeObserver(() => this.#update(this.#model.graph.value));
   readonly #escape = ({ key, target }: KeyboardEvent): void => {
-    const taken = target instanceof HTMLInputElement || document.querySelector("dialog[open]");
-    if (key === "Escape" && this.#chosen !== null && !taken) this.#close();
+    const isOther = target instanceof HTMLInputElement || document.querySelector("dialog[open]");
+    if (key === "Escape" && this.#chosen !== null && !isOther) this.#close();
   };
   #shown: Picture = NOTHING;
-  #asked: { picture: Picture; down: boolean } = { picture: NOTHING, down: false };
-  #plan = "";
-  #places: Places | null = null;
+  #requested: { picture: Picture; down: boolean } = { picture: NOTHING, down: false };
+  #request = "";
+  #layout: Layout | null = null;
   #hint: number | undefined;
   #stops: (() => void)[] = [];
   #chosen: string | null = null;
@@ -97,7 +95,7 @@ class GraphView implements View {
       { class: "graph", "aria-label": "Graph" },
       this.#toolbar.element,
       h("div", { class: "beside" }, this.#stage, this.#details.element, this.#zoom()),
-      this.#unfolded,
+      this.#textDetails,
     );
   }
 
@@ -107,9 +105,9 @@ class GraphView implements View {
       this.#resized.observe(this.#stage);
       document.addEventListener("keydown", this.#escape);
       this.#stops = [
-        this.#model.graph.watch((graph) => this.#follow(graph)),
-        this.#model.rates.watch((rates) => this.#tellRates(rates)),
-        this.#model.clients.watch(() => this.#details.measure()),
+        this.#model.graph.watch((graph) => this.#update(graph)),
+        this.#model.rates.watch((rates) => this.#showRates(rates)),
+        this.#model.clients.watch(() => this.#details.updateNumbers()),
         () => this.#resized.disconnect(),
         () => document.removeEventListener("keydown", this.#escape),
       ];
@@ -123,8 +121,8 @@ class GraphView implements View {
   }
 
   #zoom(): HTMLElement {
-    const button = (label: string, title: string, act: () => void, face: string): HTMLElement =>
-      h("button", { class: "icon", "aria-label": label, title, onclick: act }, face);
+    const button = (label: string, title: string, action: () => void, text: string): HTMLElement =>
+      h("button", { class: "icon", "aria-label": label, title, onclick: action }, text);
     return h(
       "div",
       { class: "zoom", role: "group", "aria-label": "Zoom" },
@@ -134,110 +132,111 @@ class GraphView implements View {
     );
   }
 
-  #follow(graph: Graph | null): void {
-    this.#details.follow(graph);
+  #update(graph: Graph | null): void {
+    this.#details.update(graph);
     if (graph === null) {
       this.#empty.hidden = false;
-      say(this.#empty, "Asking the hub for its graph …");
+      setText(this.#empty, "Waiting for the hub …");
       return;
     }
-    const next = picture(graph, this.#choices);
-    this.#toolbar.tell({ namespaces: next.groups.length > 0, types: next.typed });
-    this.#tellLegend(next);
+    const next = picture(graph, this.#options);
+    this.#toolbar.showAutomatic({ namespaces: next.groups.length > 0, types: next.typed });
+    this.#showLegend(next);
     this.#empty.hidden = next.elements.length > 0;
-    say(
+    setText(
       this.#empty,
-      this.#choices.filter === ""
-        ? "No nodes yet. Each one appears here as it comes."
-        : `Nothing has ${this.#choices.filter} in its name. Clear the filter to see everything.`,
+      this.#options.filter.isEmpty
+        ? "No nodes yet. Nodes appear here when they connect."
+        : "No elements match the filter. Clear the filter to see everything.",
     );
-    this.#arrange(next);
+    this.#layOut(next);
   }
 
-  /** Have a picture laid out, or draw it at once where its places are known. */
-  #arrange(next: Picture): void {
+  /** Request the layout of a picture, or draw it at once if only its data changed. */
+  #layOut(next: Picture): void {
     const { width, aspect: exact } = this.#viewport;
     const down = width > 0 && width < NARROW;
     const aspect = Math.round(exact * 4) / 4;
-    const plan = planOf(next, this.#measure, { aspect, down });
-    // The size of the window alone moves nothing, unless the layers turn.
-    const key = JSON.stringify({ ...plan, aspect: 0 });
-    this.#asked = { picture: next, down };
-    if (key === this.#plan) {
-      if (!this.#layout.busy && this.#places !== null) this.#draw(this.#places);
+    const request = layoutRequest(next, this.#measure, { aspect, down });
+    // A new size of the window alone moves nothing, unless the layers turn.
+    const key = JSON.stringify({ ...request, aspect: 0 });
+    this.#requested = { picture: next, down };
+    if (key === this.#request) {
+      if (!this.#layouts.busy && this.#layout !== null) this.#draw(this.#layout);
       return;
     }
-    this.#plan = key;
-    this.#layout.ask(plan);
+    this.#request = key;
+    this.#layouts.request(request);
     window.clearTimeout(this.#hint);
     this.#hint = window.setTimeout(() => {
-      if (this.#layout.busy) say(this.#notice, `Laying out ${next.elements.length} elements …`);
+      if (this.#layouts.busy)
+        setText(this.#notice, `Laying out ${next.elements.length} elements …`);
     }, LONG);
   }
 
-  /** The answer to what was asked. */
-  #place(answer: Places): void {
+  /** Draw a new layout. */
+  #place(next: Layout): void {
     window.clearTimeout(this.#hint);
-    say(this.#notice, "");
-    // Who has moved the drawing looks at something: that stays where it is.
-    const former = this.#viewport.fits ? null : this.#places;
-    const places = former === null ? answer : anchored(answer, former);
-    this.#places = places;
-    this.#draw(places);
-    this.#viewport.contain(places.bounds);
-    this.#tellText();
+    setText(this.#notice, "");
+    // If the user has moved the drawing, it stays in place.
+    const previous = this.#viewport.fits ? null : this.#layout;
+    const layout = previous === null ? next : anchored(next, previous);
+    this.#layout = layout;
+    this.#draw(layout);
+    this.#viewport.contain(layout.bounds);
+    this.#showText();
   }
 
-  #draw(places: Places): void {
-    this.#shown = this.#asked.picture;
-    this.#drawing.draw(this.#shown, places, this.#asked.down, this.#model.rates.value);
+  #draw(layout: Layout): void {
+    this.#shown = this.#requested.picture;
+    this.#drawing.draw(this.#shown, layout, this.#requested.down, this.#model.rates.value);
   }
 
-  #tellRates(rates: Rates): void {
-    this.#drawing.measure(rates);
-    this.#details.measure();
-    this.#tellText();
+  #showRates(rates: Rates): void {
+    this.#drawing.updateRates(rates);
+    this.#details.updateNumbers();
+    this.#showText();
   }
 
-  #tellText(): void {
-    if (!this.#unfolded.open) return;
-    say(this.#text, asText(this.#shown, this.#model.rates.value) || "Nothing is in sight.");
+  #showText(): void {
+    if (!this.#textDetails.open) return;
+    setText(this.#text, asText(this.#shown, this.#model.rates.value) || "The graph is empty.");
   }
 
-  #tellLegend({ elements }: Picture): void {
+  #showLegend({ elements }: Picture): void {
     const kinds = KINDS.filter((kind) => elements.some((element) => element.kind === kind));
     if (this.#legend.dataset.kinds === kinds.join()) return;
     this.#legend.dataset.kinds = kinds.join();
     replace(this.#legend, ...kinds.map((kind) => h("span", {}, icon(kind), kind)));
   }
 
-  #choose([word = "", name = ""]: readonly string[]): void {
-    const kind = KINDS.find((each) => each === word);
-    const wanted = kind === undefined || name === "" ? null : { kind, name };
-    this.#chosen = wanted && idOf(wanted.kind, wanted.name);
-    this.#details.show(wanted);
+  #choose([first = "", name = ""]: readonly string[]): void {
+    const kind = KINDS.find((each) => each === first);
+    const element = kind === undefined || name === "" ? null : { kind, name };
+    this.#chosen = element && idOf(element.kind, element.name);
+    this.#details.show(element);
     this.#drawing.choose(this.#chosen);
-    const box = this.#chosen === null ? undefined : this.#places?.boxes.get(this.#chosen);
+    const box = this.#chosen === null ? undefined : this.#layout?.boxes.get(this.#chosen);
     if (box === undefined) {
       if (this.#viewport.fits) this.#viewport.fit();
       return;
     }
-    // With its neighbours, if there is room for them.
-    const near = around(this.#neighbourhood(this.#chosen)) ?? box;
-    this.#viewport.reveal(near, this.#details.covers());
-    this.#viewport.reveal(box, this.#details.covers());
+    // With its neighbours, if there is space.
+    const area = around(this.#neighbourhood(this.#chosen)) ?? box;
+    this.#viewport.reveal(area, this.#details.covered());
+    this.#viewport.reveal(box, this.#details.covered());
   }
 
   #neighbourhood(id: string | null): Box[] {
     return this.#shown.edges
       .filter(({ from, to }) => from === id || to === id)
-      .flatMap(({ from, to }) => [this.#places?.boxes.get(from), this.#places?.boxes.get(to)])
+      .flatMap(({ from, to }) => [this.#layout?.boxes.get(from), this.#layout?.boxes.get(to)])
       .filter((box) => box !== undefined);
   }
 
   #close(): void {
-    const back = this.#chosen;
+    const chosen = this.#chosen;
     location.hash = route("graph");
-    if (back !== null) this.#drawing.focus(back);
+    if (chosen !== null) this.#drawing.focus(chosen);
   }
 }

@@ -1,17 +1,19 @@
-// The part of the drawing that is in sight: moved by drag, wheel, pinch and keys.
+/** The visible part of the drawing: moved by drag, wheel, pinch and keys. */
 
-import type { Bounds, Box } from "./places";
+import type { Bounds, Box } from "./layout_types";
 
-const CLOSEST = 3;
-const FARTHEST = 0.03;
-/** Small graphs are not blown up to the size of the window. */
-const LARGEST_FIT = 1.2;
+const MAX_ZOOM = 3;
+const MIN_ZOOM = 0.03;
+/** Small graphs are not enlarged to the size of the window. */
+const MAX_FIT = 1.2;
 const MARGIN = 28;
+/** How far an arrow key moves the drawing, in pixels. */
 const STEP = 60;
-const STILL = 4;
+/** A pointer that moves less than this does not drag, in pixels. */
+const DRAG_START = 4;
 
 export class Viewport {
-  /** Until its user has moved it, it shows everything. */
+  /** Whether it shows everything, until the user moves it. */
   fits = true;
   readonly #element: HTMLElement;
   readonly #content: SVGSVGElement;
@@ -23,7 +25,7 @@ export class Viewport {
   #zoom = 1;
   #dragged = false;
 
-  /** `element` catches what the user does, `content` is moved, and `zoomed` told how near it is. */
+  /** `element` receives the events, `content` is moved, and `zoomed` receives the zoom. */
   constructor(element: HTMLElement, content: SVGSVGElement, zoomed: (zoom: number) => void) {
     this.#element = element;
     this.#content = content;
@@ -34,7 +36,7 @@ export class Viewport {
     for (const end of ["pointerup", "pointercancel"] as const) {
       element.addEventListener(end, ({ pointerId }) => this.#pointers.delete(pointerId));
     }
-    // The end of a drag is no click on whatever lies there.
+    // The end of a drag is not a click.
     element.addEventListener("click", (event) => this.#dragged && event.stopPropagation(), true);
     element.addEventListener("keydown", (event) => this.#key(event));
     new ResizeObserver(() => this.fits && this.fit(false)).observe(element);
@@ -57,62 +59,62 @@ export class Viewport {
     if (this.fits) this.fit();
   }
 
-  /** Show everything, and go on doing so. */
-  fit(gently = true): void {
+  /** Show everything, also after later changes. */
+  fit(animated = true): void {
     this.fits = true;
     const { left, top, width, height } = this.#bounds;
     const { clientWidth, clientHeight } = this.#element;
     if (width <= 0 || height <= 0 || clientWidth === 0) return;
-    const room = (length: number): number => Math.max(40, length - 2 * MARGIN);
-    this.#zoom = limited(
-      Math.min(LARGEST_FIT, room(clientWidth) / width, room(clientHeight) / height),
+    const inner = (length: number): number => Math.max(40, length - 2 * MARGIN);
+    this.#zoom = clamped(
+      Math.min(MAX_FIT, inner(clientWidth) / width, inner(clientHeight) / height),
     );
     this.#x = (clientWidth - width * this.#zoom) / 2 - left * this.#zoom;
     this.#y = (clientHeight - height * this.#zoom) / 2 - top * this.#zoom;
-    this.#apply(gently);
+    this.#apply(animated);
   }
 
-  /** Zoom about a point of the element, by default its middle. */
+  /** Zoom about a point of the element, by default its centre. */
   zoom(factor: number, x?: number, y?: number): void {
     const at = { x: x ?? this.#element.clientWidth / 2, y: y ?? this.#element.clientHeight / 2 };
-    const next = limited(this.#zoom * factor);
-    const real = next / this.#zoom;
-    this.#x = at.x - (at.x - this.#x) * real;
-    this.#y = at.y - (at.y - this.#y) * real;
+    const next = clamped(this.#zoom * factor);
+    const ratio = next / this.#zoom;
+    this.#x = at.x - (at.x - this.#x) * ratio;
+    this.#y = at.y - (at.y - this.#y) * ratio;
     this.#zoom = next;
     this.fits = false;
     this.#apply(x === undefined);
   }
 
-  pan(dx: number, dy: number, gently = true): void {
+  pan(dx: number, dy: number, animated = true): void {
     this.#x += dx;
     this.#y += dy;
     this.fits = false;
-    this.#apply(gently);
+    this.#apply(animated);
   }
 
-  /** Move as little as it takes to bring a box into sight, beside or above what covers a part. */
+  /** Move as little as possible to make a box visible, apart from the covered part. */
   reveal({ x, y, width, height }: Box, covered = { width: 0, height: 0 }): void {
     const clientWidth = this.#element.clientWidth - covered.width;
     const clientHeight = this.#element.clientHeight - covered.height;
-    const off = (middle: number, size: number, shift: number, room: number): number => {
-      const low = (middle - size / 2) * this.#zoom + shift;
-      const high = (middle + size / 2) * this.#zoom + shift;
+    const distance = (centre: number, size: number, shift: number, room: number): number => {
+      const low = (centre - size / 2) * this.#zoom + shift;
+      const high = (centre + size / 2) * this.#zoom + shift;
       if (low < MARGIN / 2) return MARGIN / 2 - low;
       return high > room - MARGIN / 2 ? room - MARGIN / 2 - high : 0;
     };
-    const dx = off(x, width, this.#x, clientWidth);
-    const dy = off(y, height, this.#y, clientHeight);
+    const dx = distance(x, width, this.#x, clientWidth);
+    const dy = distance(y, height, this.#y, clientHeight);
     if (dx === 0 && dy === 0) return;
     const { fits } = this;
     this.pan(dx, dy);
-    // It was not the user who moved it.
+    // The user did not move it.
     this.fits = fits;
   }
 
-  #apply(gently: boolean): void {
-    this.#content.classList.toggle("gently", gently);
-    // In three dimensions, for then a browser moves it as a whole and does not paint it anew.
+  #apply(animated: boolean): void {
+    this.#content.classList.toggle("animated", animated);
+    // With a 3D transform, browsers move it as one layer and do not repaint it.
     this.#content.style.transform = `translate3d(${this.#x}px, ${this.#y}px, 0) scale(${this.#zoom})`;
     this.#zoomed(this.#zoom);
   }
@@ -121,9 +123,9 @@ export class Viewport {
     event.preventDefault();
     const { left, top } = this.#element.getBoundingClientRect();
     const lines = event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 16 : 1;
-    // A pinch on a touchpad comes as small steps of a wheel with Ctrl.
-    const pace = event.ctrlKey ? 0.01 : 0.0015;
-    const factor = Math.exp(-event.deltaY * lines * pace);
+    // A pinch on a touchpad arrives as small wheel steps with Ctrl.
+    const speed = event.ctrlKey ? 0.01 : 0.0015;
+    const factor = Math.exp(-event.deltaY * lines * speed);
     this.zoom(factor, event.clientX - left, event.clientY - top);
   }
 
@@ -134,18 +136,18 @@ export class Viewport {
   }
 
   #move(event: PointerEvent): void {
-    const former = this.#pointers.get(event.pointerId);
-    if (former === undefined) return;
+    const previous = this.#pointers.get(event.pointerId);
+    if (previous === undefined) return;
     if (event.buttons === 0) {
       this.#pointers.delete(event.pointerId);
       return;
     }
-    const [dx, dy] = [event.clientX - former.clientX, event.clientY - former.clientY];
+    const [dx, dy] = [event.clientX - previous.clientX, event.clientY - previous.clientY];
     const other = [...this.#pointers.values()].find(
       ({ pointerId }) => pointerId !== event.pointerId,
     );
     if (!this.#dragged) {
-      if (Math.hypot(dx, dy) < STILL) return;
+      if (Math.hypot(dx, dy) < DRAG_START) return;
       this.#dragged = true;
       this.#element.setPointerCapture(event.pointerId);
     }
@@ -155,11 +157,11 @@ export class Viewport {
       return;
     }
     const { left, top } = this.#element.getBoundingClientRect();
-    const far = (from: PointerEvent): number =>
+    const distance = (from: PointerEvent): number =>
       Math.hypot(from.clientX - other.clientX, from.clientY - other.clientY);
     const [x, y] = [(event.clientX + other.clientX) / 2, (event.clientY + other.clientY) / 2];
     this.pan(dx / 2, dy / 2, false);
-    if (far(former) > 0) this.zoom(far(event) / far(former), x - left, y - top);
+    if (distance(previous) > 0) this.zoom(distance(event) / distance(previous), x - left, y - top);
   }
 
   #key(event: KeyboardEvent): void {
@@ -181,4 +183,4 @@ export class Viewport {
   }
 }
 
-const limited = (zoom: number): number => Math.min(CLOSEST, Math.max(FARTHEST, zoom));
+const clamped = (zoom: number): number => Math.min(MAX_ZOOM, Math.max(MIN_ZOOM, zoom));

@@ -1,20 +1,27 @@
-/** All parameters: by namespace, to be read, changed, added and deleted. */
+/** The Parameters tab: shows all parameters by namespace, to change, add and delete. */
 import "./parameters.css";
 
-import { h, replace, say } from "../dom";
+import { h, replace, setText } from "../dom";
+import { Filter, filterInput } from "../filter";
 import { plural } from "../format";
 import type { Hub } from "../hub";
 import type { MakeView, View } from "../view";
-import { confirmed } from "./confirmation";
-import { valueForm } from "./form";
-import { ParameterServer } from "./server";
-import { type Leaf, type Namespace, tree } from "./tree";
-import { kind, meant, written } from "./value";
+import {
+  fromText,
+  kind,
+  type Namespace,
+  type Parameter,
+  ParameterServer,
+  parameterTree,
+  toText,
+} from "./parameters";
 
-/** Time between two looks at whether others changed anything, in ms. */
+/** Time between two requests that look for changes by others, in ms. */
 const INTERVAL = 2000;
-/** Characters of all parameters up to which such a look is cheap. */
-const CHEAP = 100_000;
+/** There are no such requests if all parameters have more characters than this. */
+const MAX_POLLED = 100_000;
+/** The maximum height of the input for a value, in lines. */
+const MAX_LINES = 12;
 
 export const makeView: MakeView = (hub) => new ParametersView(hub);
 
@@ -25,16 +32,11 @@ class ParametersView implements View {
   readonly #list = h("div", { class: "parameters-tree scroll panel" });
   readonly #error = h("p", { class: "error", role: "alert", hidden: true });
   readonly #note = h("p", { class: "soft small", role: "status" });
-  readonly #filter = h("input", {
-    type: "search",
-    class: "grow",
-    "aria-label": "Filter",
-    placeholder: "part of a name",
-  });
+  #filter = new Filter();
   readonly #folded = new Set<string>();
   #parameters: [name: string, value: string][] = [];
   #text = "";
-  /** The parameter that is being changed, and the form for that: it outlives what is drawn. */
+  /** The parameter that is being changed and its form, which is kept when the tree is redrawn. */
   #editing: { name: string; form: HTMLFormElement } | null = null;
   #timer: number | undefined;
   #stop: (() => void) | undefined;
@@ -42,13 +44,16 @@ class ParametersView implements View {
   constructor(hub: Hub) {
     this.#hub = hub;
     this.#server = new ParameterServer(hub);
-    this.#filter.addEventListener("input", () => this.#draw());
+    const filter = filterInput("Filter parameters", (changed) => {
+      this.#filter = changed;
+      this.#draw();
+    });
     const refresh = h("button", { type: "button", onclick: () => void this.#refresh() }, "Refresh");
     this.element = h(
       "section",
       { class: "parameters", "aria-label": "Parameters" },
-      h("div", { class: "toolbar" }, this.#filter, refresh),
-      this.#adding(),
+      h("div", { class: "toolbar" }, filter, refresh),
+      this.#addForm(),
       this.#error,
       this.#list,
       this.#note,
@@ -59,7 +64,7 @@ class ParametersView implements View {
     this.#stop ??= this.#hub.state.watch((state) => {
       if (state === "open" && this.#editing === null) void this.#refresh();
     });
-    this.#wait();
+    this.#schedule();
   }
 
   hide(): void {
@@ -68,9 +73,9 @@ class ParametersView implements View {
     window.clearTimeout(this.#timer);
   }
 
-  #adding(): HTMLElement {
+  #addForm(): HTMLElement {
     const name = h("input", { required: true, placeholder: "/robot/speed", spellcheck: "false" });
-    const value = h("input", { placeholder: "0.5, true, [1, 2] or a text", spellcheck: "false" });
+    const value = h("input", { placeholder: "0.5, true, [1, 2] or text", spellcheck: "false" });
     const form = h(
       "form",
       { class: "toolbar adding" },
@@ -80,8 +85,8 @@ class ParametersView implements View {
     );
     form.addEventListener("submit", (event) => {
       event.preventDefault();
-      const whole = name.value.startsWith("/") ? name.value.trim() : `/${name.value.trim()}`;
-      void this.#change(() => this.#server.set(whole, meant(value.value))).then((done) => {
+      const fullName = name.value.startsWith("/") ? name.value.trim() : `/${name.value.trim()}`;
+      void this.#change(() => this.#server.set(fullName, fromText(value.value))).then((done) => {
         if (!done) return;
         form.reset();
         name.focus();
@@ -90,81 +95,80 @@ class ParametersView implements View {
     return h("details", { class: "panel" }, h("summary", {}, "Add a parameter"), form);
   }
 
-  /** Ask for all, and draw them. */
+  /** Request all parameters and draw them. */
   async #refresh(): Promise<void> {
     await this.#change(async () => undefined);
   }
 
-  /** Do something to the parameters, and then show them; tells whether it could be done. */
-  async #change(what: () => Promise<void>): Promise<boolean> {
+  /** Change something, then request and draw all parameters; returns whether it succeeded. */
+  async #change(change: () => Promise<void>): Promise<boolean> {
     try {
-      await what();
+      await change();
       this.#text = await this.#server.text();
       this.#parameters = await this.#server.all();
       this.#error.hidden = true;
     } catch (error) {
-      this.#fail(error);
+      this.#showError(error);
       return false;
     }
     this.#draw();
     return true;
   }
 
-  #fail(error: unknown): void {
+  #showError(error: unknown): void {
     this.#error.hidden = false;
-    say(this.#error, error instanceof Error ? error.message : String(error));
+    setText(this.#error, error instanceof Error ? error.message : String(error));
   }
 
-  /** See to it that what others change is seen here, too. */
-  #wait(): void {
+  /** Look for changes by others after some time. */
+  #schedule(): void {
     window.clearTimeout(this.#timer);
     this.#timer = window.setTimeout(() => {
-      void this.#look().finally(() => {
-        if (this.#stop !== undefined) this.#wait();
+      void this.#lookForChanges().finally(() => {
+        if (this.#stop !== undefined) this.#schedule();
       });
     }, INTERVAL);
   }
 
-  async #look(): Promise<void> {
-    const idle = this.#editing === null && this.#text.length < CHEAP;
+  async #lookForChanges(): Promise<void> {
+    const idle = this.#editing === null && this.#text.length < MAX_POLLED;
     if (!idle || document.hidden || this.#hub.state.value !== "open") return;
     try {
       const changed = (await this.#server.text()) !== this.#text;
       if (changed && this.#editing === null) await this.#refresh();
     } catch (error) {
-      this.#fail(error);
+      this.#showError(error);
     }
   }
 
   #draw(): void {
-    const part = this.#filter.value.trim().toLowerCase();
-    const root = tree(this.#parameters.filter(([name]) => name.toLowerCase().includes(part)));
+    const root = parameterTree(this.#parameters.filter((each) => this.#filter.matches(...each)));
     const { scrollTop } = this.#list;
     const focus = document.activeElement;
-    replace(this.#list, this.#space(root));
+    replace(this.#list, this.#namespace(root));
     this.#list.scrollTop = scrollTop;
-    // To be moved is to lose it.
+    // Redrawing removes the focus.
     if (focus instanceof HTMLElement && this.#list.contains(focus)) focus.focus();
-    const all = this.#parameters.length;
-    say(
+    const total = this.#parameters.length;
+    setText(
       this.#note,
-      root.count === all
-        ? plural(all, "parameter")
-        : `${root.count} of ${plural(all, "parameter")}`,
+      root.count === total
+        ? plural(total, "parameter")
+        : `${root.count} of ${plural(total, "parameter")}`,
     );
   }
 
-  #space(space: Namespace): HTMLElement {
+  #namespace(space: Namespace): HTMLElement {
     return h(
       "ul",
       {},
-      ...space.leaves.map((leaf) => h("li", { class: "leaf" }, ...this.#leaf(leaf))),
-      ...Array.from(space.spaces.values(), (below) => h("li", {}, this.#folder(below))),
+      ...space.parameters.map((each) => h("li", { class: "leaf" }, ...this.#parameter(each))),
+      ...Array.from(space.children.values(), (each) => h("li", {}, this.#folder(each))),
     );
   }
 
   #folder(space: Namespace): HTMLElement {
-    const remove = this.#removal(
+    const remove = this.#deleteButton(
       space.name,
       `${space.name} and ${plural(space.count, "parameter")} in it`,
     );
@@ -173,7 +177,7 @@ class ParametersView implements View {
       { open: !this.#folded.has(space.name) },
       h("summary", {}, h("code", {}, `${space.key}/`), h("span", { class: "badge" }, space.count)),
       h("div", { class: "of-space" }, remove),
-      this.#space(space),
+      this.#namespace(space),
     );
     folder.addEventListener("toggle", () => {
       if (folder.open) this.#folded.delete(space.name);
@@ -182,47 +186,47 @@ class ParametersView implements View {
     return folder;
   }
 
-  #leaf(leaf: Leaf): HTMLElement[] {
-    if (this.#editing?.name === leaf.name) {
-      return [h("code", { class: "key" }, leaf.key), this.#editing.form];
+  #parameter({ name, key, value }: Parameter): HTMLElement[] {
+    if (this.#editing?.name === name) {
+      return [h("code", { class: "key" }, key), this.#editing.form];
     }
     const change = h(
       "button",
       {
         type: "button",
         class: "quiet",
-        "data-change": leaf.name,
-        "aria-label": `Change ${leaf.name}`,
+        "data-change": name,
+        "aria-label": `Change ${name}`,
       },
       "Change",
     );
-    change.addEventListener("click", () => this.#edit(leaf));
+    change.addEventListener("click", () => this.#edit(name, value));
     return [
-      h("code", { class: "key", title: leaf.name }, leaf.key),
-      h("code", { class: "value" }, written(leaf.value)),
-      h("span", { class: "kind soft small" }, kind(leaf.value)),
-      h("span", { class: "of-leaf" }, change, this.#removal(leaf.name, leaf.name)),
+      h("code", { class: "key", title: name }, key),
+      h("code", { class: "value" }, toText(value)),
+      h("span", { class: "kind soft small" }, kind(value)),
+      h("span", { class: "of-leaf" }, change, this.#deleteButton(name, name)),
     ];
   }
 
-  #edit(leaf: Leaf): void {
+  #edit(name: string, value: string): void {
     const form = valueForm(
-      leaf.name,
-      written(leaf.value),
-      (value) => void this.#save(leaf.name, value),
-      () => this.#finish(leaf.name),
+      name,
+      toText(value),
+      (text) => void this.#save(name, text),
+      () => this.#finish(name),
     );
-    this.#editing = { name: leaf.name, form };
+    this.#editing = { name, form };
     this.#draw();
     form.querySelector("textarea")?.select();
   }
 
-  async #save(name: string, value: string): Promise<void> {
-    const done = await this.#change(() => this.#server.set(name, meant(value)));
+  async #save(name: string, text: string): Promise<void> {
+    const done = await this.#change(() => this.#server.set(name, fromText(text)));
     if (done) this.#finish(name);
   }
 
-  /** Whoever ends finds the focus where it began. */
+  /** Close the form; the focus returns to the button that opened it. */
   #finish(name: string): void {
     this.#editing = null;
     this.#draw();
@@ -231,17 +235,82 @@ class ParametersView implements View {
     }
   }
 
-  #removal(name: string, what: string): HTMLElement {
+  #deleteButton(name: string, description: string): HTMLElement {
     const button = h(
       "button",
       { type: "button", class: "quiet danger", "aria-label": `Delete ${name}` },
       "Delete",
     );
     button.addEventListener("click", () => {
-      void confirmed(`Delete ${what}?`, "Delete").then((sure) => {
-        if (sure) void this.#change(() => this.#server.remove(name));
+      void confirmed(`Delete ${description}?`, "Delete").then((yes) => {
+        if (yes) void this.#change(() => this.#server.remove(name));
       });
     });
     return button;
   }
+}
+
+/** A form to change a value: Enter saves, Escape cancels. */
+function valueForm(
+  name: string,
+  value: string,
+  save: (text: string) => void,
+  cancel: () => void,
+): HTMLFormElement {
+  const rows = Math.min(MAX_LINES, Math.ceil(value.length / 60) || 1);
+  const input = h("textarea", {
+    rows,
+    value,
+    spellcheck: "false",
+    "aria-label": `Value of ${name}`,
+  });
+  const type = h("span", { class: "kind soft small", role: "status" }, kind(fromText(value)));
+  const form = h(
+    "form",
+    { class: "value-form" },
+    input,
+    type,
+    h("button", { type: "submit", class: "primary" }, "Save"),
+    h("button", { type: "button", onclick: cancel }, "Cancel"),
+  );
+  input.addEventListener("input", () => setText(type, kind(fromText(input.value))));
+  form.addEventListener("submit", (event) => {
+    event.preventDefault();
+    save(input.value);
+  });
+  form.addEventListener("keydown", (event) => {
+    if (event.key === "Escape") cancel();
+    if (event.key === "Enter" && event.target === input && !event.shiftKey && !event.isComposing) {
+      event.preventDefault();
+      form.requestSubmit();
+    }
+  });
+  return form;
+}
+
+/** Ask for confirmation; `yes` is the label of the button that confirms. */
+function confirmed(question: string, yes: string): Promise<boolean> {
+  const dialog = h(
+    "dialog",
+    { class: "confirmation", "aria-label": question },
+    h(
+      "form",
+      { method: "dialog" },
+      h("p", {}, question),
+      h(
+        "div",
+        { class: "toolbar" },
+        h("button", { value: "yes", class: "danger" }, yes),
+        h("button", { value: "no", autofocus: true }, "Keep"),
+      ),
+    ),
+  );
+  document.body.append(dialog);
+  dialog.showModal();
+  return new Promise((resolve) => {
+    dialog.addEventListener("close", () => {
+      dialog.remove();
+      resolve(dialog.returnValue === "yes");
+    });
+  });
 }

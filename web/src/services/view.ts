@@ -1,18 +1,18 @@
-/** The services of the graph, a form to call the chosen one, and the actions. */
-import { h, replace, say } from "../dom";
-import { matches } from "../filter";
+/** The Services tab: lists services and actions, and has a form to call a service. */
+import { followOnClick } from "../browse";
+import { h, replace, setText } from "../dom";
+import { Filter, filterInput } from "../filter";
 import { plural } from "../format";
-import { isHidden } from "../hidden";
+import { isHidden } from "../hidden_names";
 import type { Hub } from "../hub";
 import type { ActionInfo, Graph, Model } from "../model";
-import "../browse.css";
 import { type MakeView, route } from "../view";
-import { Call } from "./call";
+import { ServicePage } from "./service_page";
 import "./services.css";
 
 export const makeView: MakeView = (hub, model) => new ServicesView(hub, model);
 
-interface Offer {
+interface Row {
   readonly name: string;
   readonly type: string;
   readonly node: string;
@@ -22,7 +22,7 @@ class ServicesView {
   readonly element: HTMLElement;
   readonly #hub: Hub;
   readonly #model: Model;
-  readonly #filter: HTMLInputElement;
+  #filter = new Filter();
   readonly #debug: HTMLInputElement;
   readonly #count = h("span", { class: "soft small", role: "status" });
   readonly #services = h("tbody");
@@ -30,19 +30,16 @@ class ServicesView {
   readonly #empty = h("p", { class: "empty" });
   readonly #actionTable: HTMLElement;
   readonly #place = h("div", { class: "browse-place scroll" });
-  #call: Call | undefined;
+  #page: ServicePage | undefined;
   #name = "";
   #stop: (() => void) | undefined;
 
   constructor(hub: Hub, model: Model) {
     this.#hub = hub;
     this.#model = model;
-    this.#filter = h("input", {
-      type: "search",
-      class: "grow",
-      placeholder: "Filter by name, type or node",
-      "aria-label": "Filter services",
-      oninput: () => this.#update(),
+    const filter = filterInput("Filter services", (changed) => {
+      this.#filter = changed;
+      this.#update();
     });
     this.#debug = h("input", { type: "checkbox", onchange: () => this.#update() });
     this.#actionTable = h(
@@ -54,13 +51,7 @@ class ServicesView {
     const list = h(
       "section",
       { class: "browse-list", "aria-label": "Services" },
-      h(
-        "div",
-        { class: "toolbar" },
-        this.#filter,
-        h("label", {}, this.#debug, "Debug"),
-        this.#count,
-      ),
+      h("div", { class: "toolbar" }, filter, h("label", {}, this.#debug, "Debug"), this.#count),
       h(
         "div",
         { class: "scroll" },
@@ -87,55 +78,54 @@ class ServicesView {
 
   #update(): void {
     const graph = this.#model.graph.value;
-    const chosen = (offers: readonly Offer[]): Offer[] =>
-      offers
+    const filtered = (rows: readonly Row[]): Row[] =>
+      rows
         .filter(
           ({ name, type, node }) =>
-            (this.#debug.checked || !isHidden(name)) &&
-            matches(this.#filter.value.trim(), name, type, node),
+            (this.#debug.checked || !isHidden(name)) && this.#filter.matches(name, type, node),
         )
         .sort((one, other) => (one.name < other.name ? -1 : 1));
-    const services = chosen(graph?.services ?? []);
-    const actions = chosen((graph?.actions ?? []).map(withWay));
+    const services = filtered(graph?.services ?? []);
+    const actions = filtered((graph?.actions ?? []).map(actionRow));
     fill(this.#services, services, "services", this.#name);
     fill(this.#actions, actions, "", "");
     this.#actionTable.hidden = actions.length === 0;
     this.#empty.hidden = services.length > 0;
-    say(this.#count, plural(services.length, "service"));
-    say(
+    setText(this.#count, plural(services.length, "service"));
+    setText(
       this.#empty,
       graph === null
         ? "Waiting for the hub …"
-        : this.#filter.value === ""
-          ? "No services yet but the hub's own, which “Debug” shows. Try: python -m fibws.examples.add_two_ints_server"
-          : "No service matches the filter.",
+        : this.#filter.isEmpty
+          ? "No services besides the hub's own (see “Debug”). Try: python -m fibws.examples.add_two_ints_server"
+          : "No services match the filter.",
     );
     this.#open(graph);
   }
 
-  /** The form of the chosen service, which stays as it is while that is there. */
+  /** Show the page of the chosen service; an open page keeps its form. */
   #open(graph: Graph | null): void {
     if (this.#name === "") {
-      this.#call = undefined;
+      this.#page = undefined;
       replace(this.#place);
       return;
     }
     const service = graph?.services.find(({ name }) => name === this.#name);
     if (
-      this.#call?.name !== this.#name ||
-      (service !== undefined && this.#call.type !== service.type)
+      this.#page?.name !== this.#name ||
+      (service !== undefined && this.#page.type !== service.type)
     ) {
-      this.#call = new Call(this.#hub, this.#model, this.#name, service?.type ?? "");
-      replace(this.#place, this.#call.element);
+      this.#page = new ServicePage(this.#hub, this.#model, this.#name, service?.type ?? "");
+      replace(this.#place, this.#page.element);
     }
-    this.#call.tell(service?.node, graph !== null);
+    this.#page.showNode(service?.node, graph !== null);
   }
 }
 
-/** An action may be there twice, so it is said how goals get there. */
-function withWay({ name, type, node, over_topics }: ActionInfo): Offer {
-  const way = `over ${over_topics ? "topics" : "operations"}`;
-  return { name, type: type === "" ? way : `${type} ${way}`, node };
+/** An action may exist twice, over topics and over operations, so the row says which. */
+function actionRow({ name, type, node, over_topics }: ActionInfo): Row {
+  const transport = `over ${over_topics ? "topics" : "operations"}`;
+  return { name, type: type === "" ? transport : `${type} ${transport}`, node };
 }
 
 function table(label: string, body: HTMLElement): HTMLTableElement {
@@ -149,16 +139,16 @@ function table(label: string, body: HTMLElement): HTMLTableElement {
   );
 }
 
-function fill(body: HTMLElement, offers: readonly Offer[], tab: string, selected: string): void {
-  const text = JSON.stringify([offers, selected]);
-  if (body.dataset.offers === text) return;
-  body.dataset.offers = text;
+function fill(body: HTMLElement, rows: readonly Row[], tab: string, selected: string): void {
+  const text = JSON.stringify([rows, selected]);
+  if (body.dataset.rows === text) return;
+  body.dataset.rows = text;
   const focused = body.contains(document.activeElement)
     ? document.activeElement?.textContent
     : undefined;
   replace(
     body,
-    ...offers.map(({ name, type, node }) => {
+    ...rows.map(({ name, type, node }) => {
       const below = h("span", { class: "type-below" }, type);
       const title =
         tab === ""
@@ -180,9 +170,7 @@ function fill(body: HTMLElement, offers: readonly Offer[], tab: string, selected
         ),
       );
       if (title instanceof HTMLAnchorElement) {
-        row.addEventListener("click", (event) => {
-          if (event.target instanceof Element && event.target.closest("a") === null) title.click();
-        });
+        followOnClick(row, title);
         if (name === focused) queueMicrotask(() => title.focus({ preventScroll: true }));
       }
       return row;

@@ -1,7 +1,6 @@
-/** The curves on a canvas: a thin layer over uPlot, which draws. */
+/** Draws curves on a canvas, by uPlot. */
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
-import { align, type Samples } from "./ring";
 import {
   axisText,
   clock,
@@ -9,10 +8,11 @@ import {
   linearExtent,
   logarithmicExtent,
   logarithmicTicks,
-} from "./scales";
-import { DASHES, drawMarker } from "./strokes";
+} from "./axes";
+import { DASHES, drawMarker } from "./curve_style";
+import { align, type Samples } from "./ring_buffer";
 
-/** How a curve looks: which dashes and marker, and the colour as the canvas takes it. */
+/** The look of a curve: the number of its dashes and marker, and its colour. */
 export interface Look {
   readonly style: number;
   readonly colour: string;
@@ -23,7 +23,7 @@ export interface Colours {
   readonly line: string;
 }
 
-/** Times between two labels of the axis; less than a second has no room there. */
+/** Possible times between two labels of the time axis, in seconds. */
 const SECONDS = [1, 2, 5, 10, 15, 30, 60, 120, 300];
 
 export class Chart {
@@ -32,21 +32,21 @@ export class Chart {
   #extent: Extent = [0, 1];
   #from = 0;
   #to = 1;
-  /** Whether each curve has so few samples that one sees them singly. */
+  /** Whether each curve has so few samples that they are drawn as points. */
   #sparse: boolean[] = [];
   readonly #point: (time: number | undefined) => void;
 
-  /** `point` is told the time that the mouse is at, and `undefined` when it leaves. */
+  /** `point` receives the time under the mouse, and `undefined` when it leaves. */
   constructor(point: (time: number | undefined) => void) {
     this.#point = point;
     this.element.className = "plot-canvas";
   }
 
-  /** Begin anew, with these curves. */
-  make(looks: readonly Look[], colours: Colours, logarithmic: boolean): void {
+  /** Create the chart for some curves. */
+  create(looks: readonly Look[], colours: Colours, logarithmic: boolean): void {
     this.#plot?.destroy();
     this.#plot = undefined;
-    // uPlot looks for ticks at once, and on a logarithmic axis would never find those from zero.
+    // uPlot computes ticks at once: on a logarithmic axis, those from zero would never end.
     this.#extent = logarithmic ? [1, 10] : [0, 1];
     if (looks.length === 0) return;
     const axis = {

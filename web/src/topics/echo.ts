@@ -1,31 +1,30 @@
-/** The newest message of a topic, until one pauses to read it. */
-import { copyButton } from "../copy";
-import { h, say } from "../dom";
+/** Shows the newest message of a topic, and can be paused. */
+import { copyButton } from "../copy_button";
+import { h, setText } from "../dom";
 import { ago, plural } from "../format";
 import type { Hub, Message } from "../hub";
-import type { PlotPath } from "../tree/leaf";
-import { Tree } from "../tree/tree";
+import { MessageTree, type PlotPath } from "../message_tree";
 import type { Types } from "../types";
 
-/** Least time between two messages, in ms. */
+/** Minimum time between two messages, in ms. */
 const THROTTLE = 100;
-/** Time between two looks at the clock, in ms. */
+/** Time between two updates of the newest message's age, in ms. */
 const TICK = 500;
 
 export class Echo {
   readonly element: HTMLElement;
   readonly #hub: Hub;
   readonly #topic: string;
-  readonly #tree: Tree;
+  readonly #tree: MessageTree;
   readonly #pause: HTMLButtonElement;
   readonly #copy: HTMLButtonElement;
   readonly #count = h("span", { class: "echo-count end small soft" });
   readonly #waiting = h("p", { class: "soft" }, "No message yet.");
-  readonly #refusal = h("p", { class: "error", role: "alert", hidden: true });
+  readonly #error = h("p", { class: "error", role: "alert", hidden: true });
   #paused = false;
   #shown = false;
-  #heard = 0;
-  #at = 0;
+  #received = 0;
+  #lastTime = 0;
   #newest: Message | undefined;
   #stop: (() => void) | undefined;
   #timer: number | undefined;
@@ -33,14 +32,14 @@ export class Echo {
   constructor(hub: Hub, topic: string, type: string, types: Types | undefined, plot: PlotPath) {
     this.#hub = hub;
     this.#topic = topic;
-    this.#tree = new Tree(types, type, plot);
+    this.#tree = new MessageTree(types, type, plot);
     this.#tree.element.hidden = true;
     this.#pause = h(
       "button",
       {
         type: "button",
         class: "echo-pause",
-        title: "Key: space",
+        title: "Space",
         onclick: () => this.#toggle(),
       },
       "Pause",
@@ -54,82 +53,83 @@ export class Echo {
         tabindex: 0,
         role: "group",
         "aria-label": `Newest message of ${topic}; space pauses`,
-        onkeydown: (event: KeyboardEvent) => this.#key(event),
+        onkeydown: (event: KeyboardEvent) => this.#onKey(event),
       },
       h("div", { class: "toolbar" }, this.#pause, this.#copy, this.#count),
-      this.#refusal,
+      this.#error,
       this.#waiting,
       this.#tree.element,
     );
-    this.#tell();
+    this.#showStatus();
   }
 
-  /** Comes into sight. */
+  /** The echo becomes visible. */
   show(): void {
     this.#shown = true;
-    this.#listen();
+    this.#updateSubscription();
   }
 
-  /** Goes out of sight. */
+  /** The echo becomes hidden. */
   hide(): void {
     this.#shown = false;
-    this.#listen();
+    this.#updateSubscription();
   }
 
-  /** What is paused or out of sight is not subscribed to. */
-  #listen(): void {
+  /** Subscribe while visible and not paused. */
+  #updateSubscription(): void {
     if (this.#shown && !this.#paused) {
       this.#stop ??= this.#hub.subscribe(
         this.#topic,
         { throttle: THROTTLE, queue: 1 },
-        (message) => this.#hear(message),
-        (why) => this.#refuse(why),
+        (message) => this.#receive(message),
+        (why) => this.#showError(why),
       );
     } else {
       this.#stop?.();
       this.#stop = undefined;
     }
     window.clearInterval(this.#timer);
-    if (this.#shown) this.#timer = window.setInterval(() => this.#tell(), TICK);
+    if (this.#shown) this.#timer = window.setInterval(() => this.#showStatus(), TICK);
   }
 
-  #hear(message: Message): void {
-    this.#heard += 1;
-    this.#at = performance.now();
+  #receive(message: Message): void {
+    this.#received += 1;
+    this.#lastTime = performance.now();
     this.#newest = message;
-    this.#refusal.hidden = true;
+    this.#error.hidden = true;
     this.#waiting.hidden = true;
     this.#tree.element.hidden = false;
     this.#copy.disabled = false;
     this.#tree.show(message);
-    this.#tell();
+    this.#showStatus();
   }
 
-  #refuse(why: string): void {
-    say(this.#refusal, why);
-    this.#refusal.hidden = false;
+  #showError(why: string): void {
+    setText(this.#error, why);
+    this.#error.hidden = false;
   }
 
   #toggle(): void {
     this.#paused = !this.#paused;
     this.#pause.classList.toggle("on", this.#paused);
-    say(this.#pause, this.#paused ? "Go on" : "Pause");
-    this.#listen();
-    this.#tell();
+    setText(this.#pause, this.#paused ? "Resume" : "Pause");
+    this.#updateSubscription();
+    this.#showStatus();
   }
 
-  #key(event: KeyboardEvent): void {
-    // Space on a button or on a fold means that.
-    const own = event.target === this.element;
-    if (event.key !== " " || !own || event.ctrlKey || event.altKey || event.metaKey) return;
+  #onKey(event: KeyboardEvent): void {
+    // Space on a button or a fold in it has its own effect.
+    const isHere = event.target === this.element;
+    if (event.key !== " " || !isHere || event.ctrlKey || event.altKey || event.metaKey) return;
     event.preventDefault();
     if (!event.repeat) this.#toggle();
   }
 
-  #tell(): void {
-    const parts = [`${plural(this.#heard, "message")} shown`];
+  #showStatus(): void {
+    const parts = [`${plural(this.#received, "message")} shown`];
     if (this.#paused) parts.unshift("paused");
-    if (this.#heard > 0) parts.push(`newest ${ago((performance.now() - this.#at) / 1000)}`);
-    say(this.#count, parts.join(" · "));
+    if (this.#received > 0)
+      parts.push(`newest ${ago((performance.now() - this.#lastTime) / 1000)}`);
+    setText(this.#count, parts.join(" · "));
   }
 }

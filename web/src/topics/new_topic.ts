@@ -1,5 +1,5 @@
-/** How to begin with a topic that is not there yet: a name and a type. */
-import { h, say } from "../dom";
+/** The form "New topic": opens the page of a topic that does not exist yet. */
+import { h, setText } from "../dom";
 import type { Model } from "../model";
 import { route } from "../view";
 
@@ -29,7 +29,7 @@ export class NewTopic {
   readonly #type: HTMLInputElement;
   readonly #types = h("datalist", { id: "new-topic-types" });
   readonly #problem = h("p", { class: "error", role: "alert", hidden: true });
-  readonly #chosen = new Map<string, string>();
+  readonly #chosenTypes = new Map<string, string>();
 
   constructor(model: Model) {
     this.#model = model;
@@ -62,9 +62,9 @@ export class NewTopic {
     );
   }
 
-  /** The type that was chosen for a name; empty if none was. */
+  /** The type that the user chose for a new topic, or an empty string. */
   typeOf(name: string): string {
-    return this.#chosen.get(name) ?? "";
+    return this.#chosenTypes.get(name) ?? "";
   }
 
   #toggle(open: boolean): void {
@@ -84,24 +84,24 @@ export class NewTopic {
     event.preventDefault();
     const name = this.#name.value.trim();
     const type = this.#type.value.trim();
-    const there = this.#model.graph.value?.topics.find((topic) => topic.name === absolute(name));
-    const problem = this.#wrong(name, type, there?.type);
-    say(this.#problem, problem);
+    const existing = this.#model.graph.value?.topics.find((topic) => topic.name === absolute(name));
+    const problem = this.#problemOf(name, type, existing?.type);
+    setText(this.#problem, problem);
     this.#problem.hidden = problem === "";
     if (problem !== "") return;
-    this.#chosen.set(absolute(name), type);
+    this.#chosenTypes.set(absolute(name), type);
     this.#toggle(false);
     location.hash = route("topics", absolute(name));
   }
 
-  #wrong(name: string, type: string, there: string | undefined): string {
+  #problemOf(name: string, type: string, existing: string | undefined): string {
     if (!NAME.test(name))
-      return `“${name}” is no name for a topic: /chatter and /robot1/cmd_vel are.`;
-    if (there)
-      return there === type || type === ""
+      return `“${name}” is not a valid topic name; try /chatter or /robot1/cmd_vel.`;
+    if (existing)
+      return existing === type || type === ""
         ? ""
-        : `${absolute(name)} is there already, and has the type ${there}.`;
-    return TYPE.test(type) ? "" : `“${type}” is no type: std_msgs/String is.`;
+        : `${absolute(name)} already exists with type ${existing}.`;
+    return TYPE.test(type) ? "" : `“${type}” is not a valid type; try std_msgs/String.`;
   }
 }
 

@@ -1,38 +1,37 @@
-/** The plot that stays while one picks what else is to be in it, from any topic. */
-import { h, replace, say } from "../dom";
+/** The plot below the list of topics, with curves of any topics. */
+import { h, replace, setText } from "../dom";
 import { hertz } from "../format";
 import type { Hub } from "../hub";
 import type { Model } from "../model";
+import { notPositive } from "./axes";
 import { Chart } from "./chart";
-import { type Curve, Feed } from "./feed";
-import { LegendEntry } from "./legend";
-import { notPositive } from "./scales";
-import { STYLES } from "./strokes";
+import { LegendEntry, STYLES } from "./curve_style";
+import { type Curve, Sampler } from "./sampler";
 import "./plot.css";
 
-/** Seconds in sight. */
+/** The ranges of time to choose from. */
 const WINDOWS = [
   { seconds: 10, label: "10 s" },
   { seconds: 30, label: "30 s" },
   { seconds: 120, label: "2 min" },
   { seconds: 600, label: "10 min" },
 ];
-/** Least time between two messages, in ms: in ten minutes, the buffers hold half as many a second. */
+/** Minimum time between two messages, in ms; the buffers hold ten minutes at the longer one. */
 const THROTTLE = 20;
 const LONG_THROTTLE = 50;
-/** Least time between two pictures, in ms; and if they have more than a few curves. */
+/** Minimum time between two redraws, in ms; the longer one with more than a few curves. */
 const FRAME = 50;
 const LONG_FRAME = 100;
 const FEW = 3;
-/** Samples that one curve alone is drawn with, and each of many. */
-const MOST = 2000;
-const FEWEST = 500;
-/** Seconds that an axis has at least. */
-const SHORTEST = 2;
+/** How many samples a single curve is drawn with, and each of many at least. */
+const MAX_SAMPLES = 2000;
+const MIN_SAMPLES = 500;
+/** The minimum length of the time axis, in seconds. */
+const MIN_SECONDS = 2;
 
 interface Row {
   readonly curve: Curve;
-  readonly feed: Feed;
+  readonly sampler: Sampler;
   readonly entry: LegendEntry;
 }
 
@@ -40,7 +39,7 @@ export class Plot {
   readonly element: HTMLElement;
   readonly #hub: Hub;
   readonly #model: Model;
-  readonly #feeds = new Map<string, Feed>();
+  readonly #samplers = new Map<string, Sampler>();
   readonly #rows: Row[] = [];
   readonly #chart = new Chart((time) => this.#point(time));
   readonly #legend = h("ul", { class: "plot-legend", "aria-label": "Curves" });
@@ -48,7 +47,7 @@ export class Plot {
   readonly #hint = h(
     "p",
     { class: "soft small" },
-    "Pick a number: “Plot” in the list, or the curve beside a value.",
+    "Choose a number: “Plot” in the list, or the curve icon beside a value.",
   );
   readonly #fold = h(
     "button",
@@ -64,13 +63,13 @@ export class Plot {
   readonly #window: HTMLSelectElement;
   readonly #log: HTMLInputElement;
   readonly #pause: HTMLButtonElement;
-  /** The time at which the picture stands still. */
+  /** The time at which the plot was paused. */
   #pausedAt: number | undefined;
   #pointed: number | undefined;
   #shown = false;
-  /** Whether a picture is asked for. */
-  #due = false;
-  #drawn = 0;
+  /** Whether a redraw is scheduled. */
+  #scheduled = false;
+  #lastDraw = 0;
   #full = false;
   #stopRates: (() => void) | undefined;
 
@@ -79,14 +78,14 @@ export class Plot {
     this.#model = model;
     this.#window = h(
       "select",
-      { "aria-label": "Time in sight", onchange: () => this.#rewind() },
+      { "aria-label": "Time range", onchange: () => this.#changeWindow() },
       ...WINDOWS.map(({ seconds, label }) => h("option", { value: seconds }, label)),
     );
     this.#window.value = "30";
     this.#log = h("input", {
       type: "checkbox",
       "aria-label": "Logarithmic",
-      onchange: () => this.#make(),
+      onchange: () => this.#recreate(),
     });
     this.#pause = h("button", { type: "button", onclick: () => this.#toggle() }, "Pause");
     this.#tools = h(
@@ -97,7 +96,7 @@ export class Plot {
       this.#pause,
       h(
         "button",
-        { type: "button", title: "Forget the samples so far", onclick: () => this.#clear() },
+        { type: "button", title: "Discard the samples so far", onclick: () => this.#clear() },
         "Clear",
       ),
       h(
@@ -105,7 +104,7 @@ export class Plot {
         {
           type: "button",
           class: "plot-all",
-          title: "Take all curves away",
+          title: "Remove all curves",
           onclick: () => this.#removeAll(),
         },
         "Remove all",
@@ -125,17 +124,19 @@ export class Plot {
       this.#chart.element,
       this.#notes,
     );
-    // The canvas does not follow the page's colours by itself.
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.#make());
+    // The canvas does not follow the colour scheme by itself.
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.#recreate());
     new ResizeObserver(() => this.#refresh()).observe(this.#chart.element);
-    this.#make();
+    this.#recreate();
   }
 
-  /** Add a curve; one that is there already is looked at again. */
+  /** Add a curve, or scroll to it if it exists already. */
   add(topic: string, path: string): void {
-    const there = this.#rows.find(({ curve, feed }) => feed.topic === topic && curve.path === path);
-    if (there !== undefined) {
-      there.entry.element.scrollIntoView({ block: "nearest" });
+    const existing = this.#rows.find(
+      ({ curve, sampler }) => sampler.topic === topic && curve.path === path,
+    );
+    if (existing !== undefined) {
+      existing.entry.element.scrollIntoView({ block: "nearest" });
       return;
     }
     const style = Array.from({ length: STYLES }, (_, at) => at).find((at) =>
@@ -143,37 +144,37 @@ export class Plot {
     );
     this.#full = style === undefined;
     if (style === undefined) {
-      this.#note([]);
+      this.#showNotes([]);
       return;
     }
-    let feed = this.#feeds.get(topic);
-    if (feed === undefined) {
-      feed = new Feed(this.#hub, topic, this.#throttle, () => this.#refresh());
-      this.#feeds.set(topic, feed);
-      if (this.#shown) feed.start();
+    let sampler = this.#samplers.get(topic);
+    if (sampler === undefined) {
+      sampler = new Sampler(this.#hub, topic, this.#throttle, () => this.#refresh());
+      this.#samplers.set(topic, sampler);
+      if (this.#shown) sampler.start();
     }
     const entry = new LegendEntry(topic, path, style, () => this.#remove(row));
-    const row: Row = { curve: feed.add(path), feed, entry };
+    const row: Row = { curve: sampler.add(path), sampler, entry };
     this.#rows.push(row);
-    this.#make();
+    this.#recreate();
   }
 
-  /** Say why something is not plotted. */
-  say(why: string): void {
-    say(this.#hint, why);
+  /** Show why something is not plotted. */
+  showHint(why: string): void {
+    setText(this.#hint, why);
     this.#hint.hidden = false;
   }
 
   show(): void {
     this.#shown = true;
-    for (const feed of this.#feeds.values()) feed.start();
+    for (const sampler of this.#samplers.values()) sampler.start();
     this.#stopRates ??= this.#model.rates.watch(() => this.#refresh());
-    this.#make();
+    this.#recreate();
   }
 
   hide(): void {
     this.#shown = false;
-    for (const feed of this.#feeds.values()) feed.stop();
+    for (const sampler of this.#samplers.values()) sampler.stop();
     this.#stopRates?.();
     this.#stopRates = undefined;
   }
@@ -185,8 +186,8 @@ export class Plot {
   #remove(row: Row): void {
     this.#rows.splice(this.#rows.indexOf(row), 1);
     this.#full = false;
-    if (row.feed.remove(row.curve)) this.#feeds.delete(row.feed.topic);
-    this.#make();
+    if (row.sampler.remove(row.curve)) this.#samplers.delete(row.sampler.topic);
+    this.#recreate();
   }
 
   #removeAll(): void {
@@ -194,7 +195,7 @@ export class Plot {
   }
 
   #clear(): void {
-    for (const { curve } of this.#rows) curve.ring.clear();
+    for (const { curve } of this.#rows) curve.samples.clear();
     if (this.#pausedAt !== undefined) this.#toggle();
     this.#refresh();
   }
@@ -202,83 +203,82 @@ export class Plot {
   #toggle(): void {
     this.#pausedAt = this.#pausedAt === undefined ? Date.now() / 1000 : undefined;
     this.#pause.classList.toggle("on", this.#pausedAt !== undefined);
-    say(this.#pause, this.#pausedAt === undefined ? "Pause" : "Go on");
+    setText(this.#pause, this.#pausedAt === undefined ? "Pause" : "Resume");
     this.#refresh();
   }
 
-  /** Make room, without losing the curves. */
+  /** Hide or show the chart; the curves remain. */
   #toggleFold(): void {
     const folded = this.element.classList.toggle("plot-folded");
     this.#fold.setAttribute("aria-expanded", String(!folded));
     this.#refresh();
   }
 
-  #rewind(): void {
-    for (const feed of this.#feeds.values()) feed.throttle = this.#throttle;
+  #changeWindow(): void {
+    for (const sampler of this.#samplers.values()) sampler.throttle = this.#throttle;
     this.#refresh();
   }
 
-  /** The picture from the start: other curves, other colours, or another scale. */
-  #make(): void {
-    const any = this.#rows.length > 0;
-    this.element.classList.toggle("plot-empty", !any);
-    this.#hint.hidden = any;
-    this.#fold.disabled = !any;
-    this.#tools.hidden = !any;
+  /** Create the chart again, for other curves, colours or scales. */
+  #recreate(): void {
+    const hasCurves = this.#rows.length > 0;
+    this.element.classList.toggle("plot-empty", !hasCurves);
+    this.#hint.hidden = hasCurves;
+    this.#fold.disabled = !hasCurves;
+    this.#tools.hidden = !hasCurves;
     replace(this.#legend, ...this.#rows.map(({ entry }) => entry.element));
     if (!this.element.isConnected) return;
     const { color, borderTopColor } = getComputedStyle(this.#notes);
     const looks = this.#rows.map(({ entry: { style, colour } }) => ({ style, colour }));
-    this.#chart.make(looks, { ink: color, line: borderTopColor }, this.#log.checked);
+    this.#chart.create(looks, { ink: color, line: borderTopColor }, this.#log.checked);
     this.#refresh();
   }
 
-  /** Draw soon. A frame is asked for only then, since each costs something with nothing in it. */
+  /** Schedule a redraw. */
   #refresh(): void {
-    if (!this.#shown || this.#due) return;
-    this.#due = true;
+    if (!this.#shown || this.#scheduled) return;
+    this.#scheduled = true;
     const pause = this.#rows.length > FEW ? LONG_FRAME : FRAME;
     const draw = (now: number) => {
-      this.#due = false;
-      this.#drawn = now;
+      this.#scheduled = false;
+      this.#lastDraw = now;
       this.#draw();
-      // Time moves on, whether or not something came.
+      // The time axis moves even without new samples.
       if (this.#rows.length > 0 && this.#pausedAt === undefined) this.#refresh();
     };
-    const rest = this.#drawn + pause - performance.now();
+    const rest = this.#lastDraw + pause - performance.now();
     setTimeout(() => requestAnimationFrame(draw), Math.max(0, rest));
   }
 
   #draw(): void {
     const now = this.#pausedAt ?? Date.now() / 1000;
-    const first = Math.min(now, ...this.#rows.map(({ curve }) => curve.ring.first ?? now));
-    const from = Math.max(now - Number(this.#window.value), Math.min(first, now - SHORTEST));
-    // Every curve has a row for each sample of every other, so that the cost is their product.
-    const most = Math.max(FEWEST, MOST / this.#rows.length);
-    const curves = this.#rows.map(({ curve }) => curve.ring.between(from, now, most));
+    const first = Math.min(now, ...this.#rows.map(({ curve }) => curve.samples.first ?? now));
+    const from = Math.max(now - Number(this.#window.value), Math.min(first, now - MIN_SECONDS));
+    // Each curve gets a row for each sample of all others, so the cost is quadratic.
+    const limit = Math.max(MIN_SAMPLES, MAX_SAMPLES / this.#rows.length);
+    const curves = this.#rows.map(({ curve }) => curve.samples.between(from, now, limit));
     this.#chart.show(curves, from, now, this.#log.checked);
     const time = this.#pointed ?? this.#pausedAt;
     for (const { curve, entry } of this.#rows)
-      entry.tell(time === undefined ? curve.ring.newest : curve.ring.valueAt(time));
-    this.#note(
+      entry.showValue(time === undefined ? curve.samples.newest : curve.samples.valueAt(time));
+    this.#showNotes(
       this.#log.checked && notPositive(curves) > 0
-        ? ["Values of zero and below have no place on a logarithmic axis."]
+        ? ["A logarithmic axis cannot show values of zero and below."]
         : [],
     );
   }
 
-  #note(notes: string[]): void {
+  #showNotes(notes: string[]): void {
     const all = [...notes];
-    if (this.#full) all.push(`${STYLES} curves are the most at once: take one away first.`);
-    for (const { topic, refusal, odd } of this.#feeds.values()) {
-      if (refusal !== "") all.push(`${topic}: ${refusal}`);
-      if (odd !== "") all.push(`${topic} has no number at ${odd} now.`);
+    if (this.#full) all.push(`At most ${STYLES} curves; remove one first.`);
+    for (const { topic, error, missing } of this.#samplers.values()) {
+      if (error !== "") all.push(`${topic}: ${error}`);
+      if (missing !== "") all.push(`${topic} has no number at ${missing} now.`);
       const rate = this.#model.rates.value.topics.get(topic)?.messages ?? 0;
       const most = 1000 / this.#throttle;
-      if (rate > 1.1 * most)
-        all.push(`${topic} has ${hertz(rate)}; ${hertz(most)} of these are plotted.`);
+      if (rate > 1.1 * most) all.push(`${topic} has ${hertz(rate)}; ${hertz(most)} are plotted.`);
     }
-    say(this.#notes, all.join(" "));
+    setText(this.#notes, all.join(" "));
   }
 
   #point(time: number | undefined): void {

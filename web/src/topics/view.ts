@@ -1,14 +1,13 @@
-/** The topics of the graph: a list, all about the chosen one, and a plot that stays. */
+/** The Topics tab: a list, the page of the chosen topic, and a plot. */
 import { h, replace } from "../dom";
 import type { Hub } from "../hub";
 import type { Model } from "../model";
 import { Types } from "../types";
 import type { MakeView } from "../view";
-import { TopicList } from "./list";
 import { NewTopic } from "./new_topic";
-import { TopicPage } from "./page";
 import { Plot } from "./plot";
-import "../browse.css";
+import { TopicList } from "./topic_list";
+import { TopicPage } from "./topic_page";
 import "./topics.css";
 
 export const makeView: MakeView = (hub, model) => new TopicsView(hub, model);
@@ -21,8 +20,8 @@ class TopicsView {
   readonly #list: TopicList;
   readonly #place = h("div", { class: "browse-place scroll" });
   readonly #new: NewTopic;
-  /** Ends the wait for the type of what is to be plotted. */
-  #wanted: (() => void) | undefined;
+  /** Stops waiting for the type of a topic that is to be plotted. */
+  #stopWaiting: (() => void) | undefined;
   #page: { readonly name: string; readonly expected: string; readonly page: TopicPage } | undefined;
 
   constructor(hub: Hub, model: Model) {
@@ -45,7 +44,7 @@ class TopicsView {
     );
   }
 
-  /** `["/chatter"]` opens that topic; `["/chatter", "plot"]` plots it, too. */
+  /** `["/chatter"]` opens that topic; `["/chatter", "plot"]` also plots it. */
   show([name = "", tool]: string[]): void {
     const expected = this.#new.typeOf(name);
     if (this.#page?.name !== name || this.#page.expected !== expected) {
@@ -60,36 +59,36 @@ class TopicsView {
     this.#place.hidden = name === "";
     this.#list.show(name);
     this.#plot.show();
-    this.#wanted?.();
-    this.#wanted = undefined;
-    if (tool === "plot") this.#plotOnce(name);
+    this.#stopWaiting?.();
+    this.#stopWaiting = undefined;
+    if (tool === "plot") this.#plotWhenKnown(name);
   }
 
   /** Plot a topic as soon as its type is known. */
-  #plotOnce(name: string): void {
+  #plotWhenKnown(name: string): void {
     let done = false;
     const stop = this.#model.graph.watch((graph) => {
       const type = graph?.topics.find((topic) => topic.name === name)?.type;
       if (done || !type) return;
       done = true;
-      this.#wanted?.();
+      this.#stopWaiting?.();
       void this.#plotTopic(name, type);
     });
     if (done) stop();
-    else this.#wanted = stop;
+    else this.#stopWaiting = stop;
   }
 
   hide(): void {
-    this.#wanted?.();
+    this.#stopWaiting?.();
     this.#list.hide();
     this.#plot.hide();
     this.#page?.page.hide();
   }
 
-  /** All numbers of a small message, or the first of a large one. */
+  /** Plot all numbers of a small message, or the first of a large one. */
   async #plotTopic(topic: string, type: string): Promise<void> {
     const types = new Types(await this.#model.typedefs(type).catch(() => []));
     for (const path of types.plotPaths()) this.#plot.add(topic, path);
-    if (types.plotPaths().length === 0) this.#plot.say(`${topic} has no numbers to plot.`);
+    if (types.plotPaths().length === 0) this.#plot.showHint(`${topic} has no numbers to plot.`);
   }
 }

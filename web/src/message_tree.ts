@@ -1,0 +1,361 @@
+/** A message as a tree of its values, which keeps its open branches while the messages change. */
+import "./message_tree.css";
+
+import { h, setText, svg } from "./dom";
+import { dateTime, duration, plural, whole } from "./format";
+import {
+  byteLength,
+  bytesOf,
+  type Field,
+  isBytes,
+  kindOf,
+  own,
+  type Types,
+  typeText,
+} from "./types";
+
+/** How many elements of an array are shown at first, added by each click, and shown at most. */
+const FIRST = 50;
+const STEP = 200;
+const MAX_ELEMENTS = 2000;
+/** Branches up to this length and down to this depth are open at first. */
+const SHORT = 8;
+const DEPTH = 2;
+/** How many values the preview of a closed branch has. */
+const PREVIEW = 4;
+/** How many characters of a string and bytes of a byte string are shown. */
+const MAX_CHARACTERS = 2000;
+const MAX_BYTES = 16;
+
+export class MessageTree {
+  readonly element = h("div", { class: "tree" });
+  readonly #branch: Children;
+  readonly #type: string;
+
+  /** Without types, values are shown as in JSON. */
+  constructor(types: Types | undefined, type: string, plot?: PlotPath) {
+    this.#type = type;
+    this.#branch = new Children(this.element, { types, plot }, "", 0);
+  }
+
+  show(message: unknown): void {
+    this.#branch.show(message, { name: "", type: this.#type, array: -1 });
+  }
+}
+
+interface Context {
+  readonly types: Types | undefined;
+  readonly plot: PlotPath | undefined;
+}
+
+/** The fields of a message or the elements of an array. */
+class Children {
+  readonly #place: HTMLElement;
+  readonly #context: Context;
+  readonly #path: string;
+  readonly #depth: number;
+  readonly #items = new Map<string, Item>();
+  readonly #more = h("button", {
+    type: "button",
+    class: "tree-more",
+    onclick: () => this.#showMore(),
+  });
+  #limit = FIRST;
+  #value: unknown;
+  #field: Field | undefined;
+
+  constructor(place: HTMLElement, context: Context, path: string, depth: number) {
+    this.#place = place;
+    this.#context = context;
+    this.#path = path;
+    this.#depth = depth;
+  }
+
+  show(value: unknown, field: Field | undefined): void {
+    this.#value = value;
+    this.#field = field;
+    if (Array.isArray(value)) this.#showArray(value, field);
+    else this.#showMessage(value, field);
+  }
+
+  #showMore(): void {
+    this.#limit = Math.min(MAX_ELEMENTS, this.#limit + STEP);
+    this.show(this.#value, this.#field);
+  }
+
+  #showMessage(value: unknown, field: Field | undefined): void {
+    const keys =
+      typeof value === "object" && value !== null ? Object.keys(value).slice(0, this.#limit) : [];
+    for (const key of keys) {
+      const inner = field === undefined ? undefined : this.#context.types?.field(field.type, key);
+      this.#put(key, key, this.#path === "" ? key : `${this.#path}.${key}`, own(value, key), inner);
+    }
+    this.#removeExcept(new Set(keys));
+    if (keys.length === 0)
+      this.#place.replaceChildren(h("span", { class: "tree-note" }, "no fields"));
+  }
+
+  #showArray(values: unknown[], field: Field | undefined): void {
+    const element = field === undefined ? undefined : { ...field, array: -1 };
+    const shown = Math.min(values.length, this.#limit);
+    for (let at = 0; at < shown; at += 1) {
+      this.#put(String(at), `[${at}]`, `${this.#path}[${at}]`, values[at], element);
+    }
+    for (let at = this.#items.size - 1; at >= shown; at -= 1) this.#remove(String(at));
+    this.#place.classList.toggle("of-leaves", typeof values[0] !== "object");
+    const rest = values.length - shown;
+    if (rest === 0) {
+      this.#more.remove();
+    } else {
+      const isLimit = this.#limit >= MAX_ELEMENTS;
+      setText(
+        this.#more,
+        isLimit ? `… ${whole(rest)} more: copy as JSON to see all` : `… ${whole(rest)} more`,
+      );
+      this.#more.disabled = isLimit;
+      if (this.#place.lastChild !== this.#more) this.#place.append(this.#more);
+    }
+  }
+
+  #put(key: string, label: string, path: string, value: unknown, field: Field | undefined): void {
+    const existing = this.#items.get(key);
+    if (existing?.show(value) === true) return;
+    const item = makeItem(this.#context, label, path, value, field, this.#depth);
+    this.#items.set(key, item);
+    if (existing === undefined) this.#place.append(item.element);
+    else existing.element.replaceWith(item.element);
+  }
+
+  #removeExcept(keys: ReadonlySet<string>): void {
+    for (const key of [...this.#items.keys()]) if (!keys.has(key)) this.#remove(key);
+  }
+
+  #remove(key: string): void {
+    this.#items.get(key)?.element.remove();
+    this.#items.delete(key);
+  }
+}
+
+function makeItem(
+  context: Context,
+  label: string,
+  path: string,
+  value: unknown,
+  field: Field | undefined,
+  depth: number,
+): Item {
+  const single = field === undefined || field.array < 0;
+  const kind = field === undefined ? undefined : kindOf(field.type);
+  const isTime = single && (kind === "time" || kind === "duration");
+  if (typeof value === "object" && value !== null && !isTime) {
+    return new Branch(context, label, path, value, field, depth);
+  }
+  return new Leaf(context.plot, label, path, value, field);
+}
+
+class Branch implements Item {
+  readonly element: HTMLDetailsElement;
+  readonly #note = h("span", { class: "tree-note" });
+  readonly #preview = h("span", { class: "tree-preview" });
+  readonly #types: Types | undefined;
+  readonly #children: Children;
+  readonly #field: Field | undefined;
+  readonly #isArray: boolean;
+  #value: unknown;
+
+  constructor(
+    context: Context,
+    label: string,
+    path: string,
+    value: object,
+    field: Field | undefined,
+    depth: number,
+  ) {
+    this.#field = field;
+    this.#isArray = Array.isArray(value);
+    this.#types = context.types;
+    const place = h("div", { class: "tree-children" });
+    this.#children = new Children(place, context, path, depth + 1);
+    this.element = h(
+      "details",
+      { class: "tree-branch", open: depth < DEPTH && isShort(value) },
+      h(
+        "summary",
+        {},
+        h("span", { class: "tree-key" }, `${label}:`),
+        " ",
+        this.#note,
+        this.#preview,
+      ),
+      place,
+    );
+    // A closed branch is not updated.
+    this.element.addEventListener("toggle", () => this.#update());
+    this.show(value);
+  }
+
+  show(value: unknown): boolean {
+    if (typeof value !== "object" || value === null || Array.isArray(value) !== this.#isArray)
+      return false;
+    this.#value = value;
+    setText(this.#note, this.#describe(value));
+    this.#update();
+    return true;
+  }
+
+  #update(): void {
+    if (this.element.open) this.#children.show(this.#value, this.#field);
+    setText(this.#preview, this.element.open ? "" : preview(this.#value, this.#field, this.#types));
+  }
+
+  #describe(value: object): string {
+    const type = this.#field === undefined ? "" : typeText(this.#field);
+    if (!Array.isArray(value)) return type;
+    return `${type} ${plural(value.length, "element")}`.trim();
+  }
+}
+
+function isShort(value: object): boolean {
+  const length = Object.keys(value).length;
+  return length > 0 && length <= SHORT;
+}
+
+/** The first few values of a closed branch: ` x: 1.5, y: 0` or ` 1, 2, 3, …`. */
+function preview(value: unknown, field: Field | undefined, types: Types | undefined): string {
+  const isArray = Array.isArray(value);
+  const element = field === undefined ? undefined : { ...field, array: -1 };
+  const all = Object.entries(isArray ? value.slice(0, PREVIEW + 1) : (value as object));
+  const texts = all.flatMap(([name, each]) => {
+    const inner = isArray ? element : field && types?.field(field.type, name);
+    if (typeof each === "object" && each !== null && own(each, "nsecs") === undefined) return [];
+    const text = leafText(typeof each === "number" ? Number(each.toPrecision(5)) : each, inner)[0];
+    return [isArray ? text : `${name}: ${text}`];
+  });
+  if (texts.length === 0) return "";
+  const few = texts
+    .slice(0, PREVIEW)
+    .join(isArray ? ", " : "  ")
+    .slice(0, 120);
+  return `  ${few}${texts.length > PREVIEW ? ", …" : ""}`;
+}
+
+/** Receives the path of a number that the user wants to plot. */
+export type PlotPath = (path: string) => void;
+
+/** A leaf or a branch of the tree. */
+export interface Item {
+  readonly element: HTMLElement;
+  /** Show another value; returns false if it needs another kind of item. */
+  show(value: unknown): boolean;
+}
+
+export class Leaf implements Item {
+  readonly element: HTMLElement;
+  readonly #value = h("span", { class: "tree-value" });
+  readonly #field: Field | undefined;
+
+  constructor(
+    plot: PlotPath | undefined,
+    label: string,
+    path: string,
+    value: unknown,
+    field: Field | undefined,
+  ) {
+    this.#field = field;
+    this.element = h(
+      "div",
+      { class: "tree-leaf" },
+      h("span", { class: "tree-key" }, `${label}:`),
+      this.#value,
+    );
+    if (plot !== undefined && isPlottable(value, field))
+      this.element.append(plotButton(path, plot));
+    this.show(value);
+  }
+
+  show(value: unknown): boolean {
+    const kind = this.#field === undefined ? undefined : kindOf(this.#field.type);
+    const isTime = kind === "time" || kind === "duration";
+    if (typeof value === "object" && value !== null && !isTime) return false;
+    const [text, style, title] = leafText(value, this.#field);
+    setText(this.#value, text);
+    this.#value.className = `tree-value tree-${style}`;
+    if (title === "") this.#value.removeAttribute("title");
+    else this.#value.title = title;
+    return true;
+  }
+}
+
+function isPlottable(value: unknown, field: Field | undefined): boolean {
+  if (field === undefined) return typeof value === "number" || typeof value === "boolean";
+  return field.array < 0 && kindOf(field.type) !== "string";
+}
+
+/** A small button with the icon of a curve. */
+export function plotButton(path: string, plot: PlotPath): HTMLButtonElement {
+  return h(
+    "button",
+    {
+      type: "button",
+      class: "tree-plot",
+      title: `Plot ${path}`,
+      "aria-label": `Plot ${path}`,
+      onclick: () => plot(path),
+    },
+    curveIcon(),
+  );
+}
+
+function curveIcon(): SVGElement {
+  const line = {
+    fill: "none",
+    stroke: "currentColor",
+    "stroke-width": 1.75,
+    "stroke-linecap": "round",
+  };
+  return svg(
+    "svg",
+    { viewBox: "0 0 16 12", "aria-hidden": "true" },
+    svg("path", { d: "M1 9 C4 9 5 2 8 2 S11 10 15 7", ...line }),
+  );
+}
+
+/** The text of a value, its style, and its tooltip. */
+export function leafText(
+  value: unknown,
+  field: Field | undefined,
+): [text: string, style: string, title: string] {
+  if (value === null)
+    return ["nan", "word", "Not a number: JSON has null for nan and for infinity"];
+  if (typeof value === "string") {
+    if (field !== undefined && isBytes(field)) return [bytesText(value), "bytes", ""];
+    if (value.length <= MAX_CHARACTERS) return [`"${value}"`, "string", ""];
+    const rest = whole(value.length - MAX_CHARACTERS);
+    return [`"${value.slice(0, MAX_CHARACTERS)}" … ${rest} more characters`, "string", ""];
+  }
+  if (typeof value === "number") {
+    const isInteger =
+      field === undefined ? Number.isInteger(value) : kindOf(field.type) === "integer";
+    if (isInteger && !Number.isSafeInteger(value)) {
+      return [
+        `≈ ${BigInt(value)}`,
+        "number",
+        "Browsers represent integers exactly only up to 2^53: the last digits may differ",
+      ];
+    }
+    return [String(value), "number", ""];
+  }
+  const [secs, nsecs] = [own(value, "secs"), own(value, "nsecs")];
+  if (typeof secs === "number" && typeof nsecs === "number") {
+    const text = field?.type === "duration" ? duration(secs, nsecs) : dateTime(secs, nsecs);
+    return [text, "time", `${secs} s and ${nsecs} ns`];
+  }
+  return [String(value), "word", ""];
+}
+
+function bytesText(base64: string): string {
+  const length = byteLength(base64);
+  const first = bytesOf(base64.slice(0, Math.ceil(MAX_BYTES / 3) * 4))?.slice(0, MAX_BYTES) ?? [];
+  const hex = Array.from(first, (byte) => byte.toString(16).padStart(2, "0")).join(" ");
+  return `${plural(length, "byte")}${hex && `: ${hex}`}${length > MAX_BYTES ? " …" : ""}`;
+}

@@ -1,0 +1,81 @@
+import { describe, expect, it } from "vitest";
+import { align, RingBuffer } from "./ring_buffer";
+
+function filled(capacity: number, count: number, value = (at: number): number => at): RingBuffer {
+  const ring = new RingBuffer(capacity);
+  for (let at = 0; at < count; at += 1) ring.push(at, value(at));
+  return ring;
+}
+
+describe("a ring buffer", () => {
+  it("keeps only the newest samples", () => {
+    const ring = filled(4, 10);
+    expect(ring.length).toBe(4);
+    expect(ring.first).toBe(6);
+    expect(ring.newest).toBe(9);
+    expect([...ring.between(-1, 99, 100).values]).toEqual([6, 7, 8, 9]);
+    ring.clear();
+    expect([ring.length, ring.first, ring.newest]).toEqual([0, undefined, undefined]);
+  });
+
+  it("returns the samples between two times and their neighbours", () => {
+    const ring = filled(100, 10);
+    expect([...ring.between(3.5, 5.5, 100).times]).toEqual([3, 4, 5, 6]);
+    expect([...ring.between(20, 30, 100).times]).toEqual([9]);
+    expect([...new RingBuffer(3).between(0, 9, 100).times]).toEqual([]);
+  });
+
+  it("keeps all peaks when it thins out samples", () => {
+    const ring = filled(10_000, 10_000, (at) => (at === 4321 ? 99 : at === 4322 ? -99 : at % 2));
+    const { times, values } = ring.between(0, 10_000, 500);
+    expect(values.length).toBeLessThanOrEqual(502);
+    expect(Math.max(...values)).toBe(99);
+    expect(Math.min(...values)).toBe(-99);
+    expect([...times]).toEqual([...times].sort((a, b) => a - b));
+  });
+
+  it("chooses the same samples for a slightly later range", () => {
+    const ring = filled(10_000, 9000, (at) => Math.sin(at * at));
+    const before = [...ring.between(100, 8000, 500).times];
+    const after = new Set(ring.between(164, 8064, 500).times);
+    expect(
+      before.filter((time) => time > 300 && time < 7900).every((time) => after.has(time)),
+    ).toBe(true);
+  });
+
+  it("never decreases its times", () => {
+    const ring = new RingBuffer(4);
+    ring.push(5, 1);
+    ring.push(3, 2);
+    expect([...ring.between(0, 9, 9).times]).toEqual([5, 5]);
+  });
+
+  it("returns the value at a time", () => {
+    const ring = filled(4, 10);
+    expect(ring.valueAt(7.5)).toBe(7);
+    expect(ring.valueAt(7)).toBe(7);
+    expect(ring.valueAt(100)).toBe(9);
+    expect(ring.valueAt(5)).toBeUndefined();
+  });
+});
+
+describe("curves", () => {
+  it("are aligned to one column of times", () => {
+    const curve = (
+      times: number[],
+      values: number[],
+    ): { times: Float64Array; values: Float64Array } => ({
+      times: Float64Array.from(times),
+      values: Float64Array.from(values),
+    });
+    expect(align([curve([1, 3], [10, NaN]), curve([1, 2, 2], [7, 8, 9])])).toEqual([
+      [1, 2, 3],
+      [10, null, null],
+      [7, 9, undefined],
+    ]);
+    expect(
+      align([curve([1, 3, 5, 7], [1, 2, NaN, 3]), curve([0, 2, 4, 6, 8], [0, 0, 0, 0, 0])])[1],
+    ).toEqual([undefined, 1, undefined, 2, null, null, null, 3, undefined]);
+    expect(align([])).toEqual([[]]);
+  });
+});

@@ -1,0 +1,105 @@
+/** Subscribes to one topic and records the numbers that are plotted. */
+import type { Hub, Message } from "../hub";
+import { numberAt, own, parsePath } from "../types";
+import { RingBuffer } from "./ring_buffer";
+
+const CAPACITY = 12_000;
+/** A header's time is used if it differs from the clock by no more than this, in seconds. */
+const MAX_SKEW = 5;
+
+export interface Curve {
+  readonly path: string;
+  readonly samples: RingBuffer;
+}
+
+export class Sampler {
+  readonly topic: string;
+  /** Why the hub rejected the subscription; empty if it did not. */
+  error = "";
+  /** A path at which the newest message had no number; empty if there is none. */
+  missing = "";
+  readonly #hub: Hub;
+  readonly #changed: () => void;
+  readonly #curves = new Map<Curve, readonly (string | number)[]>();
+  #throttle: number;
+  #unsubscribe: (() => void) | undefined;
+  #newest: { readonly message: Message; readonly time: number } | undefined;
+
+  /** `throttle` is the minimum time between two messages, in ms; `changed` is called for each. */
+  constructor(hub: Hub, topic: string, throttle: number, changed: () => void) {
+    this.#hub = hub;
+    this.topic = topic;
+    this.#throttle = throttle;
+    this.#changed = changed;
+  }
+
+  set throttle(throttle: number) {
+    if (throttle === this.#throttle) return;
+    this.#throttle = throttle;
+    if (this.#unsubscribe === undefined) return;
+    this.#stopSubscription();
+    this.start();
+  }
+
+  add(path: string): Curve {
+    const curve = { path, samples: new RingBuffer(CAPACITY) };
+    this.#curves.set(curve, parsePath(path) ?? []);
+    // So that a slow topic has a value at once.
+    if (this.#newest !== undefined) this.#record(curve, this.#newest.message, this.#newest.time);
+    return curve;
+  }
+
+  /** Remove a curve. Returns whether it was the last: then the subscription has ended. */
+  remove(curve: Curve): boolean {
+    this.#curves.delete(curve);
+    if (this.#curves.size > 0) return false;
+    this.stop();
+    return true;
+  }
+
+  start(): void {
+    this.#unsubscribe ??= this.#hub.subscribe(
+      this.topic,
+      { throttle: this.#throttle, queue: 1 },
+      (message) => this.#receive(message),
+      (why) => {
+        this.error = why;
+        this.#changed();
+      },
+    );
+  }
+
+  stop(): void {
+    if (this.#unsubscribe === undefined) return;
+    this.#stopSubscription();
+    // The time without a subscription is a gap in the curve.
+    for (const { samples } of this.#curves.keys())
+      if (samples.length > 0) samples.push(Date.now() / 1000, NaN);
+  }
+
+  #stopSubscription(): void {
+    this.#unsubscribe?.();
+    this.#unsubscribe = undefined;
+  }
+
+  #receive(message: Message): void {
+    this.error = "";
+    this.missing = "";
+    const time = timeOf(message, Date.now() / 1000);
+    this.#newest = { message, time };
+    for (const curve of this.#curves.keys()) this.#record(curve, message, time);
+    this.#changed();
+  }
+
+  #record(curve: Curve, message: Message, time: number): void {
+    const value = numberAt(message, this.#curves.get(curve) ?? []);
+    if (value === undefined) this.missing = curve.path;
+    curve.samples.push(time, value ?? NaN);
+  }
+}
+
+/** The time of a message: that of its header if it is plausible, else the time of its arrival. */
+export function timeOf(message: Message, now: number): number {
+  const stamp = numberAt(own(message, "header"), ["stamp"]);
+  return stamp !== undefined && Math.abs(stamp - now) <= MAX_SKEW ? stamp : now;
+}
