@@ -10,6 +10,8 @@ fibonacci.subscribe((message) => console.log("I heard", message.data));`;
 
 /** Time between two attempts to connect, in ms. */
 const RETRY = 2000;
+/** Time from the first view until roslib is loaded, in ms: the view draws meanwhile. */
+const DELAY = 1000;
 
 declare global {
   interface Window {
@@ -19,12 +21,12 @@ declare global {
 }
 
 /**
- * Define `ros` and load `ROSLIB`, once the page has nothing else to load.
+ * Define `ros`, and load `ROSLIB` some time after the first view is shown.
  *
  * `ros` is a node of its own: the page's node is hidden in the graph, but users want to see the
  * subscriptions that they make in the console.
  */
-export function offerConsole(url: string): void {
+export function offerConsole(url: string, firstView: Promise<void>): void {
   let ros: Ros | undefined;
   Object.defineProperty(window, "ros", {
     configurable: true,
@@ -44,8 +46,7 @@ export function offerConsole(url: string): void {
       Object.defineProperty(window, "ROSLIB", { value, configurable: true, writable: true });
     },
   });
-  if (document.readyState === "complete") loadRoslib();
-  else window.addEventListener("load", loadRoslib, { once: true });
+  void firstView.then(() => setTimeout(() => whenIdle(loadRoslib), DELAY));
 }
 
 function loadRoslib(): void {
@@ -55,14 +56,14 @@ function loadRoslib(): void {
   });
   script.addEventListener("error", () => console.warn("roslib.js could not be loaded"));
   script.src = roslibScript as string;
-  whenIdle(() => document.head.append(script));
+  document.head.append(script);
 }
 
-/** Run something when the browser has nothing more urgent to do. */
+/** Run something when the browser has nothing urgent to do. */
 function whenIdle(run: () => void): void {
   // Safari has no idle callbacks.
   if ("requestIdleCallback" in window) window.requestIdleCallback(run, { timeout: 2000 });
-  else setTimeout(run, 500);
+  else run();
 }
 
 function connected(url: string): Ros {

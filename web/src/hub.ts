@@ -223,7 +223,7 @@ export class Hub {
     else call?.reject(new Error(values ? String(values) : `${String(service)} failed`));
   }
 
-  /** Send an operation, unless the hub is not there: those that matter then are sent later. */
+  /** Send an operation if connected; subscriptions and advertisements are sent on connecting. */
   #send(operation: Operation): void {
     if (this.#state.value === "open") this.#socket?.send(JSON.stringify(operation));
   }
@@ -280,7 +280,7 @@ export function hubUrl(address: string, secure = false): string {
   const hasScheme = text.includes("://");
   const url = parsed(hasScheme ? text : `${secure ? "wss" : "ws"}://${text}`);
   const isHub = url?.protocol === "ws:" || url?.protocol === "wss:";
-  if (!isHub || url.hash !== "" || url.port === "0" || /^\d+$/.test(text)) {
+  if (!isHub || url.hash !== "" || url.port === "0" || /^\d+$|\s/.test(text)) {
     throw new Error(`Invalid hub address “${text}”: expected host:port or ws://host:port`);
   }
   // The text is asked, since a URL drops the port that is its scheme's default.

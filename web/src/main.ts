@@ -70,7 +70,6 @@ function start(url: string): void {
     return (await load()).makeView(hub, model);
   }
 
-  offerConsole(url);
   window.addEventListener("hashchange", () => void navigate());
   model.graph.watch((graph) => {
     if (graph === null) return;
@@ -78,7 +77,7 @@ function start(url: string): void {
     isEmpty = [...graph.nodes, ...graph.topics].every(({ name }) => isHidden(name));
     if (isEmpty !== wasEmpty) void navigate();
   });
-  void navigate();
+  offerConsole(url, navigate());
 }
 
 /** The hub's address: that of this page, unless `?hub=robot:9090` names another. */

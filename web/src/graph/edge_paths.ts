@@ -31,7 +31,7 @@ export function layersOf(boxes: readonly Box[], down: boolean): Layers {
 /**
  * The path of an edge from the side of one box to the side of another.
  *
- * It is level across the whole depth of a layer, so that it does not cut corners of boxes there. An
+ * It is level across the whole depth of a layer, so that it does not cut corners of boxes position. An
  * edge that goes back leaves and arrives above or below, where no other edge does.
  */
 export function edgePath(
@@ -139,10 +139,10 @@ function isClear(box: Box, towards: Point, boxes: readonly Box[], down: boolean)
   const at = turn(box);
   return boxes.every((other) => {
     if (other === box) return true;
-    const there = turn(other);
+    const position = turn(other);
     const wide = (down ? other.height : other.width) / 2;
-    const between = (there.y - at.y) * (there.y - towards.y) < 0;
-    return !between || Math.abs(there.x - at.x) > wide + CLEARANCE;
+    const between = (position.y - at.y) * (position.y - towards.y) < 0;
+    return !between || Math.abs(position.x - at.x) > wide + CLEARANCE;
   });
 }
 

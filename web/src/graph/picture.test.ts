@@ -61,7 +61,7 @@ describe("a picture", () => {
     expect(drawn.edges[0]?.label).toBe("/chatter");
   });
 
-  it("marks what is latched", () => {
+  it("marks latched topics", () => {
     const drawn = picture(graph(["/a"], [topic("/map", ["/a"], [], true)]), DEFAULTS);
     expect(drawn.edges[0]?.latched).toBe(true);
     expect(drawn.edges[0]?.about).toBe("/a publishes /map, latched");
@@ -105,6 +105,26 @@ describe("a picture", () => {
       "node /c",
       "topic /y",
     ]);
+  });
+
+  it("leaves out excluded elements, even as neighbours", () => {
+    const drawn = picture(CHATTER, { ...DEFAULTS, filter: new Filter("chatter -listener") });
+    expect(ids(drawn)).toEqual(["topic /chatter", "node /talker"]);
+    expect(arrows(drawn)).toHaveLength(1);
+  });
+
+  it("filters by type", () => {
+    const both = graph(["/a"], [topic("/x", ["/a"], []), { ...topic("/y", [], []), type: "a/B" }]);
+    expect(ids(picture(both, { ...DEFAULTS, filter: new Filter("a/b") }))).toEqual(["topic /y"]);
+  });
+
+  it("filters topics that are drawn as edges", () => {
+    const nodesOnly = { ...DEFAULTS, topics: false };
+    const named = picture(CHATTER, { ...nodesOnly, filter: new Filter("chatter") });
+    expect(ids(named)).toEqual(["node /listener", "node /talker"]);
+    const excluded = picture(CHATTER, { ...nodesOnly, filter: new Filter("-chatter") });
+    expect(ids(excluded)).toHaveLength(2);
+    expect(arrows(excluded)).toEqual([]);
   });
 
   it("shows services on demand, with a dashed edge to their node", () => {

@@ -161,7 +161,11 @@ function filtered(draft: PictureDraft, filter: Filter): { elements: Sketch[]; ed
     all.filter(({ name, type }) => filter.matches(name, type)).map(({ id }) => id),
   );
   const edges = draft.edges.filter(
-    ({ from, to }) => ids.has(from) && ids.has(to) && (matching.has(from) || matching.has(to)),
+    ({ from, to, label }) =>
+      ids.has(from) &&
+      ids.has(to) &&
+      !filter.excludes(label) &&
+      (matching.has(from) || matching.has(to) || (label !== "" && filter.matches(label))),
   );
   const shown = new Set([...matching, ...edges.flatMap(({ from, to }) => [from, to])]);
   return {
