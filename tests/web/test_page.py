@@ -181,6 +181,7 @@ async def test_page_reconnects_when_the_hub_is_back(
     async with Hub(Settings(port=0)) as hub:
         port = hub.port
         page = await open_page(hub, "#/console")
+        await roslib(page)
         async with fibws.Node("talker", hub=hub.url) as node:
             node.log.warning("before")
             await expect(page.locator(".log li")).to_contain_text(["before"])

@@ -8,7 +8,7 @@ import { roslibScript } from "./script_urls";
 export const EXAMPLE = `const fibonacci = new ROSLIB.Topic({ros, name: "/fibonacci", messageType: "std_msgs/Int32"});
 fibonacci.subscribe((message) => console.log("I heard", message.data));`;
 
-/** Time between two attempts to connect, in ms. */
+/** Time between two attempts to connect, or to load roslib, in ms. */
 const RETRY = 2000;
 /** Time from the first view until roslib is loaded, in ms: the view draws meanwhile. */
 const DELAY = 1000;
@@ -54,7 +54,11 @@ function loadRoslib(): void {
   script.addEventListener("load", () => {
     console.info(`ROSLIB and a connection, ros, are available here. Try:\n\n${EXAMPLE}\n`);
   });
-  script.addEventListener("error", () => console.warn("roslib.js could not be loaded"));
+  script.addEventListener("error", () => {
+    // The hub is down: it may be back later.
+    script.remove();
+    setTimeout(loadRoslib, RETRY);
+  });
   script.src = roslibScript as string;
   document.head.append(script);
 }

@@ -1,6 +1,6 @@
 import { expect, test } from "vitest";
 
-import { fromText, kind, parameterTree, toText } from "./parameters";
+import { fromText, kind, parameterTree, splitParameters, toText } from "./parameters";
 
 test("parameters are arranged by namespaces", () => {
   const root = parameterTree([
@@ -52,4 +52,23 @@ test.each(['"hello"', '"12"', '""', '"noetic\\n"', '" a"', "1.0", "[1.0, 2]", '"
 
 test("a plain string has no quotes", () => {
   expect(toText('"hello"')).toBe("hello");
+});
+
+test("a namespace is split into parameters with their exact texts", () => {
+  const json =
+    '{"robot": {"speed": 1.0, "name": "a \\"b\\", [c}", "arm": {"joints": [1, {"x": [2]}, "]"]}},' +
+    '"large":9223372036854775809,"a":true, "empty": {}, "__proto__": {"x": -1e-7}}';
+  expect(splitParameters(json)).toEqual([
+    ["/__proto__/x", "-1e-7"],
+    ["/a", "true"],
+    ["/large", "9223372036854775809"],
+    ["/robot/arm/joints", '[1, {"x": [2]}, "]"]'],
+    ["/robot/name", '"a \\"b\\", [c}"'],
+    ["/robot/speed", "1.0"],
+  ]);
+  expect(splitParameters("{}")).toEqual([]);
+});
+
+test.each(["", "{", '{"a": [1', '{"a'])("the invalid JSON %j is an error", (json) => {
+  expect(() => splitParameters(json)).toThrow(SyntaxError);
 });

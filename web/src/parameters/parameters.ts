@@ -1,10 +1,8 @@
 /** Parameters: the services of rosapi for them, their namespaces, and their values as text. */
 import type { Hub } from "../hub";
 
-/** How many values are requested at once. */
-const AT_ONCE = 32;
-/** The default value in requests: null, which no parameter can have. */
-const MISSING = "null";
+/** The value in the response if there are no parameters at all. */
+const MISSING = "{}";
 
 export class ParameterServer {
   readonly #hub: Hub;
@@ -13,27 +11,10 @@ export class ParameterServer {
     this.#hub = hub;
   }
 
-  /** All parameters by name, as JSON text, which preserves all digits of a number. */
-  async all(): Promise<[name: string, value: string][]> {
-    const { names } = await this.#call<{ names: string[] }>("get_param_names", "GetParamNames", {});
-    const values = new Map<string, string>();
-    const remaining = names.values();
-    const request = async () => {
-      for (const name of remaining) {
-        const value = await this.#get(name);
-        if (value !== MISSING) values.set(name, value);
-      }
-    };
-    await Promise.all(Array.from({ length: AT_ONCE }, request));
-    return names.flatMap((name) => {
-      const value = values.get(name);
-      return value === undefined ? [] : [[name, value]];
-    });
-  }
-
   /** All parameters as one JSON text. */
-  text(): Promise<string> {
-    return this.#get("/");
+  async all(): Promise<string> {
+    const request = { name: "/", default: MISSING };
+    return (await this.#call<{ value: string }>("get_param", "GetParam", request)).value;
   }
 
   async set(name: string, value: string): Promise<void> {
@@ -44,14 +25,52 @@ export class ParameterServer {
     await this.#call("delete_param", "DeleteParam", { name });
   }
 
-  async #get(name: string): Promise<string> {
-    const request = { name, default: MISSING };
-    return (await this.#call<{ value: string }>("get_param", "GetParam", request)).value;
-  }
-
   #call<T>(service: string, type: string, request: Record<string, string>): Promise<T> {
     return this.#hub.call<T>(`/rosapi/${service}`, `rosapi/${type}`, request);
   }
+}
+
+/** A string, a bracket, a separator, or any other value. */
+const TOKEN = /\s*("(?:[^"\\]|\\.)*"|[[\]{},:]|[^\s[\]{},:"]+)/y;
+
+/**
+ * Split the JSON text of a namespace into parameters, sorted by name, each with its JSON text.
+ *
+ * Empty namespaces are left out. Values are not parsed: numbers keep all their digits, and 1.0 stays different from 1.
+ */
+export function splitParameters(json: string): [name: string, value: string][] {
+  const found: [name: string, value: string][] = [];
+  let end = 0;
+  const next = (): string => {
+    TOKEN.lastIndex = end;
+    const token = TOKEN.exec(json)?.[1];
+    if (token === undefined) throw new SyntaxError("the hub sent invalid JSON");
+    end = TOKEN.lastIndex;
+    return token;
+  };
+  const skipList = (): void => {
+    for (let depth = 1; depth > 0; ) {
+      const token = next();
+      if (token === "[" || token === "{") depth += 1;
+      if (token === "]" || token === "}") depth -= 1;
+    }
+  };
+  const split = (name: string): void => {
+    const first = next();
+    if (first !== "{") {
+      const start = end - first.length;
+      if (first === "[") skipList();
+      found.push([name, json.slice(start, end)]);
+      return;
+    }
+    for (let token = next(); token !== "}"; token = next()) {
+      if (token === ",") continue;
+      next();
+      split(`${name}/${JSON.parse(token) as string}`);
+    }
+  };
+  split("");
+  return found.sort(([one], [other]) => (one < other ? -1 : 1));
 }
 
 /** A parameter in its namespace. */

@@ -13,6 +13,7 @@ import {
   type Parameter,
   ParameterServer,
   parameterTree,
+  splitParameters,
   toText,
 } from "./parameters";
 
@@ -104,8 +105,8 @@ class ParametersView implements View {
   async #change(change: () => Promise<void>): Promise<boolean> {
     try {
       await change();
-      this.#text = await this.#server.text();
-      this.#parameters = await this.#server.all();
+      this.#text = await this.#server.all();
+      this.#parameters = splitParameters(this.#text);
       this.#error.hidden = true;
     } catch (error) {
       this.#showError(error);
@@ -134,7 +135,7 @@ class ParametersView implements View {
     const idle = this.#editing === null && this.#text.length < MAX_POLLED;
     if (!idle || document.hidden || this.#hub.state.value !== "open") return;
     try {
-      const changed = (await this.#server.text()) !== this.#text;
+      const changed = (await this.#server.all()) !== this.#text;
       if (changed && this.#editing === null) await this.#refresh();
     } catch (error) {
       this.#showError(error);
