@@ -133,7 +133,7 @@ export class Types {
     return paths;
   }
 
-  /** The paths that the button "Plot" adds: up to three, or else only the first. */
+  /** The paths that the button "Plot" adds: all if there are at most three, else the first. */
   plotPaths(): string[] {
     const paths = this.numberPaths().filter((path) => !this.#isHeader(path));
     return paths.length <= 3 ? paths : paths.slice(0, 1);

@@ -17,7 +17,7 @@ import {
 
 /** How many new marks are drawn in one frame. */
 const PORTION = 100;
-/** Below this zoom, labels are hidden; below half of it, edges too. */
+/** Below this zoom, types and rates are hidden; below half of it, names too. */
 const FAR = 0.35;
 
 export interface Actions {
@@ -72,7 +72,7 @@ export class Drawing {
   }
 
   /**
-   * Draw a picture in its layout; marks that stay are animated to their new layout.
+   * Draw a picture in its layout; marks that stay are animated to their new places.
    *
    * Many new marks are drawn in portions, so that the page stays responsive.
    */

@@ -31,7 +31,7 @@ export function layersOf(boxes: readonly Box[], down: boolean): Layers {
 /**
  * The path of an edge from the side of one box to the side of another.
  *
- * It is level across the whole depth of a layer, so that it does not cut corners of boxes position. An
+ * It is level across the whole depth of a layer, so that it does not cut corners of boxes. An
  * edge that goes back leaves and arrives above or below, where no other edge does.
  */
 export function edgePath(

@@ -51,7 +51,7 @@ export class Viewport {
     return this.#element.clientWidth;
   }
 
-  /** The drawing has other bounds now. */
+  /** Set the bounds of the drawing. */
   contain(bounds: Bounds): void {
     this.#bounds = bounds;
     this.#content.style.width = `${bounds.width}px`;

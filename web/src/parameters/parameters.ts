@@ -36,7 +36,8 @@ const TOKEN = /\s*("(?:[^"\\]|\\.)*"|[[\]{},:]|[^\s[\]{},:"]+)/y;
 /**
  * Split the JSON text of a namespace into parameters, sorted by name, each with its JSON text.
  *
- * Empty namespaces are left out. Values are not parsed: numbers keep all their digits, and 1.0 stays different from 1.
+ * Empty namespaces are left out. Values are not parsed: numbers keep all their digits, and 1.0
+ * stays different from 1.
  */
 export function splitParameters(json: string): [name: string, value: string][] {
   const found: [name: string, value: string][] = [];

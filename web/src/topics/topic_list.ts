@@ -269,7 +269,7 @@ export function topicRow(topic: TopicInfo, rates: Rates): TopicRow {
   };
 }
 
-/** The rows that match a filter, in order; without `debug`, none of the hub itself. */
+/** The rows that match a filter, in order; hidden names only with `debug`. */
 export function topicRows(
   graph: Graph,
   rates: Rates,
