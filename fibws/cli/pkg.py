@@ -1,4 +1,4 @@
-"""``fibws pkg``: what catkin_create_pkg and rospack are."""
+"""``fibws pkg``: catkin_create_pkg and rospack."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ import click
 from fibws.cli import output
 from fibws.cli.arguments import spread
 from fibws.cli.common_options import SETTINGS, examples
+from fibws.command_names import command_name
 from fibws.errors import FibwsError, WorkspaceError
-from fibws.suggestions import nearest, suggestion
+from fibws.suggestions import nearest, suggestion_or_known
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
@@ -24,15 +25,15 @@ _MANY = {"-s", "--sys-deps", "-b", "--boost-comps"}
 
 @click.group(context_settings=SETTINGS)
 def command() -> None:
-    """Make packages, as catkin_create_pkg does, and find them, as rospack does.
+    """Create packages, as catkin_create_pkg does, and find them, as rospack does.
 
-    Packages are looked for in the folders of $ROS_PACKAGE_PATH, which `source devel/setup.bash`
-    sets in a workspace.
+    Packages are found in the folders of $ROS_PACKAGE_PATH, which `source devel/setup.bash` sets in
+    a workspace.
     """
 
 
 class _Create(click.Command):
-    """Takes catkin_create_pkg's options, some of which take all words up to the next option."""
+    """A command whose options may take several words, as those of catkin_create_pkg."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         return super().parse_args(ctx, spread(args, _MANY))
@@ -42,16 +43,16 @@ class _Create(click.Command):
 @click.argument("name")
 @click.argument("depends", metavar="[PACKAGE]...", nargs=-1)
 @click.option(
-    "--with", "extras", metavar="LIST", help="Folders with an example: launch,msg,srv ..."
+    "--with", "extras", metavar="LIST", help="Create folders with examples: launch,msg,srv ..."
 )
-@click.option("--meta", is_flag=True, help="A metapackage, which only names others.")
+@click.option("--meta", is_flag=True, help="Create a metapackage, which only groups others.")
 @click.option(
     "-s",
     "--sys-deps",
     "system",
     metavar="NAME...",
     multiple=True,
-    help="What of the system it needs.",
+    help="System libraries that it depends on.",
 )
 @click.option(
     "-b",
@@ -59,15 +60,13 @@ class _Create(click.Command):
     "boost",
     metavar="NAME...",
     multiple=True,
-    help="Parts of Boost it needs.",
+    help="Parts of Boost that it depends on.",
 )
-@click.option(
-    "-V", "--pkg_version", "version", default="0.0.0", show_default=True, help="Its version."
-)
-@click.option("-D", "--description", default="", help="What it is, in a sentence.")
-@click.option("-l", "--license", "licenses", multiple=True, help="Its licence, as in BSD.")
+@click.option("-V", "--pkg_version", "version", default="0.0.0", show_default=True, help="Version.")
+@click.option("-D", "--description", default="", help="Description, in one sentence.")
+@click.option("-l", "--license", "licenses", multiple=True, help="License, as in BSD.")
 @click.option("-a", "--author", "authors", multiple=True, help="'Jane Doe <jane@example.com>'")
-@click.option("-m", "--maintainer", "maintainers", multiple=True, help="As an author is written.")
+@click.option("-m", "--maintainer", "maintainers", multiple=True, help="Maintainer, as --author.")
 @click.option("--rosdistro", hidden=True)
 @examples(
     "cd ros_workspace/src",
@@ -88,11 +87,14 @@ def create(
     maintainers: tuple[str, ...],
     rosdistro: str | None,
 ) -> None:
-    """Begin a package, here, that depends on others, as catkin_create_pkg does."""
-    from fibws.ros1.workspace import place
-    from fibws.ros1.workspace.skeleton import Skeleton
+    """Create a package in this folder, as catkin_create_pkg does.
 
-    skeleton = Skeleton(
+    The further arguments are the packages that it depends on.
+    """
+    from fibws.ros1.workspace.new_package import NewPackage
+    from fibws.ros1.workspace.paths import current_folder
+
+    package = NewPackage(
         name,
         list(dict.fromkeys(depends)),
         list(system),
@@ -105,42 +107,42 @@ def create(
         _extras(extras),
         meta,
     )
-    here = place.here()
-    for made in skeleton.create(here):
-        click.echo(f"Created {made}")
+    here = current_folder()
+    for created in package.create(here):
+        click.echo(f"Created {created}")
     where = output.visible(str(here / name))
     click.echo(f"Successfully created files in {where}. Please adjust the values in package.xml.")
     _warn(name, depends, here)
 
 
 def _extras(text: str | None) -> list[str]:
-    from fibws.ros1.workspace.skeleton import EXTRAS
+    from fibws.ros1.workspace.new_package import EXTRAS
 
     found = [each.strip() for each in (text or "").split(",") if each.strip()]
     for each in found:
         if each not in EXTRAS:
-            known = f"there are {', '.join(EXTRAS)}"
-            raise click.BadParameter(f"{each!r} is none{suggestion(each, EXTRAS) or f'; {known}'}")
+            raise click.BadParameter(f"unknown folder {each!r}{suggestion_or_known(each, EXTRAS)}")
     return found
 
 
 def _warn(name: str, depends: Iterable[str], here: Path) -> None:
-    """Say what is most likely a mistake, though catkin_create_pkg would not."""
-    from fibws.ros1.workspace import place
-    from fibws.ros1.workspace.elsewhere import ELSEWHERE, PROVIDED
-    from fibws.ros1.workspace.manifest import BY_CONVENTION
+    """Warn of likely mistakes that catkin_create_pkg lets pass."""
+    from fibws.ros1.workspace import paths
+    from fibws.ros1.workspace.package_xml import CONVENTIONAL_NAME
     from fibws.ros1.workspace.packages import Packages
+    from fibws.ros1.workspace.packages_outside_fibws import NOT_NEEDED, REPOSITORIES
 
     warnings = []
-    if not BY_CONVENTION.fullmatch(name):
-        warnings.append(f"by convention a package's name is in lower case: {name}")
-    workspace = place.around(here)
-    if workspace is not None and not here.resolve().is_relative_to(workspace / place.SOURCE):
-        warnings.append(f"catkin_make looks in src/ alone: mv {name} {workspace / place.SOURCE}")
-    known = {*Packages.from_environment(workspace).names(), *PROVIDED}
+    if not CONVENTIONAL_NAME.fullmatch(name):
+        warnings.append(f"by convention, package names are in lower case: {name}")
+    workspace = paths.workspace_around(here)
+    if workspace is not None and not here.resolve().is_relative_to(workspace / paths.SOURCE):
+        make = command_name("workspace make")
+        warnings.append(f"{make} looks only in src/: mv {name} {workspace / paths.SOURCE}")
+    known = {*Packages.from_environment(workspace).names(), *NOT_NEEDED}
     for each in depends:
-        if each not in known | ELSEWHERE and (near := nearest(each, known)):
-            warnings.append(f"there is no package {each} here; did you mean {near}?")
+        if each not in known | REPOSITORIES.keys() and (near := nearest(each, known)):
+            warnings.append(f"package {each} not found; did you mean {near}?")
     for warning in warnings:
         click.secho(f"Warning: {output.visible(warning)}", fg="yellow", err=True)
 
@@ -158,7 +160,7 @@ def _complete(
 
 
 @command.command("list")
-@click.option("-n", "--names", is_flag=True, help="Only the names.")
+@click.option("-n", "--names", is_flag=True, help="Print only the names.")
 def list_(names: bool) -> None:
     """Print the name and the folder of each package, as rospack list does."""
     for package in _packages():
@@ -175,14 +177,14 @@ def list_names() -> None:
 @command.command("find")
 @click.argument("name", metavar="[PACKAGE]", required=False, shell_complete=_complete)
 def find(name: str | None) -> None:
-    """Print the folder of PACKAGE, or of the one that this folder is in."""
+    """Print the folder of PACKAGE (default: the package of this folder)."""
     output.line(str(_package(name, _packages()).folder))
 
 
 @command.command("depends1")
 @click.argument("name", metavar="[PACKAGE]", required=False, shell_complete=_complete)
 def depends1(name: str | None) -> None:
-    """Print the packages that PACKAGE's own manifest names."""
+    """Print the packages that PACKAGE depends on directly."""
     for each in _package(name, _packages()).manifest.direct:
         output.line(each)
 
@@ -190,7 +192,7 @@ def depends1(name: str | None) -> None:
 @command.command("depends")
 @click.argument("name", metavar="[PACKAGE]", required=False, shell_complete=_complete)
 def depends(name: str | None) -> None:
-    """Print the packages that PACKAGE depends on, be it by way of others."""
+    """Print the packages that PACKAGE depends on, directly or indirectly."""
     packages = _packages()
     for each in _below(_package(name, packages), packages):
         output.line(each)
@@ -199,7 +201,7 @@ def depends(name: str | None) -> None:
 @command.command("depends-on1")
 @click.argument("name", metavar="[PACKAGE]", required=False, shell_complete=_complete)
 def depends_on1(name: str | None) -> None:
-    """Print the packages whose own manifest names PACKAGE."""
+    """Print the packages that depend on PACKAGE directly."""
     packages = _packages()
     wanted = _package(name, packages).name
     for package in packages:
@@ -210,7 +212,7 @@ def depends_on1(name: str | None) -> None:
 @command.command("depends-on")
 @click.argument("name", metavar="[PACKAGE]", required=False, shell_complete=_complete)
 def depends_on(name: str | None) -> None:
-    """Print the packages that depend on PACKAGE, be it by way of others."""
+    """Print the packages that depend on PACKAGE, directly or indirectly."""
     packages = _packages()
     wanted = _package(name, packages).name
     for package in packages:
@@ -220,7 +222,7 @@ def depends_on(name: str | None) -> None:
 
 @command.command("profile", hidden=True)
 def profile() -> None:
-    """Do nothing: there is no cache that would have to be made anew."""
+    """Do nothing, as there is no cache to update; accepted for compatibility with rospack."""
 
 
 def _packages() -> Packages:
@@ -230,20 +232,20 @@ def _packages() -> Packages:
 
 
 def _package(name: str | None, packages: Packages) -> Package:
-    """The package of that name, or the one that this folder is in."""
+    """Return the package of that name, or the one that this folder is in."""
     if name is not None:
         return packages.find(name)
-    from fibws.ros1.workspace.manifest import FILE, read_name
+    from fibws.ros1.workspace.package_xml import FILE, read_name
 
     here = Path.cwd()
     for folder in (here, *here.parents):
         if (folder / FILE).is_file():
             return packages.find(read_name(folder))
-    raise WorkspaceError("write which package: this folder is in none")
+    raise WorkspaceError("missing package name, as this folder is not in a package")
 
 
 def _below(package: Package, packages: Packages) -> list[str]:
-    """The packages that one depends on, each behind those that it depends on itself."""
+    """Return the packages that one depends on, each after its own dependencies."""
     found: dict[str, None] = {}
     begun = {package.name}
 
@@ -251,7 +253,7 @@ def _below(package: Package, packages: Packages) -> list[str]:
         for name in package.manifest.direct:
             if name not in begun:
                 begun.add(name)
-                # Another one is the system's, or not installed here.
+                # Others are libraries of the system, or not installed.
                 if packages.has(name):
                     add(packages.find(name))
                 found[name] = None

@@ -85,7 +85,7 @@ def _prefix(text: str) -> list[str]:
 
 
 def _command_line(words: Sequence[str], workspace: Path | None) -> list[str]:
-    from fibws.ros1.workspace import rosrun
+    from fibws.ros1.workspace.packages import rosrun_command
 
     script = Path(words[0])
     if script.suffix == ".py" or (os.sep in words[0] and script.is_file()):
@@ -97,13 +97,13 @@ def _command_line(words: Sequence[str], workspace: Path | None) -> list[str]:
     if len(words) == 1:
         raise _no_program(packages, words[0])
     package, program, *arguments = words
-    line, _ = rosrun.command_line(packages, package, program, arguments)
+    line, _ = rosrun_command(packages, package, program, arguments)
     return line
 
 
 def put_on_paths(workspace: Path) -> None:
     """Put a workspace on the paths of this process and its children, as its setup file does."""
-    from fibws.ros1.workspace.place import DEVEL, SOURCE
+    from fibws.ros1.workspace.paths import DEVEL, SOURCE
     from fibws.ros1.workspace.setup_files import entries
 
     folder = workspace.resolve()

@@ -99,7 +99,7 @@ def _workspaces() -> Iterator[tuple[str, Path]]:
     """Yield the path variables and folders that setup files of workspaces have added."""
     from fibws.ros1.workspace.build import RECORD
     from fibws.ros1.workspace.packages import PREFIXES
-    from fibws.ros1.workspace.place import SOURCE
+    from fibws.ros1.workspace.paths import SOURCE
     from fibws.ros1.workspace.setup_files import entries
 
     for folder in filter(None, os.environ.get(PREFIXES, "").split(os.pathsep)):

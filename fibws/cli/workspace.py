@@ -1,4 +1,4 @@
-"""``fibws workspace``: what catkin_init_workspace and catkin_make are."""
+"""``fibws workspace``: catkin_init_workspace and catkin_make."""
 
 from __future__ import annotations
 
@@ -14,11 +14,12 @@ import click
 from fibws.cli.arguments import spread
 from fibws.cli.common_options import SETTINGS, examples
 from fibws.cli.output import counted, visible
+from fibws.command_names import command_name
 from fibws.errors import WorkspaceError
 
 if TYPE_CHECKING:
     from fibws.ros1.workspace.build import Plan, Workspace
-    from fibws.ros1.workspace.source import Source
+    from fibws.ros1.workspace.source_tree import SourcePackage
 
 RULE = "~" * 50
 KINDS = {"msg": "message", "srv": "service", "action": "action"}
@@ -26,7 +27,7 @@ _JOBS = re.compile(r"-[jl]\d*(\.\d+)?|--jobs(=\d+)?|--load-average(=[\d.]+)?|-k"
 _MANY = {"--pkg", "--only-pkg-with-deps"}
 _OTHERS = ("--cmake-args", "--make-args")
 _WHITELIST = "-DCATKIN_WHITELIST_PACKAGES="
-_SPACES = re.compile(r"--(source|build)(=.*)?|-DCATKIN_DEVEL_PREFIX=.*")
+_FOLDERS = re.compile(r"--(source|build)(=.*)?|-DCATKIN_DEVEL_PREFIX=.*")
 
 
 @click.group(context_settings=SETTINGS)
@@ -40,23 +41,24 @@ _SPACES = re.compile(r"--(source|build)(=.*)?|-DCATKIN_DEVEL_PREFIX=.*")
     "source devel/setup.bash",
 )
 def command() -> None:
-    """Begin and build workspaces of packages, as catkin does."""
+    """Create and build workspaces of packages, as catkin does."""
 
 
 @command.command("init")
 @click.argument("folder", type=click.Path(path_type=Path), default=".")
 def init(folder: Path) -> None:
-    """Mark FOLDER, the src/ of a workspace, or else this one, as catkin_init_workspace does."""
-    from fibws.ros1.workspace import place
+    """Mark FOLDER (default: this folder) as the src/ of a workspace."""
+    from fibws.ros1.workspace import paths
 
-    path = place.initialize(Path(os.path.normpath(place.here() / folder)))
+    path = paths.initialize(Path(os.path.normpath(paths.current_folder() / folder)))
     click.echo(f"Created file {visible(str(path))}")
-    if path.parent.name != place.SOURCE:
-        click.echo("Note: catkin_make looks for packages in src/, and this folder is not called so")
+    if path.parent.name != paths.SOURCE:
+        make = command_name("workspace make")
+        click.echo(f"Note: {make} looks for packages in src/, and this is {path.parent.name}/")
 
 
 class _Make(click.Command):
-    """Takes catkin_make's options, some of which take all words up to the next option."""
+    """A command whose options may take several words, as those of catkin_make."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         ours = takewhile(lambda word: word not in _OTHERS, args)
@@ -71,21 +73,21 @@ class _Make(click.Command):
     metavar="FOLDER",
     type=click.Path(path_type=Path),
     default=".",
-    help="The workspace, if it is not this folder.",
+    help="The workspace (default: this folder).",
 )
 @click.option(
     "--pkg",
     "packages",
     metavar="PACKAGE...",
     multiple=True,
-    help="Build these packages alone.",
+    help="Build only these packages.",
 )
 @click.option(
     "--only-pkg-with-deps",
     "with_depends",
     metavar="PACKAGE...",
     multiple=True,
-    help="Build these packages alone, and those in the workspace that they depend on.",
+    help="Build only these packages and their dependencies in the workspace.",
 )
 @click.option("--force-cmake", is_flag=True, hidden=True)
 @click.option("--no-color", is_flag=True, help="Print without colours.")
@@ -104,58 +106,59 @@ def make(
     no_color: bool,
     targets: tuple[str, ...],
 ) -> None:
-    """Build the workspace that this folder is, as catkin_make does.
+    """Build the workspace in this folder, as catkin_make does.
 
-    It checks the packages in src/, compiles their messages, services and actions, and writes
-    devel/, which has the files to be sourced. What is written in C++ is not built. Options for
-    CMake and make (-D, -j, --cmake-args ...) are read past.
+    This checks the packages in src/, compiles their messages, services and actions, and writes
+    devel/ with the files to source. A package with an error is left out, together with the packages
+    that depend on it; the others are built. C++ is not built. Options for CMake and make (-D, -j,
+    --cmake-args ...) are ignored.
     """
-    from fibws.ros1.workspace import place
+    from fibws.ros1.workspace import paths
     from fibws.ros1.workspace.build import Workspace
-    from fibws.ros1.workspace.recipe import FILE as LISTS
+    from fibws.ros1.workspace.cmake_lists import FILE as LISTS
 
     if no_color:
         context.color = False
     _check_targets(targets)
-    base = Path(os.path.normpath(place.here() / folder))
-    place.check(base)
+    base = Path(os.path.normpath(paths.current_folder() / folder))
+    paths.check_workspace(base)
     workspace = Workspace(base)
     if "clean" in targets:
         workspace.clean()
-        click.echo(f"Took out of {visible(str(workspace.devel))} what was built")
+        click.echo(f"Removed build products from {visible(str(workspace.devel))}")
         return
     _print_spaces(workspace)
     if not os.path.lexists(workspace.source / LISTS):
-        click.echo(f"Created file {visible(str(place.initialize(workspace.source)))}")
+        click.echo(f"Created file {visible(str(paths.initialize(workspace.source)))}")
     plan = workspace.plan([*packages, *with_depends], with_depends=bool(with_depends))
     _print_packages(plan)
     workspace.make(plan)
-    # From here the files are best told by the paths that an editor can be given.
-    prefix = f"{base}{os.sep}" if base == place.here() else "\0"
+    # Show paths relative to this folder, as editors take them.
+    prefix = f"{base}{os.sep}" if base == paths.current_folder() else "\0"
     for warning in plan.warnings:
         text = visible(warning.replace(prefix, ""))
         click.secho(f"Warning: {text}", fg="yellow", err=True)
-    for fault in plan.faults:
-        text = visible(str(fault).replace(prefix, ""))
+    for error in plan.errors:
+        text = visible(str(error).replace(prefix, ""))
         click.secho(f"Error: {text}", fg="red", err=True)
-    if plan.faults:
-        count = counted(len(plan.faults), "error")
-        raise click.ClickException(f"nothing was built, because of {count}")
-    for source in plan.built:
-        click.echo(f"{source.name}: {_made(source)}")
-    _print_next(workspace, plan)
+    for package in plan.built:
+        click.echo(f"{package.name}: {_summary(package)}")
+    if plan.built or not plan.errors:
+        _print_next(workspace, plan)
+    if failed := [_failure(name, plan) for name in plan.failed if name in plan.chosen]:
+        raise click.ClickException(f"not built: {', '.join(failed)}")
 
 
 def _plain(args: list[str]) -> list[str]:
-    """The words without those for CMake and make."""
+    """Return the words without those for CMake and make."""
     plain: list[str] = []
     skip_number = False
     for word in args:
         if skip_number and re.fullmatch(r"[\d.]+", word):
             continue
         skip_number = word in ("-j", "-l", "--jobs", "--load-average")
-        if _SPACES.fullmatch(word):
-            raise WorkspaceError(f"{word}: the spaces of a workspace are src/ and devel/ here")
+        if _FOLDERS.fullmatch(word):
+            raise WorkspaceError(f"{word}: the folders of a workspace must be src/ and devel/")
         if word.startswith(_WHITELIST):
             for name in word.removeprefix(_WHITELIST).split(";"):
                 plain += ["--only-pkg-with-deps", name] if name else []
@@ -169,58 +172,59 @@ def _check_targets(targets: tuple[str, ...]) -> None:
         if target in ("clean", "all") or target.startswith("VERBOSE="):
             continue
         if target == "install":
-            text = "there is no install space here: devel/ has all of it. source devel/setup.bash"
+            text = "install: fibws has no install space; use devel/: source devel/setup.bash"
             raise WorkspaceError(text)
         if target in ("test", "tests", "run_tests"):
-            raise WorkspaceError(f"{target}: run the tests of packages by python3 -m pytest src")
-        raise WorkspaceError(f"there is no target {target}; there is clean")
+            raise WorkspaceError(f"{target}: to run tests, type python3 -m pytest src")
+        raise WorkspaceError(f"unknown target {target}; the only target is clean")
 
 
 def _print_spaces(workspace: Workspace) -> None:
-    for what, path in (
+    for name, path in (
         ("Base path", workspace.folder),
         ("Source space", workspace.source),
         ("Build space", workspace.build),
         ("Devel space", workspace.devel),
     ):
-        click.echo(f"{what}: {visible(str(path))}")
+        click.echo(f"{name}: {visible(str(path))}")
 
 
 def _print_packages(plan: Plan) -> None:
-    if not plan.sources:
+    if not plan.packages:
         return
     count = counted(len(plan.built), "package")
     click.echo(RULE)
     click.echo(f"~~  traversing {count} in topological order:")
-    for source in plan.built:
-        click.echo(f"~~  - {source.name}")
+    for package in plan.built:
+        click.echo(f"~~  - {package.name}")
     click.echo(RULE)
 
 
 def _print_next(workspace: Workspace, plan: Plan) -> None:
-    """Say what to type now."""
-    from fibws.ros1.workspace import place
+    """Print what to type next."""
+    from fibws.ros1.workspace import paths
     from fibws.ros1.workspace.packages import PATH
 
-    inside = workspace.folder == place.here()
-    if not plan.sources and not plan.faults:
+    inside = workspace.folder == paths.current_folder()
+    if not plan.packages:
         where = "src" if inside else str(workspace.source)
-        click.echo(
-            f"There is no package yet; to begin one: cd {quote(where)} && "
-            f"catkin_create_pkg NAME std_msgs rospy"
-        )
+        create = f"{command_name('pkg create')} NAME std_msgs rospy"
+        click.echo(f"There is no package yet; to create one: cd {quote(where)} && {create}")
     if str(workspace.source) in os.environ.get(PATH, "").split(os.pathsep):
-        click.echo("Done; this shell has the workspace already.")
+        click.echo("Done; this shell has sourced the workspace already.")
         return
-    devel = Path(place.DEVEL) if inside else workspace.devel
-    click.echo(f"Next: {place.sourcing(devel)}")
+    devel = Path(paths.DEVEL) if inside else workspace.devel
+    click.echo(f"Next: {paths.source_command(devel)}")
 
 
-def _made(source: Source) -> str:
-    recipe = source.recipe
-    parts = [
-        counted(len(files), KINDS[kind]) for kind, files in recipe.definitions.items() if files
-    ]
-    parts += [visible(each.path.name) for each in recipe.programs]
-    parts += ["Python modules"] if recipe.python_setup is not None else []
+def _failure(name: str, plan: Plan) -> str:
+    needed = plan.failed[name]
+    return f"{name} (needs {', '.join(needed)})" if needed else name
+
+
+def _summary(package: SourcePackage) -> str:
+    lists = package.lists
+    parts = [counted(len(files), KINDS[kind]) for kind, files in lists.definitions.items() if files]
+    parts += [visible(each.path.name) for each in lists.programs]
+    parts += ["Python modules"] if lists.python_setup is not None else []
     return ", ".join(parts) or "nothing to build"

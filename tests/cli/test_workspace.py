@@ -23,7 +23,7 @@ catkin_install_python(PROGRAMS src/node.py
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The folder that the person is in: an empty workspace."""
+    """The current folder: an empty workspace."""
     for variable in ("ROS_PACKAGE_PATH", "CMAKE_PREFIX_PATH", "FIBWS_INTERFACES", "PWD"):
         monkeypatch.delenv(variable, raising=False)
     monkeypatch.setenv("SHELL", "/bin/bash")
@@ -52,7 +52,7 @@ def make(type_: Type, *words: str, at: str = ".") -> Result:
     return type_("workspace", "make", *words, at=at)
 
 
-def test_the_first_lines_of_the_tutorial(folder: Path, type_: Type) -> None:
+def test_an_empty_workspace_is_built(folder: Path, type_: Type) -> None:
     begun = type_("workspace", "init", at="src")
     assert begun.output == f"Created file {folder / 'src' / 'CMakeLists.txt'}\n"
     made = make(type_)
@@ -61,7 +61,7 @@ def test_the_first_lines_of_the_tutorial(folder: Path, type_: Type) -> None:
         f"Source space: {folder / 'src'}",
         f"Build space: {folder / 'build'}",
         f"Devel space: {folder / 'devel'}",
-        "There is no package yet; to begin one: cd src && catkin_create_pkg NAME std_msgs rospy",
+        "There is no package yet; to create one: cd src && fibws pkg create NAME std_msgs rospy",
         "Next: source devel/setup.bash",
     ]
     assert sorted(path.name for path in folder.iterdir()) == [
@@ -72,7 +72,7 @@ def test_the_first_lines_of_the_tutorial(folder: Path, type_: Type) -> None:
     ]
 
 
-def test_a_package_is_made_and_built(folder: Path, type_: Type) -> None:
+def test_a_package_is_created_and_built(folder: Path, type_: Type) -> None:
     assert type_("pkg", "create", "fibonacci", "std_msgs", "rospy", at="src").exit_code == 0
     program = folder / "src" / "fibonacci" / "src" / "node.py"
     program.write_text(PROGRAM)
@@ -103,49 +103,61 @@ def test_messages_are_usable_at_once(
     assert "fibonacci/CountGoal" in type_("msg", "list").output
 
 
-def test_what_is_wrong_is_told_with_file_and_line(folder: Path, type_: Type) -> None:
+def test_an_error_stops_its_package_and_those_that_need_it(folder: Path, type_: Type) -> None:
     type_("pkg", "create", "fibonacci", "rospy", "--with", "msg", at="src")
+    type_("pkg", "create", "needs_it", "fibonacci", at="src")
+    type_("pkg", "create", "other", "rospy", at="src")
     (folder / "src" / "fibonacci" / "msg" / "Num.msg").write_text("int64 num\nint33\n")
     made = make(type_)
     assert made.exit_code == 1
     assert "Error: src/fibonacci/msg/Num.msg, line 2: " in made.stderr
-    assert made.stderr.endswith("Error: nothing was built, because of 1 error\n")
-    assert not (folder / "devel").exists()
+    assert made.stderr.endswith("Error: not built: fibonacci, needs_it (needs fibonacci)\n")
+    assert "~~  - other\n" in made.output and "~~  - fibonacci\n" not in made.output
+    assert "Next: source devel/setup.bash\n" in made.output
+    assert [path.name for path in (folder / "devel" / "share").iterdir()] == ["other"]
 
 
-def test_what_should_be_otherwise_is_told_and_built(folder: Path, type_: Type) -> None:
+def test_next_steps_are_not_printed_if_nothing_is_built(folder: Path, type_: Type) -> None:
+    type_("pkg", "create", "a", at="src")
+    (folder / "src" / "a" / "CMakeLists.txt").unlink()
+    made = make(type_)
+    assert made.exit_code == 1
+    assert "Next:" not in made.output
+
+
+def test_warnings_do_not_stop_a_package(folder: Path, type_: Type) -> None:
     type_("pkg", "create", "a", "roscpp", at="src")
     with (folder / "src" / "a" / "CMakeLists.txt").open("a") as cmake:
         cmake.write("add_executable(node src/node.cpp)\n")
     made = make(type_)
     assert made.exit_code == 0
-    assert "Warning: src/a/CMakeLists.txt, line " in made.stderr
-    assert ": C++ is not built here: node was passed over\n" in made.stderr
+    assert made.stderr.startswith("Warning: ") and "C++" in made.stderr
 
 
-def test_elsewhere_the_way_to_the_workspace_is_told(folder: Path, type_: Type) -> None:
+def test_outside_the_root_of_a_workspace_the_error_says_where_it_is(
+    folder: Path, type_: Type
+) -> None:
     type_("workspace", "init", at="src")
     within = make(type_, at="src")
-    assert within.stderr == (
-        f"Error: catkin_make is called in the root of the workspace, not in {folder / 'src'}: "
-        "cd ..\n"
-    )
-    assert make(type_, at="..").stderr.startswith(f"Error: {folder.parent} is no workspace")
+    assert within.exit_code == 1
+    assert str(folder / "src") in within.stderr and within.stderr.endswith(": cd ..\n")
+    assert make(type_, at="..").stderr.startswith(f"Error: {folder.parent} is not a workspace")
     assert not (folder.parent / "devel").exists()
 
 
-def test_a_workspace_may_be_named(folder: Path, type_: Type) -> None:
+def test_a_workspace_may_be_given(folder: Path, type_: Type) -> None:
     for option in ("-C", "--directory"):
         made = make(type_, option, "ros_workspace", at="..")
         assert f"Base path: {folder}\n" in made.output
         assert made.output.endswith(f"Next: source {folder / 'devel' / 'setup.bash'}\n")
 
 
-def test_a_shell_that_has_it_is_told_so(
+def test_a_sourced_workspace_needs_no_sourcing(
     folder: Path, type_: Type, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("ROS_PACKAGE_PATH", str(folder / "src"))
-    assert make(type_).output.endswith("Done; this shell has the workspace already.\n")
+    output = make(type_).output
+    assert "Next:" not in output and "already" in output.splitlines()[-1]
 
 
 def test_zsh_has_its_own_file(type_: Type, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -167,7 +179,7 @@ def test_zsh_has_its_own_file(type_: Type, monkeypatch: pytest.MonkeyPatch) -> N
         ["all"],
     ],
 )
-def test_words_for_cmake_and_make_are_read_past(type_: Type, words: list[str]) -> None:
+def test_options_for_cmake_and_make_are_ignored(type_: Type, words: list[str]) -> None:
     type_("pkg", "create", "a", at="src")
     made = make(type_, *words)
     assert made.exit_code == 0, made.stderr
@@ -188,7 +200,7 @@ def test_some_packages_are_chosen(type_: Type) -> None:
     assert built("-DCATKIN_WHITELIST_PACKAGES=b;c") == "abc"
     assert built("-DCATKIN_WHITELIST_PACKAGES=") == "abcd"
     unknown = make(type_, "--pkg", "x")
-    assert unknown.stderr == "Error: Packages not found in the workspace: x\n"
+    assert unknown.exit_code == 1 and unknown.stderr.endswith(": x\n")
     assert built("--pkg", "a", "c", "-j4", "all") == "ac"
     for words in (
         ["--pkg"],
@@ -199,33 +211,33 @@ def test_some_packages_are_chosen(type_: Type) -> None:
         assert "Option '--pkg' requires an argument." in make(type_, *words).stderr
 
 
-def test_clean_takes_out_what_was_built(folder: Path, type_: Type) -> None:
+def test_clean_removes_build_products(folder: Path, type_: Type) -> None:
     type_("pkg", "create", "a", at="src")
     make(type_)
     assert (folder / "devel" / "share" / "a").is_dir()
-    assert make(type_, "clean").output == f"Took out of {folder / 'devel'} what was built\n"
+    assert str(folder / "devel") in make(type_, "clean").output
     assert not (folder / "devel" / "share" / "a").exists()
 
 
 @pytest.mark.parametrize(
     ("word", "text"),
     [
-        ("install", "there is no install space here"),
-        ("run_tests", "run the tests of packages by python3 -m pytest src"),
-        ("frobnicate", "there is no target frobnicate; there is clean"),
-        ("--build=x", "--build=x: the spaces of a workspace are src/ and devel/ here"),
+        ("install", "install space"),
+        ("run_tests", "python3 -m pytest src"),
+        ("frobnicate", "unknown target frobnicate"),
+        ("--build=x", "--build=x: "),
     ],
 )
-def test_other_targets_have_a_clear_word(folder: Path, type_: Type, word: str, text: str) -> None:
+def test_other_targets_are_errors(folder: Path, type_: Type, word: str, text: str) -> None:
     made = make(type_, word)
     assert made.exit_code == 1
     assert text in made.stderr
     assert not (folder / "devel").exists()
 
 
-def test_a_folder_that_is_not_called_src_is_told(folder: Path, type_: Type) -> None:
+def test_initializing_a_folder_with_another_name_is_noted(folder: Path, type_: Type) -> None:
     (folder / "sources").mkdir()
     begun = type_("workspace", "init", "sources")
-    assert "catkin_make looks for packages in src/" in begun.output
+    assert "src/" in begun.output.splitlines()[-1]
     again = type_("workspace", "init", "sources")
     assert again.exit_code == 1 and "already exists" in again.stderr

@@ -13,8 +13,7 @@ from pathlib import Path
 from fibws.errors import FibwsError, LaunchError
 from fibws.ros1.launch.model import Node
 from fibws.ros1.launch.surroundings import split
-from fibws.ros1.workspace import rosrun
-from fibws.ros1.workspace.packages import Packages
+from fibws.ros1.workspace.packages import Packages, rosrun_command
 
 OWN = "fibws"
 OWN_PROGRAMS = {"action_client", "action_server", "add_two_ints_client", "add_two_ints_server"}
@@ -106,7 +105,7 @@ def _program(node: Node, packages: Packages, arguments: list[str]) -> tuple[list
     """The command of a node's program, and the folder that this is in."""
     if node.package == OWN and node.type in OWN_PROGRAMS:
         return [sys.executable, "-P", "-m", f"{OWN}.{node.type}", *arguments], Path.cwd()
-    return rosrun.command_line(packages, node.package, node.type, arguments)
+    return rosrun_command(packages, node.package, node.type, arguments)
 
 
 def _fault(node: Node, text: str) -> LaunchError:

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from fibws.command_names import command_name
 from fibws.errors import PackageNotFound, WorkspaceError
+from fibws.ros1.workspace.discovery import find_files
 from fibws.ros1.workspace.packages import Packages
-from fibws.ros1.workspace.programs import find_files
 from fibws.suggestions import nearest
 
 SUFFIXES = (".launch", ".xml", ".test")

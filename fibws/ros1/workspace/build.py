@@ -1,4 +1,4 @@
-"""catkin_make: reads a workspace's packages, checks them, and writes devel/."""
+"""Build a workspace, as catkin_make does: read and check its packages, and write devel/."""
 
 from __future__ import annotations
 
@@ -9,25 +9,27 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from fibws.errors import FibwsError, PackageFileError, WorkspaceError
-from fibws.ros1.workspace import devel
-from fibws.ros1.workspace.check import check
-from fibws.ros1.workspace.crawl import find_folders
 from fibws.ros1.workspace.definitions import compile_definitions
-from fibws.ros1.workspace.manifest import FILE as MANIFEST
-from fibws.ros1.workspace.manifest import read_manifest
-from fibws.ros1.workspace.order import in_order, with_needed
+from fibws.ros1.workspace.devel_space import check_collisions, generated_files
+from fibws.ros1.workspace.file_writer import File, Tree, remove, write
+from fibws.ros1.workspace.package_checks import (
+    check_package,
+    missing_dependencies,
+    note_cpp,
+    note_reconfigure,
+)
 from fibws.ros1.workspace.packages import PREFIXES, Packages
-from fibws.ros1.workspace.place import BUILD, DEVEL, MARK, SOURCE, SPACES
-from fibws.ros1.workspace.reader import read_recipe
-from fibws.ros1.workspace.recipe import FILE as LISTS
-from fibws.ros1.workspace.recipe import Recipe
+from fibws.ros1.workspace.paths import BUILD, DEVEL, MARK, SOURCE, SPACES
 from fibws.ros1.workspace.setup_files import setup_files
-from fibws.ros1.workspace.source import Source
-from fibws.ros1.workspace.tree import File, Tree, remove, write
+from fibws.ros1.workspace.source_tree import (
+    SourcePackage,
+    read_source_tree,
+    with_dependencies,
+)
 from fibws.suggestions import suggestion
 
 BUILT_BY, RECORD, TOOL = ".built_by", ".fibws", "fibws"
-"""Files in devel/ that tell whose it is, and which files in it are ours; and our name for that."""
+"""Files in devel/ that say which tool built it, and which files fibws wrote; and fibws's name."""
 
 
 @dataclass
@@ -35,32 +37,39 @@ class Plan:
     """What is to be built.
 
     Attributes:
-        sources: the packages, each behind those that it depends on.
-        chosen: the names of those to be built, all of them unless some were asked for.
-        trees: what each package is made into, by its name, be it built or not.
-        faults: what is wrong; nothing is written then.
-        warnings: what should be otherwise.
+        packages: all packages of the workspace, each after those that it depends on.
+        chosen: the names of those that were asked for, by default all.
+        failed: the names of packages that cannot be built, each with the failed packages that it
+            depends on; without any, it has errors of its own.
+        trees: the generated files of each package, by its name.
+        errors: what is wrong in the chosen packages and their dependencies.
+        warnings: likely mistakes in the chosen packages.
     """
 
-    sources: list[Source] = field(default_factory=list)
+    packages: list[SourcePackage] = field(default_factory=list)
     chosen: set[str] = field(default_factory=set)
+    failed: dict[str, list[str]] = field(default_factory=dict)
     trees: dict[str, Tree] = field(default_factory=dict)
-    faults: list[FibwsError] = field(default_factory=list)
+    errors: list[FibwsError] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
 
     @property
-    def built(self) -> list[Source]:
-        """The packages to be built, in their order."""
-        return [source for source in self.sources if source.name in self.chosen]
+    def built(self) -> list[SourcePackage]:
+        """The packages to build, in order."""
+        return [
+            package
+            for package in self.packages
+            if package.name in self.chosen and package.name not in self.failed
+        ]
 
 
 class Workspace:
     """One workspace.
 
     Args:
-        folder: it; see `fibws.ros1.workspace.place.check`.
-        environment: where $CMAKE_PREFIX_PATH leads to other ones that it builds on; by default this
-            process's own.
+        folder: its folder; see `fibws.ros1.workspace.paths.check_workspace`.
+        environment: variables of which $CMAKE_PREFIX_PATH names workspaces that it builds on; by
+            default those of this process.
     """
 
     def __init__(self, folder: Path, environment: Mapping[str, str] | None = None) -> None:
@@ -69,81 +78,87 @@ class Workspace:
         self.devel = folder / DEVEL
         self.build = folder / BUILD
         environment = os.environ if environment is None else environment
-        self._below = self._others(environment)
+        self._below = self._other_workspaces(environment)
 
     def plan(self, names: Sequence[str] = (), *, with_depends: bool = False) -> Plan:
         """Read and check the packages.
 
+        An error in one package stops that package and those that depend on it, but no others.
+
         Args:
-            names: those that are to be built; by default all.
-            with_depends: whether those that they depend on are to be built, too.
+            names: the packages to build; by default all.
+            with_depends: whether to build those that they depend on, too.
 
         Raises:
-            WorkspaceError: two packages have one name, they depend on each other in a circle, there
-                is none of the names, or devel/ was made by another tool.
-            OSError: a manifest, a recipe or a definition cannot be read.
+            WorkspaceError: the names are unknown, or devel/ was built by another tool.
         """
         self._check_devel()
         plan = Plan()
-        sources = self._read(plan)
-        depends = {name: source.depends for name, source in sources.items()}
-        plan.sources = [sources[name] for name in in_order(depends)]
-        plan.chosen = self._chosen(names, sources, plan)
+        plan.packages, plan.warnings = read_source_tree(self.source)
+        depends = {package.name: package.depends for package in plan.packages}
+        plan.chosen = self._choose(names, plan)
+        needed = with_dependencies(plan.chosen, depends)
         if with_depends:
-            plan.chosen = with_needed(plan.chosen, depends)
-        known = Packages([self.source, *(source for source, _ in self._below)]).names()
-        compile_definitions(plan.sources, [each / "share" for _, each in self._below])
-        for source in plan.sources:
-            try:
-                plan.trees[source.name] = devel.files(source)
-            except OSError as error:
-                line = source.recipe.python_setup or 1
-                source.recipe.fault(line, f"{error.filename}: {error.strerror}")
-                plan.trees[source.name] = {}
-        for source in plan.built:
-            check(source, known)
-            plan.warnings += source.recipe.warnings
-        plan.faults += devel.collisions(plan.sources, plan.trees)
-        plan.faults += [fault for source in plan.built for fault in source.recipe.faults]
-        # Without those that say the same, as of a definition that several others use.
-        plan.faults = list({str(fault): fault for fault in plan.faults}.values())
+            plan.chosen = needed
+        compile_definitions(plan.packages, [devel / "share" for _, devel in self._below])
+        for package in plan.packages:
+            check_package(package)
+            plan.trees[package.name] = _tree(package)
+        check_collisions(plan.packages, plan.trees)
+        for package in plan.packages:
+            failed = sorted(package.depends & plan.failed.keys())
+            if package.errors or failed:
+                plan.failed[package.name] = [] if package.errors else failed
+        # One error may stop several packages, as one in a definition that others use.
+        errors = [error for each in plan.packages if each.name in needed for error in each.errors]
+        plan.errors = list({str(error): error for error in errors}.values())
+        plan.warnings += self._warnings(plan)
         return plan
 
     def make(self, plan: Plan) -> None:
-        """Write devel/, and take out what is no more; nothing is written if the plan has faults.
+        """Write devel/ for the packages that can be built; what failed ones had there stays.
 
         Raises:
-            OSError: something cannot be written.
+            OSError: a file cannot be written.
         """
-        if not plan.faults:
-            built = {source.name: plan.trees[source.name] for source in plan.built}
-            self._write(built, plan.trees.keys() - plan.chosen)
+        built = {package.name: plan.trees[package.name] for package in plan.built}
+        self._write(built, plan.trees.keys() - built.keys())
 
     def clean(self) -> None:
-        """Take out of devel/ what was made of packages; the files to be sourced stay.
+        """Remove from devel/ what was generated from packages; the files to source stay.
 
         Raises:
-            WorkspaceError: devel/ was made by another tool.
-            OSError: something cannot be removed.
+            WorkspaceError: devel/ was built by another tool.
+            OSError: a file cannot be removed.
         """
         self._check_devel()
         self._write({}, set())
 
+    def _warnings(self, plan: Plan) -> list[str]:
+        chosen = [package for package in plan.packages if package.name in plan.chosen]
+        known = Packages([self.source, *(source for source, _ in self._below)]).names()
+        return [
+            *(warning for package in chosen for warning in package.warnings),
+            *missing_dependencies(chosen, known),
+            *note_reconfigure(chosen),
+            *note_cpp(chosen),
+        ]
+
     def _write(self, built: Mapping[str, Tree], others: set[str]) -> None:
-        """Write devel/, in which what was made of packages that are called as ``others`` stays."""
+        """Write devel/, in which the files of the packages named ``others`` stay."""
         before = self._recorded()
         common = setup_files(self.folder, self._below)
         common[SPACES] = File(str(self.source).encode())
         record = {name: package for name, package in before.items() if package in others}
         for package, tree in {"": common, **built}.items():
             record |= dict.fromkeys(tree, package)
-        # First of all whose the folder is, and what may be in it: somebody may break this off.
+        # The record comes first, with all that may be written, as this may be interrupted.
         write(self.devel, {BUILT_BY: File(TOOL.encode()), RECORD: _json({**before, **record})})
         for tree in (*built.values(), common):
             write(self.devel, tree)
         remove(self.devel, sorted(before.keys() - record.keys()))
         write(self.devel, {RECORD: _json(record)})
-        # Others expect the folder to be there that FIBWS_INTERFACES names.
+        # $FIBWS_INTERFACES names this folder.
         (self.devel / "share").mkdir(exist_ok=True)
         if not self.build.exists():
             write(self.build, {BUILT_BY: File(TOOL.encode()), "CATKIN_IGNORE": File(b"")})
@@ -151,7 +166,7 @@ class Workspace:
         write(self.folder, {MARK: File(mark)} if not (self.folder / MARK).exists() else {})
 
     def _recorded(self) -> dict[str, str]:
-        """The files in devel/ that are ours, and which package each was made of."""
+        """Return the files in devel/ that fibws wrote, each with its package."""
         try:
             found = json.loads((self.devel / RECORD).read_text("utf-8"))
         except (OSError, ValueError):
@@ -169,8 +184,8 @@ class Workspace:
                 f"Remove it, or build another workspace"
             )
 
-    def _others(self, environment: Mapping[str, str]) -> list[tuple[Path, Path]]:
-        """The source and devel folders of other workspaces of fibws, the farthest one first."""
+    def _other_workspaces(self, environment: Mapping[str, str]) -> list[tuple[Path, Path]]:
+        """Return the source and devel folders of other workspaces of fibws, the farthest first."""
         found = []
         for name in environment.get(PREFIXES, "").split(os.pathsep):
             prefix = Path(name)
@@ -185,41 +200,29 @@ class Workspace:
                 found.append((source, prefix))
         return found[::-1]
 
-    def _read(self, plan: Plan) -> dict[str, Source]:
-        """All packages by their names; what cannot be read becomes a fault of the plan."""
-        sources: dict[str, Source] = {}
-        for folder in find_folders(self.source):
-            try:
-                manifest = read_manifest(folder)
-                if (folder / LISTS).is_file():
-                    recipe = read_recipe(folder)
-                elif manifest.is_metapackage:
-                    recipe = Recipe(str(folder / LISTS))
-                else:
-                    missing = f"there is no {LISTS} beside it"
-                    raise PackageFileError(str(folder / MANIFEST), 1, missing)
-            except FibwsError as error:
-                plan.faults.append(error)
-                continue
-            if manifest.name in sources:
-                first = sources[manifest.name].folder
-                raise WorkspaceError(
-                    f"Multiple packages found with the same name {manifest.name!r}: "
-                    f"{first} and {folder}. Rename one, or put a file CATKIN_IGNORE into it"
-                )
-            sources[manifest.name] = Source(folder, manifest, recipe)
-        return sources
-
-    def _chosen(self, names: Sequence[str], sources: Mapping[str, Source], plan: Plan) -> set[str]:
+    def _choose(self, names: Sequence[str], plan: Plan) -> set[str]:
+        known = {package.name for package in plan.packages}
         if not names:
-            return set(sources)
-        unknown = [name for name in names if name not in sources]
-        texts = [f"{name}{suggestion(name, sources)}" for name in unknown]
+            return known
+        unknown = [name for name in names if name not in known]
+        texts = ", ".join(f"{name}{suggestion(name, known)}" for name in unknown)
+        text = f"Packages not found in the workspace: {texts}"
         if unknown and len(unknown) == len(names):
-            raise WorkspaceError(f"Packages not found in the workspace: {', '.join(texts)}")
+            raise WorkspaceError(text)
         if unknown:
-            plan.warnings.append(f"Packages not found in the workspace: {', '.join(texts)}")
-        return set(names) - set(unknown)
+            plan.warnings.append(text)
+        return set(names) & known
+
+
+def _tree(package: SourcePackage) -> Tree:
+    """Return the package's generated files; unreadable files become errors of the package."""
+    try:
+        return generated_files(package)
+    except OSError as error:
+        line = package.lists.python_setup or 1
+        text = f"{error.filename}: {error.strerror}"
+        package.errors.append(PackageFileError(package.lists.source, line, text))
+        return {}
 
 
 def _json(value: Mapping[str, str]) -> File:

@@ -1,106 +1,107 @@
-"""Compiles the .msg, .srv and .action files of packages, to see whether they can be used."""
+"""Compile the .msg, .srv and .action files of packages, to find what is wrong in them."""
 
 from __future__ import annotations
 
 import shutil
 import tempfile
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from fibws.errors import DefinitionError, FibwsError, UnknownPackage
-from fibws.ros1.workspace.recipe import ADD_FILES, Listed
-from fibws.ros1.workspace.source import Source
+from fibws.errors import DefinitionError, FibwsError, PackageFileError, UnknownPackage
+from fibws.ros1.workspace.cmake_lists import ADD_FILES, ListedFile
+from fibws.ros1.workspace.source_tree import SourcePackage
 from fibws.suggestions import suggestion
 
 if TYPE_CHECKING:
     from fibws.interfaces import Interfaces, MessageDefinition
 
 
-def compile_definitions(sources: Sequence[Source], folders: Iterable[Path] = ()) -> None:
-    """Read all definitions that the packages list; what is wrong becomes a fault of the recipe.
+def compile_definitions(packages: Sequence[SourcePackage], folders: Iterable[Path] = ()) -> None:
+    """Compile the listed definitions of all packages, and add errors and warnings to them.
 
     Args:
-        sources: the packages, which may use each other's types.
-        folders: with packages of definitions that they may use besides.
+        packages: the packages, each after those that it depends on.
+        folders: folders with other packages whose types they may use.
     """
-    from fibws.interfaces import Interfaces  # 0.1 s, and many a workspace has no definitions
+    from fibws.interfaces import Interfaces  # 0.1 s, and many workspaces have no definitions
 
-    for source in sources:
-        _check_files(source)
-    if not any(source.recipe.definitions.values() for source in sources):
+    for package in packages:
+        _check_files(package)
+    if not any(any(package.lists.definitions.values()) for package in packages):
         return
     with tempfile.TemporaryDirectory(prefix="fibws-") as name:
-        here = Path(name)
+        copies = Path(name)
         originals: dict[str, Path] = {}
-        for source in sources:
-            originals |= _copy(source, here)
-        interfaces = Interfaces([*(each for each in folders if each.is_dir()), here])
-        for source in sources:
-            errors = _compile(source, interfaces)
-            source.recipe.faults += [_told(error, originals) for error in errors]
+        for package in packages:
+            originals |= _copy(package, copies)
+        interfaces = Interfaces([*(each for each in folders if each.is_dir()), copies])
+        failed: set[str] = set()
+        for package in packages:
+            if not package.depends & failed:
+                errors = _compile(package, interfaces)
+                package.errors += [_at_original(error, originals) for error in errors]
+            if package.errors or package.depends & failed:
+                failed.add(package.name)
 
 
-def _check_files(source: Source) -> None:
-    """See whether the files that are listed exist, and those that exist are listed."""
-    recipe = source.recipe
-    if any(recipe.definitions.values()) and not source.name.isidentifier():
-        name = "a package with definitions is named in letters, digits and _ alone"
-        recipe.fault(recipe.project.line, f"{name}: {source.name!r}")
-        recipe.definitions = {kind: [] for kind in recipe.definitions}
-        return
-    for kind, listed in recipe.definitions.items():
-        there = sorted(path.name for path in (source.folder / kind).glob(f"*.{kind}"))
+def _check_files(package: SourcePackage) -> None:
+    """Check that listed files exist, and that existing files are listed."""
+    lists = package.lists
+    if any(lists.definitions.values()) and not package.name.isidentifier():
+        text = f"{package.name!r}: packages with messages need names of letters, digits and _ only"
+        package.errors.append(PackageFileError(lists.source, lists.project.line, text))
+        lists.generates = None
+    for kind, files in lists.definitions.items():
+        existing = sorted(path.name for path in (package.folder / kind).glob(f"*.{kind}"))
         good = []
-        for each in listed:
-            if fault := _unfit(each, kind, there):
-                recipe.fault(each.line, fault)
+        for file in files:
+            if text := _invalid_file(file, kind, existing):
+                package.errors.append(PackageFileError(lists.source, file.line, text))
             else:
-                good.append(each)
-        recipe.definitions[kind] = good
-        names = {each.path.name for each in listed}
-        for name in there:
-            if name not in names:
-                text = (
-                    f"{kind}/{name} is not in {ADD_FILES[kind]}(FILES ...): nothing is made of it"
-                )
-                recipe.warn(listed[0].line if listed else 1, text)
-
-    if recipe.generates is None:
-        recipe.definitions = {kind: [] for kind in recipe.definitions}  # It was warned of that.
+                good.append(file)
+        listed = {file.path.name for file in files}
+        line = files[0].line if files else 1
+        for name in existing:
+            if name not in listed:
+                text = f"{kind}/{name} is not listed in {ADD_FILES[kind]}(FILES ...): not generated"
+                package.warnings.append(f"{lists.source}, line {line}: {text}")
+        lists.definitions[kind] = good
+    if lists.generates is None:
+        lists.definitions = {kind: [] for kind in ADD_FILES}
 
 
-def _unfit(listed: Listed, kind: str, there: list[str]) -> str:
-    """Why a listed file is none that a type can be made of; empty if it is one."""
-    path = listed.path
+def _invalid_file(file: ListedFile, kind: str, existing: list[str]) -> str:
+    """Return why a listed file cannot define a type; empty if it can."""
+    path = file.path
     if not path.is_file():
-        if path.name in there:
-            return f"write {path.name}: {ADD_FILES[kind]}() looks in the folder {kind}/ by itself"
-        return f"there is no {kind}/{path.name}{suggestion(path.name, there)}"
+        if path.name in existing:
+            return f"write {path.name}: {ADD_FILES[kind]}() looks in {kind}/ already"
+        return f"{kind}/{path.name} not found{suggestion(path.name, existing)}"
     if path.suffix != f".{kind}":
-        return f"{ADD_FILES[kind]}() lists .{kind} files: {path.name}"
+        return f"{ADD_FILES[kind]}() expects .{kind} files, got {path.name}"
     if not (path.stem.isascii() and path.stem.isidentifier()):
-        return f"the name of a type has letters, digits and _ alone: {path.name!r}"
+        return f"invalid name {path.name!r}: type names have letters, digits and _ only"
     return ""
 
 
-def _copy(source: Source, here: Path) -> dict[str, Path]:
-    """Lay out the package's definitions as they are to be found, and tell where each is from."""
+def _copy(package: SourcePackage, folder: Path) -> dict[str, Path]:
+    """Copy the package's definitions to where `Interfaces` finds them; return their originals."""
     originals = {}
-    for kind, listed in source.recipe.definitions.items():
-        for each in listed:
-            target = here / source.name / kind / each.path.name
+    for kind, files in package.lists.definitions.items():
+        for file in files:
+            target = folder / package.name / kind / file.path.name
             target.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(each.path, target)
-            originals[str(target)] = each.path
+            shutil.copyfile(file.path, target)
+            originals[str(target)] = file.path
     return originals
 
 
-def _compile(source: Source, interfaces: Interfaces) -> Iterable[FibwsError]:
-    reachable = _reachable(source, interfaces)
-    for kind, listed in source.recipe.definitions.items():
-        for each in listed:
-            name = f"{source.name}/{each.path.stem}"
+def _compile(package: SourcePackage, interfaces: Interfaces) -> Iterator[FibwsError]:
+    declared = _declared(package, interfaces)
+    for kind, files in package.lists.definitions.items():
+        for file in files:
+            name = f"{package.name}/{file.path.stem}"
             try:
                 if kind == "msg":
                     parts = [interfaces.message(name)]
@@ -113,39 +114,35 @@ def _compile(source: Source, interfaces: Interfaces) -> Iterable[FibwsError]:
             except FibwsError as error:
                 yield error
             else:
-                yield from _undeclared(each, parts, reachable)
+                package.warnings += _undeclared(file, parts, declared)
 
 
 def _undeclared(
-    listed: Listed, parts: list[MessageDefinition], reachable: set[str]
-) -> Iterable[FibwsError]:
-    """The fields whose package generate_messages() does not depend on."""
+    file: ListedFile, parts: list[MessageDefinition], declared: set[str]
+) -> Iterator[str]:
+    """Yield a warning for each field whose package generate_messages() does not depend on."""
     for part in parts:
         for field in part.fields:
             package, slash, _ = field.type.partition("/")
-            if not slash or package in reachable:
-                continue
-            fault = f"generate_messages(DEPENDENCIES {package}) is missing in CMakeLists.txt for"
-            yield DefinitionError(
-                str(listed.path), field.line, f"{field.full_type} {field.name}", f"{fault} this"
-            )
+            if slash and package not in declared:
+                where = f"{file.path}, line {field.line}"
+                text = f"catkin needs generate_messages(DEPENDENCIES {package}) for this"
+                yield f"{where}: {text}: {field.full_type} {field.name}"
 
 
-def _reachable(source: Source, interfaces: Interfaces) -> set[str]:
-    """The packages whose types may be used: those depended on, and what these depend on."""
-    found: set[str] = set()
-    pending = [source.name, *source.recipe.message_packages]
+def _declared(package: SourcePackage, interfaces: Interfaces) -> set[str]:
+    """Return the packages of DEPENDENCIES, and those whose types they use themselves."""
+    found = {package.name}
+    pending = list(package.lists.message_packages)
     while pending:
-        package = pending.pop()
-        if package in found:
-            continue
-        found.add(package)
-        if package != source.name:
-            pending += _used_by(package, interfaces)
+        name = pending.pop()
+        if name not in found:
+            found.add(name)
+            pending += _packages_used_by(name, interfaces)
     return found
 
 
-def _used_by(package: str, interfaces: Interfaces) -> set[str]:
+def _packages_used_by(package: str, interfaces: Interfaces) -> set[str]:
     used: set[str] = set()
     try:
         names = interfaces.messages(package)
@@ -155,13 +152,13 @@ def _used_by(package: str, interfaces: Interfaces) -> set[str]:
         try:
             fields = interfaces.message(name).fields
         except FibwsError:
-            continue  # It is told where it is compiled.
+            continue  # It is reported where it is compiled.
         used |= {field.type.partition("/")[0] for field in fields if "/" in field.type}
     return used
 
 
-def _told(error: FibwsError, originals: dict[str, Path]) -> FibwsError:
-    """The error, with the file's own name in it and not that of its copy."""
+def _at_original(error: FibwsError, originals: dict[str, Path]) -> FibwsError:
+    """Return the error with the path of the original file instead of its copy's."""
     if isinstance(error, DefinitionError) and error.source in originals:
         return DefinitionError(str(originals[error.source]), error.line, error.text, error.fault)
     return error

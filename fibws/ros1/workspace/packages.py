@@ -1,4 +1,4 @@
-"""The packages that are known here, as rospack and rosrun find them."""
+"""Find packages and their programs, as rospack and rosrun do."""
 
 from __future__ import annotations
 
@@ -8,32 +8,42 @@ from functools import cached_property
 from pathlib import Path
 from typing import Self
 
+from fibws import processes
 from fibws.definition_folders import STANDARD
 from fibws.errors import ExecutableNotFound, PackageNotFound, WorkspaceError
-from fibws.ros1.workspace import missing
-from fibws.ros1.workspace.crawl import find_folders
-from fibws.ros1.workspace.manifest import Manifest, read_manifest, read_name
-from fibws.ros1.workspace.place import DEVEL, SOURCE
-from fibws.ros1.workspace.programs import find_files, is_executable, looks_like_program
+from fibws.ros1.shell import ros_programs
+from fibws.ros1.workspace.discovery import (
+    find_files,
+    find_packages,
+    is_executable,
+    looks_like_program,
+)
+from fibws.ros1.workspace.package_xml import Manifest, read_manifest, read_name
+from fibws.ros1.workspace.paths import DEVEL, SOURCE
+from fibws.ros1.workspace.suggestions import (
+    suggestion_for_package,
+    suggestion_for_program,
+    suggestion_for_several,
+)
 
 PATH = "ROS_PACKAGE_PATH"
-"""Names folders with packages in them, as PATH does; of two of one name the first one counts."""
+"""The variable that lists folders with packages; the first of two packages of one name counts."""
 PREFIXES = "CMAKE_PREFIX_PATH"
-"""Names the folders that catkin_make has written to, devel/ of each workspace."""
+"""The variable that lists the folders that catkin_make has written: devel/ of each workspace."""
 
 _FIBWS = Path(__file__).parents[2]
 _MODULES = _FIBWS / "ros1" / "python"
 SHARE = _FIBWS / "ros1" / "launch" / "share"
-"""Holds the packages that are nothing but launch files, for others to include."""
+"""Packages that hold only launch files, to be included by others."""
 
 
 class Package:
     """One package.
 
     Attributes:
-        name: as its manifest says.
+        name: its name in package.xml.
         folder: where it is.
-        is_standard: whether fibws brings it, as a ROS would that is installed.
+        is_standard: whether it is part of fibws.
     """
 
     def __init__(self, name: str, folder: Path, *, is_standard: bool = False) -> None:
@@ -46,11 +56,11 @@ class Package:
 
     @cached_property
     def manifest(self) -> Manifest:
-        """What its package.xml says; a standard package has none, and depends on nothing.
+        """The content of its package.xml; a standard package has none, and no dependencies.
 
         Raises:
-            PackageFileError: the file is wrong.
-            OSError: it cannot be read.
+            PackageFileError: the file is invalid.
+            OSError: the file cannot be read.
         """
         if self.is_standard:
             return Manifest(self.name, source=str(self.folder))
@@ -58,12 +68,12 @@ class Package:
 
 
 class Packages:
-    """All packages that a path leads to, and the standard ones of fibws.
+    """The packages below some folders, and those of fibws.
 
     Args:
-        roots: folders with packages in them; of two packages of one name the first one counts.
-        prefixes: folders that hold programs as ``lib/<package>/<program>``, looked into first.
-        here: the folder that whoever looks for a package is in, for what an error suggests.
+        roots: folders with packages; the first of two packages of one name counts.
+        prefixes: folders with programs as ``lib/<package>/<program>``, which are searched first.
+        here: the current folder, for suggestions in errors.
     """
 
     def __init__(
@@ -77,77 +87,76 @@ class Packages:
     def from_environment(
         cls, workspace: Path | None = None, environment: Mapping[str, str] | None = None
     ) -> Self:
-        """The packages of $ROS_PACKAGE_PATH and, before them, those of a workspace that is given.
+        """Find the packages of a workspace, if one is given, and those of $ROS_PACKAGE_PATH.
 
         Args:
-            workspace: its folder, for shells that have sourced nothing.
-            environment: the variables; by default this process's own.
+            workspace: its folder, for shells that have not sourced it.
+            environment: the variables; by default those of this process.
 
         Raises:
-            WorkspaceError: the folder is no workspace.
+            WorkspaceError: the folder is not a workspace.
         """
         environment = os.environ if environment is None else environment
         roots, prefixes = _paths(environment, PATH), _paths(environment, PREFIXES)
         if workspace is not None:
             if not (workspace / SOURCE).is_dir():
-                raise WorkspaceError(f"{workspace} is no workspace: there is no src/ in it")
+                raise WorkspaceError(f"{workspace} is not a workspace: it has no src/")
             roots.insert(0, workspace.resolve() / SOURCE)
             prefixes.insert(0, workspace.resolve() / DEVEL)
         return cls(roots, prefixes, workspace or Path.cwd())
 
     def __iter__(self) -> Iterator[Package]:
-        """The packages, sorted by name."""
+        """Yield the packages, sorted by name."""
         return (self._found[name] for name in self.names())
 
     def names(self) -> list[str]:
-        """The names of all packages, sorted."""
+        """Return the names of all packages, sorted."""
         return sorted(self._found)
 
     def find(self, name: str) -> Package:
-        """The package of that name.
+        """Return the package of that name.
 
         Raises:
-            PackageNotFound: there is none; its text says what the person has missed, perhaps.
+            PackageNotFound: there is none; the text suggests what to do.
         """
         if name not in self._found:
-            raise PackageNotFound(name, missing.hint_for_package(name, "", self, self._here))
+            raise PackageNotFound(name, suggestion_for_package(name, "", self, self._here))
         return self._found[name]
 
     def has(self, name: str) -> bool:
-        """Whether there is a package of that name."""
+        """Return whether there is a package of that name."""
         return name in self._found
 
     def has_own(self, name: str) -> bool:
-        """Whether there is a package of that name that fibws does not bring."""
+        """Return whether there is a package of that name that is not part of fibws."""
         return name in self._found and not self._found[name].is_standard
 
     def executable(self, package: str, name: str) -> Path:
-        """The program of a package, as rosrun finds it.
+        """Return the program of a package, as rosrun finds it.
 
-        That is what catkin_make has put into ``devel/lib/<package>``, else whatever is executable
-        in the package's folder.
+        It is in ``devel/lib/<package>``, where catkin_make puts programs, or else it is an
+        executable file in the package's folder.
 
         Args:
-            package: its name.
-            name: the program's, perhaps with folders before it.
+            package: the package's name.
+            name: the program's name, perhaps with folders.
 
         Raises:
-            PackageNotFound: there is no such package; the text names one that has such a program.
+            PackageNotFound: there is no such package; the text suggests what to do.
             ExecutableNotFound: there is no such program, it is not executable, or there are two.
         """
         if package not in self._found:
-            hint = missing.hint_for_package(package, name, self, self._here)
-            raise PackageNotFound(package, hint)
+            raise PackageNotFound(package, suggestion_for_package(package, name, self, self._here))
         owner = self._found[package]
         found = self._programs(owner, name)
         if not found:
-            raise ExecutableNotFound(package, name, missing.hint_for_program(owner, name, self))
+            raise ExecutableNotFound(package, name, suggestion_for_program(owner, name, self))
         if len(found) > 1:
-            raise ExecutableNotFound(package, name, missing.hint_for_several(owner, found))
+            raise ExecutableNotFound(package, name, suggestion_for_several(owner, found))
         return found[0]
 
     def having(self, program: str) -> list[Package]:
-        """The packages that have a program of that name, or one that was meant to be."""
+        """Return the packages that have a program of that name, executable or not."""
         return [
             package
             for package in self
@@ -159,19 +168,19 @@ class Packages:
         ]
 
     def programs(self, package: Package) -> list[str]:
-        """The names of all that can be run in a package, sorted."""
+        """Return the names of a package's programs, sorted."""
         places = [*(prefix / "lib" / package.name for prefix in self._prefixes), package.folder]
         return sorted(
             {path.name for place in places for path in find_files(place) if is_executable(path)}
         )
 
     def in_workspace(self, workspace: Path) -> Packages:
-        """The packages of a workspace that this path does not lead to, with the standard ones."""
+        """Return the packages of another workspace, and those of fibws."""
         return Packages([workspace / SOURCE], [workspace / DEVEL])
 
     @property
     def has_workspace(self) -> bool:
-        """Whether the path leads anywhere but to what fibws brings."""
+        """Whether any folder with packages exists, besides those of fibws."""
         return any(root.is_dir() for root in self._roots)
 
     @cached_property
@@ -185,7 +194,7 @@ class Packages:
         }
         own: dict[str, Package] = {}
         for root in self._roots:
-            for folder in find_folders(root):
+            for folder in find_packages(root):
                 package = Package(read_name(folder), folder)
                 own.setdefault(package.name, package)
         return {**standard, **own}
@@ -205,3 +214,28 @@ class Packages:
 
 def _paths(environment: Mapping[str, str], variable: str) -> list[Path]:
     return [Path(each) for each in environment.get(variable, "").split(os.pathsep) if each]
+
+
+def rosrun_command(
+    packages: Packages, package: str, program: str, arguments: Sequence[str]
+) -> tuple[list[str], Path]:
+    """Return what rosrun starts for a program, and the folder that the program is in.
+
+    Some programs of ROS, as rqt_graph, are replaced by programs of fibws.
+
+    Args:
+        packages: the known packages; those outside fibws come first.
+        package: the program's package.
+        program: its name.
+        arguments: its arguments.
+
+    Raises:
+        WorkspaceError: there is no such package or program, or fibws has no such program.
+        OSError: the program's file cannot be read.
+    """
+    if not packages.has_own(package):
+        found = ros_programs.command_line(package, program, arguments)
+        if found is not None:
+            return found, Path.cwd()
+    executable = packages.executable(package, program)
+    return processes.command_line(executable, arguments), executable.parent

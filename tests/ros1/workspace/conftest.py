@@ -1,4 +1,4 @@
-"""A workspace on disk, to be filled by each test with the packages that it is about."""
+"""A workspace on disk, which each test fills with packages."""
 
 from __future__ import annotations
 
@@ -45,14 +45,14 @@ class Layout:
 
         Args:
             name: its name.
-            depends: what it depends on, in both of its files.
-            before: what stands before catkin_package() in CMakeLists.txt.
-            after: what stands behind.
+            depends: its dependencies, which both of its files list.
+            before: text before catkin_package() in CMakeLists.txt, from line 4 on.
+            after: text after it.
             files: more files, by their names.
             programs: more files, which are executable.
-            manifest: the text of package.xml, or of it what stands behind the licence.
+            manifest: the text of package.xml, or elements to add to it.
             cmake: the text of CMakeLists.txt.
-            folder: where it is in src/, if that is not called as the package is.
+            folder: its folder in src/, if that has another name.
         """
         path = self.source / (folder or name)
         path.mkdir(parents=True)
@@ -82,27 +82,27 @@ class Layout:
         )
 
     def plan(self, *names: str, with_depends: bool = False) -> Plan:
-        """What is to be built, written if nothing is wrong."""
+        """Plan and build packages."""
         workspace = Workspace(self.folder, {})
         plan = workspace.plan(names, with_depends=with_depends)
         workspace.make(plan)
         return plan
 
-    def faults(self) -> list[str]:
-        """What is wrong, told from the workspace's folder."""
-        return [self.relative(str(fault)) for fault in self.plan().faults]
+    def errors(self) -> list[str]:
+        """Build, and return the errors, with paths relative to src/."""
+        return [self.relative(str(error)) for error in self.plan().errors]
 
     def warnings(self) -> list[str]:
-        """What should be otherwise, in a workspace in which nothing is wrong."""
+        """Build without errors, and return the warnings, with paths relative to src/."""
         plan = self.plan()
-        assert not plan.faults
+        assert not plan.errors
         return [self.relative(warning) for warning in plan.warnings]
 
     def relative(self, text: str) -> str:
         return text.replace(f"{self.source}/", "")
 
     def built(self) -> set[str]:
-        """The files in devel/ that are made of packages."""
+        """Return the files in devel/ that were generated from packages."""
         return {
             path.relative_to(self.devel).as_posix()
             for path in self.devel.rglob("*")

@@ -32,12 +32,12 @@ def snapshot(folder: Path) -> dict[str, bytes]:
     return {path.relative_to(folder).as_posix(): path.read_bytes() for path in paths}
 
 
-def test_devel_holds_what_packages_are_made_into(layout: Layout) -> None:
+def test_devel_has_the_files_of_packages(layout: Layout) -> None:
     layout.messages("msgs", {"Num.msg": "int64 num"})
     node(layout, "nodes", "src/talker.py", "msgs")
     plan = layout.plan()
-    assert not plan.faults
-    assert [source.name for source in plan.built] == ["msgs", "nodes"]
+    assert not plan.errors
+    assert [package.name for package in plan.built] == ["msgs", "nodes"]
     assert layout.built() == {
         "lib/nodes/talker.py",
         "share/msgs/msg/Num.msg",
@@ -51,7 +51,7 @@ def test_devel_holds_what_packages_are_made_into(layout: Layout) -> None:
     assert interfaces.messages("msgs") == ["msgs/Num"]
 
 
-def test_what_is_built_twice_stays_as_it_is(layout: Layout) -> None:
+def test_building_again_changes_nothing(layout: Layout) -> None:
     layout.messages("msgs", {"Num.msg": "int64 num"})
     layout.plan()
     times = {path: path.stat().st_mtime_ns for path in layout.devel.rglob("*.msg")}
@@ -61,7 +61,7 @@ def test_what_is_built_twice_stays_as_it_is(layout: Layout) -> None:
     assert {path: path.stat().st_mtime_ns for path in times} == times
 
 
-def test_what_is_no_more_is_taken_out(layout: Layout) -> None:
+def test_files_of_removed_packages_are_removed(layout: Layout) -> None:
     folder = node(layout, "a", "src/talker.py")
     layout.messages("b", {"Num.msg": "int64 num"})
     layout.plan()
@@ -73,83 +73,105 @@ def test_what_is_no_more_is_taken_out(layout: Layout) -> None:
     assert not (layout.devel / "lib").exists()
 
 
-def test_nothing_is_written_if_anything_is_wrong(layout: Layout) -> None:
+def test_an_error_stops_its_package_and_those_that_need_it(layout: Layout) -> None:
+    layout.messages("broken", {"Num.msg": "int64 num\nint64 num"})
+    layout.messages("needs_it", {"Pair.msg": "broken/Num first"}, "broken")
+    node(layout, "runs_it", "src/talker.py", "needs_it")
+    node(layout, "other", "src/listener.py")
+    plan = layout.plan()
+    assert [layout.relative(str(error))[:27] for error in plan.errors] == [
+        "broken/msg/Num.msg, line 2:"
+    ]
+    assert plan.failed == {"broken": [], "needs_it": ["broken"], "runs_it": ["needs_it"]}
+    assert [package.name for package in plan.built] == ["other"]
+    assert layout.built() == {"lib/other/listener.py", "share/other/package.xml"}
+
+
+def test_a_failed_package_keeps_what_was_built_before(layout: Layout) -> None:
     folder = layout.messages("a", {"Num.msg": "int64 num"})
     layout.plan()
-    before = snapshot(layout.devel)
+    before = snapshot(layout.devel / "share" / "a")
     node(layout, "b", "src/talker.py")
     (folder / "msg" / "Num.msg").write_text("int64 num num")
-    assert len(layout.faults()) == 1
-    assert snapshot(layout.devel) == before
+    assert layout.plan().failed == {"a": []}
+    (folder / "package.xml").write_text("<package><name>a</name>")
+    assert layout.plan().failed == {"a": []}
+    assert snapshot(layout.devel / "share" / "a") == before
+    assert "lib/b/talker.py" in layout.built()
 
 
-def test_a_plan_says_all_before_anything_is_written(layout: Layout) -> None:
-    layout.package(
-        "a",
-        before="catkin_python_setup()",
-        files={"setup.py": "setup(scripts=['scripts/a'])"},
-    )
+def test_planning_writes_nothing(layout: Layout) -> None:
+    layout.package("a")
     plan = Workspace(layout.folder, {}).plan()
-    assert ["scripts are left where they are" in each for each in plan.warnings] == [True]
     assert list(plan.trees) == ["a"]
     assert not layout.devel.exists()
 
 
-def test_all_that_is_wrong_is_told_at_once(layout: Layout) -> None:
+def test_all_errors_are_reported_at_once(layout: Layout) -> None:
     layout.package("a", manifest="<?xml version='1.0'?><package/>")
     layout.package("b", cmake="project(b")
-    layout.package("c", "qwertz")
+    layout.messages("c", {"Num.msg": "x"})
     (layout.package("d") / "CMakeLists.txt").unlink()
-    assert layout.faults() == [
-        "a/package.xml, line 1: <name> is missing",
-        "b/CMakeLists.txt, line 1: the ) that ends project( is missing",
-        "d/package.xml, line 1: there is no CMakeLists.txt beside it",
-        "c/CMakeLists.txt, line 3: find_package(): there is no package qwertz here",
+    plan = layout.plan()
+    assert plan.failed.keys() == {"a", "b", "c", "d"}
+    assert [layout.relative(str(error)).partition(":")[0] for error in plan.errors] == [
+        "a/package.xml, line 1",
+        "b/CMakeLists.txt, line 1",
+        "c/msg/Num.msg, line 1",
+        "d/package.xml, line 1",
     ]
 
 
-def test_a_metapackage_is_built_of_nothing(layout: Layout) -> None:
+def test_a_metapackage_needs_no_cmake_lists(layout: Layout) -> None:
     meta = layout.package("all", manifest="<export><metapackage/></export>")
     (meta / "CMakeLists.txt").unlink()
     assert layout.warnings() == []
 
 
-def test_two_packages_cannot_have_one_name(layout: Layout) -> None:
-    layout.package("a", folder="one")
+def test_the_first_of_two_packages_of_one_name_is_built(layout: Layout) -> None:
+    layout.messages("a", {"Num.msg": "int64 num"})
     layout.package("a", folder="two")
-    with pytest.raises(WorkspaceError, match="Multiple packages found with the same name 'a': "):
-        layout.plan()
+    (warning,) = layout.warnings()
+    assert warning.startswith("two is ignored")
+    assert "share/a/msg/Num.msg" in layout.built()
 
 
-def test_packages_cannot_depend_on_each_other_in_a_circle(layout: Layout) -> None:
+def test_a_circle_of_dependencies_stops_its_packages(layout: Layout) -> None:
     layout.package("a", "b")
     layout.package("b", "a")
-    with pytest.raises(WorkspaceError, match="in a circle: a -> b -> a"):
-        layout.plan()
+    layout.package("c", "a")
+    layout.package("d")
+    plan = layout.plan()
+    (error,) = plan.errors
+    assert "a -> b -> a" in str(error)
+    assert plan.failed == {"a": [], "b": [], "c": ["a"]}
+    assert [package.name for package in plan.built] == ["d"]
 
 
-def test_two_packages_cannot_make_one_program(layout: Layout) -> None:
+def test_two_packages_cannot_generate_one_program(layout: Layout) -> None:
     for name in ("a", "b"):
         layout.package(
             name,
             after="catkin_install_python(PROGRAMS talker.py DESTINATION bin)",
             programs={"talker.py": PROGRAM},
         )
-    assert layout.faults() == ["b/CMakeLists.txt, line 6: a makes bin/talker.py, too"]
+    (error,) = layout.errors()
+    assert error.startswith("b/CMakeLists.txt, line 6: ") and "bin/talker.py" in error
+    assert "share/a/package.xml" in layout.built()
 
 
-def test_two_packages_cannot_make_one_module(layout: Layout) -> None:
+def test_two_packages_cannot_generate_one_module(layout: Layout) -> None:
     for name in ("a", "b"):
         layout.package(
             name,
             before="catkin_python_setup()",
             files={"setup.py": "setup(packages=['common'])", "common/__init__.py": ""},
         )
-    fault = "b/CMakeLists.txt, line 4: a makes lib/python3/dist-packages/common/__init__.py, too"
-    assert layout.faults() == [fault]
+    (error,) = layout.errors()
+    assert error.startswith("b/CMakeLists.txt, line 4: ") and "common/__init__.py" in error
 
 
-def test_some_packages_are_built_and_others_stay_as_they_were(layout: Layout) -> None:
+def test_only_chosen_packages_are_built(layout: Layout) -> None:
     first, second = node(layout, "a", "talker.py"), node(layout, "b", "listener.py", "a")
     layout.plan()
     (first / "package.xml").write_text((first / "package.xml").read_text() + "\n")
@@ -159,7 +181,7 @@ def test_some_packages_are_built_and_others_stay_as_they_were(layout: Layout) ->
     assert not (layout.devel / "share/a/package.xml").read_text().endswith("\n\n")
 
 
-def test_what_cannot_be_read_of_a_package_harms_no_other(
+def test_an_unreadable_file_stops_only_its_package(
     layout: Layout, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     node(layout, "a", "a.py")
@@ -172,12 +194,31 @@ def test_what_cannot_be_read_of_a_package_harms_no_other(
         return read_text(path, *words, **options)
 
     monkeypatch.setattr(Path, "read_text", read)
-    assert not layout.plan("a").faults
+    assert not layout.plan("a").errors
     assert "lib/a/a.py" in layout.built()
-    assert layout.faults() == ["b/CMakeLists.txt, line 4: b/setup.py: Permission denied"]
+    (error,) = layout.errors()
+    assert error.startswith("b/CMakeLists.txt, line 4: b/setup.py: ")
 
 
-def test_what_they_depend_on_is_built_with_them_if_asked_for(layout: Layout) -> None:
+def test_an_unreadable_package_xml_stops_only_its_package(
+    layout: Layout, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    node(layout, "a", "a.py")
+    manifest = layout.package("b") / "package.xml"
+    read_bytes = Path.read_bytes
+
+    def read(path: Path) -> bytes:
+        if path == manifest:
+            raise PermissionError(errno.EACCES, "Permission denied", str(path))
+        return read_bytes(path)
+
+    monkeypatch.setattr(Path, "read_bytes", read)
+    plan = layout.plan()
+    assert plan.failed == {"b": []} and str(manifest) in str(plan.errors[0])
+    assert "lib/a/a.py" in layout.built()
+
+
+def test_dependencies_of_chosen_packages_are_built_if_asked_for(layout: Layout) -> None:
     layout.package("a")
     layout.package("b", "a")
     layout.package("c")
@@ -185,16 +226,17 @@ def test_what_they_depend_on_is_built_with_them_if_asked_for(layout: Layout) -> 
     assert layout.plan("b", with_depends=True).chosen == {"a", "b"}
 
 
-def test_a_package_that_is_not_there_cannot_be_built(layout: Layout) -> None:
+def test_an_unknown_package_cannot_be_chosen(layout: Layout) -> None:
     layout.package("talker")
     with pytest.raises(WorkspaceError, match="not found in the workspace: talkr; did you mean tal"):
         layout.plan("talkr")
     plan = layout.plan("talker", "x")
-    assert plan.warnings == ["Packages not found in the workspace: x"]
+    (warning,) = plan.warnings
+    assert warning.endswith(": x")
     assert plan.chosen == {"talker"}
 
 
-def test_cleaning_leaves_what_is_to_be_sourced(layout: Layout) -> None:
+def test_cleaning_keeps_the_files_to_source(layout: Layout) -> None:
     layout.messages("a", {"Num.msg": "int64 num"})
     layout.plan()
     Workspace(layout.folder, {}).clean()
@@ -204,7 +246,7 @@ def test_cleaning_leaves_what_is_to_be_sourced(layout: Layout) -> None:
 
 
 @pytest.mark.parametrize("by", ["catkin_make", "catkin build", None])
-def test_what_another_tool_has_built_is_left_alone(layout: Layout, by: str | None) -> None:
+def test_a_devel_space_of_another_tool_is_not_changed(layout: Layout, by: str | None) -> None:
     layout.package("a")
     layout.devel.mkdir()
     (layout.devel / "lib.so").touch()
@@ -216,7 +258,7 @@ def test_what_another_tool_has_built_is_left_alone(layout: Layout, by: str | Non
     assert (layout.devel / "lib.so").exists()
 
 
-def test_a_workspace_builds_on_those_that_were_sourced(layout: Layout, tmp_path: Path) -> None:
+def test_a_workspace_builds_on_sourced_workspaces(layout: Layout, tmp_path: Path) -> None:
     below = Layout(tmp_path / "below")
     below.messages("msgs", {"Num.msg": "int64 num"})
     below.plan()
@@ -224,15 +266,15 @@ def test_a_workspace_builds_on_those_that_were_sourced(layout: Layout, tmp_path:
     prefixes = os.pathsep.join([str(layout.devel), str(below.devel), str(tmp_path / "none"), ""])
     workspace = Workspace(layout.folder, {"CMAKE_PREFIX_PATH": prefixes})
     plan = workspace.plan()
-    assert not plan.faults
+    assert not plan.errors
     workspace.make(plan)
     assert str(below.devel) in (layout.devel / "setup.bash").read_text()
-    assert len(Workspace(layout.folder, {}).plan().faults) == 2, "alone it lacks msgs"
+    assert Workspace(layout.folder, {}).plan().failed == {"more": []}, "msgs is missing"
 
 
-def test_a_record_that_somebody_broke_is_no_obstacle(layout: Layout) -> None:
+def test_an_edited_record_is_ignored(layout: Layout) -> None:
     layout.package("a")
     layout.plan()
     for text in ("", "[]", '{"../../mine": "a"}'):
         (layout.devel / ".fibws").write_text(text)
-        assert not layout.plan().faults
+        assert not layout.plan().errors

@@ -8,50 +8,44 @@ from .conftest import Layout
 def test_packages_use_each_others_types_and_the_standard_ones(layout: Layout) -> None:
     layout.messages("b", {"Pair.msg": "a/Num first\na/Num second"}, "a")
     layout.messages("a", {"Num.msg": "Header header\nint64 num"}, "std_msgs")
-    assert layout.faults() == []
+    assert layout.errors() == []
     assert {"share/a/msg/Num.msg", "share/b/msg/Pair.msg"} <= layout.built()
 
 
-def test_a_line_that_does_not_parse_is_told_where_it_stands(layout: Layout) -> None:
+def test_an_invalid_line_is_an_error_with_its_number(layout: Layout) -> None:
     layout.messages("a", {"Num.msg": "int64 num\nint33 x y=\n"})
-    (fault,) = layout.faults()
-    assert fault.startswith("a/msg/Num.msg, line 2: ")
-    assert fault.endswith("'int33 x y='")
+    (error,) = layout.errors()
+    assert error.startswith("a/msg/Num.msg, line 2: ")
+    assert error.endswith("'int33 x y='")
 
 
-def test_a_fault_is_told_once_though_others_use_the_type(layout: Layout) -> None:
+def test_an_error_is_reported_once_though_others_use_the_type(layout: Layout) -> None:
     layout.messages("a", {"Num.msg": "int64"})
     layout.messages("b", {"Pair.msg": "a/Num first"}, "a")
-    (fault,) = layout.faults()
-    assert fault.startswith("a/msg/Num.msg, line 1: ")
-    assert not layout.devel.exists()
+    layout.messages("c", {"Pair.msg": "a/Num first"})
+    (error,) = layout.errors()
+    assert error.startswith("a/msg/Num.msg, line 1: ")
+    assert layout.plan().failed.keys() == {"a", "b", "c"}
 
 
-def test_a_package_is_not_built_on_a_broken_one(layout: Layout) -> None:
-    layout.messages("a", {"Num.msg": "int64"})
-    layout.messages("b", {"Pair.msg": "a/Num first"}, "a")
-    assert layout.plan("b").faults
-
-
-def test_a_type_that_is_not_there_is_told_where_it_is_used(layout: Layout) -> None:
+def test_an_unknown_type_is_an_error_where_it_is_used(layout: Layout) -> None:
     layout.messages("a", {"Num.msg": "int64 num\n\nstd_msgs/Sting text"}, "std_msgs")
-    (fault,) = layout.faults()
-    assert fault.startswith("a/msg/Num.msg, line 3: ")
-    assert "did you mean std_msgs/String?" in fault
+    (error,) = layout.errors()
+    assert error.startswith("a/msg/Num.msg, line 3: ")
+    assert "did you mean std_msgs/String?" in error
 
 
-def test_the_packages_of_types_are_to_be_declared(layout: Layout) -> None:
+def test_an_undeclared_package_of_types_is_warned_of(layout: Layout) -> None:
     layout.messages("a", {"Num.msg": "int64 num\nstd_msgs/String text"})
-    (fault,) = layout.faults()
-    assert fault == (
-        "a/msg/Num.msg, line 2: generate_messages(DEPENDENCIES std_msgs) is missing in "
-        "CMakeLists.txt for this: 'std_msgs/String text'"
-    )
+    (warning,) = layout.warnings()
+    assert warning.startswith("a/msg/Num.msg, line 2: ")
+    assert "generate_messages(DEPENDENCIES std_msgs)" in warning
+    assert "share/a/msg/Num.msg" in layout.built()
 
 
-def test_what_a_declared_package_depends_on_is_declared_with_it(layout: Layout) -> None:
+def test_packages_used_by_a_declared_package_need_no_declaration(layout: Layout) -> None:
     layout.messages("a", {"Num.msg": "std_msgs/Header header"}, "geometry_msgs")
-    assert layout.faults() == []
+    assert layout.warnings() == []
 
 
 def test_services_and_actions_are_compiled_too(layout: Layout) -> None:
@@ -62,53 +56,48 @@ def test_services_and_actions_are_compiled_too(layout: Layout) -> None:
         "generate_messages(DEPENDENCIES actionlib_msgs)",
         files={"srv/Add.srv": "int64 a\n---\nint64 b\nint64 b", "action/Count.action": "int32 to"},
     )
-    service, action = layout.faults()
-    assert service.startswith("a/srv/Add.srv, line 4: duplicate name b")
-    assert action.startswith("a/action/Count.action, line 1: expected 2 lines of ---")
+    service, action = layout.errors()
+    assert service.startswith("a/srv/Add.srv, line 4: ")
+    assert action.startswith("a/action/Count.action, line 1: ")
 
 
-def test_a_listed_file_has_to_be_there(layout: Layout) -> None:
+def test_a_listed_file_that_does_not_exist_is_an_error(layout: Layout) -> None:
     path = layout.messages("a", {"Num.msg": "int64 num"})
     cmake = path / "CMakeLists.txt"
     cmake.write_text(cmake.read_text().replace("FILES Num.msg", "FILES Nun.msg msg/Num.msg"))
-    assert layout.faults() == [
-        "a/CMakeLists.txt, line 4: there is no msg/Nun.msg; did you mean Num.msg?",
-        "a/CMakeLists.txt, line 4: write Num.msg: add_message_files() looks in the folder msg/ by "
-        "itself",
-    ]
+    misspelt, with_folder = layout.errors()
+    assert misspelt.startswith("a/CMakeLists.txt, line 4: ") and "mean Num.msg?" in misspelt
+    assert with_folder.startswith("a/CMakeLists.txt, line 4: write Num.msg")
 
 
-def test_a_file_of_another_kind_is_refused(layout: Layout) -> None:
+def test_a_file_of_another_kind_is_an_error(layout: Layout) -> None:
     path = layout.messages("a", {"Num.msg": "int64 num"})
     (path / "msg" / "Add.srv").write_text("---\n")
     (path / "msg" / "my-own.msg").write_text("")
     cmake = path / "CMakeLists.txt"
     cmake.write_text(cmake.read_text().replace("FILES Num.msg", "FILES Add.srv my-own.msg"))
-    kind, name = layout.faults()
-    assert kind == "a/CMakeLists.txt, line 4: add_message_files() lists .msg files: Add.srv"
-    assert name.endswith("the name of a type has letters, digits and _ alone: 'my-own.msg'")
+    kind, name = layout.errors()
+    assert kind.startswith("a/CMakeLists.txt, line 4: ") and "Add.srv" in kind
+    assert name.startswith("a/CMakeLists.txt, line 4: ") and "my-own.msg" in name
 
 
-def test_a_file_that_nobody_lists_is_warned_of(layout: Layout) -> None:
+def test_a_file_that_is_not_listed_is_warned_of(layout: Layout) -> None:
     path = layout.messages("a", {"Num.msg": "int64 num"})
     (path / "msg" / "Other.msg").write_text("int64 num")
-    assert layout.warnings() == [
-        "a/CMakeLists.txt, line 4: msg/Other.msg is not in add_message_files(FILES ...): nothing "
-        "is made of it"
-    ]
+    (warning,) = layout.warnings()
+    assert warning.startswith("a/CMakeLists.txt, line 4: msg/Other.msg ")
 
 
-def test_a_package_of_messages_has_a_name_for_python(layout: Layout) -> None:
+def test_the_name_of_a_package_of_messages_must_be_an_identifier(layout: Layout) -> None:
     layout.messages("my-msgs", {"Num.msg": "int64 num"})
-    (fault,) = layout.faults()
-    assert "a package with definitions is named in letters, digits and _ alone" in fault
+    (error,) = layout.errors()
+    assert "my-msgs" in error and "letters, digits and _" in error
 
 
-def test_without_generate_messages_nothing_is_made(layout: Layout) -> None:
+def test_without_generate_messages_nothing_is_generated(layout: Layout) -> None:
     path = layout.messages("a", {"Num.msg": "int64 num"})
     cmake = path / "CMakeLists.txt"
     cmake.write_text(cmake.read_text().replace("generate_messages(DEPENDENCIES )", ""))
-    assert layout.warnings() == [
-        "a/CMakeLists.txt, line 4: nothing is made of these files: generate_messages() is missing"
-    ]
+    (warning,) = layout.warnings()
+    assert warning.startswith("a/CMakeLists.txt, line 4: generate_messages() is missing")
     assert layout.built() == {"share/a/package.xml"}

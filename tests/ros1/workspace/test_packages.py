@@ -1,14 +1,15 @@
-"""The packages that a path leads to."""
+"""Packages and programs, as rospack and rosrun find them."""
 
 from __future__ import annotations
 
 import os
+import sys
 from pathlib import Path
 
 import pytest
 
 from fibws.errors import ExecutableNotFound, PackageNotFound, WorkspaceError
-from fibws.ros1.workspace.packages import Packages
+from fibws.ros1.workspace.packages import Packages, rosrun_command
 
 from .conftest import Layout
 
@@ -19,21 +20,21 @@ def known(layout: Layout) -> Packages:
     return Packages([layout.source], [layout.devel])
 
 
-def test_packages_are_found_by_the_name_in_their_manifest(layout: Layout) -> None:
+def test_packages_are_found_by_the_name_in_package_xml(layout: Layout) -> None:
     folder = layout.package("fibonacci", folder="somewhere/else")
     package = known(layout).find("fibonacci")
     assert (package.folder, package.manifest.version) == (folder, "1.2.3")
     assert not package.is_standard
 
 
-def test_the_first_of_two_of_one_name_counts(tmp_path: Path) -> None:
+def test_the_first_of_two_packages_of_one_name_counts(tmp_path: Path) -> None:
     first, second = Layout(tmp_path / "a"), Layout(tmp_path / "b")
     folder = first.package("fibonacci")
     second.package("fibonacci")
     assert Packages([first.source, second.source]).find("fibonacci").folder == folder
 
 
-def test_what_fibws_brings_is_there_without_a_path() -> None:
+def test_packages_of_fibws_are_always_found() -> None:
     packages = Packages([])
     assert {"std_msgs", "rospy", "sensor_msgs"} <= set(packages.names())
     assert packages.find("std_msgs").is_standard
@@ -41,33 +42,33 @@ def test_what_fibws_brings_is_there_without_a_path() -> None:
     assert packages.find("std_msgs").manifest.direct == []
 
 
-def test_a_package_of_ones_own_goes_before_a_standard_one(layout: Layout) -> None:
+def test_a_package_of_a_workspace_replaces_one_of_fibws(layout: Layout) -> None:
     folder = layout.package("std_msgs")
     assert known(layout).find("std_msgs").folder == folder
 
 
-def test_the_environment_tells_the_path(layout: Layout, tmp_path: Path) -> None:
+def test_packages_are_found_by_the_environment(layout: Layout, tmp_path: Path) -> None:
     layout.package("fibonacci")
     path = os.pathsep.join([str(tmp_path / "none"), "", str(layout.source)])
     packages = Packages.from_environment(environment={"ROS_PACKAGE_PATH": path})
     assert packages.find("fibonacci").name == "fibonacci"
 
 
-def test_a_workspace_may_be_named_that_was_not_sourced(layout: Layout, tmp_path: Path) -> None:
+def test_a_workspace_that_is_not_sourced_may_be_given(layout: Layout, tmp_path: Path) -> None:
     layout.package("fibonacci")
     packages = Packages.from_environment(layout.folder, environment={})
     assert packages.find("fibonacci").name == "fibonacci"
-    with pytest.raises(WorkspaceError, match="is no workspace: there is no src/ in it"):
+    with pytest.raises(WorkspaceError, match="is not a workspace"):
         Packages.from_environment(tmp_path, environment={})
 
 
-def test_a_program_is_what_is_executable_in_the_packages_folder(layout: Layout) -> None:
+def test_executable_files_in_the_folder_are_programs(layout: Layout) -> None:
     folder = layout.package("fibonacci", programs={"src/node.py": PROGRAM})
     assert known(layout).executable("fibonacci", "node.py") == folder / "src" / "node.py"
     assert known(layout).programs(known(layout).find("fibonacci")) == ["node.py"]
 
 
-def test_what_catkin_make_has_made_goes_first(layout: Layout) -> None:
+def test_programs_in_devel_come_first(layout: Layout) -> None:
     layout.package("fibonacci", programs={"src/node.py": PROGRAM})
     built = layout.devel / "lib" / "fibonacci" / "node.py"
     built.parent.mkdir(parents=True)
@@ -76,14 +77,14 @@ def test_what_catkin_make_has_made_goes_first(layout: Layout) -> None:
     assert known(layout).executable("fibonacci", "node.py") == built
 
 
-def test_of_two_programs_of_one_name_one_has_to_be_chosen(layout: Layout) -> None:
+def test_two_programs_of_one_name_are_an_error(layout: Layout) -> None:
     folder = layout.package("a", programs={"src/node.py": PROGRAM, "scripts/node.py": PROGRAM})
     with pytest.raises(ExecutableNotFound, match=r"there are 2.*: scripts/node\.py, src/node\.py"):
         known(layout).executable("a", "node.py")
     assert known(layout).executable("a", "src/node.py") == folder / "src" / "node.py"
 
 
-def test_a_link_to_a_program_is_no_second_one(layout: Layout) -> None:
+def test_links_to_a_program_do_not_count(layout: Layout) -> None:
     folder = layout.package("a", programs={"src/node.py": PROGRAM})
     try:
         (folder / "bin").symlink_to(folder / "src")
@@ -98,3 +99,30 @@ def test_an_unknown_package_is_an_error() -> None:
     with pytest.raises(PackageNotFound, match="package 'qwertz' not found") as error:
         Packages([]).find("qwertz")
     assert error.value.name == "qwertz"
+
+
+def test_rosrun_starts_a_program_in_its_folder(layout: Layout) -> None:
+    folder = layout.package("robot", programs={"scripts/run.sh": "#!/bin/sh\n"}) / "scripts"
+    found = rosrun_command(known(layout), "robot", "run.sh", ["x", "a:=b"])
+    assert found == ([str(folder / "run.sh"), "x", "a:=b"], folder)
+
+
+def test_rosrun_replaces_some_programs_of_ros() -> None:
+    command, folder = rosrun_command(Packages([]), "rqt_graph", "rqt_graph", ["x"])
+    assert command == [sys.executable, "-P", "-m", "fibws", "open", "graph", "x"]
+    assert folder == Path.cwd()
+
+
+def test_rosrun_prefers_a_package_of_a_workspace(layout: Layout) -> None:
+    folder = layout.package("turtlesim", programs={"turtlesim_node": "#!/bin/sh\n"})
+    found, _ = rosrun_command(known(layout), "turtlesim", "turtlesim_node", [])
+    assert found == [str(folder / "turtlesim_node")]
+    with pytest.raises(ExecutableNotFound):
+        rosrun_command(known(layout), "turtlesim", "turtle_teleop_key", [])
+
+
+def test_rosrun_reports_programs_that_do_not_exist() -> None:
+    with pytest.raises(WorkspaceError, match="turtlesim"):
+        rosrun_command(Packages([]), "turtlesim", "turtlesim_node", [])
+    with pytest.raises(PackageNotFound, match="'qwertz' not found"):
+        rosrun_command(Packages([]), "qwertz", "x", [])

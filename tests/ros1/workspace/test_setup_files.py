@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from fibws.ros1.workspace.file_writer import write
 from fibws.ros1.workspace.setup_files import setup_files
-from fibws.ros1.workspace.tree import write
 
 from .conftest import Layout
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from fibws.errors import PackageFileError, PackageNotFound
-from fibws.ros1.workspace.manifest import Manifest
+from fibws.ros1.workspace.package_xml import Manifest
 from fibws.ros1.workspace.packages import Package, Packages
 from rospkg.common import MANIFEST_FILE, ResourceNotFound
 from rospkg.environment import get_ros_paths

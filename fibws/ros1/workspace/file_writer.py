@@ -1,4 +1,4 @@
-"""The files that a folder is to hold, and how it is brought to that."""
+"""Write and remove the files of a folder, each as a whole."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from typing import TypeAlias
 
 @dataclass(frozen=True)
 class File:
-    """What a file is to hold, and whether it is a program."""
+    """The content of a file, and whether it is executable."""
 
     content: bytes
     executable: bool = False
@@ -25,36 +25,35 @@ Tree: TypeAlias = dict[str, File]
 
 
 def write(folder: Path, tree: Tree) -> None:
-    """Write the files of ``tree`` into ``folder``, which is made if it is not there.
+    """Write files into ``folder``, which is created if it does not exist.
 
-    Each is replaced as a whole, so that nobody ever reads half of it; one that is right already
-    stays as it is.
+    Each file is replaced atomically; a file that has this content already is not touched.
 
     Raises:
-        OSError: one cannot be written.
+        OSError: a file cannot be written.
     """
     for name, file in tree.items():
         _write(folder / name, file)
 
 
 def remove(folder: Path, names: Iterable[str]) -> None:
-    """Take files out of ``folder``, and those of its folders that are empty then.
+    """Remove files from ``folder``, and its folders that are empty then.
 
     Raises:
-        OSError: one cannot be removed.
+        OSError: a file cannot be removed.
     """
     for name in names:
         inside = PurePosixPath(name)
         if inside.is_absolute() or ".." in inside.parts:
-            continue  # Somebody has edited the list of files.
+            continue  # The list of files was edited.
         path = folder / inside
         if path.parent.resolve() != folder.resolve() / inside.parent:
-            continue  # A link leads out of the folder: what is there is not ours.
+            continue  # A link leads out of the folder.
         path.unlink(missing_ok=True)
         for parent in path.parents:
             if parent == folder:
                 break
-            with suppress(OSError):  # It holds something else.
+            with suppress(OSError):  # It is not empty.
                 parent.rmdir()
 
 

@@ -1,4 +1,4 @@
-"""The first files of a new package, as catkin_create_pkg makes them."""
+"""Create the first files of a new package, as catkin_create_pkg does."""
 
 from __future__ import annotations
 
@@ -10,18 +10,17 @@ from pathlib import Path
 from xml.sax.saxutils import escape, quoteattr
 
 from fibws.errors import WorkspaceError
-from fibws.ros1.workspace.manifest import FILE as MANIFEST
-from fibws.ros1.workspace.manifest import NAME, NAME_RULE, Person
-from fibws.ros1.workspace.recipe import ADD_FILES
-from fibws.ros1.workspace.recipe import FILE as LISTS
-from fibws.ros1.workspace.templates import CMAKE, LAUNCH, META, PACKAGE
-from fibws.ros1.workspace.tree import File, Tree, write
+from fibws.ros1.workspace.cmake_lists import ADD_FILES
+from fibws.ros1.workspace.cmake_lists import FILE as LISTS
+from fibws.ros1.workspace.file_writer import File, Tree, write
+from fibws.ros1.workspace.package_xml import FILE as MANIFEST
+from fibws.ros1.workspace.package_xml import NAME, NAME_RULE, VERSION, Person
 
 EXTRAS = ("action", "config", "launch", "msg", "scripts", "srv")
-"""The folders that a package may begin with besides."""
+"""The folders that a new package may have besides src/."""
 
 NO_LICENSE = "TODO"
-"""What catkin_create_pkg writes as the license for the person to replace, if none is given."""
+"""The license that catkin_create_pkg writes if none is given, to be replaced."""
 
 _EXAMPLES = {
     "msg": ("Num.msg", "int64 num\n"),
@@ -31,18 +30,119 @@ _EXAMPLES = {
 _TOOLS = {"message_generation", "message_runtime", "genmsg"}
 _PERSON = re.compile(r"\s*(?P<name>[^<>]*?)\s*<(?P<email>[^<>@\s]+@[^<>@\s]+)>\s*")
 
+_PACKAGE_XML = """\
+<?xml version="1.0"?>
+<package format="2">
+  <name>{name}</name>
+  <version>{version}</version>
+  <description>{description}</description>
+
+  <!-- The people who look after the package, one line each. -->
+{maintainers}
+  <!-- BSD, MIT, Apache-2.0, GPLv3 ... -->
+{licenses}
+  <!-- The people who wrote it: <author email="jane.doe@example.com">Jane Doe</author> -->
+{authors}
+  <!-- Dependencies: other packages, or libraries of the system.
+         build_depend         needed to build this package, as message_generation
+         exec_depend          needed to run its programs, as message_runtime
+         build_export_depend  needed to build packages that depend on this one
+         depend               all three
+  -->
+  <buildtool_depend>catkin</buildtool_depend>
+{depends}
+  <!-- Information for other tools. -->
+  <export>{export}
+  </export>
+</package>
+"""
+
+_CMAKE_LISTS = """\
+cmake_minimum_required(VERSION 3.0.2)
+project({name})
+
+## Packages needed to build this one; list each in package.xml, too.
+find_package(catkin REQUIRED{components})
+{boost}
+## Uncomment this if setup.py lists Python modules that other packages import.
+# catkin_python_setup()
+
+
+####################################
+## Messages, services and actions ##
+####################################
+
+## 1. Write msg/Num.msg, srv/AddTwoInts.srv or action/Count.action.
+## 2. Add to package.xml:
+##      <build_depend>message_generation</build_depend>
+##      <exec_depend>message_runtime</exec_depend>
+## 3. Add to find_package() above: message_generation, and each package whose types you use
+##    (for actions: actionlib_msgs).
+## 4. Uncomment below, and list your files, and those packages as DEPENDENCIES.
+
+{messages}
+
+{services}
+
+{actions}
+
+{generate}
+
+
+#############
+## Package ##
+#############
+
+## List the packages that users of this one need. Call this after generate_messages(), and before
+## you use CATKIN_PACKAGE_BIN_DESTINATION.
+catkin_package(
+#  CATKIN_DEPENDS {catkin_depends}
+)
+
+
+##############
+## Programs ##
+##############
+
+## List Python programs, so that rosrun finds them. Each begins with #!/usr/bin/env python3 and is
+## executable (chmod +x).
+# catkin_install_python(PROGRAMS
+#   src/{name}_node.py
+#   DESTINATION ${{CATKIN_PACKAGE_BIN_DESTINATION}}
+# )
+
+## Other files of the package.
+# install(DIRECTORY launch
+#   DESTINATION ${{CATKIN_PACKAGE_SHARE_DESTINATION}}
+# )
+"""
+
+_METAPACKAGE = """\
+cmake_minimum_required(VERSION 3.0.2)
+project({name})
+find_package(catkin REQUIRED)
+catkin_metapackage()
+"""
+
+_LAUNCH = """\
+<launch>
+  <!-- Uncomment this to start the node: roslaunch {name} {name}.launch -->
+  <!-- <node pkg="{name}" type="{name}_node.py" name="{name}" output="screen"/> -->
+</launch>
+"""
+
 
 @dataclass
-class Skeleton:
-    """A package that is to be begun.
+class NewPackage:
+    """A package to create.
 
     Attributes:
-        name: the package's.
-        depends: packages that it needs.
-        system: what it needs of the system.
-        boost: parts of Boost that it needs.
+        name: its name.
+        depends: the packages that it depends on.
+        system: the system's libraries that it depends on.
+        boost: the parts of Boost that it depends on.
         extras: those of `EXTRAS` that it begins with.
-        meta: whether it is a metapackage, which only names others.
+        meta: whether it is a metapackage, which only groups others.
     """
 
     name: str
@@ -58,38 +158,38 @@ class Skeleton:
     meta: bool = False
 
     def create(self, where: Path) -> list[str]:
-        """Make the package's folder in ``where``, and tell what was made: ``file a/package.xml``.
+        """Create the package's folder in ``where``; return what was created, as ``file a/src``.
 
         Raises:
-            WorkspaceError: the name or the version is none, or there is such a package.
-            OSError: something cannot be written.
+            WorkspaceError: the name or the version is invalid, or the package exists.
+            OSError: a file cannot be written.
         """
         self._check(where)
         folder = where / self.name
-        made = []
+        created = []
         for name, file in self._files().items():
             write(folder, {name: file})
-            made.append(f"file {self.name}/{name}")
+            created.append(f"file {self.name}/{name}")
         for name in self._folders():
             if not (folder / name).is_dir():
                 (folder / name).mkdir(parents=True)
-                made.append(f"folder {self.name}/{name}")
-        return made
+                created.append(f"folder {self.name}/{name}")
+        return created
 
     def _check(self, where: Path) -> None:
         if not NAME.fullmatch(self.name):
-            raise WorkspaceError(f"{self.name!r} cannot be: {NAME_RULE}")
-        if not re.fullmatch(r"\d+\.\d+\.\d+", self.version, re.ASCII):
-            raise WorkspaceError(f"the version is not of the form 1.2.3: {self.version!r}")
+            raise WorkspaceError(f"invalid name {self.name!r}: {NAME_RULE}")
+        if not VERSION.fullmatch(self.version):
+            raise WorkspaceError(f"invalid version {self.version!r}, expected e.g. 1.2.3")
         wrong = [each for each in (*self.depends, *self.system) if not NAME.fullmatch(each)]
         if wrong:
-            raise WorkspaceError(f"{wrong[0]!r} is not the name of a package to depend on")
+            raise WorkspaceError(f"invalid dependency {wrong[0]!r}: {NAME_RULE}")
         if self.name in self.depends:
             raise WorkspaceError(f"{self.name} cannot depend on itself")
         for above in (where, *where.parents):
             if (above / MANIFEST).is_file():
-                fault = f"{where} is in the package {above.name}, and none is looked for in there"
-                raise WorkspaceError(f"{fault}: cd {above.parent}")
+                text = f"{where} is inside package {above.name}, where no packages are found"
+                raise WorkspaceError(f"{text}: cd {above.parent}")
         for name in (MANIFEST, LISTS):
             if (where / self.name / name).exists():
                 raise WorkspaceError(f"File exists: {where / self.name / name}")
@@ -118,11 +218,11 @@ class Skeleton:
             name, text = _EXAMPLES[kind]
             texts[f"{kind}/{name}"] = text
         if "launch" in self.extras:
-            texts[f"launch/{self.name}.launch"] = LAUNCH.format(name=self.name)
+            texts[f"launch/{self.name}.launch"] = _LAUNCH.format(name=self.name)
         return {name: File(text.encode()) for name, text in texts.items()}
 
     def _manifest(self) -> str:
-        return PACKAGE.format(
+        return _PACKAGE_XML.format(
             name=self.name,
             version=self.version,
             description=escape(self.description or f"The {self.name} package"),
@@ -148,11 +248,11 @@ class Skeleton:
 
     def _lists(self) -> str:
         if self.meta:
-            return META.format(name=self.name)
+            return _METAPACKAGE.format(name=self.name)
         components = "".join(f"\n  {name}" for name in self._components)
         boost = " ".join(self.boost)
         packages = [each for each in self.depends if each.endswith("_msgs")]
-        return CMAKE.format(
+        return _CMAKE_LISTS.format(
             name=self.name,
             components=f" COMPONENTS{components}\n" if components else "",
             boost=f"\nfind_package(Boost REQUIRED COMPONENTS {boost})\n" if boost else "",
@@ -194,14 +294,14 @@ def _people(tag: str, people: list[str]) -> str:
 
 
 def _person(text: str) -> Person:
-    """``Jane Doe <jane@example.com>``, or a name alone."""
+    """Read ``Jane Doe <jane@example.com>``, or a name alone."""
     if found := _PERSON.fullmatch(text):
         return Person(found["name"] or found["email"], found["email"])
     return Person(text.strip() or "user", "")
 
 
 def _address(name: str) -> str:
-    """An address in the place of one that is still to be written: each maintainer has one."""
+    """Return a placeholder, as each maintainer must have an address."""
     local = re.sub(r"[^A-Za-z0-9_+-]", "", name.split()[-1])
     return f"{local or 'user'}@todo.todo"
 

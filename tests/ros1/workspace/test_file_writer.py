@@ -1,4 +1,4 @@
-"""How a folder is brought to what it is to hold."""
+"""Writing and removing the files of a folder."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from fibws.ros1.workspace.tree import File, remove, write
+from fibws.ros1.workspace.file_writer import File, remove, write
 
 
-def test_files_are_written_with_their_folders(tmp_path: Path) -> None:
+def test_folders_are_created(tmp_path: Path) -> None:
     write(tmp_path / "devel", {"lib/a/node.py": File(b"x", executable=True), "b": File(b"y")})
     program = tmp_path / "devel" / "lib" / "a" / "node.py"
     assert program.read_bytes() == b"x"
@@ -18,7 +18,7 @@ def test_files_are_written_with_their_folders(tmp_path: Path) -> None:
         assert os.access(program, os.X_OK) and not os.access(tmp_path / "devel" / "b", os.X_OK)
 
 
-def test_what_is_right_stays_as_it_is(tmp_path: Path) -> None:
+def test_files_that_do_not_change_are_not_touched(tmp_path: Path) -> None:
     write(tmp_path, {"a": File(b"x"), "b": File(b"x")})
     before = (tmp_path / "a").stat().st_ino
     write(tmp_path, {"a": File(b"x"), "b": File(b"y")})
@@ -27,13 +27,13 @@ def test_what_is_right_stays_as_it_is(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no executable bit")
-def test_a_file_becomes_a_program(tmp_path: Path) -> None:
+def test_a_file_becomes_executable(tmp_path: Path) -> None:
     write(tmp_path, {"a": File(b"x")})
     write(tmp_path, {"a": File(b"x", executable=True)})
     assert os.access(tmp_path / "a", os.X_OK)
 
 
-def test_nothing_is_left_of_a_file_that_cannot_be_written(
+def test_a_failed_write_leaves_the_old_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     write(tmp_path, {"a": File(b"old")})
@@ -48,13 +48,13 @@ def test_nothing_is_left_of_a_file_that_cannot_be_written(
     assert (tmp_path / "a").read_bytes() == b"old"
 
 
-def test_folders_go_with_the_last_file_in_them(tmp_path: Path) -> None:
+def test_empty_folders_are_removed(tmp_path: Path) -> None:
     write(tmp_path, {"a/b/c": File(b""), "a/d": File(b"")})
     remove(tmp_path, ["a/b/c", "none"])
     assert sorted(path.name for path in tmp_path.rglob("*")) == ["a", "d"]
 
 
-def test_nothing_outside_of_the_folder_is_removed(tmp_path: Path) -> None:
+def test_nothing_outside_the_folder_is_removed(tmp_path: Path) -> None:
     (tmp_path / "mine").touch()
     inside = tmp_path / "devel"
     inside.mkdir()
@@ -62,7 +62,7 @@ def test_nothing_outside_of_the_folder_is_removed(tmp_path: Path) -> None:
     assert (tmp_path / "mine").exists()
 
 
-def test_a_folder_in_the_place_of_a_file_is_named(tmp_path: Path) -> None:
+def test_a_folder_in_place_of_a_file_is_an_error(tmp_path: Path) -> None:
     (tmp_path / "a" / "within").mkdir(parents=True)
     with pytest.raises(IsADirectoryError) as error:
         write(tmp_path, {"a": File(b"x")})
@@ -70,7 +70,7 @@ def test_a_folder_in_the_place_of_a_file_is_named(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows lets few make links")
-def test_what_a_link_leads_to_is_not_removed(tmp_path: Path) -> None:
+def test_files_behind_links_are_not_removed(tmp_path: Path) -> None:
     other = tmp_path / "other" / "file"
     write(tmp_path / "other", {"file": File(b"x")})
     (tmp_path / "devel").mkdir()

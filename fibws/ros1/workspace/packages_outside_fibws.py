@@ -1,0 +1,117 @@
+"""Dependencies that fibws does not contain: which are not needed, and how to install the others."""
+
+from __future__ import annotations
+
+import re
+
+NOT_NEEDED = set(
+    """
+    catkin cmake_modules cpp_common desktop desktop_full gencpp geneus genlisp genmsg gennodejs
+    message_generation message_runtime mk ros_base ros_comm ros_core rosbash rosboost_cfg rosbuild
+    rosconsole roscpp roscpp_serialization roscpp_traits roscpp_tutorials roslang roslaunch roslisp
+    roslint rosmake rosmaster rosout rostime common_msgs topic_tools rosbridge_library
+    rosbridge_suite rqt rqt_common_plugins rqt_console rqt_graph rqt_gui rqt_plot rqt_topic tf2
+    tf2_py tf2_ros xmlrpcpp
+
+    class_loader collada_parser collada_urdf eigen_conversions filters image_transport kdl_parser
+    laser_filters nodelet nodelet_core orocos_kdl pcl_conversions pcl_ros pluginlib realtime_tools
+    tf2_bullet tf2_eigen tf2_kdl urdf urdf_parser_plugin
+    """.split()
+)
+"""Packages whose part fibws plays itself, or that only builds and C++ code use."""
+
+_REPOSITORIES = {
+    "ros/angles": "angles",
+    "ros/diagnostics": "diagnostic_updater diagnostic_aggregator diagnostic_common_diagnostics",
+    "ros/dynamic_reconfigure": "dynamic_reconfigure",
+    "ros/executive_smach": "smach smach_ros smach_msgs",
+    "ros/geometry": "tf_conversions",
+    "ros/geometry2": "tf2_geometry_msgs tf2_sensor_msgs tf2_tools",
+    "ros/joint_state_publisher": "joint_state_publisher joint_state_publisher_gui",
+    "ros/robot_state_publisher": "robot_state_publisher",
+    "ros/ros_comm": "rosbag rosbag_storage roswtf",
+    "ros-controls/ros_control": "controller_manager controller_manager_msgs ros_control",
+    "ros-controls/ros_controllers": "joint_state_controller ros_controllers",
+    "ros-drivers/ackermann_msgs": "ackermann_msgs",
+    "ros-drivers/joystick_drivers": "joy joystick_drivers",
+    "ros-drivers/rosserial": "rosserial rosserial_arduino rosserial_python rosserial_msgs",
+    "ros-drivers/usb_cam": "usb_cam",
+    "ros-geographic-info/geographic_info": "geographic_msgs geodesy",
+    "ros-geographic-info/unique_identifier": "uuid_msgs unique_id",
+    "ros-perception/image_common": "camera_info_manager camera_calibration_parsers polled_camera",
+    "ros-perception/laser_geometry": "laser_geometry",
+    "ros-perception/slam_gmapping": "gmapping slam_gmapping",
+    "ros-perception/vision_msgs": "vision_msgs",
+    "ros-perception/vision_opencv": "cv_bridge image_geometry vision_opencv",
+    "ros-planning/moveit": "moveit_commander moveit_core moveit_ros",
+    "ros-planning/moveit_msgs": "moveit_msgs",
+    "ros-planning/navigation": "amcl map_server move_base navigation costmap_2d",
+    "ros-planning/navigation_msgs": "map_msgs",
+    "ros-simulation/gazebo_ros_pkgs": "gazebo_msgs gazebo_plugins gazebo_ros gazebo_ros_pkgs",
+    "ros-teleop/teleop_twist_joy": "teleop_twist_joy",
+    "ros-teleop/teleop_twist_keyboard": "teleop_twist_keyboard",
+    "ros-visualization/interactive_markers": "interactive_markers",
+    "ros-visualization/python_qt_binding": "python_qt_binding",
+    "ros-visualization/rqt": "rqt_gui_py rqt_py_common",
+    "ros-visualization/rviz": "rviz",
+    "OctoMap/octomap_msgs": "octomap_msgs",
+    "ROBOTIS-GIT/turtlebot3": "turtlebot3_teleop turtlebot3_bringup turtlebot3_description",
+    "ROBOTIS-GIT/turtlebot3_msgs": "turtlebot3_msgs",
+    "RobotWebTools/web_video_server": "web_video_server",
+    "wg-perception/object_recognition_msgs": "object_recognition_msgs",
+}
+REPOSITORIES = {
+    name: f"https://github.com/{repository}"
+    for repository, names in _REPOSITORIES.items()
+    for name in names.split()
+}
+"""Where the source of common packages is."""
+
+_ROS_ON_PYPI = {"xacro": "xacro", "urdfdom_py": "urdfdom-py", "urdf_parser_py": "urdf-parser-py"}
+_KEYS_ON_PYPI = {
+    "dateutil": "python-dateutil",
+    "gnupg": "python-gnupg",
+    "imaging": "pillow",
+    "opencv": "opencv-python",
+    "pil": "pillow",
+    "serial": "pyserial",
+    "skimage": "scikit-image",
+    "sklearn": "scikit-learn",
+    "usb": "pyusb",
+    "websocket": "websocket-client",
+    "yaml": "pyyaml",
+    "zmq": "pyzmq",
+}
+_KEYS_ON_PYPI |= {
+    name: name
+    for name in """
+    defusedxml empy evdev flask future gitpython lxml matplotlib mock netifaces networkx nose numba
+    numpy pandas paramiko pexpect psutil pyaudio pydot pygame pygraphviz pymodbus pymongo pyproj
+    requests rtree scipy setuptools shapely simplejson six sympy tensorflow termcolor torch tornado
+    transforms3d twisted ujson
+    """.split()
+}
+_PYTHON_KEY = re.compile(r"python3?-(?P<name>[a-z0-9.-]+?)(?P<pip>-pip)?")
+
+
+def pip_name(dependency: str) -> str | None:
+    """Return what ``pip install`` calls a dependency, or None if that is unknown.
+
+    Args:
+        dependency: a ROS package, or a key of rosdep as ``python3-numpy``.
+    """
+    if found := _PYTHON_KEY.fullmatch(dependency):
+        name = found["name"]
+        return _KEYS_ON_PYPI.get(name, name if found["pip"] else None)
+    return _ROS_ON_PYPI.get(dependency)
+
+
+def is_installed(pip_name: str) -> bool:
+    """Return whether a package of PyPI is installed for this Python."""
+    from importlib.metadata import PackageNotFoundError, distribution
+
+    try:
+        distribution(pip_name)
+    except PackageNotFoundError:
+        return False
+    return True
