@@ -72,6 +72,7 @@ async def test_page_works_at_an_ipv6_address(open_page: OpenPage) -> None:
         page = await open_page(hub)
         assert web_address(hub).startswith("http://[::1]:")
         await expect_page_to_work(page, hub, web_address(hub))
+        await page.close()
 
 
 async def test_page_works_behind_a_proxy_with_a_path(hub: Hub, open_page: OpenPage) -> None:

@@ -159,6 +159,7 @@ async def test_query_names_another_hub(open_page: OpenPage, hub: Hub, written: s
         address = written.format(f"localhost:{other.port}")
         page = await open_page(hub, f"?hub={quote(address)}")
         await expect(page.locator("#hub code")).to_have_text(f"ws://localhost:{other.port}")
+        await page.close()  # Before its hub ends, so that it does not complain.
 
 
 async def test_empty_query_names_the_hub_of_the_page(open_page: OpenPage, hub: Hub) -> None:
