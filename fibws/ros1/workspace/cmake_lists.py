@@ -1,6 +1,6 @@
 """Read the catkin macros of a CMakeLists.txt, which name the files that a package consists of.
 
-This is no interpreter of CMake: conditions, loops and functions are not evaluated, so that the
+CMake is not interpreted: conditions, loops and functions are not evaluated, so that the
 commands inside them count, and all other commands are ignored. Variables of ``set()``,
 ``list(APPEND)`` and ``file(GLOB)`` are replaced; arguments with any other variable are unknown.
 """
@@ -32,7 +32,7 @@ _TOKEN = re.compile(
     | \[(?P<equals>=*)\[ \n? (?P<bracket> .*? ) \](?P=equals)\]
     | "(?P<quoted> (?: [^"\\] | \\. )* )"
     | (?P<parenthesis> [()] )
-    | (?!\[=*\[) (?P<word> (?: [^\s()\#"\\] | \\. | (?<=[^\s(])"[^"\n]*" )+ )
+    | (?!\[=*\[) (?P<word> (?: [^\s()\#"\\] | \\. | (?<=[^\s(])"(?:[^"\\\n]|\\.)*" )+ )
     """,
     re.DOTALL | re.VERBOSE,
 )
@@ -65,7 +65,7 @@ class ListedFile:
 
 @dataclass
 class CMakeLists:
-    """What the macros of one CMakeLists.txt say.
+    """The content of the macros of one CMakeLists.txt.
 
     Attributes:
         source: the file's path.

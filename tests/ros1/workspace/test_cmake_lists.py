@@ -132,11 +132,12 @@ def test_comments_and_strings_are_not_macros(folder: Path) -> None:
         "# add_message_files(\n#   FILES\n#   None.msg\n# )\n"
         "#[[ add_message_files(FILES None.msg) ]]\n"
         'message(STATUS "add_message_files(FILES None.msg) \\" )" [==[ ) ]==])\n'
+        'add_definitions(-DVERSION="\\"1 (0)\\"" -DNAME="b c")\n'
         'string(REGEX REPLACE ".+/(.+)\\\\.msg" "\\\\1" X ${Y})\n'
         "add_message_files(FILES A.msg # B.msg\n)"
     )
     lists = read(folder, text)
-    assert [(file.path.name, file.line) for file in lists.definitions["msg"]] == [("A.msg", 8)]
+    assert [(file.path.name, file.line) for file in lists.definitions["msg"]] == [("A.msg", 9)]
 
 
 def test_unknown_commands_are_ignored(folder: Path) -> None:
