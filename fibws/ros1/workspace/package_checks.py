@@ -124,4 +124,4 @@ def note_reconfigure(packages: Iterable[SourcePackage]) -> Iterator[str]:
         for each in package.lists.reconfigure
     )
     if files:
-        yield f"fibws has no dynamic_reconfigure: nothing is generated from {files}"
+        yield f"fibws does not generate modules of dynamic_reconfigure: {files} left out"
