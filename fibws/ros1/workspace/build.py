@@ -34,7 +34,7 @@ BUILT_BY, RECORD, TOOL = ".built_by", ".fibws", "fibws"
 
 @dataclass
 class Plan:
-    """What is to be built.
+    """The packages to build, and what is wrong in them.
 
     Attributes:
         packages: all packages of the workspace, each after those that it depends on.

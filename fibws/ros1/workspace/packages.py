@@ -117,7 +117,7 @@ class Packages:
         """Return the package of that name.
 
         Raises:
-            PackageNotFound: there is none; the text suggests what to do.
+            PackageNotFound: the name is unknown; the text suggests what to do.
         """
         if name not in self._found:
             raise PackageNotFound(name, suggestion_for_package(name, "", self, self._here))

@@ -1,4 +1,4 @@
-"""The files to be sourced, sourced by the shells that are here."""
+"""The files to source, sourced by the installed shells."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ VARIABLES = ("ROS_PACKAGE_PATH", "CMAKE_PREFIX_PATH", "PYTHONPATH", "FIBWS_INTER
 SHELLS = [
     pytest.param(
         shell,
-        marks=pytest.mark.skipif(shutil.which(shell) is None, reason=f"there is no {shell} here"),
+        marks=pytest.mark.skipif(shutil.which(shell) is None, reason=f"{shell} is not installed"),
     )
     for shell in ("bash", "zsh", "dash")
 ]
 FILES = {"bash": "setup.bash", "zsh": "setup.zsh", "dash": "setup.sh"}
-# A real ROS on this machine would be a reason for fibws to set up nothing.
+# With a real ROS on the path, fibws would set up nothing.
 PLAIN = {"PATH": os.path.dirname(sys.executable), "HOME": "/nonexistent"}
 
 
 def sourced(shell: str, *folders: Path, **environment: str) -> dict[str, list[str]]:
-    """What the variables lead to once a shell has sourced the files of some workspaces."""
+    """Return the folders on the paths of a shell that has sourced some workspaces."""
     program = "import json, os; print(json.dumps(dict(os.environ)))"
     lines = ['. "$1"; shift' for _ in folders]
     script = "set -eu; " + "; ".join([*lines, '"$@"'])
@@ -52,7 +52,7 @@ def prepared(folder: Path) -> Path:
 
 @pytest.mark.parametrize("shell", SHELLS)
 @pytest.mark.parametrize("name", ["ws", "my ws", 'it\'s "$HOME" `x` *'])
-def test_the_workspace_is_on_the_paths(tmp_path: Path, shell: str, name: str) -> None:
+def test_sourcing_puts_the_workspace_on_the_paths(tmp_path: Path, shell: str, name: str) -> None:
     folder = prepared(tmp_path / name)
     found = sourced(shell, folder)
     assert found["ROS_PACKAGE_PATH"] == [str(folder / "src")]
@@ -62,13 +62,13 @@ def test_the_workspace_is_on_the_paths(tmp_path: Path, shell: str, name: str) ->
 
 
 @pytest.mark.parametrize("shell", SHELLS)
-def test_it_sets_up_fibws_as_well(tmp_path: Path, shell: str) -> None:
+def test_sourcing_sets_up_fibws(tmp_path: Path, shell: str) -> None:
     found = sourced(shell, prepared(tmp_path / "ws"))
     assert any(path.endswith(os.path.join("ros1", "python")) for path in found["PYTHONPATH"])
 
 
 @pytest.mark.parametrize("shell", SHELLS)
-def test_sourcing_it_twice_changes_nothing(tmp_path: Path, shell: str) -> None:
+def test_sourcing_twice_changes_nothing(tmp_path: Path, shell: str) -> None:
     first, second = prepared(tmp_path / "a"), prepared(tmp_path / "b")
     assert sourced(shell, first, first) == sourced(shell, first)
     found = sourced(shell, first, second, first)
@@ -79,7 +79,7 @@ def test_sourcing_it_twice_changes_nothing(tmp_path: Path, shell: str) -> None:
 
 
 @pytest.mark.parametrize("shell", SHELLS)
-def test_what_was_on_the_paths_stays(tmp_path: Path, shell: str) -> None:
+def test_other_folders_stay_on_the_paths(tmp_path: Path, shell: str) -> None:
     folder = prepared(tmp_path / "ws")
     source = str(folder / "src")
     for before in ("/x:/y", f"/x:{source}:/y", f"{source}:/x:/y", f"/x:/y:{source}:{source}"):
@@ -87,13 +87,13 @@ def test_what_was_on_the_paths_stays(tmp_path: Path, shell: str) -> None:
         assert found["ROS_PACKAGE_PATH"] == [source, "/x", "/y"], before
 
 
-def test_workspaces_below_come_first(tmp_path: Path) -> None:
+def test_underlying_workspaces_come_first(tmp_path: Path) -> None:
     below = (tmp_path / "below" / "src", tmp_path / "below" / "devel")
     text = setup_files(tmp_path / "ws", [below])["setup.bash"].content.decode()
     assert text.index(str(below[0])) < text.index(str(tmp_path / "ws" / "src"))
 
 
-def test_windows_shells_have_their_own(tmp_path: Path) -> None:
+def test_windows_shells_have_their_own_files(tmp_path: Path) -> None:
     files = setup_files(tmp_path / "it's 100%")
     powershell = files["setup.ps1"].content.decode()
     source = str(tmp_path / "it''s 100%" / "src")
@@ -104,11 +104,11 @@ def test_windows_shells_have_their_own(tmp_path: Path) -> None:
     utf_8, back = batch.index("chcp 65001 >nul"), batch.index("chcp %FIBWS_CODE_PAGE% >nul")
     assert utf_8 < batch.index(source) < back, "it is read in UTF-8, and by nobody else"
     for text in (powershell, batch):
-        assert str(Path("ros1", "python")) in text, "rospy is found, though there are no doors"
+        assert str(Path("ros1", "python")) in text, "rospy is found"
         assert "FIBWS_PYTHON" in text
 
 
-def test_no_quotation_mark_in_a_path_ends_a_text_of_powershell(tmp_path: Path) -> None:
+def test_quotation_marks_are_escaped_for_powershell(tmp_path: Path) -> None:
     powershell = setup_files(tmp_path / "it\u2019s \u2018a\u2018")["setup.ps1"].content
     assert "it\u2019\u2019s \u2018\u2018a\u2018\u2018" in powershell.decode()
     assert powershell.startswith(b"\xef\xbb\xbf"), "or else Windows reads it in its old code page"

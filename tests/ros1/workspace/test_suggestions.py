@@ -1,4 +1,4 @@
-"""What errors suggest when a package or a program is not found."""
+"""Suggestions in errors about packages and programs that are not found."""
 
 from __future__ import annotations
 
