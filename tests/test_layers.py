@@ -115,6 +115,8 @@ PURE = modules(
     *("errors.py", "names.py", "suggestions.py", "hub_address.py", "command_names.py"),
     *("protocol/*.py", "interfaces/*.py"),
     *("hub/graph/*.py", "hub/delivery/*.py", "hub/rosbridge/*.py", "hub/rosapi/*.py"),
+    *(f"ros1/launch/{name}.py" for name in ("model", "parameters", "reader", "scope")),
+    "ros1/launch/xml_element.py",
     *("hub/settings.py", "hub/log_text.py", "hub/websocket/keepalive.py"),
     *(f"tf/{name}.py" for name in ("buffer", "history", "messages", "selection", "transform")),
 )

@@ -76,7 +76,7 @@ def command(workspace: Path | None, prefix: str | None, words: tuple[str, ...]) 
 
 
 def _prefix(text: str) -> list[str]:
-    from fibws.ros1.launch.surroundings import split
+    from fibws.ros1.launch.environment import split
 
     try:
         return split(text)

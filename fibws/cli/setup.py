@@ -25,8 +25,8 @@ This command prints a script for the shell. To run that script:
   source <(fibws setup)          bash and zsh
   eval "$(fibws setup)"          any sh, and the old bash of macOS
 
-To undo it: source <(fibws setup --undo)
-To do it in every new shell, add the line to ~/.bashrc or ~/.zshrc."""
+To do it in every new shell, add that line to ~/.bashrc or ~/.zshrc.
+To undo it: source <(fibws setup --undo)"""
 WITHOUT = """\
 All commands work without it: `fibws run PACKAGE PROGRAM` is rosrun, `fibws launch` is roslaunch,
 `fibws topic` is rostopic, `fibws workspace make` is catkin_make; `fibws --help` lists them."""

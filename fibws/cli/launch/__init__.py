@@ -1,4 +1,4 @@
-"""``fibws launch``: run what launch files say, as roslaunch does."""
+"""``fibws launch``: start nodes from launch files, as roslaunch does."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import click
 
 from fibws import hub_address, names
 from fibws.cli import output
-from fibws.cli.common_options import SETTINGS, hub_option
+from fibws.cli.common_options import SETTINGS, examples, hub_option
 from fibws.cli.exit_handling import ending
 from fibws.cli.run import workspace_option
 from fibws.errors import FibwsError
@@ -31,7 +31,7 @@ _SECONDS = click.FloatRange(min=0, min_open=True)
 def _complete(
     context: click.Context, parameter: click.Parameter, incomplete: str
 ) -> list[CompletionItem]:
-    """A package, then its launch files, then their arguments; at any time, a file."""
+    """Complete a package, then its launch files, then their arguments; or else paths."""
     from click.shell_completion import CompletionItem
 
     from fibws.cli.launch import sources
@@ -46,36 +46,38 @@ def _complete(
 @click.argument(
     "words", nargs=-1, metavar="[PACKAGE] FILE... [ARG:=VALUE]...", shell_complete=_complete
 )
-@click.option("--screen", "show", flag_value="screen", help="Show what all nodes print.")
-@click.option("--log", "show", flag_value="log", help="Keep what all nodes print in files.")
-@click.option("--required", is_flag=True, help="End all as soon as any node ends.")
-@click.option("--wait", is_flag=True, help="Wait for a hub rather than start one.")
+@click.option("--screen", "show", flag_value="screen", help="Show the output of all nodes.")
+@click.option("--log", "show", flag_value="log", help="Only log the output of all nodes.")
+@click.option("--required", is_flag=True, help="Stop all nodes when any node ends.")
+@click.option("--wait", is_flag=True, help="Wait for a hub instead of starting one.")
 @click.option(
     "-p",
     "--port",
     metavar="PORT",
     type=click.IntRange(0, 65535),
-    help="The hub's port on this machine, where it is started if it is not there.",
+    help="The hub's port on this machine; a hub is started there if none is running.",
 )
 @hub_option
 @workspace_option
-@click.option("--nodes", "listing", flag_value="nodes", help="List the nodes' names.")
-@click.option("--find-node", "--find", metavar="NODE", help="Tell which file a node is in.")
-@click.option("--args", "args_of", metavar="NODE", help="Print the command that starts a node.")
+@click.option("--nodes", "listing", flag_value="nodes", help="List the names of the nodes.")
+@click.option("--find-node", "--find", metavar="NODE", help="Print the file that contains NODE.")
+@click.option("--args", "args_of", metavar="NODE", help="Print the command line of NODE.")
 @click.option("--ros-args", "listing", flag_value="arguments", help="List the files' arguments.")
-@click.option("--files", "listing", flag_value="files", help="List the files that are read.")
+@click.option("--files", "listing", flag_value="files", help="List files, with included ones.")
 @click.option("--dump-params", "listing", flag_value="parameters", help="Print the parameters.")
-@click.option("--check", "listing", flag_value="check", help="Look for what cannot be started.")
-@click.option("-v", "--verbose", is_flag=True, help="Say what is read.")
-@click.option("--no-summary", is_flag=True, help="Do not say what is going to run.")
-@click.option("--pid", metavar="FILE", type=click.Path(path_type=Path), help="Keep my id in FILE.")
+@click.option("--check", "listing", flag_value="check", help="Check that nodes can be started.")
+@click.option("-v", "--verbose", is_flag=True, help="Print files and parameters as they are read.")
+@click.option("--no-summary", is_flag=True, help="Do not print the summary.")
+@click.option(
+    "--pid", metavar="FILE", type=click.Path(path_type=Path), help="Write the process ID to FILE."
+)
 @click.option(
     "--sigint-timeout",
     metavar="SECONDS",
     type=_SECONDS,
     default=15.0,
     show_default=True,
-    help="The time that nodes have to end.",
+    help="Seconds to wait after SIGINT before sending SIGTERM.",
 )
 @click.option(
     "--sigterm-timeout",
@@ -83,20 +85,19 @@ def _complete(
     type=_SECONDS,
     default=2.0,
     show_default=True,
-    help="The time that they have when they are told so again.",
+    help="Seconds to wait after SIGTERM before sending SIGKILL.",
 )
 @click.option("--skip-log-check", "--disable-title", "--local", is_flag=True, hidden=True)
 @click.option("-w", "--numworkers", "-t", "--timeout", hidden=True)
+@examples(
+    "{launch} fibonacci fibonacci.launch", "{launch} some/folder/robot.launch speed:=2 --screen"
+)
 def command(words: tuple[str, ...], listing: str | None, **options: Any) -> None:
-    """Run the nodes that launch files tell of, as roslaunch does.
+    """Start nodes from launch files, as roslaunch does.
 
-    \b
-      fibws launch fibonacci fibonacci.launch
-      fibws launch some/folder/robot.launch speed:=2 --screen
-
-    FILE is one of PACKAGE, wherever it is in there, or a path; - is what comes in by a pipe.
-    ARG:=VALUE gives an <arg> of it a value. Unless there is a hub, one is started, too, and ended
-    at the end. Ctrl-C ends all; again, at once. The exit code is 1 if something has failed.
+    FILE is a launch file in PACKAGE, or a path; - reads standard input. ARG:=VALUE sets an <arg>.
+    A hub is started if none is running. Ctrl-C stops all nodes; another Ctrl-C does not wait for
+    them. The exit code is 1 if a node failed.
     """
     with ending(endless=True):
         sys.exit(_main(words, listing, options))
@@ -104,11 +105,11 @@ def command(words: tuple[str, ...], listing: str | None, **options: Any) -> None
 
 def _main(words: Sequence[str], listing: str | None, options: dict[str, Any]) -> int:
     from fibws.cli.launch.sources import Sources
-    from fibws.ros1.launch import listing as lines
+    from fibws.ros1.launch.model import argument_lines, summary
 
     sources = Sources(words, options["workspace"])
     if listing == "arguments":
-        return _print(lines.arguments(sources.read_arguments().launch.arguments.values()))
+        return _print(argument_lines(sources.read_arguments().launch.arguments.values()))
     reader = sources.read()
     launch = reader.launch
     for text in [*launch.warnings, *reader.unknown_values()]:
@@ -117,7 +118,7 @@ def _main(words: Sequence[str], listing: str | None, options: dict[str, Any]) ->
     if options["find_node"]:
         return _print([_node(launch, options["find_node"]).file])
     if options["args_of"]:
-        return _print([_typed(_node(launch, options["args_of"]), sources.packages, url)])
+        return _print([_command_line(_node(launch, options["args_of"]), sources.packages, url)])
     match listing:
         case "nodes":
             return _print(launch.nodes)
@@ -136,7 +137,7 @@ def _main(words: Sequence[str], listing: str | None, options: dict[str, Any]) ->
         _print(f"... loading XML file [{file}]" for file in launch.files)
         _print(f"Added parameter [{name}]" for name in launch.parameters)
     if not options["no_summary"]:
-        _print(lines.summary(launch))
+        _print(summary(launch))
     return _run(launch, sources.packages, url, options)
 
 
@@ -154,8 +155,8 @@ def _run(launch: Launch, packages: Packages, url: str, options: dict[str, Any]) 
             Options(
                 output=options["show"],
                 wait=options["wait"],
-                wait_interrupt=options["sigint_timeout"],
-                wait_terminate=options["sigterm_timeout"],
+                sigint_timeout=options["sigint_timeout"],
+                sigterm_timeout=options["sigterm_timeout"],
             ),
         )
     finally:
@@ -164,11 +165,11 @@ def _run(launch: Launch, packages: Packages, url: str, options: dict[str, Any]) 
 
 
 def _url(options: dict[str, Any]) -> str:
-    """Where the hub is, or is to be."""
+    """Return the hub's URL."""
     port, hub = options["port"], options["hub"]
     if port is not None:
         if hub is not None:
-            raise click.UsageError("Give the hub's --port on this machine, or its --hub URL.")
+            raise click.UsageError("--port and --hub exclude each other.")
         return f"ws://127.0.0.1:{port}"
     return hub_address.hub_url(hub)
 
@@ -178,33 +179,33 @@ def _node(launch: Launch, name: str) -> Node:
     if wanted not in launch.nodes:
         known = "".join(f"\n * {each}" for each in launch.nodes)
         raise click.ClickException(
-            f"Cannot find node {wanted}{suggestion(wanted, launch.nodes) or '.'} There are:{known}"
+            f"Cannot find node {wanted}{suggestion(wanted, launch.nodes) or '.'} Known nodes:{known}"
         )
     return launch.nodes[wanted]
 
 
-def _typed(node: Node, packages: Packages, url: str) -> str:
-    from fibws.ros1.launch import command
+def _command_line(node: Node, packages: Packages, url: str) -> str:
+    from fibws.ros1.launch.node_command import node_command, node_variables, shell_line
 
-    start = command.start_of(node, packages, url, os.environ)
-    return command.shown(command.variables_of(node, url, os.environ), start.command)
+    command = node_command(node, packages, url, os.environ).command
+    return shell_line(node_variables(node, url, os.environ), command)
 
 
 def _check(launch: Launch, packages: Packages, url: str) -> int:
-    """Say what keeps nodes from being started; the exit code is 1 if anything does."""
-    from fibws.ros1.launch import command
+    """Print why nodes cannot be started; return 1 if there are such nodes."""
+    from fibws.ros1.launch.node_command import is_built_in, node_command
 
-    faults = []
+    errors = []
     for node in launch.nodes.values():
         try:
-            if not command.hub_does_it(node, packages):
-                command.start_of(node, packages, url, os.environ)
+            if not is_built_in(node, packages):
+                node_command(node, packages, url, os.environ)
         except FibwsError as error:
-            faults.append(str(error))
+            errors.append(str(error))
     files = output.counted(len(launch.files), "file")
-    told = f"{files}, {output.counted(len(launch.nodes), 'node')}: nothing is wrong"
-    _print(faults or [told])
-    return 1 if faults else 0
+    nodes = output.counted(len(launch.nodes), "node")
+    _print(errors or [f"{files}, {nodes}: no problems found"])
+    return 1 if errors else 0
 
 
 def _print(lines: Iterable[str]) -> int:

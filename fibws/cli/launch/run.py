@@ -1,31 +1,40 @@
-"""A launch that runs: the hub, the parameters, the nodes."""
+"""A running launch: the hub, then the parameters, then the nodes."""
 
 from __future__ import annotations
 
 import asyncio
+import json
 import os
 import time
+from base64 import b64encode
+from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
+from pathlib import Path
+from threading import Thread
+from typing import Any, TypeVar
 from urllib.parse import urlsplit
 
 import click
 
 from fibws.cli import output
 from fibws.cli.exit_handling import end_line
-from fibws.cli.launch.parameters import prepare
 from fibws.client.hub_client import HubClient
 from fibws.errors import LaunchError, NoHub
 from fibws.hub_address import LOOPBACK
-from fibws.ros1.launch.command import hub_does_it, log_folder, start_of
-from fibws.ros1.launch.hub import start_hub
-from fibws.ros1.launch.model import Launch, Node
-from fibws.ros1.launch.runner import WAIT_INTERRUPT, WAIT_TERMINATE, Runner
-from fibws.ros1.launch.screen import Screen
+from fibws.ros1.launch.model import Launch, Node, Step
+from fibws.ros1.launch.node_command import is_built_in, log_folder, node_command
+from fibws.ros1.launch.output import Screen
+from fibws.ros1.launch.runner import SIGINT_TIMEOUT, SIGTERM_TIMEOUT, Runner
 from fibws.ros1.workspace.packages import Packages
+from fibws.values import parameter_files
 
 TOOL = "launch"
 RETRY = 0.2
-"""Seconds between two looks for a hub that is waited for."""
+"""Seconds between two attempts to connect to the hub, with --wait."""
+ROOT = "/"
+
+_Result = TypeVar("_Result")
 
 
 @dataclass(frozen=True)
@@ -33,140 +42,242 @@ class Options:
     """How to run.
 
     Attributes:
-        output: ``screen`` or ``log``, whatever the nodes say; None for what they say.
-        wait: whether to wait for a hub rather than start one.
+        output: ``screen`` or ``log`` for all nodes; None for what each <node> says.
+        wait: whether to wait for a hub instead of starting one.
     """
 
     output: str | None = None
     wait: bool = False
-    wait_interrupt: float = WAIT_INTERRUPT
-    wait_terminate: float = WAIT_TERMINATE
+    sigint_timeout: float = SIGINT_TIMEOUT
+    sigterm_timeout: float = SIGTERM_TIMEOUT
 
 
 def run(launch: Launch, packages: Packages, url: str, options: Options) -> int:
-    """Run what was read until all has ended, or somebody has had enough of it.
+    """Run a launch until all nodes have ended, or until Ctrl-C.
 
     Args:
-        launch: what was read.
-        packages: those that are known.
-        url: the hub's; if none is there, and that is this machine, one is started. Port 0 is one
-            that is free.
+        launch: the content of the launch files.
+        packages: the known packages.
+        url: the hub's URL. If no hub is running there and it is on this machine, one is started;
+            port 0 chooses a free port.
         options: how to run.
 
     Returns:
-        The exit code: 1 if something has failed, else 0.
+        The exit code: 1 after a failure, else 0.
 
     Raises:
-        FibwsError: the hub cannot be started, will not have a parameter, or is gone.
-        OSError: what is printed cannot be written: `BrokenPipeError` if nobody reads it any more.
+        FibwsError: the hub cannot be started, refuses a parameter, or is lost.
+        OSError: output cannot be written; `BrokenPipeError` if its reader is gone.
     """
-    return asyncio.run(_Launch(launch, packages, url, options).run())
+    return asyncio.run(_Run(launch, packages, url, options).run())
 
 
-class _Launch:
-    """One run."""
-
+class _Run:
     def __init__(self, launch: Launch, packages: Packages, url: str, options: Options) -> None:
         self._launch = launch
         self._packages = packages
         self._url = url
         self._options = options
-        self._lost: OSError | None = None
+        self._write_error: OSError | None = None
         folder = log_folder(os.environ) / f"{time.strftime('%Y-%m-%d_%H-%M-%S')}-{os.getpid()}"
         self._folder = folder
         self._screen = Screen(self._write, colours=output.has_colours())
         self._runner = Runner(
             self._screen,
             folder,
-            wait_interrupt=options.wait_interrupt,
-            wait_terminate=options.wait_terminate,
+            sigint_timeout=options.sigint_timeout,
+            sigterm_timeout=options.sigterm_timeout,
         )
 
     async def run(self) -> int:
-        self._runner.obey_signals(end_line)
+        self._runner.handle_signals(end_line)
         try:
             for step in (self._find_hub, self._prepare, self._start_nodes, self._runner.run):
                 if not self._runner.is_stopping:
                     await step()
         finally:
             await self._runner.shut_down()
-        if self._lost is not None:
-            raise self._lost
-        self._screen.say("done", bold=True)
+        if self._write_error is not None:
+            raise self._write_error
+        self._screen.info("done", bold=True)
         return 1 if self._runner.has_failed else 0
 
-    async def _prepare(self) -> None:
-        self._screen.say(f"FIBWS_HUB={self._url}", bold=True)
-        self._screen.say("")
-        with HubClient(TOOL, self._url) as client:
-            for _ in prepare(client, self._launch, self._screen.complain):
-                await asyncio.sleep(0)  # Ctrl-C is heard between two parameters.
-                if self._runner.is_stopping:
-                    return
-
     async def _find_hub(self) -> None:
+        """Connect to the hub, or start one."""
         where = urlsplit(self._url)
-        if where.port != 0 and await self._is_there():
+        if where.port != 0 and await self._is_hub_running():
             return
         if self._runner.is_stopping:
             return
         if where.hostname not in LOOPBACK or where.scheme != "ws":
             raise NoHub(self._url, "nothing answers")
-        self._screen.say("auto-starting new hub")
+        self._screen.info("auto-starting new hub")
         port = 80 if where.port is None else where.port
-        job, self._url = await start_hub(where.hostname, port, self._folder)
-        self._runner.add(job)
-        process = job.process
-        self._screen.say(f"process[{process.name}]: started with pid [{process.pid}]", bold=True)
-        self._screen.say(f"open {self._url.replace('ws:', 'http:')}/ in a browser to look at it")
+        self._url = await self._runner.start_hub(where.hostname, port)
+        self._screen.info(f"its page: {self._url.replace('ws:', 'http:')}/")
 
-    async def _is_there(self) -> bool:
-        """Whether a hub answers, which is waited for if that is wanted."""
-        is_said = False
+    async def _is_hub_running(self) -> bool:
+        """Return whether a hub is running, after waiting for it if that is wanted."""
+        is_first = True
         while True:
-            try:
-                HubClient(TOOL, self._url).close()
+            if await self._in_thread(self._can_connect):
                 return True
-            except NoHub:
-                if not self._options.wait or self._runner.is_stopping:
-                    return False
-            if not is_said:
-                self._screen.say("no hub is running yet, will wait for it to start")
-                is_said = True
+            if not self._options.wait or self._runner.is_stopping:
+                return False
+            if is_first:
+                self._screen.info("no hub is running yet, will wait for it to start")
+                is_first = False
             await asyncio.sleep(RETRY)
+
+    def _can_connect(self) -> bool:
+        try:
+            HubClient(TOOL, self._url).close()
+        except NoHub:
+            return False
+        return True
+
+    async def _prepare(self) -> None:
+        """Set the parameters."""
+        self._screen.info(f"FIBWS_HUB={self._url}", bold=True)
+        self._screen.info("")
+        loop = asyncio.get_running_loop()
+
+        def warn(text: str) -> None:
+            loop.call_soon_threadsafe(self._screen.error, text)
+
+        def prepare_all() -> None:
+            with HubClient(TOOL, self._url) as client:
+                for _ in prepare(client, self._launch, warn):
+                    if self._runner.is_stopping:
+                        return
+
+        await self._in_thread(prepare_all)
+
+    async def _in_thread(self, function: Callable[[], _Result]) -> _Result | None:
+        """Call a function that blocks; return None if the launch is stopped meanwhile.
+
+        The thread is a daemon: a hub that does not respond must not delay the end of the program.
+        """
+        loop = asyncio.get_running_loop()
+        future: asyncio.Future[_Result] = loop.create_future()
+
+        def call() -> None:
+            try:
+                result = function()
+            except Exception as error:
+                end(future.set_exception, error)
+            else:
+                end(future.set_result, result)
+
+        def end(set_: Callable[[Any], None], value: object) -> None:
+            with suppress(RuntimeError):  # The loop is closed.
+                loop.call_soon_threadsafe(set_unless_cancelled, set_, value)
+
+        def set_unless_cancelled(set_: Callable[[Any], None], value: object) -> None:
+            if not future.done():
+                set_(value)
+
+        Thread(target=call, daemon=True).start()
+        stopping = asyncio.create_task(self._runner.stopping())
+        waits: list[asyncio.Future[Any]] = [future, stopping]
+        try:
+            await asyncio.wait(waits, return_when=asyncio.FIRST_COMPLETED)
+            return future.result() if future.done() else None
+        finally:
+            stopping.cancel()
+            future.cancel()
 
     async def _start_nodes(self) -> None:
         nodes = [node for node in self._launch.nodes.values() if not node.is_test]
         if not nodes:
-            self._screen.say("No processes to monitor", bold=True)
+            self._screen.info("No processes to monitor", bold=True)
         if any(not self._is_shown(node) for node in nodes):
-            self._screen.say(f"... logging to {self._folder}")
+            self._screen.info(f"... logging to {self._folder}")
         for node in nodes:
             if self._runner.is_stopping:
                 return
-            if hub_does_it(node, self._packages):
-                self._screen.say(f"[{node.name}] the hub is {node.package} already: nothing to do")
+            if is_built_in(node, self._packages):
+                self._screen.info(f"[{node.name}] not started: {node.package} is part of the hub")
                 continue
             try:
-                start = start_of(node, self._packages, self._url, os.environ)
+                command = node_command(node, self._packages, self._url, os.environ)
             except LaunchError as error:
-                self._screen.complain(
+                self._screen.error(
                     f"ERROR: cannot launch node of type [{node.package}/{node.type}]: {error}"
                 )
                 self._runner.fail(node)
                 continue
-            await self._runner.start_node(node, start, screen=self._is_shown(node))
+            await self._runner.start_node(node, command, screen=self._is_shown(node))
 
     def _is_shown(self, node: Node) -> bool:
         return node.screen if self._options.output is None else self._options.output == "screen"
 
     def _write(self, line: str, is_error: bool) -> None:
-        if self._lost is not None:
+        if self._write_error is not None:
             return
         text = line.encode(output.encoding(), "backslashreplace").decode(output.encoding())
         try:
-            # Else click would take out of a text what it thinks is a style.
+            # Without color=True, click would remove escape sequences from nodes' output.
             click.echo(text, err=is_error, color=True)
-        except OSError as error:  # A pipe is closed, a disk full: nodes must not be left over.
-            self._lost = error
+        except OSError as error:  # A closed pipe, a full disk: end all nodes.
+            self._write_error = error
             self._runner.stop()
+
+
+def prepare(client: HubClient, launch: Launch, warn: Callable[[str], None]) -> Iterator[None]:
+    """Run <rosparam> commands, clear namespaces, and set parameters, in this order.
+
+    It yields after each step, so that its caller can stop there.
+
+    Args:
+        client: a client of the hub.
+        launch: the content of the launch files.
+        warn: called with warnings.
+
+    Raises:
+        ServiceError: the hub refuses a parameter.
+        OSError: a file cannot be written.
+    """
+    for step in launch.steps:
+        _run_step(client, step, warn)
+        yield
+    for name in _outermost(launch.cleared):
+        if name == ROOT:
+            _call(client, "set_param", name=ROOT, value="{}")
+        elif _has(client, name):
+            _call(client, "delete_param", name=name)
+        yield
+    for name, value in launch.parameters.items():
+        if isinstance(value, bytes):
+            warn(f"{name}: parameters cannot hold bytes; setting their base64")
+            value = b64encode(value).decode()
+        _call(client, "set_param", name=name, value=json.dumps(value, ensure_ascii=False))
+        yield
+
+
+def _run_step(client: HubClient, step: Step, warn: Callable[[str], None]) -> None:
+    if not _has(client, step.name):
+        warn(f"rosparam {step.command} {step.name}: parameter not set")
+    elif step.command == "delete":
+        _call(client, "delete_param", name=step.name)
+    else:
+        value = json.loads(_call(client, "get_param", name=step.name)["value"])
+        Path(step.file).write_text(parameter_files.dumped(value), "utf-8")
+
+
+def _outermost(names: list[str]) -> list[str]:
+    """Return the names that are not in the namespace of another one."""
+    found = dict.fromkeys(names)
+    return [
+        name
+        for name in found
+        if not any(name != each and f"{name}/".startswith(f"{each.rstrip('/')}/") for each in found)
+    ]
+
+
+def _has(client: HubClient, name: str) -> bool:
+    return name == ROOT or bool(_call(client, "has_param", name=name)["exists"])
+
+
+def _call(client: HubClient, service: str, **request: str) -> dict[str, Any]:
+    return client.call(f"/rosapi/{service}", request)

@@ -1,18 +1,14 @@
-"""roslaunch: launch files are read into a model of what is to run, and that is run.
+"""roslaunch: reads launch files into a model, and runs its nodes.
 
-    reader       launch files, tag by tag: arguments, groups, includes
-    node         <node>, <test>, <remap>, <env>;  parameter  <param>, <rosparam>
-    attributes   those a tag has; substitution  $(arg x); value  1 or "1"
-    evaluation   $(eval ...), a Python expression
-    scope        what holds where a tag stands;  tag  one that knows its file and line
-    world        what all these ask of their surroundings;  surroundings  what this machine says
-    model        what was read: nodes, parameters, arguments;  listing  how that is told
+    launch_files  the files that a command line names
+    reader        <launch>, <group>, <include>, <node> ...;  parameters  <param>, <rosparam>
+    xml_element   elements and attributes;  scope  arguments, namespaces, $(...)
+    model         the result: nodes, parameters, arguments
+    environment   files, packages and variables of this machine
 
-    files        which files a command line names
-    command      how a node's program is started;  share/  packages that need not be installed
-    process      one process;  runner  all of them;  hub  the one that is started if there is none
-    screen, log  what a person sees, what is kept
+    node_command  the command of a node's program;  share/  launch files of packages of ROS
+    runner        all processes;  process  one process;  output  screen and log files
 
-What reads is pure: it knows neither clocks nor processes. Parameters are set by whoever has a link
-to the hub, `fibws.cli.launch`.
+Reading needs no clocks and no processes. `fibws.cli.launch` connects to the hub and sets the
+parameters.
 """

@@ -1,29 +1,33 @@
-"""What launch files say is to be run."""
+"""The content of launch files: nodes, parameters, arguments; and its listings."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
 from fibws import names
 
+LONGEST_VALUE = 20
+"""Characters of a parameter's value in the summary."""
+
 
 @dataclass(frozen=True)
 class Node:
-    """One <node>.
+    """A <node>, or a <test>.
 
     Attributes:
-        package: the package that has its program, ``type``.
+        package: the package with its program, ``type``.
         namespace: a global name, ``/`` or ``/robot``.
-        args: what its program is called with, written as for a shell.
-        screen: whether what it prints is shown, and not only kept in a file.
-        respawn_delay: seconds between its end and its next start, if it is to ``respawn``.
-        required: whether all ends when it ends.
-        cwd: ``node`` for the folder of its program; else it runs in $ROS_HOME.
-        prefix: a command that starts its program, ``gdb -ex run --args``.
-        remaps: the names that it finds changed, from and to.
-        environment: variables that it is given besides those that there are.
-        is_test: whether it is a <test>, which roslaunch does not run.
+        args: the program's arguments, written as in a shell.
+        screen: whether its output is shown, and not only logged.
+        respawn_delay: seconds from its end to its next start if it has ``respawn``.
+        required: whether its end ends the launch.
+        cwd: ``node`` for the folder of its program, else it runs in $ROS_HOME.
+        prefix: a command to run its program with, ``gdb -ex run --args``.
+        remaps: its remappings, from and to.
+        environment: additional environment variables.
+        is_test: whether it is a <test>, which is not run.
     """
 
     package: str
@@ -45,17 +49,17 @@ class Node:
 
     @property
     def resolved(self) -> str:
-        """The global name that it has in the graph."""
+        """Its global name in the graph."""
         return names.join(self.namespace, self.name)
 
 
 @dataclass(frozen=True)
 class Step:
-    """A <rosparam> that is done before parameters are set: ``dump`` or ``delete``.
+    """A <rosparam> command to run before parameters are set: ``dump`` or ``delete``.
 
     Attributes:
         name: the namespace, or the parameter.
-        file: where it is written to, for a dump.
+        file: the file of a dump.
     """
 
     command: str
@@ -65,7 +69,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Argument:
-    """An <arg> at the top of a file: it may be given on the command line, unless it has a value."""
+    """An <arg> of a file; the command line may set it unless it has a fixed value."""
 
     name: str
     default: str | None = None
@@ -75,16 +79,16 @@ class Argument:
 
 @dataclass
 class Launch:
-    """What all files together say.
+    """The content of all files.
 
     Attributes:
-        nodes: by their global names, in the order in which they start.
-        parameters: values by their global names; bytes are those of a binfile.
-        namespaces: those that they are in, each with one that is in it.
+        nodes: nodes by their global names, in their order of start.
+        parameters: values by their global names; bytes are from a binfile.
+        namespaces: the namespaces of parameters, each with one parameter in it.
         cleared: the namespaces whose parameters are deleted first.
-        arguments: those of the files that were named, not of the ones they include.
-        files: all that were read, in that order.
-        warnings: what is probably not meant so, one line each.
+        arguments: the arguments of the named files, without those of included files.
+        files: all files, in the order of reading.
+        warnings: likely mistakes, one line each.
     """
 
     nodes: dict[str, Node] = field(default_factory=dict)
@@ -95,3 +99,47 @@ class Launch:
     arguments: dict[str, Argument] = field(default_factory=dict)
     files: list[str] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
+
+
+def summary(launch: Launch) -> Iterator[str]:
+    """Yield the lines of the summary: parameters, and nodes by namespace."""
+    yield from ("", "SUMMARY", "========")
+    if launch.cleared:
+        yield from ("", "CLEAR PARAMETERS")
+        yield from sorted(f" * {name.rstrip('/')}/" for name in launch.cleared)
+    yield from ("", "PARAMETERS")
+    yield from sorted(f" * {name}: {_short(each)}" for name, each in launch.parameters.items())
+    yield from ("", "NODES")
+    nodes = [node for node in launch.nodes.values() if not node.is_test]
+    for namespace in sorted({node.namespace for node in nodes}):
+        yield f"  {namespace.rstrip('/')}/"
+        yield from sorted(
+            f"    {node.name} ({node.package}/{node.type})"
+            for node in nodes
+            if node.namespace == namespace
+        )
+    yield ""
+
+
+def argument_lines(arguments: Iterable[Argument]) -> Iterator[str]:
+    """Yield the lines of the arguments that the command line may set."""
+    allowed = sorted((each for each in arguments if not each.has_value), key=lambda arg: arg.name)
+    if not allowed:
+        yield "No arguments."
+    required = [each for each in allowed if not each.default]
+    if required:
+        yield "Required Arguments:"
+        yield from (f"  {each.name}: {each.doc or 'undocumented'}" for each in required)
+    if len(required) < len(allowed):
+        yield "Optional Arguments:"
+        for each in allowed:
+            if each.default:
+                yield f'  {each.name} (default "{each.default}"): {each.doc or "undocumented"}'
+
+
+def _short(value: Any) -> str:
+    text = str(value)
+    if len(text) > LONGEST_VALUE:
+        text = f"{text[: LONGEST_VALUE - 3]}..."
+    text = text.rstrip()
+    return text if text.isprintable() else "<...>"

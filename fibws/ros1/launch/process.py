@@ -1,7 +1,7 @@
-"""One process: what it prints, line by line, and how it is made to end.
+"""One process: its output, line by line, and its end.
 
-Threads wait for it and read from it, so that its end is known though a child of it lives on and
-keeps its pipes open, for which asyncio would wait.
+Threads wait for it and read its pipes. asyncio would wait for the pipes, too, which a child of the
+process may keep open after its end.
 """
 
 from __future__ import annotations
@@ -18,19 +18,19 @@ from pathlib import Path
 from threading import Event, Thread
 from typing import IO, TypeAlias
 
-from fibws.ros1.launch.command import Start
+from fibws.ros1.launch.node_command import NodeCommand
 
-Hear: TypeAlias = Callable[[str, bool], None]
-"""Is given a line that was printed, and whether that was on standard error."""
+OnLine: TypeAlias = Callable[[str, bool], None]
+"""Called with a printed line and whether it was on standard error."""
 
 LONGEST_LINE = 2**16
-"""Bytes; what is longer is given in parts."""
-LAST_WORDS = 1.0
-"""Seconds in which what a process has printed is read after its end; a child of it may live on."""
+"""Bytes; longer lines are split."""
+DRAIN_TIMEOUT = 1.0
+"""Seconds to read output after a process's end; a child may keep its pipes open."""
 
 
-class Ask(Enum):
-    """How a process is asked to end, ever more urgently."""
+class Signal(Enum):
+    """The signals to end a process, ever more urgent."""
 
     INTERRUPT = auto()
     TERMINATE = auto()
@@ -38,92 +38,92 @@ class Ask(Enum):
 
 
 class Process:
-    """A process that can be started again when it has ended.
+    """A process that can be started again after its end.
 
     Args:
-        name: what it is called on the screen, ``talker-1``.
-        start: what it is started with.
-        hear: is given what it prints, in the event loop that it was started in.
+        name: its name on the screen, ``talker-1``.
+        command: how to start it.
+        on_line: called with each line that it prints, in the event loop of its start.
     """
 
-    def __init__(self, name: str, start: Start, hear: Hear) -> None:
+    def __init__(self, name: str, command: NodeCommand, on_line: OnLine) -> None:
         self.name = name
-        self.start = start
+        self.command = command
         self.exit_code: int | None = None
-        """Its exit code when it has ended; -2 if signal 2 has ended it."""
+        """Its exit code after its end; -2 if it was ended by signal 2."""
         self.pid = 0
-        """Its id; 0 before its first start."""
-        self._hear = hear
+        """Its process ID; 0 before its first start."""
+        self._on_line = on_line
         self._run: _Run | None = None
 
     @property
     def is_running(self) -> bool:
-        """Whether it has been started and has not ended."""
+        """Whether it was started and has not ended."""
         return self._run is not None and not self._run.ended.done()
 
-    async def begin(self) -> None:
-        """Start it; it raises `OSError` if that cannot be done."""
+    async def start(self) -> None:
+        """Start it, or raise `OSError`."""
         self.exit_code = None
-        self._run = _Run(self.start, self._hear)
+        self._run = _Run(self.command, self._on_line)
         self.pid = self._run.pid
 
-    async def end(self) -> int:
-        """Wait until it has ended and all that it printed was heard; return its exit code."""
+    async def wait(self) -> int:
+        """Wait for its end and for all its output; return its exit code."""
         assert self._run is not None
-        # Whoever waits may be cancelled; the process may not be thought to have ended by that.
+        # Cancelling this wait must not cancel the future of the process's end.
         code = await asyncio.shield(self._run.ended)
-        await asyncio.wait(self._run.heard, timeout=LAST_WORDS)
+        await asyncio.wait(self._run.drained, timeout=DRAIN_TIMEOUT)
         self._run.is_over = True
         self.exit_code = code
         return code
 
-    def ask(self, how: Ask) -> None:
-        """Ask it, and what it has started, to end; nothing happens if it has."""
+    def send(self, signal_: Signal) -> None:
+        """Send a signal to it and its children if it is running."""
         if self._run is not None and self.is_running:
-            self._run.ask(how)
+            self._run.send(signal_)
 
 
 class _Run:
     """A process from one start to its end."""
 
-    def __init__(self, start: Start, hear: Hear) -> None:
+    def __init__(self, command: NodeCommand, on_line: OnLine) -> None:
         self._loop = asyncio.get_running_loop()
-        self._hear = hear
+        self._on_line = on_line
         self.is_over = False
         self._process = subprocess.Popen(
-            start.command,
+            command.command,
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             bufsize=0,
-            cwd=_folder(start.folder),
-            env=start.environment,
-            # A terminal's Ctrl-C is this process's alone: nodes are told in their order.
+            cwd=_folder(command.folder),
+            env=command.environment,
+            # Only this process receives a terminal's Ctrl-C; it ends the nodes in order.
             start_new_session=os.name != "nt",
             creationflags=_GROUP,
         )
         self.pid = self._process.pid
         self.ended: asyncio.Future[int] = self._loop.create_future()
-        self.heard: list[asyncio.Future[None]] = []
+        self.drained: list[asyncio.Future[None]] = []
         for stream, is_error in ((self._process.stdout, False), (self._process.stderr, True)):
             assert stream is not None
             done: asyncio.Future[None] = self._loop.create_future()
-            self.heard.append(done)
+            self.drained.append(done)
             Thread(target=self._read, args=(stream, is_error, done), daemon=True).start()
         Thread(target=self._wait, daemon=True).start()
 
-    def ask(self, how: Ask) -> None:
+    def send(self, signal_: Signal) -> None:
         with suppress(ProcessLookupError, PermissionError):
             if sys.platform == "win32":
-                match how:
-                    case Ask.INTERRUPT:
+                match signal_:
+                    case Signal.INTERRUPT:
                         self._process.send_signal(signal.CTRL_BREAK_EVENT)
-                    case Ask.TERMINATE:
+                    case Signal.TERMINATE:
                         self._process.terminate()
-                    case Ask.KILL:
+                    case Signal.KILL:
                         self._process.kill()
             else:
-                os.killpg(self.pid, _SIGNALS[how])
+                os.killpg(self.pid, _NUMBERS[signal_])
 
     def _wait(self) -> None:
         code = self._process.wait()
@@ -136,28 +136,28 @@ class _Run:
                 *lines, rest = (rest + chunk).split(b"\n")
                 if len(rest) >= LONGEST_LINE:
                     lines, rest = [*lines, rest], b""
-                self._tell(lines, is_error)
+                self._pass_on(lines, is_error)
         if rest:
-            self._tell([rest], is_error)
+            self._pass_on([rest], is_error)
         self._call(done.set_result, None)
 
-    def _tell(self, lines: list[bytes], is_error: bool) -> None:
-        told = Event()
+    def _pass_on(self, lines: list[bytes], is_error: bool) -> None:
+        done = Event()
 
-        def tell() -> None:
+        def pass_on() -> None:
             try:
                 for line in lines:
                     if not self.is_over:
-                        self._hear(line.removesuffix(b"\r").decode(errors="replace"), is_error)
+                        self._on_line(line.removesuffix(b"\r").decode(errors="replace"), is_error)
             finally:
-                told.set()
+                done.set()
 
-        # Not to read more than is shown keeps this small: who prints too much has to wait.
-        if lines and self._call(tell):
-            told.wait()
+        # Waiting bounds the memory: a process that prints too fast is slowed down.
+        if lines and self._call(pass_on):
+            done.wait()
 
     def _call(self, function: Callable[..., object], *arguments: object) -> bool:
-        """Call a function in the event loop; False if that is no more."""
+        """Call a function in the event loop; return False if the loop is closed."""
         try:
             self._loop.call_soon_threadsafe(function, *arguments)
         except RuntimeError:
@@ -169,15 +169,15 @@ if sys.platform == "win32":
     _GROUP = subprocess.CREATE_NEW_PROCESS_GROUP
 else:
     _GROUP = 0
-    _SIGNALS = {
-        Ask.INTERRUPT: signal.SIGINT,
-        Ask.TERMINATE: signal.SIGTERM,
-        Ask.KILL: signal.SIGKILL,
+    _NUMBERS = {
+        Signal.INTERRUPT: signal.SIGINT,
+        Signal.TERMINATE: signal.SIGTERM,
+        Signal.KILL: signal.SIGKILL,
     }
 
 
 def _folder(folder: Path) -> Path | None:
-    """The folder, made if need be; None, for this process's own, if it cannot be there."""
+    """Return the folder, created if missing; None, for this process's own, if that fails."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError:

@@ -1,270 +1,398 @@
-"""Launch files, read in the order of their tags: each holds for what follows it."""
+"""The reader of launch files: <node>, <group>, <include> and the others, in order.
+
+Each tag affects the tags that follow it. As in roslaunch, unknown tags and attributes are ignored
+with a warning.
+"""
 
 from __future__ import annotations
 
 import os.path
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 
-from fibws.errors import LaunchError
-from fibws.ros1.launch.attributes import Attributes, applies
-from fibws.ros1.launch.model import Argument, Launch
-from fibws.ros1.launch.node import namespace_of, read_env, read_node, read_remap
-from fibws.ros1.launch.parameter import read_param, read_rosparam
-from fibws.ros1.launch.scope import Scope
-from fibws.ros1.launch.tag import Tag, read
-from fibws.ros1.launch.world import World
+from fibws import names
+from fibws.errors import InvalidName, LaunchError
+from fibws.ros1.launch.environment import Environment
+from fibws.ros1.launch.model import Argument, Launch, Node
+from fibws.ros1.launch.parameters import read_param, read_rosparam, set_parameter
+from fibws.ros1.launch.scope import Scope, normalized
+from fibws.ros1.launch.xml_element import Attributes, Element, applies, parse
 from fibws.suggestions import suggestion_or_known
 
-MACHINE = ("name", "address", "env-loader", "ssh-port", "user", "password", "default", "timeout")
+_NODE = (
+    *("pkg", "type", "name", "args", "output", "respawn", "respawn_delay", "required", "ns"),
+    *("cwd", "clear_params", "launch-prefix", "machine"),
+)
+_MACHINE = ("name", "address", "env-loader", "ssh-port", "user", "password", "default", "timeout")
+ATTRIBUTES = {
+    "launch": ("deprecated",),
+    "arg": ("name", "value", "default", "doc"),
+    "env": ("name", "value"),
+    "group": ("ns", "clear_params"),
+    "include": ("file", "ns", "clear_params", "pass_all_args"),
+    "machine": _MACHINE,
+    "node": _NODE,
+    "param": ("name", "value", "type", "textfile", "binfile", "command"),
+    "remap": ("from", "to"),
+    "rosparam": ("command", "ns", "file", "param", "subst_value"),
+    "test": (*_NODE, "test-name", "time-limit", "retry"),
+}
+"""The attributes of each tag, besides if and unless."""
+NOT_OF_TESTS = ("respawn", "respawn_delay", "output")
+IN_NODE = ("param", "rosparam", "remap", "env")
+IN_INCLUDE = ("arg", "env")
 STANDARD_INPUT = "<stdin>"
 MOST_INCLUDES = 30
-"""Files that include each other."""
+"""Deepest nesting of included files."""
 MOST_FILES = 1000
-"""In all: two files that each include two others again and again would never be read."""
+"""Most files; without a limit, files that include two others each are read for ever."""
 
 
 class Reader:
     """Reads launch files into one `Launch`.
 
     Args:
-        world: where files, packages and variables are.
-        values: arguments of the command line, which each file is given.
-        namespace: the one in which all is, a global name.
+        environment: this machine.
+        values: arguments of the command line, which each file gets.
+        namespace: the namespace around everything, a global name.
     """
 
     def __init__(
-        self, world: World, values: Mapping[str, str] | None = None, namespace: str = "/"
+        self,
+        environment: Environment,
+        values: Mapping[str, str] | None = None,
+        namespace: str = "/",
     ) -> None:
         self.launch = Launch()
-        self._world = world
+        self._environment = environment
         self._values = dict(values or {})
         self._namespace = namespace
         self._machines: dict[str, str] = {}
         self._default_machine = ""
         self._including: list[tuple[str, int]] = []
-        self._tags: dict[str, Callable[[Tag, Scope], None]] = {
+        self._tags: dict[str, Callable[[Element, Scope], None]] = {
             "arg": self._declare,
-            "env": lambda tag, scope: read_env(tag, scope, scope),
+            "env": lambda element, scope: _read_env(element, scope, scope),
             "group": self._group,
             "include": self._include,
             "machine": self._machine,
             "node": self._node,
-            "param": lambda tag, scope: read_param(tag, scope, self.launch),
-            "remap": lambda tag, scope: read_remap(tag, scope, scope),
-            "rosparam": lambda tag, scope: read_rosparam(tag, scope, self.launch),
+            "param": lambda element, scope: read_param(element, scope, self.launch),
+            "remap": lambda element, scope: _read_remap(element, scope, scope),
+            "rosparam": lambda element, scope: read_rosparam(element, scope, self.launch),
             "test": self._node,
         }
 
     def read(self, file: str, document: bytes | None = None) -> None:
-        """Read a file, and those that it includes.
+        """Read a file and the files that it includes.
 
         Args:
             file: its path.
-            document: what is in it, if that is known.
+            document: its content if that is known.
 
         Raises:
-            LaunchError: it says what cannot be.
-            OSError: it cannot be read.
+            LaunchError: a file is invalid.
+            OSError: the file cannot be read.
         """
-        root = self._root(file, self._world.read(file) if document is None else document)
-        scope = Scope(self._world, file, self._namespace, dict(self._values))
-        for tag in root.children:
-            if tag.name == "arg" and applies_or_none(tag, scope):
-                self._note_argument(tag, scope)
-            self._read(tag, scope)
+        root, scope = self._root(file, document)
+        for element in root.children:
+            if element.name == "arg" and _may_apply(element, scope):
+                self._add_argument(element, scope)
+            self._read(element, scope)
 
     def read_arguments(self, file: str, document: bytes | None = None) -> None:
-        """Read no more than the <arg> tags of a file, into ``launch.arguments``; raises as `read`.
+        """Read only the <arg> tags of a file into ``launch.arguments``; raises as `read`.
 
-        One whose value needs others that were not given is known by what is written.
+        A default that needs missing arguments is kept as it is written.
         """
-        root = self._root(file, self._world.read(file) if document is None else document)
-        scope = Scope(self._world, file, self._namespace, dict(self._values))
-        for tag in root.children:
-            if tag.name != "arg":
-                continue
-            if applies_or_none(tag, scope):
-                self._note_argument(tag, scope)
+        root, scope = self._root(file, document)
+        for element in root.children:
+            if element.name == "arg" and _may_apply(element, scope):
+                self._add_argument(element, scope)
                 try:
-                    self._declare(tag, scope)
+                    self._declare(element, scope)
                 except LaunchError:
                     continue
 
     def unknown_values(self) -> list[str]:
-        """A line for each argument of the command line that no file has an <arg> for."""
+        """Return a warning for each argument of the command line without an <arg>."""
         known = list(self.launch.arguments)
         return [
-            f"{name}:={value}: no <arg> is called {name}{suggestion_or_known(name, known)}"
+            f"{name}:={value}: unknown arg {name}{suggestion_or_known(name, known)}"
             for name, value in self._values.items()
             if name not in known and not name.startswith("__")
         ]
 
-    def _root(self, file: str, document: bytes) -> Tag:
+    def _root(self, file: str, document: bytes | None) -> tuple[Element, Scope]:
+        root = self._parse(file, self._environment.read(file) if document is None else document)
+        return root, Scope(self._environment, file, self._namespace, dict(self._values))
+
+    def _parse(self, file: str, document: bytes) -> Element:
         self.launch.files.append(file)
-        root = read(document, file)
+        root = parse(document, file)
         if root.name != "launch":
-            raise root.fault(f"a launch file is one <launch>, not a <{root.name}>")
-        for name, text in root.attributes.items():
-            if name != "deprecated":
-                raise root.fault(f"<launch> has no attribute {name}; known are deprecated")
-            self.launch.warnings.append(f"{file}: deprecated: {text}")
+            raise root.fault(f"expected <launch>, got <{root.name}>")
+        self._warn_of_attributes(root)
+        if "deprecated" in root.attributes:
+            self.launch.warnings.append(f"{file}: deprecated: {root.attributes['deprecated']}")
         return root
 
-    def _read(self, tag: Tag, scope: Scope) -> None:
-        if tag.name == "master":
-            self._warn(tag, "<master> has no meaning any more, and is read past")
-        elif tag.name not in self._tags:
-            near = suggestion_or_known(tag.name, self._tags)
-            raise tag.fault(f"there is no tag <{tag.name}>{near}")
-        elif applies(tag, scope):
-            self._tags[tag.name](tag, scope)
+    def _read(self, element: Element, scope: Scope) -> None:
+        if element.name == "master":
+            self._warn(element, "<master> is obsolete and ignored")
+        elif self._is_known(element, self._tags) and applies(element, scope):
+            self._tags[element.name](element, scope)
 
-    def _note_argument(self, tag: Tag, scope: Scope) -> None:
-        name = tag.attributes.get("name", "")
-        default = tag.attributes.get("default")
+    def _is_known(self, element: Element, known: Sequence[str] | Mapping[str, object]) -> bool:
+        """Return whether an element is one of those, or else warn."""
+        if element.name not in known:
+            near = suggestion_or_known(element.name, known)
+            self._warn(element, f"ignoring unknown tag <{element.name}>{near}")
+            return False
+        self._warn_of_attributes(element)
+        return True
+
+    def _warn_of_attributes(self, element: Element) -> None:
+        known = ATTRIBUTES[element.name]
+        for name in element.attributes:
+            if name not in (*known, "if", "unless"):
+                text = f"ignoring unknown attribute {name} of <{element.name}>"
+                self._warn(element, f"{text}{suggestion_or_known(name, known)}")
+
+    def _warn(self, element: Element, text: str) -> None:
+        self.launch.warnings.append(f"{element.file}:{element.line}: {text}")
+
+    def _add_argument(self, element: Element, scope: Scope) -> None:
+        name = element.attributes.get("name", "")
+        default = element.attributes.get("default")
         try:
             if default is not None:
-                default = Attributes(tag, scope, None).text("default")
+                default = Attributes(element, scope).text("default")
         except LaunchError:
             pass
-        self.launch.arguments.setdefault(
-            name, Argument(name, default, tag.attributes.get("doc", ""), "value" in tag.attributes)
-        )
+        doc, has_value = element.attributes.get("doc", ""), "value" in element.attributes
+        self.launch.arguments.setdefault(name, Argument(name, default, doc, has_value))
 
-    def _declare(self, tag: Tag, scope: Scope) -> None:
+    def _declare(self, element: Element, scope: Scope) -> None:
         """Read an <arg> of a file."""
-        name, value, default = _argument(tag, scope, scope)
+        name, value, default = _read_arg(element, scope, scope)
         if value is not None:
             if name in scope.values and not scope.passes_all:
-                raise tag.fault(
-                    f"<arg>: {name} has the value {value!r} and was given {scope.values[name]!r}: "
-                    f"only one with a default, default={value!r}, may be given"
+                raise element.fault(
+                    f"<arg>: cannot set {name} to {scope.values[name]!r}, since it has the fixed "
+                    f"value {value!r}; write default={value!r} to allow others"
                 )
             scope.values[name] = value
         elif default is not None:
             scope.values.setdefault(name, default)
 
-    def _pass(self, tag: Tag, scope: Scope, included: Scope) -> None:
+    def _pass(self, element: Element, scope: Scope, included: Scope) -> None:
         """Read an <arg> of an <include>."""
-        name, value, default = _argument(tag, scope, included)
+        name, value, default = _read_arg(element, scope, included)
         if value is not None:
             included.values[name] = value
         elif default is not None:
             included.values.setdefault(name, default)
         elif name not in included.values:
-            raise tag.fault(f"<arg>: {name} has no value to pass on")
+            raise element.fault(f"<arg>: missing value of {name}")
 
-    def _group(self, tag: Tag, scope: Scope) -> None:
-        attributes = Attributes(tag, scope, ("ns", "clear_params"))
-        inner = scope.inner(namespace_of(tag, attributes))
-        self._clear(tag, attributes, inner)
-        for child in tag.children:
+    def _group(self, element: Element, scope: Scope) -> None:
+        attributes = Attributes(element, scope)
+        inner = scope.inner(_read_namespace(element, attributes))
+        self._clear(element, attributes, inner)
+        for child in element.children:
             self._read(child, inner)
 
-    def _clear(self, tag: Tag, attributes: Attributes, inner: Scope) -> None:
+    def _clear(self, element: Element, attributes: Attributes, inner: Scope) -> None:
         if attributes.flag("clear_params", False):
-            if "ns" not in tag.attributes:
-                raise tag.fault(f"<{tag.name} clear_params> needs an ns, which is what it clears")
+            if "ns" not in element.attributes:
+                raise element.fault(f"<{element.name} clear_params> requires attribute ns")
             self.launch.cleared.append(inner.namespace)
 
-    def _node(self, tag: Tag, scope: Scope) -> None:
-        node = read_node(tag, scope, self.launch)
-        other = self.launch.nodes.setdefault(node.resolved, node)
-        if other is not node:
-            raise tag.fault(
-                f"{node.resolved} is the name of the node in {other.file}:{other.line}, too: each "
-                "must have its own, or the later one shuts the earlier one down"
-            )
-        machine = Attributes(tag, scope, None).text("machine") or self._default_machine
-        address = self._machines.get(machine)
-        if address is not None and not self._world.is_here(address):
-            raise tag.fault(
-                f"<{tag.name}>: the machine {machine} is {address}, and nodes are "
-                "started on this machine alone: start it there, with --hub naming this one's hub"
-            )
-
-    def _machine(self, tag: Tag, scope: Scope) -> None:
-        attributes = Attributes(tag, scope, MACHINE)
+    def _machine(self, element: Element, scope: Scope) -> None:
+        attributes = Attributes(element, scope)
         name = attributes.required("name")
         self._machines[name] = attributes.required("address")
         if attributes.one_of("default", "true", "false", "never") == "true":
             self._default_machine = name
 
-    def _include(self, tag: Tag, scope: Scope) -> None:
-        attributes = Attributes(tag, scope, ("file", "ns", "clear_params", "pass_all_args"))
+    def _include(self, element: Element, scope: Scope) -> None:
+        attributes = Attributes(element, scope)
         file = attributes.required("file")
         passes_all = attributes.flag("pass_all_args", False)
-        inner = scope.included(file, namespace_of(tag, attributes), passes_all=passes_all)
-        self._clear(tag, attributes, inner)
+        inner = scope.included(file, _read_namespace(element, attributes), passes_all=passes_all)
+        self._clear(element, attributes, inner)
         given = scope.inner()
-        for child in tag.children:
-            if child.name not in ("arg", "env"):
-                hint = suggestion_or_known(child.name, ["arg", "env"])
-                raise child.fault(f"<include> has no <{child.name}> in it{hint}")
-            if applies(child, given):
+        for child in element.children:
+            if self._is_known(child, IN_INCLUDE) and applies(child, given):
                 if child.name == "env":
-                    read_env(child, given, inner)
+                    _read_env(child, given, inner)
                 else:
                     self._pass(child, given, inner)
         passed = set() if passes_all else set(inner.values)
         inner.declared = set()
-        self._included(tag, file, inner)
+        self._read_included(element, file, inner)
         unused = sorted(passed - inner.declared)
         if unused:
-            raise tag.fault(
-                f"<include>: {file} has no <arg> that is called {' or '.join(unused)}"
-                f"{_meant(unused[0], sorted(inner.declared))}"
-            )
+            near = suggestion_or_known(unused[0], sorted(inner.declared)) or "; it has none"
+            raise element.fault(f"<include>: {file} has no <arg> {' or '.join(unused)}{near}")
 
-    def _included(self, tag: Tag, file: str, scope: Scope) -> None:
+    def _read_included(self, element: Element, file: str, scope: Scope) -> None:
         if len(self._including) >= MOST_INCLUDES:
-            raise tag.fault(f"<include>: more than {MOST_INCLUDES} files include each other")
+            raise element.fault(f"<include>: nested too deeply (limit is {MOST_INCLUDES} files)")
         if len(self.launch.files) >= MOST_FILES:
-            raise tag.fault(f"<include>: more than {MOST_FILES} files are included")
+            raise element.fault(f"<include>: too many files (limit is {MOST_FILES})")
         try:
-            document = self._world.read(file)
+            document = self._environment.read(file)
         except OSError as error:
-            beside = "" if os.path.isabs(file) else f"; one beside this file is $(dirname)/{file}"
+            beside = "" if os.path.isabs(file) else f"; beside this file: $(dirname)/{file}"
             why = error.strerror or error
-            raise tag.fault(f"<include>: cannot read {file}: {why}{beside}") from None
-        self._including.append((tag.file, tag.line))
+            raise element.fault(f"<include>: cannot read {file}: {why}{beside}") from None
+        self._including.append((element.file, element.line))
         try:
-            for each in self._root(file, document).children:
+            for each in self._parse(file, document).children:
                 self._read(each, scope)
         except LaunchError as error:
-            if error.files or (error.file, error.line) == (tag.file, tag.line):
+            if error.files or (error.file, error.line) == (element.file, element.line):
                 raise
-            # Files that include each other are told of once.
+            # Files that include each other appear once.
             files = tuple(dict.fromkeys(reversed(self._including)))
             raise LaunchError(error.file, error.line, error.fault, files) from None
         finally:
             self._including.pop()
 
-    def _warn(self, tag: Tag, text: str) -> None:
-        self.launch.warnings.append(f"{tag.file}:{tag.line}: {text}")
+    def _node(self, element: Element, scope: Scope) -> None:
+        node = self._read_node(element, scope)
+        other = self.launch.nodes.setdefault(node.resolved, node)
+        if other is not node:
+            raise element.fault(
+                f"{node.resolved} is the name of another node, {other.file}:{other.line}; "
+                "the later one would shut the earlier one down"
+            )
+        machine = Attributes(element, scope).text("machine") or self._default_machine
+        address = self._machines.get(machine)
+        if address is not None and not self._environment.is_local(address):
+            raise element.fault(
+                f"<{element.name}>: cannot start nodes on machine {machine} ({address}), only on "
+                "this one; launch it there with --hub and the URL of this machine's hub"
+            )
+
+    def _read_node(self, element: Element, scope: Scope) -> Node:
+        """Read a <node> or a <test>, and set its parameters."""
+        is_test = element.name == "test"
+        attributes = Attributes(element, scope)
+        name = _test_name(element, attributes) if is_test else attributes.required("name")
+        try:
+            names.check_base(name)
+        except InvalidName as error:
+            raise attributes.fault("name", str(error)) from None
+        around = scope.inner(_read_namespace(element, attributes))
+        within = around.inner(name)
+        within.private = {}
+        if attributes.flag("clear_params", False):
+            self.launch.cleared.append(within.namespace)
+        own = scope.inner()
+        for child in element.children:
+            if self._is_known(child, IN_NODE) and applies(child, scope):
+                self._read_in_node(child, scope, own, within)
+        for key, value in {**scope.private, **within.private}.items():
+            set_parameter(self.launch, element, within.join(key), value)
+        respawn, required = attributes.flag("respawn", False), attributes.flag("required", False)
+        if respawn and required:
+            raise element.fault("<node> has both respawn and required; remove one")
+        cwd = attributes.one_of("cwd", "node", "ROS_HOME", "ros_home")
+        return Node(
+            package=attributes.required("pkg").strip(),
+            type=attributes.required("type").strip(),
+            name=name,
+            file=element.file,
+            line=element.line,
+            namespace=around.namespace,
+            args=attributes.text("args", ""),
+            screen=attributes.one_of("output", "screen", "log") == "screen",
+            respawn=respawn,
+            respawn_delay=attributes.number("respawn_delay", 0.0),
+            required=required,
+            cwd="node" if cwd == "node" else None,
+            prefix=attributes.text("launch-prefix", ""),
+            remaps=tuple(own.remaps.items()),
+            environment=tuple(own.variables.items()),
+            is_test=is_test,
+        )
+
+    def _read_in_node(self, child: Element, scope: Scope, own: Scope, within: Scope) -> None:
+        match child.name:
+            case "remap":
+                _read_remap(child, scope, own)
+            case "env":
+                _read_env(child, scope, own)
+            case "param":
+                read_param(child, within, self.launch, in_node=True)
+            case _:
+                read_rosparam(child, within, self.launch)
 
 
-def applies_or_none(tag: Tag, scope: Scope) -> bool:
-    """Whether a tag is to be read, as far as that can be told without an error."""
+def _may_apply(element: Element, scope: Scope) -> bool:
+    """Return whether an element's if or unless allows it; False if they are invalid."""
     try:
-        return applies(tag, scope)
+        return applies(element, scope)
     except LaunchError:
         return False
 
 
-def _argument(tag: Tag, scope: Scope, into: Scope) -> tuple[str, str | None, str | None]:
-    """The name, value and default of an <arg> in ``scope``, which is declared ``into`` another."""
-    attributes = Attributes(tag, scope, ("name", "value", "default", "doc"))
+def _read_arg(element: Element, scope: Scope, into: Scope) -> tuple[str, str | None, str | None]:
+    """Return name, value and default of an <arg> in ``scope``, and declare it in ``into``."""
+    attributes = Attributes(element, scope)
     name = attributes.required("name")
     value, default = attributes.text("value"), attributes.text("default")
     attributes.text("doc")
     if value is not None and default is not None:
-        raise tag.fault("<arg> has both value and default: one of them is enough")
+        raise element.fault("<arg> has both value and default; remove one")
     if name in into.declared and not into.passes_all:
-        raise tag.fault(f"<arg>: {name} has been declared already")
+        raise element.fault(f"<arg>: {name} is declared twice")
     into.declared.add(name)
     return name, value, default
 
 
-def _meant(name: str, known: list[str]) -> str:
-    return suggestion_or_known(name, known) or "; it has none"
+def _read_namespace(element: Element, attributes: Attributes) -> str | None:
+    """Return the namespace in ``ns``; None without it."""
+    if "ns" not in element.attributes:
+        return None
+    namespace = attributes.required("ns")
+    if not namespace.strip("/"):
+        return namespace
+    try:
+        path = names.check_namespace(normalized(namespace.lstrip("/")))
+    except InvalidName as error:
+        raise attributes.fault("ns", str(error)) from None
+    return path if namespace.startswith("/") else path[1:]
+
+
+def _read_remap(element: Element, scope: Scope, into: Scope) -> None:
+    attributes = Attributes(element, scope)
+    found = []
+    for end in ("from", "to"):
+        try:
+            found.append(names.check(normalized(attributes.required(end).strip())))
+        except InvalidName as error:
+            raise attributes.fault(end, str(error)) from None
+    into.remap(*found)
+
+
+def _read_env(element: Element, scope: Scope, into: Scope) -> None:
+    attributes = Attributes(element, scope)
+    name, value = attributes.required("name"), attributes.text("value")
+    if value is None:
+        raise element.fault("<env> requires attribute value")
+    if "=" in name or "\0" in name + value:
+        raise attributes.fault("name", f"{name!r} is not a valid name of a variable")
+    into.variables[name] = value
+
+
+def _test_name(element: Element, attributes: Attributes) -> str:
+    for name in NOT_OF_TESTS:
+        if name in element.attributes:
+            raise element.fault(f"<test> has no attribute {name}; only <node> has")
+    attributes.number("time-limit", 60.0)
+    attributes.number("retry", 0.0)
+    test = attributes.required("test-name")
+    return attributes.text("name") or test

@@ -1,58 +1,65 @@
-"""All processes of a launch: started in their order, watched, and ended in the order's reverse."""
+"""The processes of a launch: started in order, watched, and ended in reverse order."""
 
 from __future__ import annotations
 
 import asyncio
+import os
 import signal
+import sys
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from fibws.command_names import command_name
+from fibws.errors import HubError
 from fibws.processes import start_error
-from fibws.ros1.launch.command import Start
-from fibws.ros1.launch.log import Log
 from fibws.ros1.launch.model import Node
-from fibws.ros1.launch.process import Ask, Process
-from fibws.ros1.launch.screen import Screen
+from fibws.ros1.launch.node_command import NodeCommand
+from fibws.ros1.launch.output import LogFile, Screen
+from fibws.ros1.launch.process import Process, Signal
 
-WAIT_INTERRUPT, WAIT_TERMINATE = 15.0, 2.0
-"""Seconds that a process has to end after the one and the other, as for roslaunch."""
+SIGINT_TIMEOUT, SIGTERM_TIMEOUT = 15.0, 2.0
+"""Seconds until the next, more urgent signal, as in roslaunch."""
 SHORTEST_DELAY = 0.1
-"""Seconds before a process starts again: one that fails at once must not keep a machine busy."""
+"""Least seconds before a restart; a process that fails at once must not keep a machine busy."""
+HUB_START_TIMEOUT = 30.0
+"""Seconds in which a hub must be ready."""
+POLL_INTERVAL = 0.02
+"""Seconds between two looks at a hub's URL file."""
 RULE = "=" * 80
 
 
 @dataclass
 class Job:
-    """A node, or the hub, and its process.
+    """A node or the hub, and its process.
 
     Attributes:
-        screen: whether what it prints is shown, and not only kept in ``log``.
-        respawn_delay: seconds between its end and its next start; None if there is none.
-        required: whether all ends when it ends.
-        is_core: whether it ends when all others have, and does not count for there being any.
+        screen: whether its output is shown, and not only logged.
+        respawn_delay: seconds from its end to its next start; None for no restart.
+        required: whether its end ends the launch.
+        is_hub: whether it is the hub, which ends after all nodes.
     """
 
     process: Process
-    log: Log | None = None
+    log: LogFile | None = None
     screen: bool = False
     respawn_delay: float | None = None
     required: bool = False
-    is_core: bool = False
+    is_hub: bool = False
     watch: asyncio.Task[None] = field(init=False, repr=False)
 
 
 class Runner:
-    """Runs the processes of a launch, one after the other started.
+    """Runs the processes of a launch.
 
     Args:
-        screen: where all is shown.
-        folder: for what processes print that is not shown.
-        wait_interrupt: seconds until one that was interrupted is terminated.
-        wait_terminate: seconds from then until it is killed.
+        screen: where output is shown.
+        folder: the folder for log files.
+        sigint_timeout: seconds after SIGINT until a process gets SIGTERM.
+        sigterm_timeout: seconds after SIGTERM until it is killed.
     """
 
     def __init__(
@@ -60,78 +67,131 @@ class Runner:
         screen: Screen,
         folder: Path,
         *,
-        wait_interrupt: float = WAIT_INTERRUPT,
-        wait_terminate: float = WAIT_TERMINATE,
+        sigint_timeout: float = SIGINT_TIMEOUT,
+        sigterm_timeout: float = SIGTERM_TIMEOUT,
     ) -> None:
         self._screen = screen
         self._folder = folder
-        self._waits = ((Ask.TERMINATE, wait_interrupt), (Ask.KILL, wait_terminate))
+        self._timeouts = ((Signal.TERMINATE, sigint_timeout), (Signal.KILL, sigterm_timeout))
         self._jobs: list[Job] = []
         self._stopping = asyncio.Event()
         self._hurry = asyncio.Event()
         self._urgency = 0
         self._count = 0
         self.has_failed = False
-        """Whether a process could not be started, or has ended with an error by itself."""
+        """Whether a process could not be started, or ended by itself with an error."""
 
     @property
     def is_stopping(self) -> bool:
-        """Whether all is to end."""
+        """Whether `stop` was called."""
         return self._stopping.is_set()
 
+    async def stopping(self) -> None:
+        """Wait until `stop` is called."""
+        await self._stopping.wait()
+
     def stop(self) -> None:
-        """Have all end; called again, do not wait any longer for those that take their time."""
+        """End all processes; another call sends the next signal without waiting."""
         if not self._stopping.is_set():
             self._stopping.set()
         else:
             self._urgency += 1
             self._hurry.set()
-            self._hurry = asyncio.Event()  # for the next time
+            self._hurry = asyncio.Event()  # for the next call
 
-    def obey_signals(self, on_signal: Callable[[], None]) -> None:
-        """Stop on Ctrl-C, SIGTERM, and when the terminal is closed."""
+    def handle_signals(self, on_signal: Callable[[], None]) -> None:
+        """Stop on Ctrl-C, on SIGTERM, and when the terminal is closed."""
 
         def stop() -> None:
             on_signal()
             self.stop()
 
         for name in ("SIGINT", "SIGTERM", "SIGHUP"):
-            # On Windows an event loop handles no signals: there Ctrl-C cancels its task.
+            # On Windows, event loops handle no signals; there Ctrl-C cancels the task.
             with suppress(NotImplementedError, AttributeError):
                 asyncio.get_running_loop().add_signal_handler(getattr(signal, name), stop)
 
-    async def start_node(self, node: Node, start: Start, *, screen: bool) -> None:
-        """Start a node; if that cannot be done, it is said and counted as a failure."""
+    async def start_hub(self, host: str, port: int) -> str:
+        """Start a hub, and wait until nodes can connect to it.
+
+        Args:
+            host: the address to listen on.
+            port: its port; 0 for a free one.
+
+        Returns:
+            Its URL.
+
+        Raises:
+            HubError: it cannot start.
+        """
+        log = LogFile(self._folder / "hub.log")
+        last_line = "it does not respond"
+
+        def on_line(line: str, is_error: bool) -> None:
+            nonlocal last_line
+            last_line = line
+            with suppress(OSError):  # A hub does not need its log.
+                log.write(line)
+
+        with TemporaryDirectory(prefix="fibws-", ignore_cleanup_errors=True) as temporary:
+            url_file = Path(temporary) / "url"
+            command = [
+                *(sys.executable, "-P", "-m", "fibws.hub", "--host", host, "--port", str(port)),
+                *("--url-file", str(url_file)),
+            ]
+            environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
+            process = Process("hub", NodeCommand(command, environment, Path.cwd()), on_line)
+            await process.start()
+            reading = asyncio.create_task(_read_url(url_file))
+            tasks: list[asyncio.Task[Any]] = [reading, asyncio.create_task(process.wait())]
+            try:
+                await asyncio.wait(
+                    tasks, timeout=HUB_START_TIMEOUT, return_when=asyncio.FIRST_COMPLETED
+                )
+                if not reading.done():
+                    raise HubError(f"cannot start a hub: {last_line}")
+            finally:
+                for task in tasks:
+                    task.cancel()
+                if not reading.done():
+                    process.send(Signal.KILL)
+                    log.close()
+        self.add(Job(process, log, required=True, is_hub=True))
+        self._say_started(process)
+        return reading.result()
+
+    async def start_node(self, node: Node, command: NodeCommand, *, screen: bool) -> None:
+        """Start a node; report and count it as a failure if that is impossible."""
         self._count += 1
         name = f"{node.resolved.lstrip('/')}-{self._count}"
-        log = Log(self._folder / f"{name.replace('/', '-')}.log")
+        log = LogFile(self._folder / f"{name.replace('/', '-')}.log")
         job = Job(
-            Process(name, start, lambda line, is_error: self._heard(job, line, is_error)),
+            Process(name, command, lambda line, is_error: self._on_line(job, line, is_error)),
             log,
             screen=screen,
             respawn_delay=node.respawn_delay if node.respawn else None,
             required=node.required,
         )
-        if await self._begin(job):
+        if await self._start(job):
             self.add(job)
         else:
             self.fail(node)
 
     def fail(self, node: Node) -> None:
-        """Take note that a node cannot be started."""
+        """Note that a node cannot be started."""
         self.has_failed = True
         if node.required:
-            self._screen.complain(f"REQUIRED process [{node.name}] cannot be started!")
+            self._screen.error(f"REQUIRED process [{node.name}] cannot be started!")
             self.stop()
 
     def add(self, job: Job) -> None:
-        """Watch a job whose process was started."""
+        """Watch a job with a running process."""
         self._jobs.append(job)
         job.watch = asyncio.create_task(self._watch(job), name=job.process.name)
 
     async def run(self) -> None:
-        """Wait until there is nothing left to run, or all is to end; then end all."""
-        nodes = [job.watch for job in self._jobs if not job.is_core]
+        """Wait until all nodes have ended, or `stop` is called; then end everything."""
+        nodes = [job.watch for job in self._jobs if not job.is_hub]
         stopping = asyncio.create_task(self._stopping.wait())
         try:
             if nodes and not self.is_stopping:
@@ -141,33 +201,33 @@ class Runner:
                 everything.cancel()
                 if not self.is_stopping:
                     self._say_all_have_ended()
-            if any(job.is_core for job in self._jobs):
+            if any(job.is_hub for job in self._jobs):
                 await stopping
         finally:
             stopping.cancel()
             await self.shut_down()
 
     async def shut_down(self) -> None:
-        """End all that runs: the nodes, the latest first, and then the hub."""
+        """End all processes: the nodes, the latest first, and then the hub."""
         self._stopping.set()
-        for is_core in (False, True):
-            jobs = [job for job in reversed(self._jobs) if job.is_core is is_core]
+        for is_hub in (False, True):
+            jobs = [job for job in reversed(self._jobs) if job.is_hub is is_hub]
             urgency = self._urgency
             for job in jobs:
                 if job.process.is_running:
-                    self._screen.say(f"[{job.process.name}] killing on exit")
-                    job.process.ask(Ask.INTERRUPT)
-            await asyncio.gather(*(self._urge(job, urgency) for job in jobs))
+                    self._screen.info(f"[{job.process.name}] killing on exit")
+                    job.process.send(Signal.INTERRUPT)
+            await asyncio.gather(*(self._escalate(job, urgency) for job in jobs))
             await asyncio.gather(*(job.watch for job in jobs), return_exceptions=True)
 
-    async def _urge(self, job: Job, urgency: int) -> None:
-        """Wait for a process that was interrupted, and ask ever more urgently.
+    async def _escalate(self, job: Job, urgency: int) -> None:
+        """Wait for the end of an interrupted process, and send more urgent signals in time.
 
         Args:
-            job: whose process it is.
-            urgency: how urgent it was when it was interrupted.
+            job: the process's job.
+            urgency: the urgency when it was interrupted.
         """
-        for level, (how, seconds) in enumerate(self._waits, urgency):
+        for level, (signal_, seconds) in enumerate(self._timeouts, urgency):
             hurry = asyncio.create_task(self._hurried(level))
             await asyncio.wait(
                 [job.watch, hurry], timeout=seconds, return_when=asyncio.FIRST_COMPLETED
@@ -175,35 +235,35 @@ class Runner:
             hurry.cancel()
             if not job.process.is_running:
                 return
-            signal_ = "SIGTERM" if how is Ask.TERMINATE else "SIGKILL"
-            self._screen.complain(f"[{job.process.name}] escalating to {signal_}")
-            job.process.ask(how)
+            name = "SIGTERM" if signal_ is Signal.TERMINATE else "SIGKILL"
+            self._screen.error(f"[{job.process.name}] escalating to {name}")
+            job.process.send(signal_)
 
     async def _hurried(self, level: int) -> None:
-        """Wait until it is more urgent than that."""
+        """Wait until the urgency is above a level."""
         while self._urgency <= level:
             await self._hurry.wait()
 
-    async def _begin(self, job: Job) -> bool:
+    async def _start(self, job: Job) -> bool:
         process = job.process
         try:
-            await process.begin()
+            await process.start()
         except OSError as error:
-            command = process.start.command
-            why = _why(start_error(error, command[0]))
-            self._screen.complain(f"[{process.name}] cannot be started: {why}: {' '.join(command)}")
+            command = process.command.command
+            why = _text(start_error(error, command[0]))
+            self._screen.error(f"[{process.name}] cannot be started: {why}: {' '.join(command)}")
             return False
-        self._screen.say(f"process[{process.name}]: started with pid [{process.pid}]", bold=True)
+        self._say_started(process)
         return True
 
     async def _watch(self, job: Job) -> None:
-        """Wait for a process's end, as often as it is started."""
+        """Wait for a process's end, after each of its starts."""
         try:
             while True:
-                await job.process.end()
+                await job.process.wait()
                 if self.is_stopping:
                     return
-                self._ended(job)
+                self._on_end(job)
                 if job.respawn_delay is None or not await self._respawn(job, job.respawn_delay):
                     return
         finally:
@@ -216,56 +276,73 @@ class Runner:
                 await self._stopping.wait()
         if self.is_stopping:
             return False
-        self._screen.say(f"[{job.process.name}] restarting process")
-        if await self._begin(job):
+        self._screen.info(f"[{job.process.name}] restarting process")
+        if await self._start(job):
             return True
         self.has_failed = True
         return False
 
-    def _ended(self, job: Job) -> None:
-        """Say how a process has ended by itself."""
+    def _on_end(self, job: Job) -> None:
+        """Report a process that ended by itself."""
         process = job.process
         if process.exit_code == 0:
             text = "process has finished cleanly"
         else:
-            command = " ".join(process.start.command)
             text = (
                 f"process has died [pid {process.pid}, exit code {process.exit_code}, "
-                f"cmd {command}]."
+                f"cmd {' '.join(process.command.command)}]."
             )
             self.has_failed = self.has_failed or job.respawn_delay is None
         if job.log is not None and job.log.path.exists():
             text += f"\nlog file: {job.log.path}"
         if job.required:
-            self._screen.complain(
+            self._screen.error(
                 f"{RULE}\nREQUIRED process [{process.name}] has died!\n{text}\n"
                 f"Initiating shutdown!\n{RULE}"
             )
             self.stop()
         elif process.exit_code == 0:
-            self._screen.say(f"[{process.name}] {text}", bold=True)
+            self._screen.info(f"[{process.name}] {text}", bold=True)
         else:
-            self._screen.complain(f"[{process.name}] {text}")
+            self._screen.error(f"[{process.name}] {text}")
 
-    def _heard(self, job: Job, line: str, is_error: bool) -> None:
+    def _on_line(self, job: Job, line: str, is_error: bool) -> None:
         if job.log is not None and not job.screen:
             try:
                 job.log.write(line)
             except OSError as error:
-                self._screen.complain(f"[{job.process.name}] cannot be logged: {_why(error)}")
+                self._screen.error(f"[{job.process.name}] cannot write log: {_text(error)}")
                 job.screen, job.log = True, None
-        # What goes wrong is shown wherever the rest goes; not so what ending in haste makes Python
-        # say, be it in the midst of its own start.
+        # Errors are always shown, except while stopping: Python prints tracebacks when it is
+        # interrupted during its start.
         if job.screen or (is_error and not self.is_stopping):
-            self._screen.show(job.process.name, line, is_error=is_error)
+            self._screen.output(job.process.name, line, is_error=is_error)
+
+    def _say_started(self, process: Process) -> None:
+        self._screen.info(f"process[{process.name}]: started with pid [{process.pid}]", bold=True)
 
     def _say_all_have_ended(self) -> None:
-        if any(job.is_core for job in self._jobs):
-            self._screen.say("all nodes have ended; the hub stays until Ctrl-C")
+        if any(job.is_hub for job in self._jobs):
+            self._screen.info("all nodes have ended; the hub runs until Ctrl-C")
         else:
             launch = command_name("launch")
-            self._screen.say(f"all processes on machine have died, {launch} will exit")
+            self._screen.info(f"all processes on machine have died, {launch} will exit")
 
 
-def _why(error: OSError) -> str:
+async def _read_url(file: Path) -> str:
+    """Wait for a hub's URL file; return the URL in it."""
+    while True:
+        if url := _url_in(file):
+            return url
+        await asyncio.sleep(POLL_INTERVAL)
+
+
+def _url_in(file: Path) -> str:
+    try:
+        return file.read_text().strip()
+    except FileNotFoundError:
+        return ""
+
+
+def _text(error: OSError) -> str:
     return error.strerror or str(error)

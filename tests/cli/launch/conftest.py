@@ -1,4 +1,4 @@
-"""A package to launch, with programs that need no rospy."""
+"""A package to launch, with programs that do not need rospy."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ import sys
 print("works", flush=True)
 sys.exit("does not work")
 """
-# Started as it is: it prints what rospy would print, and needs none.
+# Shell scripts, which run directly.
 TALKER = "#!/bin/sh\nexec '{python}' -m fibws.broadcaster --rate 50 \"$@\"\n"
 LISTENER = "#!/bin/sh\nexec '{python}' -m fibws.listener \"$@\"\n"
 
@@ -49,7 +49,7 @@ Launch: TypeAlias = Callable[..., Result]
 
 @pytest.fixture
 def robot(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The folder of a package with programs and a launch file, which the environment names."""
+    """The folder of a package with programs and a launch file, on ROS_PACKAGE_PATH."""
     root = tmp_path / "src" / "robot"
     (root / "scripts").mkdir(parents=True)
     (root / "launch").mkdir()
@@ -74,7 +74,7 @@ def robot(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def launch(robot: Path) -> Launch:
-    """Run ``fibws launch`` with these words, where there is no hub."""
+    """Run ``fibws launch`` in this process, without a hub."""
 
     def launch(*words: str, input: str | bytes | None = None) -> Result:
         return CliRunner().invoke(command, ["launch", *words], input=input, prog_name="fibws")

@@ -1,10 +1,12 @@
-"""``fibws launch``: real launches, with two scripts at a hub."""
+"""``fibws launch``: running nodes at a hub."""
 
 from __future__ import annotations
 
+import asyncio
 import os
 import re
 import signal
+import socket
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -25,14 +27,14 @@ Begin: TypeAlias = Callable[..., Any]
 
 
 class Seen:
-    """What a launch shows on standard output."""
+    """A launch and the lines of its standard output."""
 
     def __init__(self, program: Program) -> None:
         self.program = program
         self.lines: list[str] = []
 
     async def shows(self, text: str) -> str:
-        """Read until a line has this in it; return that line."""
+        """Read until a line contains a text; return that line."""
         while True:
             line = await self.program.line()
             assert line, f"no {text!r} in {self.lines}"
@@ -49,7 +51,7 @@ class Seen:
 
 @pytest.fixture
 def begin(robot: Path, start: Start) -> Begin:
-    """Start ``fibws launch``; it starts a hub of its own if none is named."""
+    """Start ``fibws launch``; without ``hub``, it starts its own."""
 
     async def begin(*words: str, hub: HubThread | None = None) -> Seen:
         at = ["--hub", hub.url] if hub else ["-p", "0"]
@@ -58,7 +60,7 @@ def begin(robot: Path, start: Start) -> Begin:
     return begin
 
 
-async def test_two_nodes_talk_at_a_hub_that_is_started(begin: Begin, robot: Path) -> None:
+async def test_launch_starts_a_hub_and_two_nodes(begin: Begin, robot: Path) -> None:
     file = write(
         robot,
         '<group ns="g"><remap from="fibonacci" to="/numbers"/>'
@@ -89,7 +91,7 @@ async def test_two_nodes_talk_at_a_hub_that_is_started(begin: Begin, robot: Path
     assert "    talker (robot/talker)" in seen.lines
 
 
-async def test_a_hub_that_is_there_is_used_and_left(
+async def test_running_hub_is_used_and_not_stopped(
     begin: Begin, robot: Path, hub: HubThread
 ) -> None:
     with HubClient("test", hub.url) as client:
@@ -115,8 +117,8 @@ async def test_a_hub_that_is_there_is_used_and_left(
         seen.program.send(signal.SIGTERM)
         code, err = await seen.end()
         assert code == 0
-        assert "/bytes: parameters hold no bytes here, so this is their base64" in err
-        assert "rosparam delete /never: it is not set" in err
+        assert "/bytes: " in err and "base64" in err
+        assert "rosparam delete /never: " in err
         assert client.call("/rosapi/get_time")
     assert f"... loading XML file [{file}]" in seen.lines
     assert "Added parameter [/old/b]" in seen.lines
@@ -124,7 +126,7 @@ async def test_a_hub_that_is_there_is_used_and_left(
     assert not any("[hub]" in line for line in seen.lines)
 
 
-async def test_when_all_nodes_have_ended_it_ends_with_what_became_of_them(
+async def test_launch_ends_with_its_nodes_and_reports_failures(
     begin: Begin, robot: Path, hub: HubThread
 ) -> None:
     file = write(
@@ -138,7 +140,7 @@ async def test_when_all_nodes_have_ended_it_ends_with_what_became_of_them(
     assert "[f-1] does not work\n" in err
     assert re.search(r"\[f-1\] process has died \[pid \d+, exit code 1, cmd .*failer", err)
     assert "ERROR: cannot launch node of type [robot/nope]: " in err
-    assert "[bridge] the hub is rosbridge_server already: nothing to do" in seen.lines
+    assert any(line.startswith("[bridge] not started") for line in seen.lines)
     assert "[f-1] works" not in seen.lines
     [folder] = [line.split()[-1] for line in seen.lines if line.startswith("... logging to ")]
     assert sorted((Path(folder) / "f-1.log").read_text().splitlines()) == ["does not work", "works"]
@@ -146,7 +148,7 @@ async def test_when_all_nodes_have_ended_it_ends_with_what_became_of_them(
 
 
 @pytest.mark.parametrize("option", ["--screen", "--log"])
-async def test_where_the_output_goes_can_be_said_for_all(
+async def test_screen_and_log_options_apply_to_all_nodes(
     option: str, begin: Begin, robot: Path, hub: HubThread
 ) -> None:
     file = write(
@@ -160,7 +162,9 @@ async def test_where_the_output_goes_can_be_said_for_all(
     assert sorted(shown) == (["[a-1] works", "[b-2] works"] if option == "--screen" else [])
 
 
-async def test_all_nodes_can_be_required(begin: Begin, robot: Path, hub: HubThread) -> None:
+async def test_required_option_applies_to_all_nodes(
+    begin: Begin, robot: Path, hub: HubThread
+) -> None:
     file = write(
         robot,
         '<node pkg="robot" type="waiter" name="w"/>'
@@ -173,7 +177,7 @@ async def test_all_nodes_can_be_required(begin: Begin, robot: Path, hub: HubThre
     assert "[w-1] killing on exit" in seen.lines
 
 
-async def test_without_nodes_the_parameters_are_set_and_that_is_all(
+async def test_launch_without_nodes_sets_parameters(
     begin: Begin, robot: Path, hub: HubThread
 ) -> None:
     seen = await begin(write(robot, '<param name="a" value="1"/>'), hub=hub)
@@ -183,7 +187,7 @@ async def test_without_nodes_the_parameters_are_set_and_that_is_all(
         assert client.call("/rosapi/get_param", {"name": "/a"})["value"] == "1"
 
 
-async def test_a_launch_file_of_rosbridge_needs_nothing(
+async def test_launch_file_of_rosbridge_starts_nothing(
     begin: Begin, robot: Path, hub: HubThread
 ) -> None:
     file = write(
@@ -193,10 +197,10 @@ async def test_a_launch_file_of_rosbridge_needs_nothing(
     )
     code, err = await (await begin(file, hub=hub)).end()
     assert code == 0
-    assert err == "WARNING: rosbridge_server: nothing is started for it: the hub is one\n"
+    assert err.startswith("WARNING: rosbridge_server: ") and err.count("\n") == 1
 
 
-async def test_a_hub_can_be_waited_for(begin: Begin, robot: Path) -> None:
+async def test_waiting_for_a_hub_can_be_interrupted(begin: Begin, robot: Path) -> None:
     hub = HubThread()
     hub.start()
     hub.stop()
@@ -207,25 +211,27 @@ async def test_a_hub_can_be_waited_for(begin: Begin, robot: Path) -> None:
     assert "auto-starting new hub" not in seen.lines
 
 
-async def test_a_hub_that_was_waited_for_is_used(begin: Begin, robot: Path, hub: HubThread) -> None:
+async def test_wait_option_uses_a_running_hub(begin: Begin, robot: Path, hub: HubThread) -> None:
     seen = await begin(write(robot, ""), "--wait", hub=hub)
     assert await seen.end() == (0, "")
     assert f"FIBWS_HUB={hub.url}" in seen.lines
 
 
-async def test_a_hub_elsewhere_is_not_started(start: Start, robot: Path) -> None:
+async def test_hub_on_another_machine_is_not_started(start: Start, robot: Path) -> None:
     program = await start("fibws", "launch", write(robot, ""), "--hub", "ws://127.0.0.2:1")
     code, _, err = await program.end()
-    assert (code, err) == (1, "Error: No hub at ws://127.0.0.2:1. Start one with: fibws hub\n")
+    assert code == 1
+    assert "ws://127.0.0.2:1" in err
 
 
-async def test_a_hub_that_speaks_tls_is_not_started(start: Start, robot: Path) -> None:
+async def test_hub_with_tls_is_not_started(start: Start, robot: Path) -> None:
     program = await start("fibws", "launch", write(robot, ""), "--hub", "wss://127.0.0.1:1")
     code, _, err = await program.end()
-    assert (code, err) == (1, "Error: No hub at wss://127.0.0.1:1. Start one with: fibws hub\n")
+    assert code == 1
+    assert "wss://127.0.0.1:1" in err
 
 
-async def test_a_hub_that_cannot_start_is_said_in_a_line(start: Start, robot: Path) -> None:
+async def test_hub_that_cannot_start_is_an_error_of_one_line(start: Start, robot: Path) -> None:
     program = await start(
         "fibws", "launch", write(robot, ""), "--no-summary", "-p", "0", FIBWS_MAX_CALLS="x"
     )
@@ -235,7 +241,7 @@ async def test_a_hub_that_cannot_start_is_said_in_a_line(start: Start, robot: Pa
     assert err.count("\n") == 1
 
 
-async def test_it_ends_when_nobody_reads_what_it_shows(begin: Begin, robot: Path) -> None:
+async def test_launch_ends_when_its_output_is_closed(begin: Begin, robot: Path) -> None:
     file = write(robot, '<node pkg="robot" type="talker" name="talker" output="screen"/>')
     seen = await begin(file)
     await seen.shows("[talker-1]")
@@ -243,8 +249,8 @@ async def test_it_ends_when_nobody_reads_what_it_shows(begin: Begin, robot: Path
     assert await seen.end() == (0, "")
 
 
-@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no such device")
-def test_a_disk_that_is_full_is_told_of(robot: Path, hub: HubThread) -> None:
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no /dev/full")
+def test_full_disk_is_an_error(robot: Path, hub: HubThread) -> None:
     file = write(robot, '<node pkg="robot" type="talker" name="talker" output="screen"/>')
     words = (sys.executable, "-m", "fibws", "launch", file, "--no-summary", "--hub", hub.url)
     with open("/dev/full", "wb") as full:
@@ -252,7 +258,7 @@ def test_a_disk_that_is_full_is_told_of(robot: Path, hub: HubThread) -> None:
     assert (done.returncode, done.stderr) == (1, "Error: No space left on device\n")
 
 
-def test_ctrl_c_is_heard_between_two_parameters(
+def test_ctrl_c_while_parameters_are_set(
     robot: Path, hub: HubThread, launch: Launch, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def prepared(*_: object) -> Iterator[None]:
@@ -267,7 +273,18 @@ def test_ctrl_c_is_heard_between_two_parameters(
     assert "process[" not in result.output
 
 
-async def test_its_id_is_kept_in_a_file(begin: Begin, robot: Path, tmp_path: Path) -> None:
+async def test_ctrl_c_while_the_hub_does_not_respond(start: Start, robot: Path) -> None:
+    file = write(robot, '<node pkg="robot" type="waiter" name="w"/>')
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        url = f"ws://127.0.0.1:{server.getsockname()[1]}"
+        program = await start("fibws", "launch", file, "--no-summary", "--hub", url)
+        connection, _ = await asyncio.to_thread(server.accept)
+        with connection:
+            program.send(signal.SIGINT)
+            assert await program.end() == (0, "done\n", "")
+
+
+async def test_pid_file(begin: Begin, robot: Path, tmp_path: Path) -> None:
     file = write(robot, '<node pkg="robot" type="waiter" name="w" output="screen"/>')
     seen = await begin(file, "--pid", str(tmp_path / "pid"))
     await seen.shows("waits")
@@ -277,8 +294,8 @@ async def test_its_id_is_kept_in_a_file(begin: Begin, robot: Path, tmp_path: Pat
     assert not (tmp_path / "pid").exists()
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="there is no such terminal")
-def test_on_a_terminal_names_have_colours(robot: Path, hub: HubThread) -> None:
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such terminals")
+def test_names_have_colours_on_a_terminal(robot: Path, hub: HubThread) -> None:
     file = write(robot, '<node pkg="robot" type="waiter" name="w" output="screen"/>')
     words = (sys.executable, "-m", "fibws", "launch", file, "--hub", hub.url)
     environment = {name: os.environ[name] for name in ("ROS_PACKAGE_PATH", "ROS_HOME")}
@@ -293,8 +310,8 @@ def test_on_a_terminal_names_have_colours(robot: Path, hub: HubThread) -> None:
         terminal.close()
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="there is no such terminal")
-def test_when_the_terminal_is_gone_nothing_is_left_over(robot: Path) -> None:
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such terminals")
+def test_closed_terminal_ends_everything(robot: Path) -> None:
     file = write(robot, '<node pkg="robot" type="talker" name="talker" output="screen"/>')
     words = (sys.executable, "-m", "fibws", "launch", file, "-p", "0")
     environment = {name: os.environ[name] for name in ("ROS_PACKAGE_PATH", "ROS_HOME")}

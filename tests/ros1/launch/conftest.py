@@ -1,4 +1,4 @@
-"""Launch files that are read from texts, in surroundings that are made up."""
+"""Launch files read from texts in a fake environment."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from fibws.ros1.launch.reader import Reader
 MAIN = "main.launch"
 
 
-class MadeUp:
-    """A `World` in memory."""
+class FakeEnvironment:
+    """An `Environment` in memory."""
 
     def __init__(self) -> None:
-        self.environment: Mapping[str, str] = {"HOME": "/home/me", "EMPTY": ""}
+        self.variables: Mapping[str, str] = {"HOME": "/home/me", "EMPTY": ""}
         self.files: dict[str, bytes] = {}
         self.commands: dict[str, str] = {}
-        self.here: tuple[str, ...] = ("localhost",)
+        self.local: tuple[str, ...] = ("localhost",)
 
     def find(self, package: str) -> Path:
         if package != "robot":
@@ -46,8 +46,8 @@ class MadeUp:
         except yaml.YAMLError as error:
             raise ValueError(str(error).partition("\n")[0]) from None
 
-    def is_here(self, address: str) -> bool:
-        return address in self.here
+    def is_local(self, address: str) -> bool:
+        return address in self.local
 
     def anonymous(self, name: str) -> str:
         return f"{name}_host_1"
@@ -57,16 +57,16 @@ Read: TypeAlias = Callable[..., Launch]
 
 
 @pytest.fixture
-def world() -> MadeUp:
-    return MadeUp()
+def environment() -> FakeEnvironment:
+    return FakeEnvironment()
 
 
 @pytest.fixture
-def read(world: MadeUp) -> Read:
-    """Read what stands in a <launch>, with values for its arguments."""
+def read(environment: FakeEnvironment) -> Read:
+    """Read the content of a <launch>, with values for its arguments."""
 
     def read(text: str, **values: str) -> Launch:
-        reader = Reader(world, values)
+        reader = Reader(environment, values)
         reader.read(MAIN, f"<launch>\n{text}\n</launch>".encode())
         return reader.launch
 

@@ -1,4 +1,4 @@
-"""All processes of a launch."""
+"""The processes of a launch."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from typing import Any
 
 import pytest
 
-from fibws.ros1.launch.command import Start
 from fibws.ros1.launch.model import Node
+from fibws.ros1.launch.node_command import NodeCommand
+from fibws.ros1.launch.output import Screen
 from fibws.ros1.launch.process import Process
 from fibws.ros1.launch.runner import Job, Runner
-from fibws.ros1.launch.screen import Screen
 
 WAIT = "import signal; signal.signal(signal.SIGINT, signal.SIG_DFL); print('up'); signal.pause()"
-DEAF = (
+STUBBORN = (
     "import signal; signal.signal(signal.SIGINT, signal.SIG_IGN); "
     "signal.signal(signal.SIGTERM, signal.SIG_IGN)\n"
     "print('up')\nwhile True: signal.pause()"
@@ -28,7 +28,7 @@ DEAF = (
 
 
 class Launched:
-    """A runner, and what it shows."""
+    """A runner and the lines that it shows."""
 
     def __init__(self, folder: Path, **waits: float) -> None:
         self.folder = folder
@@ -37,7 +37,7 @@ class Launched:
         self.runner = Runner(Screen(self._write), folder / "log", **waits)
 
     def _write(self, line: str, is_error: bool) -> None:
-        # Ids, and what is long, differ from run to run.
+        # Process IDs and commands differ from run to run.
         line = re.sub(r"pid \[?\d+\]?", "pid N", line)
         line = re.sub(r"cmd .*\]\.", "cmd ...].", line, flags=re.DOTALL)
         line = line.replace(str(self.folder / "log"), "LOG")
@@ -52,21 +52,21 @@ class Launched:
 
     async def start(self, script: str, *, screen: bool = True, **fields: Any) -> None:
         node = Node(**{"package": "p", "type": "t", "name": "n", **fields}, file="a", line=1)
-        start = Start([sys.executable, "-u", "-c", script], dict(os.environ), self.folder)
-        await self.runner.start_node(node, start, screen=screen)
+        command = NodeCommand([sys.executable, "-u", "-c", script], dict(os.environ), self.folder)
+        await self.runner.start_node(node, command, screen=screen)
 
-    async def core(self, script: str) -> None:
-        """Start what counts for the hub."""
+    async def start_hub(self, script: str) -> None:
+        """Start a script as the hub."""
         job = Job(
             Process(
                 "hub",
-                Start([sys.executable, "-u", "-c", script], dict(os.environ), self.folder),
+                NodeCommand([sys.executable, "-u", "-c", script], dict(os.environ), self.folder),
                 lambda line, is_error: self._write(f"hub: {line}", is_error),
             ),
             required=True,
-            is_core=True,
+            is_hub=True,
         )
-        await job.process.begin()
+        await job.process.start()
         self.runner.add(job)
 
     async def run(self) -> None:
@@ -82,7 +82,7 @@ async def launched(tmp_path: Path) -> AsyncIterator[Launched]:
     await launched.runner.shut_down()
 
 
-async def test_it_ends_when_all_have(launched: Launched) -> None:
+async def test_runner_ends_when_all_processes_have_ended(launched: Launched) -> None:
     await launched.start("print('hello')", name="a", namespace="/g")
     await launched.start("import sys; sys.exit(2)", name="b")
     await launched.run()
@@ -97,7 +97,7 @@ async def test_it_ends_when_all_have(launched: Launched) -> None:
     assert launched.runner.has_failed
 
 
-async def test_what_is_not_shown_is_kept_but_for_what_goes_wrong(launched: Launched) -> None:
+async def test_output_is_logged_and_errors_are_shown(launched: Launched) -> None:
     await launched.start(
         "import sys; print('out', flush=True); print('err', file=sys.stderr)", screen=False
     )
@@ -108,7 +108,7 @@ async def test_what_is_not_shown_is_kept_but_for_what_goes_wrong(launched: Launc
     assert sorted((launched.folder / "log/n-1.log").read_text().split()) == ["err", "out"]
 
 
-async def test_what_ending_makes_a_node_say_is_kept_but_not_shown(launched: Launched) -> None:
+async def test_errors_while_stopping_are_only_logged(launched: Launched) -> None:
     await launched.start(
         "import sys, signal\n"
         "def leave(*_): print('leaving', file=sys.stderr); sys.exit()\n"
@@ -124,16 +124,16 @@ async def test_what_ending_makes_a_node_say_is_kept_but_not_shown(launched: Laun
     assert not launched.runner.has_failed
 
 
-async def test_what_cannot_be_kept_is_shown(launched: Launched) -> None:
+async def test_output_that_cannot_be_logged_is_shown(launched: Launched) -> None:
     (launched.folder / "log").touch()
     await launched.start("print('out')", screen=False)
     await launched.run()
-    assert any(line.startswith("[n-1] cannot be logged: ") for line in launched.seen)
+    assert any(line.startswith("[n-1] cannot write log: ") for line in launched.seen)
     assert "[n-1] out" in launched.seen
 
 
-async def test_all_end_in_reverse_order_and_the_hub_last(launched: Launched) -> None:
-    await launched.core(WAIT)
+async def test_processes_end_in_reverse_order_and_the_hub_last(launched: Launched) -> None:
+    await launched.start_hub(WAIT)
     for name in ("a", "b"):
         await launched.start(WAIT, name=name)
     for _ in range(3):
@@ -148,13 +148,13 @@ async def test_all_end_in_reverse_order_and_the_hub_last(launched: Launched) -> 
     assert not launched.runner.has_failed
 
 
-async def test_a_process_that_is_required_ends_all(launched: Launched) -> None:
+async def test_end_of_a_required_process_ends_all(launched: Launched) -> None:
     await launched.start(WAIT, name="a")
     await launched.shows("up")
     await launched.start("import sys; sys.exit(3)", name="b", required=True)
     await launched.run()
-    [said] = [line for line in launched.seen if "REQUIRED" in line]
-    assert said == (
+    [text] = [line for line in launched.seen if "REQUIRED" in line]
+    assert text == (
         f"{'=' * 80}\nREQUIRED process [b-2] has died!\n"
         "process has died [pid N, exit code 3, cmd ...].\n"
         f"Initiating shutdown!\n{'=' * 80}"
@@ -163,7 +163,7 @@ async def test_a_process_that_is_required_ends_all(launched: Launched) -> None:
     assert launched.runner.has_failed
 
 
-async def test_a_process_is_started_again(launched: Launched) -> None:
+async def test_respawn_restarts_a_process(launched: Launched) -> None:
     await launched.start("import sys; sys.exit(1)", respawn=True)
     for _ in range(2):
         await launched.shows("process has died")
@@ -174,18 +174,20 @@ async def test_a_process_is_started_again(launched: Launched) -> None:
     assert not launched.runner.has_failed
 
 
-async def test_a_process_that_cannot_come_back_is_a_failure(launched: Launched) -> None:
+async def test_failed_restart_is_a_failure(launched: Launched) -> None:
     program = launched.folder / "once"
     program.write_text(f"#!{sys.executable}\nimport os\nos.remove(__file__)\n")
     program.chmod(0o755)
-    start = Start([str(program)], dict(os.environ), launched.folder)
-    await launched.runner.start_node(Node("p", "t", "n", "a", 1, respawn=True), start, screen=True)
+    command = NodeCommand([str(program)], dict(os.environ), launched.folder)
+    await launched.runner.start_node(
+        Node("p", "t", "n", "a", 1, respawn=True), command, screen=True
+    )
     await launched.run()
     assert "[n-1] restarting process" in launched.seen
     assert launched.runner.has_failed
 
 
-async def test_a_process_that_is_to_come_back_is_not_waited_for(launched: Launched) -> None:
+async def test_stop_does_not_wait_for_a_respawn_delay(launched: Launched) -> None:
     await launched.start("pass", respawn=True, respawn_delay=1000.0)
     await launched.shows("process has finished cleanly")
     launched.runner.stop()
@@ -193,9 +195,9 @@ async def test_a_process_that_is_to_come_back_is_not_waited_for(launched: Launch
     assert launched.seen[-1] == "[n-1] process has finished cleanly"
 
 
-async def test_a_process_that_takes_its_time_is_made_to_end(tmp_path: Path) -> None:
-    launched = Launched(tmp_path, wait_interrupt=0.1, wait_terminate=0.1)
-    await launched.start(DEAF)
+async def test_stubborn_process_is_killed(tmp_path: Path) -> None:
+    launched = Launched(tmp_path, sigint_timeout=0.1, sigterm_timeout=0.1)
+    await launched.start(STUBBORN)
     await launched.shows("up")
     launched.runner.stop()
     await launched.run()
@@ -206,9 +208,9 @@ async def test_a_process_that_takes_its_time_is_made_to_end(tmp_path: Path) -> N
     ]
 
 
-async def test_to_be_told_again_is_to_hurry(tmp_path: Path) -> None:
-    launched = Launched(tmp_path, wait_interrupt=1000.0, wait_terminate=1000.0)
-    await launched.start(DEAF)
+async def test_second_stop_sends_the_next_signal_at_once(tmp_path: Path) -> None:
+    launched = Launched(tmp_path, sigint_timeout=1000.0, sigterm_timeout=1000.0)
+    await launched.start(STUBBORN)
     await launched.shows("up")
     launched.runner.stop()
     end = asyncio.create_task(launched.run())
@@ -220,52 +222,52 @@ async def test_to_be_told_again_is_to_hurry(tmp_path: Path) -> None:
     assert launched.seen[-1] == "[n-1] escalating to SIGKILL"
 
 
-async def test_signals_end_all(launched: Launched) -> None:
+async def test_signals_stop_all(launched: Launched) -> None:
     signals: list[str] = []
-    launched.runner.obey_signals(lambda: signals.append("told"))
+    launched.runner.handle_signals(lambda: signals.append("received"))
     await launched.start(WAIT)
     await launched.shows("up")
     end = asyncio.create_task(launched.run())
     os.kill(os.getpid(), signal.SIGTERM)
     await end
-    assert (signals, launched.seen[-1]) == (["told"], "[n-1] killing on exit")
+    assert (signals, launched.seen[-1]) == (["received"], "[n-1] killing on exit")
 
 
-async def test_with_a_hub_of_its_own_it_stays_when_all_nodes_have_ended(launched: Launched) -> None:
-    await launched.core(WAIT)
+async def test_own_hub_runs_after_all_nodes_have_ended(launched: Launched) -> None:
+    await launched.start_hub(WAIT)
     await launched.shows("up")
     await launched.start("pass")
     end = asyncio.create_task(launched.run())
-    await launched.shows("all nodes have ended; the hub stays until Ctrl-C")
+    await launched.shows("all nodes have ended")
     assert not end.done()
     launched.runner.stop()
     await end
     assert launched.seen[-1] == "[hub] killing on exit"
 
 
-async def test_a_hub_that_dies_ends_all(launched: Launched) -> None:
+async def test_end_of_the_hub_ends_all(launched: Launched) -> None:
     await launched.start(WAIT)
     await launched.shows("up")
-    await launched.core("import sys; sys.exit(1)")
+    await launched.start_hub("import sys; sys.exit(1)")
     await launched.run()
     assert any("REQUIRED process [hub] has died!" in line for line in launched.seen)
     assert launched.seen[-1] == "[n-1] killing on exit"
 
 
-async def test_a_program_that_cannot_be_started_is_a_failure(launched: Launched) -> None:
+async def test_program_that_cannot_be_started_is_a_failure(launched: Launched) -> None:
     node = Node("p", "t", "n", "a", 1)
-    start = Start(["no_such_program", "x"], dict(os.environ), launched.folder)
-    await launched.runner.start_node(node, start, screen=True)
+    command = NodeCommand(["no_such_program", "x"], dict(os.environ), launched.folder)
+    await launched.runner.start_node(node, command, screen=True)
     await launched.run()
     assert launched.seen == [
         "[n-1] cannot be started: No such file or directory: no_such_program x"
     ]
     assert launched.runner.has_failed
     required = Node("p", "t", "n", "a", 1, required=True)
-    await launched.runner.start_node(required, start, screen=True)
+    await launched.runner.start_node(required, command, screen=True)
     assert launched.seen[-1] == "REQUIRED process [n] cannot be started!"
 
 
-async def test_nothing_to_run_is_done_at_once(launched: Launched) -> None:
+async def test_without_processes_it_ends_at_once(launched: Launched) -> None:
     await launched.run()
     assert launched.seen == []

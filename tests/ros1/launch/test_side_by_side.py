@@ -1,4 +1,4 @@
-"""The same files read by ROS's own roslaunch, where that is installed."""
+"""The same files read by ROS's own roslaunch, if that is installed."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import yaml
 
 from fibws.ros1.launch.reader import Reader
 
-from .conftest import MadeUp
+from .conftest import FakeEnvironment
 
 PYTHON = "/usr/bin/python3"
 SCRIPT = """
@@ -150,13 +150,16 @@ TEXTS = [
     '<arg name="a" value="8"/></include><param name="after" value="$(arg a)"/>',
     '<include file="FOLDER/nope.launch"/>',
     "<!-- nothing -->",
+    '<node pkg="p" type="t" name="n" foo="x"><bar/></node><sphinxdoc>x</sphinxdoc>',
+    '<param name="p" value="1" vlaue="2"/><group nss="a">' + NODE.format("n") + "</group>",
+    '<include file="FOLDER/one.launch" n="1"><arg name="a" value="1"/><param/></include>',
 ]
 VALUES = ["given:=G"]
 
 
 @pytest.fixture(scope="module")
 def theirs(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Any]]:
-    """The folder of the files, and what ROS's roslaunch has read from each."""
+    """The folder of the files, and the content of each as ROS's roslaunch reads it."""
     if (
         not Path(PYTHON).exists()
         or subprocess.run([PYTHON, "-c", "import roslaunch"], capture_output=True).returncode
@@ -185,8 +188,8 @@ def theirs(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Any]]:
     return folder, json.loads(done.stdout.splitlines()[-1])
 
 
-class Real(MadeUp):
-    """Made up, but for files and commands."""
+class Real(FakeEnvironment):
+    """A fake environment with real files and commands."""
 
     def read(self, file: str) -> bytes:
         return Path(file).read_bytes()
@@ -203,7 +206,7 @@ class Real(MadeUp):
 
 @pytest.mark.real_ros
 @pytest.mark.parametrize("number", range(len(TEXTS)), ids=TEXTS)
-def test_it_reads_what_roslaunch_reads(number: int, theirs: tuple[Path, list[Any]]) -> None:
+def test_result_is_that_of_roslaunch(number: int, theirs: tuple[Path, list[Any]]) -> None:
     folder, expected = theirs
     reader = Reader(Real(), {"given": "G"})
     try:

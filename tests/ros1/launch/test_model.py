@@ -1,14 +1,13 @@
-"""What is told of a launch before it runs."""
+"""Listings of a launch."""
 
 from __future__ import annotations
 
-from fibws.ros1.launch.listing import arguments, summary
-from fibws.ros1.launch.model import Argument
+from fibws.ros1.launch.model import Argument, argument_lines, summary
 
 from .conftest import Read
 
 
-def test_the_summary_has_parameters_and_nodes_by_their_namespaces(read: Read) -> None:
+def test_summary_lists_parameters_and_nodes_by_namespace(read: Read) -> None:
     launch = read(
         '<param name="b" value="a long text of many words"/><param name="a" value="1"/>'
         '<param name="lines" value="a\tb"/>'
@@ -40,12 +39,12 @@ NODES
     )
 
 
-def test_a_value_that_cannot_be_shown_is_not(read: Read) -> None:
+def test_unprintable_value_is_hidden(read: Read) -> None:
     launch = read('<rosparam>a: "x\\e[31m"\nb: "x\\n"</rosparam>')
     assert {" * /a: <...>", " * /b: x"} <= set(summary(launch))
 
 
-def test_arguments_are_those_that_may_be_given() -> None:
+def test_argument_lines_list_arguments_that_may_be_set() -> None:
     known = [
         Argument("b"),
         Argument("a", doc="what"),
@@ -53,7 +52,7 @@ def test_arguments_are_those_that_may_be_given() -> None:
         Argument("d", default="1", doc="how"),
         Argument("c", default="x y"),
     ]
-    assert list(arguments(known)) == [
+    assert list(argument_lines(known)) == [
         "Required Arguments:",
         "  a: what",
         "  b: undocumented",
@@ -61,6 +60,6 @@ def test_arguments_are_those_that_may_be_given() -> None:
         '  c (default "x y"): undocumented',
         '  d (default "1"): how',
     ]
-    assert list(arguments(known[:1])) == ["Required Arguments:", "  b: undocumented"]
-    assert next(iter(arguments(known[-1:]))) == "Optional Arguments:"
-    assert list(arguments([known[2]])) == ["No arguments."]
+    assert list(argument_lines(known[:1])) == ["Required Arguments:", "  b: undocumented"]
+    assert next(iter(argument_lines(known[-1:]))) == "Optional Arguments:"
+    assert list(argument_lines([known[2]])) == ["No arguments."]
