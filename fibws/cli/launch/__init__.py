@@ -178,9 +178,8 @@ def _node(launch: Launch, name: str) -> Node:
     wanted = names.resolve(name)
     if wanted not in launch.nodes:
         known = "".join(f"\n * {each}" for each in launch.nodes)
-        raise click.ClickException(
-            f"Cannot find node {wanted}{suggestion(wanted, launch.nodes) or '.'} Known nodes:{known}"
-        )
+        near = suggestion(wanted, launch.nodes) or "."
+        raise click.ClickException(f"Cannot find node {wanted}{near} Known nodes:{known}")
     return launch.nodes[wanted]
 
 
