@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from fibws.node.actions.actions import Over
     from fibws.node.actions.client import ActionClient, ClientGoal
     from fibws.node.actions.server import ActionServer, Execute, ServerGoal
-    from fibws.node.actions.status import GoalStatus
     from fibws.node.graph import Graph, NodeDetails
     from fibws.node.node import Node
     from fibws.node.params import Params
@@ -41,6 +40,7 @@ if TYPE_CHECKING:
     from fibws.node.rate import Rate
     from fibws.node.services import Handler, HeaderHandler, ServiceServer
     from fibws.node.subscription import Subscription
+    from fibws.protocol.goals import GoalStatus
 
 __version__ = "0.1.0"
 
@@ -71,7 +71,6 @@ _HOMES = {
     "fibws.node.actions.actions": ("Over",),
     "fibws.node.actions.client": ("ActionClient", "ClientGoal"),
     "fibws.node.actions.server": ("ActionServer", "Execute", "ServerGoal"),
-    "fibws.node.actions.status": ("GoalStatus",),
     "fibws.node.graph": ("Graph", "NodeDetails"),
     "fibws.node.node": ("Node",),
     "fibws.node.params": ("Params",),
@@ -80,6 +79,7 @@ _HOMES = {
     "fibws.node.rate": ("Rate",),
     "fibws.node.services": ("Handler", "HeaderHandler", "ServiceServer"),
     "fibws.node.subscription": ("Subscription",),
+    "fibws.protocol.goals": ("GoalStatus",),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 

@@ -67,8 +67,8 @@ BELOW_IN_HUB = {
 operations, delivery knows bytes, websocket knows endpoints but no operations."""
 
 ONLY = {
-    "client": {"protocol": {"serialized", "goal_status"}},
-    "cli": {"protocol": {"levels", "goal_status"}},
+    "client": {"protocol": {"serialized", "goals"}},
+    "cli": {"protocol": {"levels", "goals"}},
     "ros1/launch": {"node": set[str]()},
     "ros1/workspace": {"node": set[str]()},
 }

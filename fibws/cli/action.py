@@ -1,49 +1,58 @@
-"""``fibws action``: which actions there are, of what types; goals to send."""
+"""``fibws action``: list and inspect actions, send goals."""
 
 from __future__ import annotations
 
-import re
 import sys
 
 import click
 
-from fibws.cli import arguments, complete, output
-from fibws.cli.common_options import examples, json_option, linked
+from fibws.cli import arguments, completers, output
+from fibws.cli.common_options import examples, json_option, with_hub
 from fibws.cli.exit_handling import INTERRUPTED, end_line
+from fibws.cli.type_names import is_type
 from fibws.cli.types import show
-from fibws.client.actions import End, Feedback, Goal, News, OperationGoal, Status, TopicGoal
-from fibws.client.graph_snapshot import Entry, Snapshot, within
+from fibws.client.actions import (
+    End,
+    Feedback,
+    Goal,
+    OperationGoal,
+    StatusChange,
+    TopicGoal,
+    Update,
+)
+from fibws.client.graph_snapshot import Entry, GraphSnapshot, in_namespace
 from fibws.client.hub_client import HubClient
+from fibws.protocol.goals import GoalStatus
 from fibws.values import parsing, printing
 from fibws.values.typedefs import Typedefs, if_known
 
 POLL = 0.1
-"""Seconds between two looks for an action that is waited for."""
+"""Seconds between two checks for an action that --wait waits for."""
 
 CANCEL_PATIENCE = 5.0
-"""Seconds in which a server must say what becomes of a goal that is to be cancelled."""
+"""Seconds to wait for the end of a canceled goal."""
 
-_TYPE = re.compile(r"[A-Za-z]\w*/(action/)?[A-Za-z]\w*", re.ASCII)
-
-_action = click.argument("action", shell_complete=complete.actions)
+_action = click.argument("action", shell_complete=completers.actions)
 
 
 @click.group()
 def command() -> None:
-    """Look at actions, send them goals."""
+    """List and inspect actions, send goals."""
 
 
 command.add_command(show("action"))
 
 
 @command.command("list")
-@click.argument("namespace", required=False, shell_complete=complete.actions)
-@click.option("-t", "--types", is_flag=True, help="Name the type of each.")
+@click.argument("namespace", required=False, shell_complete=completers.actions)
+@click.option("-t", "--types", is_flag=True, help="Also print the types.")
 @json_option
-@linked("action")
+@with_hub("action")
 def list_(client: HubClient, namespace: str | None, types: bool, as_json: bool) -> None:
     """List all actions, or those in NAMESPACE."""
-    found = within(namespace and client.resolve_namespace(namespace), Snapshot(client).actions)
+    found = in_namespace(
+        namespace and client.resolve_namespace(namespace), GraphSnapshot(client).actions
+    )
     if as_json:
         for action in found:
             output.as_json(action)
@@ -57,65 +66,64 @@ def list_(client: HubClient, namespace: str | None, types: bool, as_json: bool) 
 @command.command()
 @_action
 @json_option
-@linked("action")
+@with_hub("action")
 def info(client: HubClient, action: str, as_json: bool) -> None:
     """Show the type, the clients and the servers of ACTION.
 
-    Goals may go over topics, as in ROS 1, over operations, as rosbridge has them for ROS 2, or
-    both; clients are known of topics alone.
+    An action is over topics, as in ROS 1, over operations, as rosbridge has them for ROS 2, or
+    both. Clients are shown for topics only.
     """
-    snapshot = Snapshot(client)
-    for way in snapshot.ways(client.resolve(action)):
-        clients = _publishers(snapshot, f"{way['name']}/goal") if way["over_topics"] else []
+    snapshot = GraphSnapshot(client)
+    for entry in snapshot.actions_named(client.resolve(action)):
+        clients = _publishers(snapshot, f"{entry['name']}/goal") if entry["over_topics"] else []
         if as_json:
-            address = snapshot.address(way["node"])
-            output.as_json({**way, "address": address, "clients": clients})
+            address = snapshot.address(entry["node"])
+            output.as_json({**entry, "address": address, "clients": clients})
             continue
-        output.line(f"Type: {way['type'] or 'unknown type'}")
-        output.line(f"Over: {'topics' if way['over_topics'] else 'operations'}\n")
-        if way["over_topics"]:
-            _nodes("Clients", clients, snapshot)
-        _nodes("Servers", [way["node"]] if way["node"] else [], snapshot)
+        output.line(f"Type: {entry['type'] or 'unknown type'}")
+        output.line(f"Over: {'topics' if entry['over_topics'] else 'operations'}\n")
+        if entry["over_topics"]:
+            _print_nodes("Clients", clients, snapshot)
+        _print_nodes("Servers", [entry["node"]] if entry["node"] else [], snapshot)
 
 
 @command.command("type")
 @_action
-@linked("action")
+@with_hub("action")
 def type_(client: HubClient, action: str) -> None:
     """Print the type of ACTION.
 
-    It may have two, if goals may go over topics and over operations.
+    An action over both topics and operations may have two types.
     """
-    for way in Snapshot(client).ways(client.resolve(action)):
-        output.line(way["type"])
+    for entry in GraphSnapshot(client).actions_named(client.resolve(action)):
+        output.line(entry["type"])
 
 
 @command.command(context_settings=arguments.VALUES)
 @_action
 @click.argument("goal", nargs=-1, metavar="[TYPE] [GOAL]...", callback=arguments.check)
-@click.option("-f", "--feedback", is_flag=True, help="Print the feedback, too.")
-@click.option("--wait", is_flag=True, help="Wait until somebody serves the action.")
+@click.option("-f", "--feedback", is_flag=True, help="Also print feedback.")
+@click.option("--wait", is_flag=True, help="Wait until the action has a server.")
 @json_option
-@linked("action")
+@with_hub("action")
 @examples("{action send} -f /fibonacci 5", '{action send} /fibonacci "{order: 5}"')
 def send(
     client: HubClient, action: str, goal: tuple[str, ...], feedback: bool, wait: bool, as_json: bool
 ) -> None:
-    """Send ACTION a goal and print its result.
+    """Send a goal to ACTION and print its result.
 
-    The goal's status goes to standard error.
+    The goal's status is printed on standard error.
 
-    GOAL is a value for each field in order, or all as one object, in YAML: 5 or "{order: 5}".
-    TYPE is needed only where an action has two. Ctrl-C cancels the goal. The exit code is 0 if the
-    goal has SUCCEEDED.
+    GOAL is the value of each field in order, or all as one object, in YAML: 5 or "{order: 5}".
+    TYPE is needed only if the action has two types or an unknown one. Ctrl-C cancels the goal. The
+    exit code is 0 if the goal SUCCEEDED.
     """
     name = client.resolve(action)
-    named, goal = (goal[0], goal[1:]) if goal and _TYPE.fullmatch(goal[0]) else (None, goal)
     if wait:
         _wait(client, name)
-    way, type_ = _way(Snapshot(client).ways(name), named)
-    values = parsing.message(goal, if_known(Typedefs.of_message, client, f"{type_}Goal"))
-    kind = TopicGoal if way["over_topics"] else OperationGoal
+    entry, type_, words = _choose(GraphSnapshot(client).actions_named(name), goal)
+    values = parsing.message(words, if_known(Typedefs.of_message, client, f"{type_}Goal"))
+    kind = TopicGoal if entry["over_topics"] else OperationGoal
     printer = _Printer(client, type_, feedback=feedback, as_json=as_json)
     sent: Goal = kind(client, name, type_, values)
     try:
@@ -126,14 +134,14 @@ def send(
         click.echo("canceling the goal", err=True)
         _follow(sent, printer, timeout=CANCEL_PATIENCE)
         sys.exit(INTERRUPTED)
-    assert end is not None  # There is one, if one waits for it.
-    if end.status != "SUCCEEDED":
+    assert end is not None, "without a timeout, the updates end with the goal"
+    if end.status is not GoalStatus.SUCCEEDED:
         reason = f": {output.visible(end.text)}" if end.text else ""
         raise click.ClickException(f"{name}: {end.status}{reason}")
 
 
 class _Printer:
-    """Prints what is heard of a goal."""
+    """Prints the updates of a goal."""
 
     def __init__(self, client: HubClient, type_: str, *, feedback: bool, as_json: bool) -> None:
         self._feedback = if_known(Typedefs.of_message, client, f"{type_}Feedback")
@@ -141,52 +149,60 @@ class _Printer:
         self._prints_feedback = feedback
         self._as_json = as_json
 
-    def print(self, news: News) -> None:
-        match news:
-            case Status(status):
-                click.echo(status, err=True)
+    def print(self, update: Update) -> None:
+        match update:
+            case StatusChange(status):
+                click.echo(status.name, err=True)
             case Feedback(values) if self._prints_feedback and self._as_json:
                 output.as_json({"feedback": values})
             case Feedback(values) if self._prints_feedback:
                 output.line(printing.text(values, self._feedback))
                 output.line("---")
             case End(status, text, result):
-                click.echo(status, err=True)
+                click.echo(status.name, err=True)
                 if self._as_json:
-                    output.as_json({"status": status, "text": text, "result": result})
+                    output.as_json({"status": status.name, "text": text, "result": result})
                 elif result is not None:
                     output.line(printing.text(result, self._result))
 
 
 def _follow(goal: Goal, printer: _Printer, timeout: float | None = None) -> End | None:
-    """Print the news of a goal until its end, which is returned, or None if it comes too late."""
-    for news in goal.news(timeout):
-        printer.print(news)
-        if isinstance(news, End):
-            return news
+    """Print the updates of a goal and return its end; None if it has not ended in time."""
+    for update in goal.updates(timeout):
+        printer.print(update)
+        if isinstance(update, End):
+            return update
     return None
 
 
-def _way(ways: list[Entry], named: str | None) -> tuple[Entry, str]:
-    """How to send a goal, and the action's type, which may have been named; topics if in doubt."""
-    ways = sorted(ways, key=lambda way: not way["over_topics"])
-    type_: str = named.replace("/action/", "/", 1) if named else ways[0]["type"]
-    if not type_:
-        text = f"The type of {ways[0]['name']} is not known: name it before the goal."
-        raise click.UsageError(text)
-    for way in ways:
-        if way["type"] in (type_, ""):
-            return way, type_
-    there = " and ".join(way["type"] for way in ways)
-    raise click.ClickException(f"{ways[0]['name']} is of type {there}, not {type_}")
+def _choose(entries: list[Entry], goal: tuple[str, ...]) -> tuple[Entry, str, tuple[str, ...]]:
+    """Choose between an action over topics and over operations; topics are preferred.
+
+    The first word of the goal is a TYPE only if it is one of the action's types, or if the action
+    has an unknown type: a string in a goal may look like a type.
+
+    Returns:
+        The action's entry, its type, and the words of the goal.
+    """
+    entries = sorted(entries, key=lambda entry: not entry["over_topics"])
+    types = [entry["type"] for entry in entries]
+    named = goal[0].replace("/action/", "/", 1) if goal else ""
+    if named in types or ("" in types and is_type(named)):
+        exact = [entry for entry in entries if entry["type"] == named]
+        unknown = [entry for entry in entries if not entry["type"]]
+        return (exact or unknown)[0], named, goal[1:]
+    if not types[0]:
+        name = entries[0]["name"]
+        raise click.UsageError(f"the type of {name} is unknown; give TYPE before the goal")
+    return entries[0], types[0], goal
 
 
 def _wait(client: HubClient, name: str) -> None:
-    while all(action["name"] != name for action in Snapshot(client).actions):
+    while all(action["name"] != name for action in GraphSnapshot(client).actions):
         client.process(POLL)
 
 
-def _publishers(snapshot: Snapshot, name: str) -> list[str]:
+def _publishers(snapshot: GraphSnapshot, name: str) -> list[str]:
     return [
         publisher["node"]
         for topic in snapshot.topics
@@ -195,7 +211,7 @@ def _publishers(snapshot: Snapshot, name: str) -> list[str]:
     ]
 
 
-def _nodes(head: str, nodes: list[str], snapshot: Snapshot) -> None:
+def _print_nodes(head: str, nodes: list[str], snapshot: GraphSnapshot) -> None:
     if not nodes:
         output.line(f"{head}: None\n")
         return

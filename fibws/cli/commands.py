@@ -9,7 +9,7 @@ import click
 
 from fibws import __version__
 from fibws.cli.common_options import SETTINGS
-from fibws.cli.exit_handling import ending
+from fibws.cli.exit_handling import clean_exit
 from fibws.cli.lazy import Command, LazyGroup
 
 BEGIN, LOOK, NOUNS, TYPES, MORE = "Begin", "See it live", "Look and act", "Types", "More"
@@ -48,7 +48,7 @@ class Root(LazyGroup):
 
     def invoke(self, ctx: click.Context) -> Any:
         """Import and run the command; Ctrl-C may interrupt both."""
-        with ending():
+        with clean_exit():
             return super().invoke(ctx)
 
 

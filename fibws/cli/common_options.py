@@ -10,11 +10,11 @@ from typing import Any, TypeVar
 
 import click
 
-from fibws.cli.exit_handling import ending
+from fibws.cli.exit_handling import clean_exit
 from fibws.command_names import command_name
 
 SETTINGS = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
-"""Of a command that is called by itself; those in a group have their group's."""
+"""Settings of a command that is run by itself; commands in a group inherit the group's."""
 _COMMAND = re.compile(r"\{([a-z]+(?: [a-z]+)*)\}")
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
@@ -50,24 +50,22 @@ def examples(*lines: str | tuple[str, str]) -> Callable[[_Function], _Function]:
     return add
 
 
-def linked(
+def with_hub(
     tool: str = "tool", *, endless: bool = False
 ) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Give a command the option ``--hub``, and an open `HubClient` as its argument ``client``.
 
     Args:
-        tool: what the tool is called among the nodes; whoever only asks is a ``tool``.
-        endless: whether Ctrl-C is how it ends, which is no failure then.
+        tool: begins the name of the command's node on the hub.
+        endless: whether Ctrl-C is the command's normal end, with exit code 0.
     """
 
     def decorate(command: Callable[..., None]) -> Callable[..., None]:
         @wraps(command)
         def with_client(hub: str | None, **others: Any) -> None:
-            from fibws.client.hub_client import (
-                HubClient,  # 60 ms, which the help of a group has no use for
-            )
+            from fibws.client.hub_client import HubClient  # 60 ms, which help does not need.
 
-            with ending(endless=endless), HubClient(tool, hub) as client:
+            with clean_exit(endless=endless), HubClient(tool, hub) as client:
                 command(client=client, **others)
 
         return hub_option(with_client)
@@ -78,9 +76,9 @@ def linked(
 hub_option: Callable[[Callable[..., None]], Callable[..., None]] = click.option(
     "--hub",
     metavar="URL",
-    help="The hub's address.  [default: $FIBWS_HUB, else ws://127.0.0.1:9090]",
+    help="Address of the hub.  [default: $FIBWS_HUB, else ws://127.0.0.1:9090]",
 )
 
 json_option: Callable[[Callable[..., None]], Callable[..., None]] = click.option(
-    "--json", "as_json", is_flag=True, help="Print JSON, one value a line."
+    "--json", "as_json", is_flag=True, help="Print JSON, one value per line."
 )

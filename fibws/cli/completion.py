@@ -1,4 +1,4 @@
-"""``fibws completion``: what makes a shell complete commands, topics, nodes and the like."""
+"""``fibws completion``: the scripts that shells source; `completers` finds the names."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from click.shell_completion import get_completion_class
 
 PROGRAM = "fibws"
 VARIABLE = "_FIBWS_COMPLETE"
-"""The variable by which a shell asks for completions; click makes it of the program's name."""
+"""The variable with which a shell requests completions; click derives it from the name."""
 SHELLS = ("bash", "fish", "zsh")
 
 
@@ -15,18 +15,18 @@ SHELLS = ("bash", "fish", "zsh")
 @click.argument("shell", type=click.Choice(SHELLS))
 @click.pass_context
 def command(context: click.Context, shell: str) -> None:
-    """Print what makes a shell complete what you type, by TAB.
+    """Print the script that enables completion by TAB in SHELL.
 
-    It completes commands, options, and the names of what there is: topics, nodes, services,
-    actions, parameters and types. Names come from the hub that $FIBWS_HUB tells of, or --hub.
+    Commands, options and the names of topics, nodes, services, actions, parameters and types are
+    completed. Names come from the hub at --hub or $FIBWS_HUB.
 
-    To have it in this shell and, by a line in the file that is named, in each new one:
+    To enable it in this shell; in every new shell by a line in the named file:
 
     \b
       bash   eval "$(fibws completion bash)"      ~/.bashrc
-      zsh    eval "$(fibws completion zsh)"       ~/.zshrc, behind compinit
+      zsh    eval "$(fibws completion zsh)"       ~/.zshrc, after compinit
       fish   fibws completion fish | source       ~/.config/fish/config.fish
     """
     kind = get_completion_class(shell)
-    assert kind is not None, "click knows them all"
+    assert kind is not None, "click supports them all"
     click.echo(kind(context.find_root().command, {}, PROGRAM, VARIABLE).source())

@@ -8,7 +8,7 @@ from urllib.parse import urlsplit
 import click
 
 from fibws import hub_address
-from fibws.cli.exit_handling import ending
+from fibws.cli.exit_handling import clean_exit
 from fibws.command_names import command_name
 from fibws.errors import FibwsError
 from fibws.processes import exec_command
@@ -34,12 +34,12 @@ def command(port: int | None, verbose: bool, workers: str | None, timeout: str |
     Start it first and leave it running. Nodes look for it at $FIBWS_HUB, or else at
     ws://127.0.0.1:9090. `fibws hub` has more settings.
     """
-    with ending():
+    with clean_exit():
         if port is None:
             _warn_if_nodes_look_elsewhere()
             port = _port_of_nodes() or hub_address.DEFAULT_PORT
         url = f"ws://{hub_address.LOOPBACK[0]}:{port}"
-        if port and _is_running(url):
+        if port and _is_hub_running(url):
             raise click.ClickException(
                 f"{command_name('core')} cannot run as another roscore/master is already running: "
                 f"the hub at {url}. One hub is enough for all nodes. To stop it, press Ctrl-C "
@@ -63,11 +63,10 @@ def _warn_if_nodes_look_elsewhere() -> None:
         click.echo(f"{text}, but this hub is only for this machine", err=True)
 
 
-def _is_running(url: str) -> bool:
-    from fibws.client.hub_client import HubClient
+def _is_hub_running(url: str) -> bool:
+    from fibws.client.hub_client import is_hub_running
 
     try:
-        HubClient("core", url).close()
+        return is_hub_running(url, "core")
     except FibwsError:
-        return False
-    return True
+        return False  # The hub itself reports why it cannot listen.

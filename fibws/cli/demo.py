@@ -11,6 +11,7 @@ import click
 import fibws
 from fibws.broadcaster import broadcast
 from fibws.cli import node_program
+from fibws.client.hub_client import is_hub_running
 from fibws.errors import HubError
 from fibws.hub import Hub, Settings
 from fibws.listener import listen
@@ -30,7 +31,7 @@ async def demo(port: int, rate: float) -> None:
             if not _is_taken(error):
                 raise
             url = f"ws://127.0.0.1:{port}"
-            if not await _is_hub(url):
+            if not await asyncio.to_thread(_is_hub, url):
                 raise HubError(
                     f"port {port} is in use by another program; choose another with --port"
                 ) from None
@@ -60,13 +61,10 @@ def _is_taken(error: HubError) -> bool:
     return isinstance(error.__cause__, OSError) and error.__cause__.errno == errno.EADDRINUSE
 
 
-async def _is_hub(url: str) -> bool:
-    probe = fibws.Node("fibws_demo", hub=url, anonymous=True)
-    probe.log.disabled = True
+def _is_hub(url: str) -> bool:
     try:
-        async with asyncio.timeout(2), probe:
-            return True
-    except (TimeoutError, fibws.HubUnreachable):
+        return is_hub_running(url, "demo")
+    except fibws.HubUnreachable:
         return False
 
 

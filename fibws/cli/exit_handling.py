@@ -1,4 +1,4 @@
-"""How a command ends: by Ctrl-C, by a reader who leaves (``| head``), by an error in one line."""
+"""Exit codes and one-line errors: Ctrl-C, a closed pipe (``| head``), errors of fibws."""
 
 from __future__ import annotations
 
@@ -13,45 +13,46 @@ from fibws.cli.output import visible
 from fibws.errors import FibwsError, InvalidValue
 
 INTERRUPTED = 130
-"""The exit code of what Ctrl-C broke off, as shells have it: 128 + SIGINT."""
+"""The exit code after Ctrl-C, as in shells: 128 + SIGINT."""
 
 
 @contextmanager
-def ending(*, endless: bool = False) -> Iterator[None]:
-    """Make an end of what runs within.
+def clean_exit(*, endless: bool = False) -> Iterator[None]:
+    """Turn the exceptions that end a command into exit codes and one-line errors.
 
     Args:
-        endless: whether Ctrl-C is how it ends, which is no failure then.
+        endless: whether Ctrl-C is the command's normal end, with exit code 0.
 
     Raises:
-        ClickException: something went wrong; click prints what in one line and exits with 1.
+        ClickException: the command failed; click prints the text in one line and exits with 1, or
+            with 2 for an invalid value.
     """
     try:
         yield
-    except (KeyboardInterrupt, click.Abort):  # The latter is Ctrl-C at a question.
+    except (KeyboardInterrupt, click.Abort):  # click.Abort: Ctrl-C at a prompt.
         end_line()
         sys.exit(0 if endless else INTERRUPTED)
     except BrokenPipeError:
-        _print_no_more()
+        _discard_output()
     except InvalidValue as error:
         raise click.UsageError(visible(str(error))) from None
     except FibwsError as error:
-        # It may hold a provider's own words.
+        # The text may contain control characters of another program.
         raise click.ClickException(visible(str(error))) from None
     except OSError as error:
-        # A full disk, most likely, that what is printed goes to.
-        _print_no_more()
+        # Most likely the output's disk is full.
+        _discard_output()
         where = f"{error.filename}: " if error.filename is not None else ""
         raise click.ClickException(visible(f"{where}{error.strerror or error}")) from None
 
 
 def end_line() -> None:
-    """End the line that a terminal has shown ^C in: the shell's prompt must not stand behind it."""
+    """End the terminal's line that shows ^C, so that the shell's prompt begins a new line."""
     if sys.stderr is not None and sys.stderr.isatty():
         click.echo(err=True)
 
 
-def _print_no_more() -> None:
-    # Python flushes standard output once more when it exits, and must not fail at that.
+def _discard_output() -> None:
+    # Python flushes standard output again when it exits, which must not fail.
     if sys.stdout is not None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

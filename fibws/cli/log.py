@@ -1,4 +1,4 @@
-"""``fibws log``: what the nodes log, as it comes."""
+"""``fibws log``: print the log messages of all nodes."""
 
 from __future__ import annotations
 
@@ -6,20 +6,19 @@ from typing import Any
 
 import click
 
-from fibws.cli import output
-from fibws.cli.common_options import json_option, linked
-from fibws.cli.complete import nodes
+from fibws.cli import completers, output
+from fibws.cli.common_options import json_option, with_hub
 from fibws.client.hub_client import HubClient
-from fibws.client.rosapi_schemas import LOG, fault
+from fibws.client.rosapi_schemas import LOG, schema_error
 
 TOPIC = "/rosout_agg"
 QUEUE = 1000
-"""Messages that the hub keeps for a terminal that is too slow, as for tools of rosconsole."""
+"""Messages that the hub keeps for a slow terminal, as rosconsole's tools do."""
 
 LEVELS = {"debug": 1, "info": 2, "warn": 4, "error": 8, "fatal": 16}
-"""rosgraph_msgs/Log's levels."""
+"""The levels of rosgraph_msgs/Log."""
 COLOURS = {"debug": "green", "info": None, "warn": "yellow", "error": "red", "fatal": "red"}
-"""Those of rosconsole."""
+"""The colours of rosconsole."""
 
 
 @click.command()
@@ -29,20 +28,22 @@ COLOURS = {"debug": "green", "info": None, "warn": "yellow", "error": "red", "fa
     type=click.Choice(list(LEVELS), case_sensitive=False),
     default="debug",
     show_default=True,
-    help="The least level to show.",
+    help="Show only messages of at least this level.",
 )
 @click.option(
     "--node",
     "wanted",
     metavar="NAME",
     multiple=True,
-    shell_complete=nodes,
-    help="Show this node alone, or those of this namespace; may be repeated.",
+    shell_complete=completers.nodes,
+    help="Show only messages of this node or namespace; may be repeated.",
 )
-@click.option("--grep", "text", metavar="TEXT", help="Show what has this in its text alone.")
-@click.option("-n", "count", metavar="COUNT", type=click.IntRange(1), help="End after so many.")
+@click.option("--grep", "text", metavar="TEXT", help="Show only messages containing TEXT.")
+@click.option(
+    "-n", "count", metavar="COUNT", type=click.IntRange(1), help="Stop after COUNT messages."
+)
 @json_option
-@linked("log", endless=True)
+@with_hub("log", endless=True)
 def command(
     client: HubClient,
     level: str,
@@ -51,16 +52,18 @@ def command(
     count: int | None,
     as_json: bool,
 ) -> None:
-    """Show what the nodes log (/rosout_agg), from now on, until Ctrl-C.
+    """Print the log messages of all nodes (/rosout_agg) as they arrive, until Ctrl-C.
 
-    With --json, each is a line: the message as it is, a rosgraph_msgs/Log.
+    With --json, each message is printed as one line of JSON, a rosgraph_msgs/Log.
     """
     namespaces = [client.resolve_namespace(name).rstrip("/") + "/" for name in wanted]
     client.send({"op": "subscribe", "topic": TOPIC, "queue_length": QUEUE})
     shown = 0
     for message in client.messages(TOPIC):
-        if wrong := fault(message, LOG, "message"):
-            raise click.ClickException(f"{TOPIC} has what is no rosgraph_msgs/Log: {wrong}")
+        if error := schema_error(message, LOG, "message"):
+            raise click.ClickException(
+                f"received a message on {TOPIC} that is not a rosgraph_msgs/Log: {error}"
+            )
         if not _is_wanted(message, LEVELS[level], namespaces, text):
             continue
         if as_json:
@@ -74,10 +77,9 @@ def command(
 
 
 def log_line(message: dict[str, Any]) -> str:
-    """A message of the log as rosconsole prints it, with the node that it is from.
+    """Return a message in rosconsole's format, with the node's name.
 
-    Further lines of its text stand below the first one's beginning, so that none of them looks
-    like a message of somebody else's.
+    Further lines of its text are indented, so that none looks like another message.
     """
     stamp = message["header"]["stamp"]
     head = f"[{_level(message['level']).upper()}] "
@@ -96,5 +98,5 @@ def _is_wanted(
 
 
 def _level(number: int) -> str:
-    """The name of a level, also of one between those that there are."""
+    """Return the name of a level; of the next lower one for numbers between levels."""
     return next((name for name, least in reversed(LEVELS.items()) if number >= least), "debug")

@@ -1,4 +1,4 @@
-"""The programs of nodes: their common options, and how they run and end."""
+"""Programs that are nodes: their common options, and running them until Ctrl-C."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ import click
 
 import fibws
 from fibws.cli import common_options
-from fibws.cli.exit_handling import end_line, ending
+from fibws.cli.exit_handling import clean_exit, end_line
 from fibws.msg import message_class
 
 SETTINGS = common_options.SETTINGS
@@ -27,11 +27,10 @@ def node(
     """Give a command the options of a node, and the node itself as its argument ``node``.
 
     Args:
-        default_name: the node's name if none is chosen.
-        anonymous: make this one that no other node has; what others call by the node's name has to
-            keep it.
-        arguments: how the help writes the arguments that are no remappings, which the command gets
-            as ``arguments``; else there may be none.
+        default_name: the node's name without --node-name and ``__name:=``.
+        anonymous: make the default name unique.
+        arguments: the metavar of arguments besides remappings, which the command gets as
+            ``arguments``; without it, such arguments are an error.
     """
     default = f"{default_name}_<pid>_<number>" if anonymous else default_name
 
@@ -45,8 +44,8 @@ def node(
                 others["arguments"] = rest
             elif rest:
                 raise click.UsageError(
-                    f"Got unexpected argument {rest[0]!r}: it is neither an option nor a "
-                    "remapping, which is written from:=to."
+                    f"unexpected argument {rest[0]!r}: expected an option, or a remapping "
+                    "written FROM:=TO"
                 )
             try:
                 node = fibws.Node(
@@ -68,7 +67,7 @@ def node(
             click.option(
                 "--node-name",
                 metavar="NAME",
-                help=f"The node's name, used as it is.  [default: {default}]",
+                help=f"Name of the node.  [default: {default}]",
             ),
         ):
             with_node = option(with_node)
@@ -84,7 +83,7 @@ number_type: Callable[[Callable[..., None]], Callable[..., None]] = click.option
     default="std_msgs/Int32",
     show_default=True,
     callback=lambda context, parameter, name: _number_type(name),
-    help="The numbers' type: any that has one number, called data.",
+    help="Type of the numbers: any message type whose only field is a number called data.",
 )
 
 rate: Callable[[Callable[..., None]], Callable[..., None]] = click.option(
@@ -94,12 +93,12 @@ rate: Callable[[Callable[..., None]], Callable[..., None]] = click.option(
     default=1.0,
     show_default=True,
     callback=lambda context, parameter, hz: _rate(hz),
-    help="Numbers a second.",
+    help="Numbers per second.",
 )
 
 
 def _remapping(words: tuple[str, ...]) -> tuple[fibws.Remapping, tuple[str, ...]]:
-    """What is remapped, and the arguments that do not say so."""
+    """Split the arguments into remappings and others."""
     try:
         remapping = fibws.parse_remappings(word for word in words if ":=" in word)
     except fibws.InvalidName as error:
@@ -115,27 +114,27 @@ def _number_type(name: str) -> str:
     default = message()
     fields = {field.name: getattr(default, field.name) for field in dataclasses.fields(message)}
     if fields.keys() != {"data"} or type(fields["data"]) not in (int, float):
-        raise click.BadParameter(f"{name} does not hold one number, called data.")
+        raise click.BadParameter(f"{name} is not a type whose only field is a number called data.")
     return message._type
 
 
 def _rate(hz: float) -> float:
     if not 0 < hz < math.inf:
-        raise click.BadParameter(f"{hz:g} is no finite number above 0.")
+        raise click.BadParameter(f"expected a number above 0, got {hz:g}")
     return hz
 
 
 def run(program: Coroutine[Any, Any, None]) -> None:
-    """Run ``program``; Ctrl-C, SIGTERM and a reader who leaves (``| head``) end it cleanly.
+    """Run ``program``; Ctrl-C, SIGTERM and a closed pipe (``| head``) end it cleanly.
 
     Raises:
-        ClickException: a node or a hub cannot go on; click prints why and exits with 1.
+        ClickException: a node or a hub failed; click prints why and exits with 1.
     """
-    with ending(endless=True):
-        asyncio.run(_until_told(program))
+    with clean_exit(endless=True):
+        asyncio.run(_until_signal(program))
 
 
-async def _until_told(program: Coroutine[Any, Any, None]) -> None:
+async def _until_signal(program: Coroutine[Any, Any, None]) -> None:
     task = asyncio.ensure_future(program)
 
     def stop() -> None:
@@ -143,7 +142,7 @@ async def _until_told(program: Coroutine[Any, Any, None]) -> None:
         task.cancel()
 
     for number in (signal.SIGINT, signal.SIGTERM):
-        with suppress(NotImplementedError):  # On Windows, where an event loop handles no signals.
+        with suppress(NotImplementedError):  # On Windows, event loops handle no signals.
             asyncio.get_running_loop().add_signal_handler(number, stop)
     with suppress(asyncio.CancelledError):
         await task

@@ -1,4 +1,4 @@
-"""``fibws open``: the hub's page in a browser, where rqt would have a window."""
+"""``fibws open``: open the hub's page in a browser, as rqt opens a window."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from urllib.parse import quote, urlsplit
 
 import click
 
-from fibws.cli import complete, output
-from fibws.cli.common_options import examples, linked
+from fibws.cli import completers, output
+from fibws.cli.common_options import examples, with_hub
 from fibws.client.hub_client import HubClient
 from fibws.errors import InvalidName
 from fibws.suggestions import suggestion
@@ -27,19 +27,19 @@ PARTS = {
 """The parts of the page, each with an example for the help."""
 WITH_NAMES = {"topics", "plot", "services"}
 DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")
-"""Without any of these variables a Linux has no browser but for one in the terminal, in its way."""
+"""Without any of these variables, Linux would open a browser inside the terminal."""
 
 
 @click.command(context_settings={"ignore_unknown_options": True})
-@click.argument("words", metavar="[PART] [NAME]...", nargs=-1, shell_complete=complete.topics)
-@linked("open")
+@click.argument("words", metavar="[PART] [NAME]...", nargs=-1, shell_complete=completers.topics)
+@with_hub("open")
 @examples(("{open}", "the page, at its graph"), *PARTS.values())
 def command(client: HubClient, words: tuple[str, ...]) -> None:
-    """Open the hub's page in a browser, and print its address; without a browser, only that.
+    """Open the hub's page in a browser and print its address.
 
-    Options of rqt's own are read past.
+    The options of rqt are ignored.
     """
-    # As a node of a launch file it is given names to be remapped.
+    # Launch files pass remappings to it, as to a node.
     words = tuple(word for word in words if not word.startswith("-") and ":=" not in word)
     part, *names = words or ("graph",)
     part = part.removeprefix("rqt_")
@@ -48,17 +48,17 @@ def command(client: HubClient, words: tuple[str, ...]) -> None:
     if part.startswith("/"):
         part, names = "topics", [part, *names]
     if part not in PARTS:
-        known = f"There are {', '.join(PARTS)}."
-        raise click.UsageError(f"The page has no {part!r}{suggestion(part, PARTS) or '.'} {known}")
+        hint = suggestion(part, PARTS) or "."
+        raise click.UsageError(f"Unknown part {part!r}{hint} Parts are {', '.join(PARTS)}.")
     if names and part not in WITH_NAMES:
-        raise click.UsageError(f"{part} takes no names, such as {names[0]!r}.")
+        raise click.UsageError(f"{part} takes no names, got {names[0]!r}.")
     for address in addresses(client, part, names):
         output.line(address)
         _open(address)
 
 
 def addresses(client: HubClient, part: str, names: Sequence[str]) -> Iterator[str]:
-    """The addresses that show a part of the page, one for each of the things named."""
+    """Yield the addresses of a part of the page, one for each name."""
     page = urlsplit(client.url)
     base = f"{'https' if page.scheme == 'wss' else 'http'}://{page.netloc}/"
     tab, *more = ("topics", "plot") if part == "plot" else (part,)
@@ -73,7 +73,7 @@ def _names(client: HubClient, part: str, names: Sequence[str]) -> Iterator[str]:
     topics = client.call("/rosapi/topics")["topics"] if part == "plot" and names else []
     for name in names:
         try:
-            # rqt_plot takes /turtle1/pose/x:y, too, and elements of arrays.
+            # rqt_plot also accepts /turtle1/pose/x:y and elements of arrays.
             wanted = client.resolve(name.partition(":")[0].partition("[")[0].rstrip("/"))
         except InvalidName as error:
             raise click.UsageError(str(error)) from None
@@ -85,7 +85,7 @@ def _names(client: HubClient, part: str, names: Sequence[str]) -> Iterator[str]:
 
 def _open(address: str) -> None:
     if os.environ.get("SSH_CONNECTION") and "BROWSER" not in os.environ:
-        return  # It would open where nobody sits.
+        return  # The browser would open on the remote machine.
     if sys.platform not in ("win32", "darwin") and not any(map(os.environ.get, DISPLAYS)):
         return
     import webbrowser  # 20 ms

@@ -1,7 +1,7 @@
-"""How tools print: whole lines, at once, in a form that pipes can use and terminals can bear.
+"""Printing lines, JSON and tables, safely for terminals and unchanged for pipes.
 
-What messages say may be anybody's. A terminal obeys control characters, so it is shown them and
-never sent them; a pipe gets a text as it is.
+Text in messages may come from anybody. A terminal would act on its control characters, so they are
+escaped there.
 """
 
 from __future__ import annotations
@@ -15,33 +15,34 @@ import click
 
 _BIDIRECTIONAL = "\u200e\u200f\u202a-\u202e\u2066-\u2069"
 _CONTROL = re.compile(f"[\x00-\x1f\x7f-\x9f{_BIDIRECTIONAL}]")
-"""What makes a terminal do something: C0 with escape, C1 with CSI, what turns the order of text."""
+"""Control characters: C0 with escape, C1 with CSI, and changes of the text's direction."""
 
 
 def is_terminal() -> bool:
-    """Whether a person sees what is printed now; else it is a program that reads it."""
+    """Return whether standard output is a terminal."""
     return sys.stdout is not None and sys.stdout.isatty()
 
 
-def obeys() -> bool:
-    """Whether control sequences are obeyed where this prints: no pipe does, nor a dumb terminal."""
+def has_control_sequences() -> bool:
+    """Return whether the output supports control sequences; pipes and dumb terminals do not."""
     is_dumb = os.environ.get("TERM", "dumb") == "dumb" and sys.platform != "win32"
     return is_terminal() and not is_dumb
 
 
 def has_colours() -> bool:
-    """Whether what is printed may have colours: where it obeys, without $NO_COLOR."""
+    """Return whether the output may have colours: a terminal without $NO_COLOR."""
     context = click.get_current_context(silent=True)
-    return obeys() and not (context is not None and context.find_root().color is False)
+    is_off = context is not None and context.find_root().color is False
+    return has_control_sequences() and not is_off
 
 
 def encoding() -> str:
-    """The encoding of what is printed; one that has all characters if it is printed nowhere."""
+    """Return the encoding of the output; UTF-8 if there is none."""
     return getattr(sys.stdout, "encoding", None) or "utf-8"
 
 
 def can_show(text: str) -> bool:
-    """Whether the encoding of what is printed has these characters."""
+    """Return whether the encoding of the output has these characters."""
     try:
         text.encode(encoding())
     except UnicodeEncodeError:
@@ -50,58 +51,56 @@ def can_show(text: str) -> bool:
 
 
 def visible(text: str, keep: str = "\n\t") -> str:
-    """A text whose control characters are spelled out: an escape is ``\\x1b``.
+    """Return a text with its control characters escaped, as in ``\\x1b``.
 
     Args:
-        text: somebody's words.
-        keep: the control characters that stay.
+        keep: control characters that are not escaped.
     """
     return _CONTROL.sub(lambda found: found[0] if found[0] in keep else ascii(found[0])[1:-1], text)
 
 
 def counted(number: int, noun: str) -> str:
-    """A number of things, whose plural has an s: ``1 node``, ``2 nodes``."""
+    """Return a number with its noun: ``1 node``, ``2 nodes``."""
     return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
 def line(text: str = "", *, colour: str | None = None, bold: bool = False) -> None:
-    """Print a line now, also into a pipe; on a terminal control characters do nothing.
+    """Print one or more lines without delay; a terminal shows control characters escaped.
 
     Args:
-        text: the line, or several, with no styles in it.
-        colour: one of click's names of colours, for terminals alone.
-        bold: whether it stands out on a terminal.
+        colour: click's name of a colour, for terminals only.
+        bold: whether to print bold, on terminals only.
     """
     if is_terminal():
         text = visible(text)
     text = text.encode(encoding(), "backslashreplace").decode(encoding())
     if has_colours() and (colour or bold):
         text = click.style(text, fg=colour, bold=bold or None)
-    # Else click would take out of a text what it thinks is a style.
+    # Without color=True, click would remove what looks like a style.
     click.echo(text, color=True)
 
 
 def as_json(value: object) -> None:
     """Print a value as one line of JSON."""
-    import json  # 3 ms, which help has no use for
+    import json  # 3 ms, which help does not need.
 
     text = json.dumps(value, ensure_ascii=False, separators=(",", ":"))
     if not can_show(text):
         text = json.dumps(value, separators=(",", ":"))
     if is_terminal():
-        # Within JSON all of them stand in strings, where this is their other spelling.
+        # In JSON they are all in strings, where this is an equal spelling.
         text = _CONTROL.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
     click.echo(text, color=True)
 
 
 def names(found: Iterable[str], *, json_: bool = False) -> None:
-    """Print names, one a line and sorted."""
+    """Print sorted names, one per line."""
     for name in sorted(found):
         as_json(name) if json_ else line(name)
 
 
 def table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> None:
-    """Print columns, as wide as what is in them, with no line drawn: fit for ``awk``."""
+    """Print aligned columns without borders, which ``awk`` can read."""
     cells = [[visible(cell, keep="") for cell in row] for row in (heads, *rows)]
     widths = [max(len(row[column]) for row in cells) for column in range(len(heads))]
     for row in cells:

@@ -10,17 +10,16 @@ from typing import Any
 import click
 
 from fibws import names
-from fibws.cli import arguments, complete, output
-from fibws.cli.common_options import json_option, linked
+from fibws.cli import arguments, completers, output
+from fibws.cli.common_options import json_option, with_hub
 from fibws.client.hub_client import HubClient
-from fibws.errors import FibwsError, ServiceError
+from fibws.client.parameters import ROOT, Parameters
+from fibws.errors import FibwsError, ParameterNotSet
 from fibws.suggestions import suggestion
 from fibws.values import parameter_files
 
-ROOT = "/"
-
-_name = click.argument("name", shell_complete=complete.params)
-_namespace = click.argument("namespace", default=ROOT, shell_complete=complete.params)
+_name = click.argument("name", shell_complete=completers.params)
+_namespace = click.argument("namespace", default=ROOT, shell_complete=completers.params)
 _verbose = click.option("-v", "--verbose", is_flag=True, help="Say what is done.")
 
 
@@ -35,7 +34,7 @@ def command() -> None:
 @command.command("list")
 @_namespace
 @json_option
-@linked("param")
+@with_hub("param")
 def list_(client: HubClient, namespace: str, as_json: bool) -> None:
     """List the names of all parameters, or of those in NAMESPACE."""
     above = _global(client, namespace).rstrip("/") + "/"
@@ -46,7 +45,7 @@ def list_(client: HubClient, namespace: str, as_json: bool) -> None:
 @_name
 @click.option("-p", "--pretty", is_flag=True, help="Print it for people: not all of it is YAML.")
 @json_option
-@linked("param")
+@with_hub("param")
 def get(client: HubClient, name: str, pretty: bool, as_json: bool) -> None:
     """Print the value of the parameter NAME, or all of a namespace."""
     value = _get(client, _global(client, name))
@@ -70,7 +69,7 @@ def get(client: HubClient, name: str, pretty: bool, as_json: bool) -> None:
     help="Set it to the text in FILE.",
 )
 @_verbose
-@linked("param")
+@with_hub("param")
 def set_(
     client: HubClient, name: str, value: str | None, textfile: Path | None, verbose: bool
 ) -> None:
@@ -91,19 +90,17 @@ def set_(
 @command.command()
 @_name
 @_verbose
-@linked("param")
+@with_hub("param")
 def delete(client: HubClient, name: str, verbose: bool) -> None:
     """Delete the parameter NAME, or a namespace.
 
     / is the namespace of all there is.
     """
     name = _global(client, name)
-    if name == ROOT:
-        _ask(client, "set_param", name=ROOT, value="{}")
-    elif _ask(client, "has_param", name=name)["exists"]:
-        _ask(client, "delete_param", name=name)
-    else:
-        raise _not_set(client, name)
+    try:
+        Parameters(client.call).delete(name)
+    except ParameterNotSet:
+        raise _not_set(client, name) from None
     if verbose:
         output.line(f"deleted parameter [{name}]")
 
@@ -112,7 +109,7 @@ def delete(client: HubClient, name: str, verbose: bool) -> None:
 @click.argument("file", type=click.Path(exists=True, dir_okay=False, allow_dash=True))
 @_namespace
 @_verbose
-@linked("param")
+@with_hub("param")
 def load(client: HubClient, file: str, namespace: str, verbose: bool) -> None:
     """Set the parameters in FILE, which is YAML.
 
@@ -133,7 +130,7 @@ def load(client: HubClient, file: str, namespace: str, verbose: bool) -> None:
 @_namespace
 @json_option
 @_verbose
-@linked("param")
+@with_hub("param")
 def dump(client: HubClient, file: str | None, namespace: str, as_json: bool, verbose: bool) -> None:
     """Write all parameters, or those in NAMESPACE, to FILE.
 
@@ -171,35 +168,22 @@ def _piped() -> str:
 
 
 def _names(client: HubClient) -> list[str]:
-    found: list[str] = _ask(client, "get_param_names")["names"]
-    return found
+    return Parameters(client.call).names()
 
 
 def _get(client: HubClient, name: str) -> Any:
-    told = _ask(client, "get_param", name=name)["value"]
     try:
-        value = json.loads(told)
-    except ValueError:
-        service = "/rosapi/get_param"
-        fault = f"{service} told {told[:40]!r}, which is no JSON: this may be another kind of hub"
-        raise ServiceError(service, fault) from None
-    if value is None:  # which no parameter can be
-        raise _not_set(client, name)
-    return value
+        return Parameters(client.call).get(name)
+    except ParameterNotSet:
+        raise _not_set(client, name) from None
 
 
 def _set(client: HubClient, leaves: list[tuple[str, str]], *, verbose: bool) -> None:
+    parameters = Parameters(client.call)
     for name, value in leaves:
-        _ask(client, "set_param", name=name, value=value)
+        parameters.set_json(name, value)
         if verbose:
             output.line(f"set parameter [{name}] to [{value}]")
-
-
-def _ask(client: HubClient, service: str, **request: str) -> dict[str, Any]:
-    try:
-        return client.call(f"/rosapi/{service}", request)
-    except ServiceError as error:
-        raise click.ClickException(output.visible(error.text)) from None
 
 
 def _not_set(client: HubClient, name: str) -> click.ClickException:

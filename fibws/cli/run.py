@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from fibws.cli.common_options import SETTINGS, examples
-from fibws.cli.exit_handling import ending
+from fibws.cli.exit_handling import clean_exit
 from fibws.command_names import command_name
 from fibws.errors import FibwsError
 from fibws.processes import command_line, exec_command
@@ -67,7 +67,7 @@ def command(workspace: Path | None, prefix: str | None, words: tuple[str, ...]) 
     Python programs can import rospy and the messages. Arguments FROM:=TO remap names,
     _NAME:=VALUE sets a private parameter, __name:=NAME renames the node.
     """
-    with ending():
+    with clean_exit():
         if workspace is not None:
             put_on_paths(workspace)
         if not words:

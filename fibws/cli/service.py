@@ -6,10 +6,10 @@ from collections.abc import Iterator
 
 import click
 
-from fibws.cli import arguments, complete, output
-from fibws.cli.common_options import examples, json_option, linked
-from fibws.cli.input import piped
-from fibws.client.graph_snapshot import Entry, Snapshot, within
+from fibws.cli import arguments, completers, output
+from fibws.cli.arguments import piped_input
+from fibws.cli.common_options import examples, json_option, with_hub
+from fibws.client.graph_snapshot import Entry, GraphSnapshot, in_namespace
 from fibws.client.hub_client import HubClient
 from fibws.suggestions import suggestion
 from fibws.values import parsing, printing
@@ -18,7 +18,7 @@ from fibws.values.typedefs import TIMES, Typedefs, if_known
 POLL = 0.1
 """Seconds between two looks for a service that is waited for."""
 
-_service = click.argument("service", shell_complete=complete.services)
+_service = click.argument("service", shell_complete=completers.services)
 
 
 @click.group()
@@ -27,14 +27,14 @@ def command() -> None:
 
 
 @command.command("list")
-@click.argument("namespace", required=False, shell_complete=complete.services)
+@click.argument("namespace", required=False, shell_complete=completers.services)
 @click.option("-n", "--nodes", is_flag=True, help="Name the node that provides each.")
 @json_option
-@linked("service")
+@with_hub("service")
 def list_(client: HubClient, namespace: str | None, nodes: bool, as_json: bool) -> None:
     """List all services, or those in NAMESPACE."""
-    services = Snapshot(client).services
-    for service in within(namespace and client.resolve_namespace(namespace), services):
+    services = GraphSnapshot(client).services
+    for service in in_namespace(namespace and client.resolve_namespace(namespace), services):
         if as_json:
             output.as_json(service)
         else:
@@ -44,10 +44,10 @@ def list_(client: HubClient, namespace: str | None, nodes: bool, as_json: bool) 
 @command.command()
 @_service
 @json_option
-@linked("service")
+@with_hub("service")
 def info(client: HubClient, service: str, as_json: bool) -> None:
     """Show the node, its address, the type and the arguments of SERVICE."""
-    snapshot = Snapshot(client)
+    snapshot = GraphSnapshot(client)
     found = snapshot.service(client.resolve(service))
     address, arguments = snapshot.address(found["node"]), _arguments(client, found)
     if as_json:
@@ -61,7 +61,7 @@ def info(client: HubClient, service: str, as_json: bool) -> None:
 
 @command.command("type")
 @_service
-@linked("service")
+@with_hub("service")
 def type_(client: HubClient, service: str) -> None:
     """Print the type of SERVICE."""
     output.line(_found(client, service)["type"])
@@ -69,7 +69,7 @@ def type_(client: HubClient, service: str) -> None:
 
 @command.command()
 @_service
-@linked("service")
+@with_hub("service")
 def node(client: HubClient, service: str) -> None:
     """Print the node that provides SERVICE."""
     output.line(_found(client, service)["node"])
@@ -77,20 +77,20 @@ def node(client: HubClient, service: str) -> None:
 
 @command.command()
 @_service
-@linked("service")
+@with_hub("service")
 def args(client: HubClient, service: str) -> None:
     """Print the names of the values that SERVICE takes."""
     output.line(" ".join(_arguments(client, _found(client, service))))
 
 
 @command.command()
-@click.argument("type_", metavar="TYPE", shell_complete=complete.service_types)
+@click.argument("type_", metavar="TYPE", shell_complete=completers.service_types)
 @json_option
-@linked("service")
+@with_hub("service")
 def find(client: HubClient, type_: str, as_json: bool) -> None:
     """List the services of TYPE, such as std_srvs/SetBool."""
     wanted = type_.replace("/srv/", "/", 1)
-    services = Snapshot(client).services
+    services = GraphSnapshot(client).services
     output.names((each["name"] for each in services if each["type"] == wanted), json_=as_json)
 
 
@@ -106,7 +106,7 @@ def find(client: HubClient, type_: str, as_json: bool) -> None:
     help="How long to wait for the response.  [default: what the hub is set to, or 60]",
 )
 @json_option
-@linked("service")
+@with_hub("service")
 @examples("{service call} /add_two_ints 3 4", '{service call} /add_two_ints "{a: 3, b: 4}"')
 def call(
     client: HubClient,
@@ -140,11 +140,11 @@ def call(
 
 
 def _found(client: HubClient, service: str) -> Entry:
-    return Snapshot(client).service(client.resolve(service))
+    return GraphSnapshot(client).service(client.resolve(service))
 
 
 def _available(client: HubClient, name: str) -> Entry:
-    services = {each["name"]: each for each in Snapshot(client).services}
+    services = {each["name"]: each for each in GraphSnapshot(client).services}
     if name not in services:
         nearest = suggestion(name, services) or "."
         raise click.ClickException(f"Service [{name}] is not available{nearest}")
@@ -175,7 +175,7 @@ def _requests(arguments: tuple[str, ...], typedefs: Typedefs) -> Iterator[Entry]
     if arguments or is_empty:
         yield parsing.message(arguments, typedefs)
         return
-    stream = piped()
+    stream = piped_input()
     given = False
     for document in parsing.documents(stream) if stream is not None else ():
         if document is not None:

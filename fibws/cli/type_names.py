@@ -1,15 +1,21 @@
-"""Names of types as people shorten them: ``String`` for ``std_msgs/String``."""
+"""Names of types, and their short forms: ``String`` for ``std_msgs/String``."""
 
 from __future__ import annotations
 
 import click
 
 
+def is_type(name: str) -> bool:
+    """Return whether a name has the form ``package/Type``."""
+    package, _, type_ = name.partition("/")
+    return package.isidentifier() and type_.isidentifier()
+
+
 def full_name(type_: str) -> str:
-    """Return the name of a message type; one without a package raises `UsageError`."""
+    """Return the name of a message type; raise `UsageError` if it has no package."""
     if "/" in type_:
         return type_
-    from fibws.values.installed_types import Installed  # which only this error has a use for
+    from fibws.values.installed_types import Installed  # Only this error needs it.
 
     installed = Installed("msg")
     nearest = installed.nearest(type_)

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from fibws.cli import complete, output
+from fibws.cli import completers, output
+from fibws.cli.arguments import piped_input
 from fibws.cli.common_options import hub_option, json_option
-from fibws.cli.input import piped
 from fibws.client.hub_client import HubClient
 from fibws.errors import (
     HubUnreachable,
@@ -117,7 +117,7 @@ def _md5(kind: Kind) -> click.Command:
 
 def _package(kind: Kind) -> click.Command:
     @click.command("package", help=f"List the {NOUNS[kind]}s of PACKAGE.")
-    @click.argument("package", shell_complete=complete.packages(kind))
+    @click.argument("package", shell_complete=completers.packages(kind))
     @_single_line
     @_folders
     @json_option
@@ -152,14 +152,14 @@ def _installed(kind: Kind, folders: tuple[Path, ...]) -> Installed:
 
 
 def _type_argument(kind: Kind) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    types = complete.defined(kind, short=True)
+    types = completers.defined(kind, short=True)
     return click.argument("type_", metavar="[TYPE]", required=False, shell_complete=types)
 
 
 def _read(type_: str | None, kind: Kind) -> str:
     """The type that was given, or is the first word in a pipe: ``fibws topic type /x | ...``."""
     if type_ is None:
-        type_ = next((line.strip() for line in piped() or () if line.strip()), None)
+        type_ = next((line.strip() for line in piped_input() or () if line.strip()), None)
     if type_ is None:
         raise click.UsageError(f"Missing argument 'TYPE', such as {EXAMPLES[kind]}.")
     return type_.removesuffix(f".{kind}")

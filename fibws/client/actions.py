@@ -1,4 +1,4 @@
-"""One goal, from its sending to its end, by either of the ways in which goals travel."""
+"""Sending one goal and following it to its end, over topics or over rosbridge's operations."""
 
 from __future__ import annotations
 
@@ -8,46 +8,47 @@ from collections.abc import Iterator
 from typing import Any, NamedTuple, TypeAlias
 
 from fibws.client.hub_client import HubClient, Operation, check
-
-LOST_AFTER = 5.0
-"""Seconds without a word of a goal, or of its server, after which it counts as lost."""
-
-STATUSES = tuple(
-    "PENDING ACTIVE PREEMPTED SUCCEEDED ABORTED REJECTED PREEMPTING RECALLING RECALLED LOST".split()
+from fibws.protocol.goals import (
+    CANCEL,
+    FEEDBACK,
+    GOAL,
+    LOST_AFTER,
+    RESULT,
+    STATUS,
+    ActionTopic,
+    GoalStatus,
+    goal_id,
+    status_from_ros2,
 )
-"""The words of actionlib_msgs/GoalStatus, by their numbers."""
 
-_OF_ROS2 = ("LOST", "PENDING", "ACTIVE", "PREEMPTING", "SUCCEEDED", "PREEMPTED", "ABORTED")
-"""The same words by the numbers of action_msgs/GoalStatus."""
-
-_ERRORS = {"op": "status", "level": "error"}
+_ERROR = {"op": "status", "level": "error"}
 
 
-class Status(NamedTuple):
-    """What the server says of the goal: one of `STATUSES`."""
+class StatusChange(NamedTuple):
+    """The goal has another status."""
 
-    status: str
+    status: GoalStatus
 
 
 class Feedback(NamedTuple):
-    """How far the goal is."""
+    """The server published feedback."""
 
     values: dict[str, Any]
 
 
 class End(NamedTuple):
-    """What became of the goal: one of `STATUSES`, the server's reason, the result if it said it."""
+    """The goal ended: its last status, the server's text, and the result if there is one."""
 
-    status: str
+    status: GoalStatus
     text: str
     result: dict[str, Any] | None
 
 
-News: TypeAlias = Status | Feedback | End
+Update: TypeAlias = StatusChange | Feedback | End
 
 
 class Goal(ABC):
-    """A goal that is sent by being made.
+    """A goal, which is sent when it is created.
 
     Args:
         action: the action's global name.
@@ -58,18 +59,18 @@ class Goal(ABC):
     def __init__(self, client: HubClient, action: str, type_: str, values: dict[str, Any]) -> None:
         self._client = client
         self._action = action
-        self._status = "PENDING"
+        self._status = GoalStatus.PENDING
         self._send(type_, values)
 
-    def news(self, timeout: float | None = None) -> Iterator[News]:
-        """What is heard of the goal, as it comes; its `End` is the last.
+    def updates(self, timeout: float | None = None) -> Iterator[Update]:
+        """Iterate over the goal's updates as they arrive; its `End` is the last one.
 
         Args:
-            timeout: seconds after which there is no more news, even without an end.
+            timeout: seconds after which the iteration ends, even if the goal has not.
 
         Raises:
-            OperationRejected: the hub has refused something.
-            HubLost: there is no hub any more.
+            OperationRejected: the hub refused an operation.
+            HubLost: the connection is lost.
         """
         end = None if timeout is None else time.monotonic() + timeout
         while True:
@@ -77,124 +78,125 @@ class Goal(ABC):
             rest = max(0.0, min(waits) - time.monotonic()) if waits else None
             operation = self._client.receive(rest)
             if operation is not None:
-                for news in self._news(operation):
-                    yield news
-                    if isinstance(news, End):
+                for update in self._updates(operation):
+                    yield update
+                    if isinstance(update, End):
                         return
             elif end is not None and time.monotonic() >= end:
                 return
             elif self._deadline() is not None:
-                yield End("LOST", f"nothing was heard of it for {LOST_AFTER:g} s", None)
+                yield End(GoalStatus.LOST, f"nothing was heard of it for {LOST_AFTER:g} s", None)
                 return
 
     @abstractmethod
     def cancel(self) -> None:
-        """Want it no more; what becomes of it is news."""
+        """Ask the server to cancel the goal; `updates` reports what comes of it."""
 
     @abstractmethod
     def _send(self, type_: str, values: dict[str, Any]) -> None:
-        """Tell the server."""
+        """Send the goal to its server."""
 
     @abstractmethod
-    def _news(self, operation: Operation) -> Iterator[News]:
-        """What an operation says of the goal."""
+    def _updates(self, operation: Operation) -> Iterator[Update]:
+        """Yield the updates in an operation of the hub."""
 
     def _deadline(self) -> float | None:
-        """When the goal counts as lost, if it can be."""
+        """Return when the goal counts as lost, if it can be lost."""
         return None
 
-    def _told(self, status: str) -> Iterator[Status]:
+    def _change(self, status: GoalStatus) -> Iterator[StatusChange]:
         if status != self._status:
             self._status = status
-            yield Status(status)
+            yield StatusChange(status)
 
 
 class TopicGoal(Goal):
     """A goal on ``<action>/goal``, as actionlib's clients send it."""
 
     def _send(self, type_: str, values: dict[str, Any]) -> None:
-        self._heard = time.monotonic()
-        self._known = False
-        secs, nsecs = divmod(time.time_ns(), 10**9)
-        self._id = f"{self._client.node}-1-{secs}.{nsecs:09d}"
-        for topic, of in (
-            ("status", "actionlib_msgs/GoalStatusArray"),
-            ("feedback", f"{type_}ActionFeedback"),
-            ("result", f"{type_}ActionResult"),
-        ):
-            self._say({"op": "subscribe", "type": of}, topic)
-        self._say({"op": "advertise", "type": "actionlib_msgs/GoalID"}, "cancel")
-        self._say({"op": "advertise", "type": f"{type_}ActionGoal"}, "goal")
-        stamp = {"secs": secs, "nsecs": nsecs}
-        goal = {"goal_id": {"stamp": stamp, "id": self._id}, "goal": values}
-        self._say({"op": "publish", "msg": goal}, "goal")
+        self._last_heard = time.monotonic()
+        self._is_confirmed = False
+        now = time.time_ns()
+        self._id = goal_id(self._client.node, 1, now)
+        for topic in (STATUS, FEEDBACK, RESULT):
+            self._send_topic(topic, op="subscribe", type=topic.type_of(type_))
+        for topic in (CANCEL, GOAL):
+            self._send_topic(topic, op="advertise", type=topic.type_of(type_))
+        secs, nsecs = divmod(now, 10**9)
+        id_ = {"stamp": {"secs": secs, "nsecs": nsecs}, "id": self._id}
+        self._send_topic(GOAL, op="publish", msg={"goal_id": id_, "goal": values})
 
     def cancel(self) -> None:
-        self._heard = time.monotonic()
-        never = {"secs": 0, "nsecs": 0}  # With a time, all goals before it would be cancelled.
-        self._say({"op": "publish", "msg": {"stamp": never, "id": self._id}}, "cancel")
+        self._last_heard = time.monotonic()
+        # With a stamp, all goals before it would be canceled.
+        id_ = {"stamp": {"secs": 0, "nsecs": 0}, "id": self._id}
+        self._send_topic(CANCEL, op="publish", msg=id_)
 
-    def _say(self, operation: Operation, topic: str) -> None:
-        self._client.send({**operation, "topic": f"{self._action}/{topic}"})
+    def _send_topic(self, topic: ActionTopic, **operation: Any) -> None:
+        self._client.send({**operation, "topic": f"{self._action}/{topic.name}"})
 
     def _deadline(self) -> float:
-        return self._heard + LOST_AFTER
+        return self._last_heard + LOST_AFTER
 
-    def _news(self, operation: Operation) -> Iterator[News]:
+    def _updates(self, operation: Operation) -> Iterator[Update]:
         check(operation)
         if operation.get("op") != "publish":
             return
         topic, message = str(operation["topic"]).rpartition("/")[2], operation["msg"]
-        if topic == "status":
-            told = {each["goal_id"]["id"]: each for each in message["status_list"]}
-            if self._id in told:
-                yield from self._sign(told[self._id])
-            elif not self._known:
-                self._heard = time.monotonic()  # The server is there and will get to it.
+        if topic == STATUS.name:
+            statuses = {each["goal_id"]["id"]: each for each in message["status_list"]}
+            if self._id in statuses:
+                yield from self._confirm(statuses[self._id])
+            elif not self._is_confirmed:
+                self._last_heard = time.monotonic()  # The goal may wait in the server's queue.
         elif message["status"]["goal_id"]["id"] != self._id:
-            return  # Somebody else's.
-        elif topic == "feedback":
-            yield from self._sign(message["status"])
+            return  # Another client's goal.
+        elif topic == FEEDBACK.name:
+            yield from self._confirm(message["status"])
             yield Feedback(message["feedback"])
         else:
             status = message["status"]
-            yield End(_word(STATUSES, status["status"]), status["text"], message["result"])
+            yield End(_status(status["status"]), status["text"], message["result"])
 
-    def _sign(self, status: dict[str, Any]) -> Iterator[Status]:
-        """Note a sign of life of the goal."""
-        self._known, self._heard = True, time.monotonic()
-        yield from self._told(_word(STATUSES, status["status"]))
+    def _confirm(self, status: dict[str, Any]) -> Iterator[StatusChange]:
+        """Note that the server has mentioned the goal."""
+        self._is_confirmed, self._last_heard = True, time.monotonic()
+        yield from self._change(_status(status["status"]))
 
 
 class OperationGoal(Goal):
-    """A goal that the hub hands on, as rosbridge does for ROS 2."""
+    """A goal that the hub passes to the server, as rosbridge does for ROS 2."""
 
     def _send(self, type_: str, values: dict[str, Any]) -> None:
         self._id = f"send_action_goal:{self._action}:1"
-        self._say("send_action_goal", action_type=type_, args=values, feedback=True)
+        self._send_op("send_action_goal", action_type=type_, args=values, feedback=True)
 
     def cancel(self) -> None:
-        self._say("cancel_action_goal")
+        self._send_op("cancel_action_goal")
 
-    def _say(self, op: str, **fields: Any) -> None:
+    def _send_op(self, op: str, **fields: Any) -> None:
         self._client.send({"op": op, "id": self._id, "action": self._action, **fields})
 
-    def _news(self, operation: Operation) -> Iterator[News]:
+    def _updates(self, operation: Operation) -> Iterator[Update]:
         if operation.get("id") != self._id:
             return
         op, values = operation.get("op"), operation.get("values")
         if op == "action_feedback":
-            yield from self._told("ACTIVE")
+            yield from self._change(GoalStatus.ACTIVE)
             yield Feedback(values if isinstance(values, dict) else {})
         elif op == "action_result":
-            status = _word(_OF_ROS2, operation.get("status", 0))
+            status = _status(operation.get("status", 0), ros2=True)
             if operation.get("result"):
                 yield End(status, "", values if isinstance(values, dict) else {})
             else:
                 yield End(status, str(values or ""), None)
-        elif operation.items() >= _ERRORS.items():
-            yield End("REJECTED", str(operation.get("msg")), None)
+        elif operation.items() >= _ERROR.items():
+            yield End(GoalStatus.REJECTED, str(operation.get("msg")), None)
 
 
-def _word(words: tuple[str, ...], number: int) -> str:
-    return words[number] if 0 <= number < len(words) else "LOST"
+def _status(number: int, *, ros2: bool = False) -> GoalStatus:
+    """Return the status of a number; LOST for numbers that ROS does not define."""
+    try:
+        return status_from_ros2(number) if ros2 else GoalStatus(number)
+    except (ValueError, IndexError):
+        return GoalStatus.LOST

@@ -1,4 +1,4 @@
-"""The graph at one moment, as a tool sees it: without the tool itself."""
+"""The graph at one moment, without the tool itself."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from fibws.errors import UnknownName
 from fibws.suggestions import suggestion
 
 Entry = dict[str, Any]
-"""One node, topic, service or action, with the fields of its message in fibws_msgs."""
+"""A node, topic, service or action, with the fields of its message in fibws_msgs."""
 
 
-class Snapshot:
-    """What there is on a hub, sorted by name: lists of fibws_msgs/NodeInfo and so on, as dicts."""
+class GraphSnapshot:
+    """The nodes, topics, services and actions on a hub, each sorted by name."""
 
     def __init__(self, client: HubClient) -> None:
         graph = client.call("/rosapi/graph")
@@ -32,46 +32,47 @@ class Snapshot:
         self.actions: list[Entry] = graph["actions"]
 
     def node(self, name: str) -> Entry:
-        """The node of a global name; it raises `UnknownName` if there is none."""
-        return _named("node", name, self.nodes)
+        """Return the node of a global name; raise `UnknownName` if there is none."""
+        return _find("node", name, self.nodes)[0]
 
     def topic(self, name: str) -> Entry:
-        """The topic of a global name; it raises `UnknownName` if there is none."""
-        return _named("topic", name, self.topics)
+        """Return the topic of a global name; raise `UnknownName` if there is none."""
+        return _find("topic", name, self.topics)[0]
 
     def service(self, name: str) -> Entry:
-        """The service of a global name; it raises `UnknownName` if there is none."""
-        return _named("service", name, self.services)
+        """Return the service of a global name; raise `UnknownName` if there is none."""
+        return _find("service", name, self.services)[0]
 
-    def ways(self, action: str) -> list[Entry]:
-        """The action of a global name: twice if goals may go over operations and over topics.
+    def actions_named(self, name: str) -> list[Entry]:
+        """Return the action of a global name: two entries if it is over topics and operations.
 
-        It raises `UnknownName` if there is none.
+        Raises:
+            UnknownName: there is no such action.
         """
-        _named("action", action, self.actions)
-        return [each for each in self.actions if each["name"] == action]
+        return _find("action", name, self.actions)
 
     def address(self, node: str) -> str:
-        """Where a node is, ``127.0.0.1:5``; one of the hub's own is where the hub is."""
+        """Return a node's address, ``127.0.0.1:5``: the hub's for the hub's own nodes."""
         for each in self.nodes:
             if each["name"] == node:
                 return str(each["address"] or self._hub)
         return "unknown address"
 
 
-def within(namespace: str | None, entries: Iterable[Entry]) -> list[Entry]:
-    """Those of a global namespace, or whose name it is; all if it is None."""
+def in_namespace(namespace: str | None, entries: Iterable[Entry]) -> list[Entry]:
+    """Return the entries in a global namespace or of its name; all of them if it is None."""
     if namespace is None:
         return list(entries)
     above = namespace.rstrip("/") + "/"
     return [each for each in entries if each["name"] == namespace or each["name"].startswith(above)]
 
 
-def _named(kind: str, name: str, entries: Iterable[Entry]) -> Entry:
-    known = {each["name"]: each for each in entries}
-    if name not in known:
-        raise UnknownName(f"Unknown {kind} {name}{suggestion(name, known)}")
-    return known[name]
+def _find(kind: str, name: str, entries: list[Entry]) -> list[Entry]:
+    found = [each for each in entries if each["name"] == name]
+    if not found:
+        names = [each["name"] for each in entries]
+        raise UnknownName(f"Unknown {kind} {name}{suggestion(name, names)}")
+    return found
 
 
 def _without(node: str, key: str, entries: Iterable[Entry]) -> list[Entry]:

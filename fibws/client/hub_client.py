@@ -14,9 +14,10 @@ from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple, Self, TypeAlias
 
 from fibws import hub_address, names
-from fibws.client.rosapi_schemas import ANSWERS, fault
-from fibws.client.websocket import Message, Stream
+from fibws.client.rosapi_schemas import RESPONSES, schema_error
+from fibws.client.websocket import Message, WebSocket
 from fibws.errors import (
+    NoHub,
     OperationError,
     OperationRejected,
     ServiceError,
@@ -76,24 +77,24 @@ class HubClient:
         self._serialized: dict[int, tuple[_Subscription, str]] = {}
         """By the topics' numbers in binary frames: the subscription and the topic's type."""
         self._numbers = 0
-        self._stream = Stream(self.url, self.node)
+        self._socket = WebSocket(self.url, self.node)
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, *error: object) -> None:
         if kind is not None and issubclass(kind, KeyboardInterrupt):
-            self._stream.abort()
+            self._socket.abort()
         else:
             self.close()
 
     def close(self) -> None:
         """Close the connection after the hub has read everything that was sent."""
-        self._stream.close()
+        self._socket.close()
 
     def fileno(self) -> int:
         """Return the socket's descriptor for ``select``."""
-        return self._stream.fileno()
+        return self._socket.fileno()
 
     def resolve(self, name: str) -> str:
         """Return the global name for the name of something that may exist.
@@ -114,7 +115,7 @@ class HubClient:
         Raises:
             HubLost: the connection is lost.
         """
-        self._stream.send(_json(operation))
+        self._socket.send(_json(operation))
 
     def receive(self, timeout: float | None = None) -> Operation | None:
         """Return the hub's next operation, or None after ``timeout`` seconds.
@@ -149,7 +150,7 @@ class HubClient:
         self._numbers += 1
         subscription = _Subscription(topic, on_message, queue_length, f"raw:{self._numbers}")
         self._subscriptions[topic] = subscription
-        self.send(subscription.request(serialized=self._stream.serialized))
+        self.send(subscription.request(serialized=self._socket.serialized))
 
     def unsubscribe(self, topic: str) -> None:
         """Take back all subscriptions to a topic."""
@@ -244,14 +245,14 @@ class HubClient:
 
     def _read(self, timeout: float | None) -> bool:
         """Process what the hub sends; return False if that is nothing for ``timeout`` seconds."""
-        is_news = self._stream.read(timeout)
-        while self._stream.messages:
-            self._take(self._stream.messages.popleft())
+        is_news = self._socket.read(timeout)
+        while self._socket.messages:
+            self._take(self._socket.messages.popleft())
         return is_news
 
     def _take(self, message: Message) -> None:
         data = message.data
-        if message.is_binary and self._stream.serialized:
+        if message.is_binary and self._socket.serialized:
             self._deliver(data)
             return
         for subscription in self._subscriptions.values():
@@ -268,7 +269,7 @@ class HubClient:
         try:
             delivery = read_delivery(data)
         except OperationError as error:
-            raise self._stream.not_a_hub(str(error)) from None
+            raise self._socket.not_a_hub(str(error)) from None
         subscription, type_ = self._serialized.get(delivery.topic, (None, None))
         if subscription is not None and self._subscriptions.get(subscription.topic) is subscription:
             subscription.on_message(RawMessage(delivery.message, type_))
@@ -301,11 +302,29 @@ class HubClient:
         try:
             operation = json.loads(data.decode())
         except (ValueError, RecursionError) as error:
-            raise self._stream.not_a_hub(f"it sent invalid JSON: {error}") from None
+            raise self._socket.not_a_hub(f"it sent invalid JSON: {error}") from None
         if not isinstance(operation, dict):
             start = data[:40].decode(errors="replace")
-            raise self._stream.not_a_hub(f"it sent {start!r}, expected a JSON object")
+            raise self._socket.not_a_hub(f"it sent {start!r}, expected a JSON object")
         return operation
+
+
+def is_hub_running(url: str | None = None, tool: str = "tool") -> bool:
+    """Return whether a hub accepts connections at an address.
+
+    Args:
+        url: the hub's address; by default as for `HubClient`.
+        tool: the tool's name, which its node name begins with.
+
+    Raises:
+        InvalidAddress: the address is invalid.
+        HubUnreachable: the server is not a hub, or refuses the connection.
+    """
+    try:
+        HubClient(tool, url).close()
+    except NoHub:
+        return False
+    return True
 
 
 class _Subscription:
@@ -354,10 +373,10 @@ def _response(service: str, operation: Operation) -> dict[str, Any]:
         text = values if isinstance(values, str) else json.dumps(values)
         code = operation.get("code")
         raise CALL_ERRORS.get(str(code), ServiceError)(service, text, code)
-    return Values(service, values if isinstance(values, dict) else {})
+    return Response(service, values if isinstance(values, dict) else {})
 
 
-class Values(dict[str, Any]):
+class Response(dict[str, Any]):
     """The fields of a service's response by their names.
 
     Reading a field that is missing, or that does not fit the type of the hub's own service, raises
@@ -370,18 +389,17 @@ class Values(dict[str, Any]):
 
     def __getitem__(self, name: str) -> Any:
         value = super().__getitem__(name)
-        shape = ANSWERS.get(self._service, {}).get(name)
-        if shape is not None and (wrong := fault(value, shape, name)):
-            raise self._error(f"returned an unexpected response, {wrong}")
+        schema = RESPONSES.get(self._service, {}).get(name)
+        if schema is not None and (error := schema_error(value, schema, name)):
+            raise self._error(f"returned an unexpected response, {error}")
         return value
 
     def __missing__(self, name: str) -> Any:
         raise self._error(f"returned no {name}")
 
-    def _error(self, what: str) -> ServiceError:
-        return ServiceError(
-            self._service, f"{self._service} {what}: this may be another kind of hub"
-        )
+    def _error(self, fault: str) -> ServiceError:
+        text = f"{self._service} {fault}: this may be another kind of hub"
+        return ServiceError(self._service, text)
 
 
 def _json(value: object) -> bytes:

@@ -1,4 +1,4 @@
-"""What a hub's own answers are made of: what answers there may be another kind of hub, or lie."""
+"""Schemas of the responses of rosapi: another kind of server may send something else."""
 
 from __future__ import annotations
 
@@ -6,31 +6,31 @@ import sys
 from collections.abc import Mapping
 from typing import TypeAlias
 
-Shape: TypeAlias = "str | list[Shape] | Mapping[str, Shape]"
-"""A type of ROS's definitions; a list of one shape, of which there may be any number; or fields."""
+Schema: TypeAlias = "str | list[Schema] | Mapping[str, Schema]"
+"""A primitive type of ROS; a list with the elements' schema; or an object's fields."""
 
-_TIME: Shape = {"secs": "uint32", "nsecs": "uint32"}
-_NODES: Shape = [{"name": "string", "address": "string", "since": _TIME, "own": "bool"}]
-_SUBSCRIPTION: Mapping[str, Shape] = {
+_TIME: Schema = {"secs": "uint32", "nsecs": "uint32"}
+_NODES: Schema = [{"name": "string", "address": "string", "since": _TIME, "own": "bool"}]
+_SUBSCRIPTION: Mapping[str, Schema] = {
     "node": "string",
     "queue_length": "uint32",
     "throttle_rate": "uint32",
     "compression": "string",
 }
-_TOPIC: Mapping[str, Shape] = {
+_TOPIC: Mapping[str, Schema] = {
     "name": "string",
     "type": "string",
     "checked": "bool",
     "publishers": [{"node": "string", "latch": "bool"}],
     "subscriptions": [_SUBSCRIPTION],
 }
-_SERVICE: Mapping[str, Shape] = {"name": "string", "type": "string", "node": "string"}
-_STATISTICS: Mapping[str, Shape] = {
+_SERVICE: Mapping[str, Schema] = {"name": "string", "type": "string", "node": "string"}
+_STATISTICS: Mapping[str, Schema] = {
     "topic": "string",
     "publishers": [{"node": "string", "messages": "uint64", "bytes": "uint64"}],
     "subscriptions": [{"node": "string", "messages": "uint64", "dropped": "uint64"}],
 }
-_CLIENT: Mapping[str, Shape] = {
+_CLIENT: Mapping[str, Schema] = {
     "node": "string",
     "address": "string",
     "kept_bytes": "uint64",
@@ -38,7 +38,7 @@ _CLIENT: Mapping[str, Shape] = {
     "slow": "bool",
 }
 
-ANSWERS: Mapping[str, Mapping[str, Shape]] = {
+RESPONSES: Mapping[str, Mapping[str, Schema]] = {
     "/rosapi/graph": {
         "nodes": _NODES,
         "topics": [_TOPIC],
@@ -57,39 +57,42 @@ ANSWERS: Mapping[str, Mapping[str, Shape]] = {
     "/rosapi/ping_node": {"success": "bool", "message": "string", "seconds": "float64"},
     "/rosapi/kill_node": {"success": "bool", "message": "string"},
 }
-"""What tools read of the answers, by the services' names."""
+"""The fields of responses that tools use, by the services' names."""
 
-LOG: Shape = {
+LOG: Schema = {
     "header": {"stamp": _TIME},
     "level": "int8",
     "name": "string",
     "msg": "string",
 }
-"""What tools read of a rosgraph_msgs/Log."""
+"""The fields of a rosgraph_msgs/Log that tools use."""
 
-MOST_SHOWN = 40
-"""Characters that are shown of a value that is wrong."""
+MAX_QUOTED = 40
+"""Maximum number of characters that are quoted from a wrong value."""
 
 
-def fault(value: object, shape: Shape, name: str) -> str | None:
-    """What is wrong with the value of this name, such as ``nodes[0].own is 5, no bool``, if it is.
+def schema_error(value: object, schema: Schema, name: str) -> str | None:
+    """Return why a value does not fit a schema: ``nodes[0].own is 5, expected bool``; else None.
 
-    What else an object has than its shape tells of does not matter.
+    Additional fields of objects are ignored.
+
+    Args:
+        name: the value's name in the text.
     """
-    if isinstance(shape, str):
-        return None if _is_of(value, shape) else f"{name} is {_shown(value)}, no {shape}"
-    if isinstance(shape, list):
+    if isinstance(schema, str):
+        return None if _is_of(value, schema) else _expected(schema, name, value)
+    if isinstance(schema, list):
         if not isinstance(value, list):
-            return f"{name} is {_shown(value)}, no list"
-        faults = (fault(each, shape[0], f"{name}[{i}]") for i, each in enumerate(value))
-        return next(filter(None, faults), None)
+            return _expected("a list", name, value)
+        errors = (schema_error(each, schema[0], f"{name}[{i}]") for i, each in enumerate(value))
+        return next(filter(None, errors), None)
     if not isinstance(value, dict):
-        return f"{name} is {_shown(value)}, no object"
-    for field, of in shape.items():
+        return _expected("an object", name, value)
+    for field, of in schema.items():
         if field not in value:
             return f"{name} has no {field}"
-        if found := fault(value[field], of, f"{name}.{field}"):
-            return found
+        if error := schema_error(value[field], of, f"{name}.{field}"):
+            return error
     return None
 
 
@@ -106,6 +109,7 @@ def _is_of(value: object, type_: str) -> bool:
     return isinstance(value, int) and least <= value < end
 
 
-def _shown(value: object) -> str:
+def _expected(what: str, name: str, value: object) -> str:
     text = ascii(value)
-    return text if len(text) <= MOST_SHOWN else f"{text[:MOST_SHOWN]}..."
+    shown = text if len(text) <= MAX_QUOTED else f"{text[:MAX_QUOTED]}..."
+    return f"{name} is {shown}, expected {what}"

@@ -1,7 +1,7 @@
 """A blocking WebSocket connection to a hub.
 
-It uses the sans-I/O protocol of ``websockets``: importing that library's own connections imports
-threads or asyncio, which takes longer than most tools run.
+It uses the sans-I/O protocol of ``websockets``. With that library's own blocking connection, which
+runs a thread, a short command takes a tenth more CPU time, and each received message a fifth more.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class Message(NamedTuple):
     is_binary: bool
 
 
-class Stream:
+class WebSocket:
     """A connection to a hub, open once it is created.
 
     It offers the subprotocol ``fibws.v1``. A server that does not select it is spoken to in plain
@@ -162,12 +162,12 @@ class Stream:
     def _connect(self, host: str, port: int, *, secure: bool) -> socket.socket:
         try:
             connected = socket.create_connection((host, port), PATIENCE)
-            connected.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            if not secure:
-                return connected
-            import ssl  # It takes 20 ms, and few tools need it.
-
-            return ssl.create_default_context().wrap_socket(connected, server_hostname=host)
+            try:
+                connected.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+                return _start_tls(connected, host) if secure else connected
+            except BaseException:
+                connected.close()
+                raise
         except (ConnectionRefusedError, TimeoutError) as error:
             raise NoHub(self.url, _text(error)) from None
         except OSError as error:
@@ -214,6 +214,12 @@ class Stream:
                     self._socket.sendall(data)
         except OSError as error:
             raise HubLost(self.url, _text(error)) from None
+
+
+def _start_tls(connected: socket.socket, host: str) -> socket.socket:
+    import ssl  # It takes 20 ms, and few tools need it.
+
+    return ssl.create_default_context().wrap_socket(connected, server_hostname=host)
 
 
 def _text(error: OSError) -> str:

@@ -27,9 +27,9 @@ ROS1, ROS2 = "actionlib_tutorials/Fibonacci", "example_interfaces/Fibonacci"
 
 
 async def serve(node: fibws.Node) -> None:
-    """Serve /ros1/count over topics, /ros2/count by operation, and /both in both ways.
+    """Serve /ros1/count over topics, /ros2/count over operations, and /both over both.
 
-    A goal of order 0 is pursued until it is cancelled, and one of a negative order is given up.
+    A goal of order 0 is executed until it is canceled, one of a negative order is aborted.
     """
 
     async def count(goal: Any, result: Any) -> Any:
@@ -91,7 +91,7 @@ def test_list_names_each_action_once(run: Run) -> None:
 
 
 @needs_server
-def test_info_tells_the_way_and_the_nodes(run: Run, client: HubClient) -> None:
+def test_info_prints_the_type_and_the_nodes(run: Run, client: HubClient) -> None:
     client.send({"op": "advertise", "topic": "/ros1/count/goal", "type": ACTION_TOPICS["goal"]})
     client.call("/rosapi/get_time")
     address = {each["name"]: each["address"] for each in client.call("/rosapi/graph")["nodes"]}
@@ -113,7 +113,7 @@ def test_info_tells_the_way_and_the_nodes(run: Run, client: HubClient) -> None:
 
 
 @needs_server
-def test_type_prints_all_that_it_has(run: Run) -> None:
+def test_type_prints_all_types(run: Run) -> None:
     assert run("action", "type", "/ros1/count").output == f"{ROS1}\n"
     assert run("action", "type", "/both").output == f"{ROS2}\n{ROS1}\n"
     result = run("action", "type", "/ros/count")
@@ -168,7 +168,7 @@ def test_send_prints_json(run: Run, name: str) -> None:
 
 @needs_server
 @both_ways
-def test_a_goal_that_is_given_up_is_an_error(run: Run, name: str) -> None:
+def test_aborted_goal_is_an_error(run: Run, name: str) -> None:
     result = run("action", "send", name, "-1")
     assert result.exit_code == 1
     assert result.stderr.splitlines()[-2:] == [
@@ -191,7 +191,7 @@ async def test_ctrl_c_cancels_the_goal(hub: HubThread, start: Start, name: str) 
 
 @needs_server
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pty")
-def test_on_a_terminal_what_ctrl_c_does_begins_a_line(hub: HubThread) -> None:
+def test_output_after_ctrl_c_begins_a_line_on_a_terminal(hub: HubThread) -> None:
     words = ("fibws", "action", "send", "-f", "--hub", hub.url, "/ros1/count", "0")
     tool = Terminal(sys.executable, "-m", *words)
     try:
@@ -204,7 +204,7 @@ def test_on_a_terminal_what_ctrl_c_does_begins_a_line(hub: HubThread) -> None:
 
 
 @needs_server
-def test_the_type_chooses_the_way_if_there_are_two(run: Run, client: HubClient) -> None:
+def test_type_chooses_between_topics_and_operations(run: Run, client: HubClient) -> None:
     client.send({"op": "subscribe", "topic": "/both/goal", "type": ACTION_TOPICS["goal"]})
     client.call("/rosapi/get_time")
     assert run("action", "send", "/both", ROS2.replace("/", "/action/"), "3").exit_code == 0
@@ -219,28 +219,49 @@ def test_the_type_chooses_the_way_if_there_are_two(run: Run, client: HubClient) 
 @pytest.mark.parametrize(
     ("words", "code", "text"),
     [
-        ([ROS2, "3"], 1, f"/ros1/count is of type {ROS1}, not {ROS2}"),
+        ([ROS2, "3"], 2, "expected order"),
         ([], 2, "Not enough arguments: given [], expected order"),
         (["{ordr: 3}"], 2, "did you mean order?"),
         (["x"], 1, "requires a int32 for field goal.order"),
     ],
 )
-def test_wrong_goals_are_told(run: Run, words: list[str], code: int, text: str) -> None:
+def test_wrong_goal_is_an_error(run: Run, words: list[str], code: int, text: str) -> None:
     result = run("action", "send", "/ros1/count", *words)
     assert (result.exit_code, result.stdout) == (code, "")
     assert text in result.stderr
 
 
+def test_text_like_a_type_is_a_value(run: Run, client: HubClient) -> None:
+    type_ = "custom_msgs/Say"
+    client.send(
+        {
+            "op": "advertise_action",
+            "action": "/say",
+            "type": type_,
+            "definition": "string words\n---\n---\n",
+        }
+    )
+    client.call("/rosapi/get_time")
+    with ThreadPoolExecutor() as threads:
+        for words in (["a/b"], [type_, "a/b"], ["a/action/b"]):
+            sent = threads.submit(run, "action", "send", "/say", *words)
+            goal = next(found for found in iter(client.receive, None) if "action" in found)
+            assert goal["args"] == {"words": words[-1]}
+            reply = {"op": "action_result", "action": "/say", "id": goal["id"], "status": 4}
+            client.send({**reply, "result": True, "values": {}})
+            assert sent.result(20).exit_code == 0
+
+
 @needs_server
-def test_a_goal_that_the_hub_refuses_is_an_error(run: Run) -> None:
+def test_goal_that_the_hub_refuses_is_an_error(run: Run) -> None:
     result = run("action", "send", "/ros2/count", "x")
     assert (result.exit_code, result.stdout) == (1, "")
     assert "requires a int32 for field order" in result.stderr
 
 
-def test_an_action_that_is_not_there_is_an_error(run: Run) -> None:
+def test_unknown_action_is_an_error(run: Run) -> None:
     result = run("action", "send", "/count", "3")
-    assert (result.exit_code, result.stderr) == (1, "Error: Unknown action /count\n")
+    assert result.exit_code == 1 and "/count" in result.stderr
 
 
 def test_send_can_wait_for_the_server(run: Run, hub: HubThread, client: HubClient) -> None:
@@ -252,9 +273,7 @@ def test_send_can_wait_for_the_server(run: Run, hub: HubThread, client: HubClien
             assert result.result(20).stdout == "sequence: [0, 1, 1]\n"
 
 
-def test_an_action_of_a_type_that_nobody_defined_takes_an_object(
-    run: Run, client: HubClient
-) -> None:
+def test_goal_of_an_undefined_type_is_an_object(run: Run, client: HubClient) -> None:
     client.send({"op": "advertise_action", "action": "/odd", "type": "odd_msgs/Odd"})
     client.call("/rosapi/get_time")
     with ThreadPoolExecutor() as threads:
@@ -267,7 +286,7 @@ def test_an_action_of_a_type_that_nobody_defined_takes_an_object(
         assert sent.result(20).stdout == "y: 2\n---\n\n"
 
 
-def test_an_action_without_types_and_nodes_is_told_so(run: Run, client: HubClient) -> None:
+def test_action_without_type_and_nodes(run: Run, client: HubClient) -> None:
     for topic in ACTION_TOPICS:
         client.send({"op": "subscribe", "topic": f"/bare/{topic}"})
     client.call("/rosapi/get_time")
@@ -277,10 +296,10 @@ def test_an_action_without_types_and_nodes_is_told_so(run: Run, client: HubClien
     )
     result = run("action", "send", "/bare", "3")
     assert (result.exit_code, result.stdout) == (2, "")
-    assert "The type of /bare is not known: name it before the goal." in result.stderr
+    assert "/bare" in result.stderr and "TYPE" in result.stderr
 
 
-def test_a_server_that_hears_no_cancel_is_left(
+def test_send_ends_if_the_server_ignores_the_cancel(
     run: Run, hub: HubThread, client: HubClient, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(action, "CANCEL_PATIENCE", 0.05)

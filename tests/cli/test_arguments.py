@@ -1,7 +1,9 @@
-"""Values as the words of a command line."""
+"""Reading a command line."""
 
 from __future__ import annotations
 
+import io
+import sys
 from typing import Any
 
 import click
@@ -23,7 +25,7 @@ def run(*arguments: str) -> Any:
 
 
 @pytest.mark.parametrize("word", ["-5", "-.5", "-1e5", "-1.5", "-.inf", "- 1", "-", "{a: -1}"])
-def test_a_value_may_begin_with_a_minus(word: str) -> None:
+def test_value_may_begin_with_a_minus(word: str) -> None:
     assert run(word).output == f"{[word]} False\n"
 
 
@@ -32,7 +34,7 @@ def test_options_stay_options() -> None:
 
 
 @pytest.mark.parametrize("word", ["-x", "--jsn", "-inf"])
-def test_what_is_neither_is_said_to_be_no_option(word: str) -> None:
+def test_unknown_option_is_an_error(word: str) -> None:
     result = run("1", word)
     assert result.exit_code == 2
     assert "No such option" in result.output
@@ -53,7 +55,7 @@ def test_what_is_neither_is_said_to_be_no_option(word: str) -> None:
         ("-s -b -- x", "-s -b"),
     ],
 )
-def test_an_option_of_many_words_stands_before_each(typed: str, plain: str) -> None:
+def test_option_is_repeated_before_each_of_its_values(typed: str, plain: str) -> None:
     assert arguments.spread(typed.split(), {"-s", "-b"}) == plain.split()
 
 
@@ -65,15 +67,39 @@ def once(values: tuple[str, ...], once: bool) -> None:
 
 
 @pytest.mark.parametrize("word", ["-5", "-15", "-1.5", "-.5", "-1e5"])
-def test_where_options_are_digits_a_number_is_to_stand_behind_two_dashes(word: str) -> None:
+def test_negative_number_follows_two_dashes_if_options_are_digits(word: str) -> None:
     result = CliRunner().invoke(once, ["-1", word])
     assert result.exit_code == 2
-    assert f"Error: {word} is taken for options: write -- before the values" in result.output
+    assert f"-- {word}" in result.output
     assert CliRunner().invoke(once, ["-1", "--", word]).output == f"{[word]} True\n"
 
 
 @pytest.mark.parametrize("arguments", [["-1", "-z"], ["-z", "--", "-5"], ["-z5"]])
-def test_what_is_no_number_is_no_option_there_either(arguments: list[str]) -> None:
+def test_unknown_option_is_an_error_if_options_are_digits(arguments: list[str]) -> None:
     result = CliRunner().invoke(once, arguments)
     assert result.exit_code == 2
     assert "No such option" in result.output
+
+
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+def test_pipe_is_read(monkeypatch: pytest.MonkeyPatch) -> None:
+    pipe = io.StringIO("5")
+    monkeypatch.setattr(sys, "stdin", pipe)
+    assert arguments.piped_input() is pipe
+    assert not arguments.is_stdin_terminal()
+
+
+def test_terminal_is_not_read(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "stdin", Terminal())
+    assert arguments.piped_input() is None
+    assert arguments.is_stdin_terminal()
+
+
+def test_closed_input_is_not_read(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "stdin", None)
+    assert arguments.piped_input() is None
+    assert not arguments.is_stdin_terminal()

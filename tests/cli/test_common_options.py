@@ -9,14 +9,14 @@ import pytest
 from click.testing import CliRunner, Result
 from hub_in_thread import HubThread
 
-from fibws.cli.common_options import examples, linked
+from fibws.cli.common_options import examples, with_hub
 from fibws.client.hub_client import HubClient
 from fibws.command_names import SETUP
 
 
 def invoke(body: Callable[[HubClient], None], *words: str, endless: bool = False) -> Result:
     @click.command()
-    @linked("test", endless=endless)
+    @with_hub("test", endless=endless)
     def command(client: HubClient) -> None:
         body(client)
 

@@ -48,23 +48,23 @@ def bash(environment: dict[str, str]) -> Iterator[Terminal]:
     ("shell", "is_in_it"),
     [("bash", "complete -o nosort"), ("zsh", "#compdef fibws"), ("fish", "complete --no-files")],
 )
-def test_it_prints_what_a_shell_evaluates(shell: str, is_in_it: str) -> None:
+def test_script_of_each_shell(shell: str, is_in_it: str) -> None:
     result = CliRunner().invoke(command, ["completion", shell])
     assert result.exit_code == 0, result.output
     assert is_in_it in result.output
     assert f"_FIBWS_COMPLETE={shell}_complete" in result.output
 
 
-def test_its_help_says_how_to_install_it() -> None:
+def test_help_says_how_to_install_it() -> None:
     result = CliRunner().invoke(command, ["completion", "--help"])
     assert 'eval "$(fibws completion bash)"' in result.output
 
 
-def test_other_shells_are_not_known() -> None:
+def test_unknown_shell_is_an_error() -> None:
     assert CliRunner().invoke(command, ["completion", "tcsh"]).exit_code == 2
 
 
-def test_bash_completes_commands_and_topics_by_tab(bash: Terminal, publish: Publish) -> None:
+def test_bash_completes_commands_and_topics(bash: Terminal, publish: Publish) -> None:
     publish("/fibonacci", "std_msgs/Int32", {"data": 8})
     bash.wait_for("> ")
     bash.type('eval "$(fibws completion bash)"; echo rea""dy\n')
@@ -75,7 +75,7 @@ def test_bash_completes_commands_and_topics_by_tab(bash: Terminal, publish: Publ
 
 
 @pytest.mark.skipif(shutil.which("zsh") is None, reason="zsh is not installed")
-def test_zsh_is_told_types_beside_the_names(environment: dict[str, str], publish: Publish) -> None:
+def test_zsh_shows_types_beside_the_names(environment: dict[str, str], publish: Publish) -> None:
     publish("/fibonacci", "std_msgs/Int32", {"data": 8})
     asked = {
         "_FIBWS_COMPLETE": "zsh_complete",

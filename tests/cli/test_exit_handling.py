@@ -1,4 +1,4 @@
-"""How commands end: Ctrl-C, readers who leave, errors; each is a line at most."""
+"""Exit codes and errors of commands: Ctrl-C, closed pipes, errors of fibws."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from fibws.cli.commands import command
-from fibws.cli.exit_handling import INTERRUPTED, ending
+from fibws.cli.exit_handling import INTERRUPTED, clean_exit
 from fibws.cli.lazy import Command
 from fibws.errors import ServiceError
 
@@ -31,9 +31,9 @@ def run_module(text: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> Resu
         "import click\n@click.command()\ndef command():\n    raise KeyboardInterrupt",
         "import click\n@click.command()\ndef command():\n    raise click.Abort",
     ],
-    ids=["while it is imported", "while it runs", "at a question"],
+    ids=["while it is imported", "while it runs", "at a prompt"],
 )
-def test_ctrl_c_is_quiet_with_the_code_of_shells(
+def test_ctrl_c_prints_nothing_and_exits_with_130(
     text: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     result = run_module(text, tmp_path, monkeypatch)
@@ -41,46 +41,44 @@ def test_ctrl_c_is_quiet_with_the_code_of_shells(
     assert INTERRUPTED == 130
 
 
-def test_ctrl_c_is_how_what_is_endless_ends() -> None:
-    with pytest.raises(SystemExit) as caught, ending(endless=True):
+def test_ctrl_c_ends_an_endless_command_without_failure() -> None:
+    with pytest.raises(SystemExit) as caught, clean_exit(endless=True):
         raise KeyboardInterrupt
     assert caught.value.code == 0
 
 
-def test_an_error_in_somebody_elses_words_does_nothing_to_a_terminal() -> None:
-    with pytest.raises(click.ClickException) as caught, ending():
+def test_control_characters_in_errors_are_escaped() -> None:
+    with pytest.raises(click.ClickException) as caught, clean_exit():
         raise ServiceError("/service", "\x1b[2Jgone")
     assert caught.value.message == r"/service: \x1b[2Jgone"
 
 
-def leave() -> None:
+def fail_to_write() -> None:
     raise BrokenPipeError
 
 
-def test_a_reader_who_leaves_ends_a_tool_quietly(
+def test_closed_pipe_ends_a_command_quietly(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = tmp_path / "out"
     with path.open("w") as stream:
         monkeypatch.setattr(sys, "stdout", stream)
-        with ending():
-            leave()
+        with clean_exit():
+            fail_to_write()
         print("lost")
-    assert path.read_text() == "", "what Python flushes at its end goes nowhere"
+    assert path.read_text() == "", "Python's flush at exit must not fail"
 
 
-def test_what_is_printed_to_a_full_disk_is_an_error_in_a_line(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_full_disk_is_an_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with (tmp_path / "out").open("w") as stream:
         monkeypatch.setattr(sys, "stdout", stream)
-        with pytest.raises(click.ClickException) as caught, ending():
+        with pytest.raises(click.ClickException) as caught, clean_exit():
             raise OSError(28, "No space left on device")
     assert caught.value.message == "No space left on device"
 
 
-def test_a_file_that_cannot_be_read_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_error_names_the_file(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "stdout", None)
-    with pytest.raises(click.ClickException) as caught, ending():
+    with pytest.raises(click.ClickException) as caught, clean_exit():
         raise PermissionError(13, "Permission denied", "robot.yaml")
     assert caught.value.message == "robot.yaml: Permission denied"

@@ -1,4 +1,4 @@
-"""``fibws log``: what nodes log, at a real hub."""
+"""``fibws log`` at a real hub."""
 
 from __future__ import annotations
 
@@ -35,17 +35,17 @@ def message(msg: str, level: int = INFO, name: str = "/talker") -> dict[str, Any
 
 
 def publish(client: HubClient, messages: tuple[dict[str, Any], ...]) -> None:
-    """Log these as soon as a tool listens."""
+    """Log messages as soon as a tool subscribes."""
     deadline = time.monotonic() + PATIENCE
     while not client.call("/rosapi/subscribers", {"topic": "/rosout_agg"})["subscribers"]:
-        assert time.monotonic() < deadline, "nobody listens"
+        assert time.monotonic() < deadline, "no subscriber"
     for each in messages:
         client.send({"op": "publish", "topic": "/rosout", "msg": each})
 
 
 @pytest.fixture
 def logged(client: HubClient) -> Iterator[Logged]:
-    """Has messages be logged while the tool runs."""
+    """Return a function that logs messages while the tool runs."""
     client.send({"op": "advertise", "topic": "/rosout", "type": "rosgraph_msgs/Log"})
     threads = []
 
@@ -58,7 +58,7 @@ def logged(client: HubClient) -> Iterator[Logged]:
         thread.join(PATIENCE)
 
 
-def test_a_line_is_as_rosconsole_prints_it() -> None:
+def test_line_has_the_format_of_rosconsole() -> None:
     assert log_line(message("I heard 8")) == "[INFO] [1700000000.001234] [/talker]: I heard 8"
 
 
@@ -77,18 +77,18 @@ def test_levels_have_names(level: int, name: str) -> None:
     assert log_line(message("x", level)).startswith(f"[{name}] ")
 
 
-def test_further_lines_cannot_be_taken_for_messages() -> None:
+def test_further_lines_are_indented() -> None:
     assert log_line(message("Traceback:\n[FATAL] forged")) == (
         "[INFO] [1700000000.001234] [/talker]: Traceback:\n    [FATAL] forged"
     )
 
 
-def test_no_text_and_no_name_does_anything_to_a_terminal() -> None:
+def test_control_characters_are_escaped() -> None:
     line = log_line(message("\x1b[2J\r\x9bm\tx", name="/a\n\x1b[0m"))
     assert line == ("[INFO] [1700000000.001234] [/a\\n\\x1b[0m]: \\x1b[2J\\r\\x9bm\tx")
 
 
-def test_it_shows_what_is_logged(run: Run, logged: Logged) -> None:
+def test_log_messages_are_printed(run: Run, logged: Logged) -> None:
     logged(message("one"), message("two", WARN, "/other"))
     result = run("log", "-n", "2")
     assert result.exit_code == 0, result.output
@@ -97,13 +97,13 @@ def test_it_shows_what_is_logged(run: Run, logged: Logged) -> None:
     )
 
 
-def test_a_level_is_the_least(run: Run, logged: Logged) -> None:
+def test_lower_levels_are_omitted(run: Run, logged: Logged) -> None:
     logged(message("a", INFO), message("b", ERROR), message("c", WARN))
     result = run("log", "-l", "WARN", "-n", "2")
     assert [line[-1] for line in result.output.splitlines()] == ["b", "c"]
 
 
-def test_nodes_are_chosen_by_name_and_by_namespace(run: Run, logged: Logged) -> None:
+def test_messages_of_nodes_and_namespaces(run: Run, logged: Logged) -> None:
     names = ["/talker", "/talker_2", "/robot/arm", "/listener"]
     logged(*(message("x", name=name) for name in names))
     result = run("log", "--node", "listener", "--node", "/robot/", "-n", "2")
@@ -111,23 +111,23 @@ def test_nodes_are_chosen_by_name_and_by_namespace(run: Run, logged: Logged) -> 
     assert "[/listener]" in result.output.splitlines()[1]
 
 
-def test_texts_are_chosen_by_what_is_in_them(run: Run, logged: Logged) -> None:
+def test_messages_containing_a_text(run: Run, logged: Logged) -> None:
     logged(message("no"), message("a [needle]"))
     assert run("log", "--grep", "[needle]", "-n", "1").output.endswith(": a [needle]\n")
 
 
-def test_json_is_the_message_as_it_is(run: Run, logged: Logged) -> None:
+def test_json_is_the_whole_message(run: Run, logged: Logged) -> None:
     logged(message("two\nlines"))
     result = run("log", "--json", "-n", "1")
     assert result.output.count("\n") == 1
     assert json.loads(result.output) == message("two\nlines")
 
 
-def test_what_is_no_level_is_wrong_usage(run: Run) -> None:
+def test_unknown_level_is_an_error(run: Run) -> None:
     assert run("log", "-l", "loud").exit_code == 2
 
 
-async def test_ctrl_c_is_its_end(hub: HubThread, start: Start, logged: Logged) -> None:
+async def test_ctrl_c_ends_it_without_failure(hub: HubThread, start: Start, logged: Logged) -> None:
     logged(message("one"))
     program = await start("fibws", "log", FIBWS_HUB=hub.url)
     assert await program.line() == "[INFO] [1700000000.001234] [/talker]: one\n"
@@ -135,11 +135,11 @@ async def test_ctrl_c_is_its_end(hub: HubThread, start: Start, logged: Logged) -
     assert await program.end() == (0, "", "")
 
 
-async def test_a_hub_that_goes_is_an_error(hub: HubThread, start: Start, logged: Logged) -> None:
+async def test_lost_hub_is_an_error(hub: HubThread, start: Start, logged: Logged) -> None:
     logged(message("one"))
     program = await start("fibws", "log", FIBWS_HUB=hub.url)
     await program.line()
     hub.stop()
     code, out, err = await program.end()
     assert (code, out) == (1, "")
-    assert err.startswith(f"Error: The hub at {hub.url} is gone")
+    assert err.startswith("Error: ") and hub.url in err

@@ -35,7 +35,7 @@ def connected(client: HubClient, url: str) -> str:
 # list
 
 
-def test_list_names_all_nodes_but_the_tool(run: Run, client: HubClient) -> None:
+def test_list_prints_all_nodes_except_the_tool(run: Run, client: HubClient) -> None:
     assert run("node", "list").output.splitlines() == sorted([*OWN, client.node])
 
 
@@ -44,7 +44,7 @@ def test_list_takes_a_namespace(run: Run, client: HubClient) -> None:
     assert run("node", "list", "/ros").output == ""
 
 
-def test_list_tells_addresses(run: Run, hub: HubThread, client: HubClient) -> None:
+def test_list_prints_addresses(run: Run, hub: HubThread, client: HubClient) -> None:
     address, hubs = connected(client, hub.url), f"127.0.0.1:{hub.port}"
     assert run("node", "list", "-a").output.splitlines() == [
         f"{address} \t{client.node}",
@@ -53,23 +53,20 @@ def test_list_tells_addresses(run: Run, hub: HubThread, client: HubClient) -> No
     assert run("node", "list", "-u").output.splitlines() == [address, hubs, hubs, hubs]
 
 
-def test_machines_are_where_nodes_are(run: Run, client: HubClient) -> None:
+def test_machine_lists_addresses_or_nodes(run: Run, client: HubClient) -> None:
     assert run("node", "machine").output == "127.0.0.1\n"
     assert run("node", "machine", "127.0.0.1").output == run("node", "list").output
     result = run("node", "machine", "10.0.0.1")
-    assert (result.exit_code, result.output) == (
-        1,
-        "Error: No node is on 10.0.0.1; all nodes are on 127.0.0.1\n",
-    )
+    assert result.exit_code == 1
+    assert "10.0.0.1" in result.output and "127.0.0.1" in result.output
 
 
-def test_there_is_nothing_to_clean_up() -> None:
+def test_cleanup_does_nothing() -> None:
     result = CliRunner().invoke(command, ["node", "cleanup"])
     assert result.exit_code == 0
-    assert result.output.startswith("There is nothing to clean up: ")
 
 
-def test_list_as_json_is_an_object_a_line(run: Run, hub: HubThread) -> None:
+def test_list_prints_one_json_object_per_line(run: Run, hub: HubThread) -> None:
     found = [json.loads(line) for line in run("node", "list", "--json").output.splitlines()]
     assert [each["name"] for each in found] == OWN
     assert {each["address"] for each in found} == {f"127.0.0.1:{hub.port}"}
@@ -79,7 +76,7 @@ def test_list_as_json_is_an_object_a_line(run: Run, hub: HubThread) -> None:
 # info
 
 
-def test_info_has_rosnodes_shape(run: Run, hub: HubThread, client: HubClient) -> None:
+def test_info_has_the_format_of_rosnode(run: Run, hub: HubThread, client: HubClient) -> None:
     client.send({"op": "advertise", "topic": "/rosout", "type": "rosgraph_msgs/Log"})
     client.send({"op": "subscribe", "topic": "/untyped"})
     client.send({"op": "subscribe", "topic": "/rosout_agg", "compression": "cbor"})
@@ -116,7 +113,7 @@ def test_info_has_rosnodes_shape(run: Run, hub: HubThread, client: HubClient) ->
     ]
 
 
-def test_info_can_be_quiet_and_names_actions(run: Run, client: HubClient) -> None:
+def test_quiet_info_with_actions(run: Run, client: HubClient) -> None:
     type_ = "example_interfaces/Fibonacci"
     client.send({"op": "advertise_action", "action": "/count", "type": type_})
     client.call("/rosapi/get_time")
@@ -145,7 +142,7 @@ def test_info_takes_several_nodes_and_prints_json(run: Run) -> None:
     assert rosout["actions"] == {}
 
 
-def test_a_node_that_is_not_there_is_an_error(run: Run) -> None:
+def test_unknown_node_is_an_error(run: Run) -> None:
     result = run("node", "info", "rosapi", "rosoud")
     assert (result.exit_code, result.stdout) == (1, "")
     assert result.stderr == "Error: Unknown node /rosoud; did you mean /rosout?\n"
@@ -154,7 +151,7 @@ def test_a_node_that_is_not_there_is_an_error(run: Run) -> None:
 # ping
 
 
-def test_ping_tells_the_time_and_the_average(
+def test_ping_prints_times_and_their_average(
     run: Run, talker: Peer, hub: HubThread, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(node, "PING_INTERVAL", 0.0)
@@ -167,7 +164,7 @@ def test_ping_tells_the_time_and_the_average(
     assert re.fullmatch(r"ping average: \d+\.\d\dms", average)
 
 
-def test_ctrl_c_ends_a_ping_with_the_average(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_ctrl_c_ends_ping_with_the_average(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     waits = iter([None, None])
 
     def process(client: HubClient, seconds: float) -> None:
@@ -184,7 +181,7 @@ def test_ctrl_c_ends_a_ping_with_the_average(run: Run, monkeypatch: pytest.Monke
     assert average.startswith("ping average: ")
 
 
-def test_between_two_pings_there_is_a_pause(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_ping_waits_between_pings(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     waited: list[float] = []
 
     def process(client: HubClient, seconds: float) -> None:
@@ -195,7 +192,7 @@ def test_between_two_pings_there_is_a_pause(run: Run, monkeypatch: pytest.Monkey
     assert waited == [node.PING_INTERVAL] * 2
 
 
-def test_a_node_that_does_not_answer_is_an_error(
+def test_ping_without_an_answer_is_an_error(
     run: Run, client: HubClient, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("fibws.hub.rosapi.rosnode.PATIENCE", 0.05)
@@ -204,7 +201,7 @@ def test_a_node_that_does_not_answer_is_an_error(
     assert result.stderr == f"Error: {client.node} did not answer within 0.05 s\n"
 
 
-def test_ping_all_goes_on_after_one_that_does_not_answer(
+def test_ping_all_continues_after_a_failure(
     run: Run, client: HubClient, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("fibws.hub.rosapi.rosnode.PATIENCE", 0.05)
@@ -233,14 +230,14 @@ def test_ping_takes_one_node_or_all(run: Run, words: list[str]) -> None:
 # kill
 
 
-def test_kill_ends_a_node(run: Run, talker: Peer) -> None:
+def test_kill_stops_a_node(run: Run, talker: Peer) -> None:
     result = run("node", "kill", "talker")
     assert (result.exit_code, result.output) == (0, "killing /talker\nkilled\n")
     talker.join()
     assert isinstance(talker.fault, NodeKilled)
 
 
-def test_kill_all_spares_the_hub(run: Run, hub: HubThread, talker: Peer) -> None:
+def test_kill_all_excludes_the_hub(run: Run, hub: HubThread, talker: Peer) -> None:
     with peer(hub.url, "another", nothing) as another:
         result = run("node", "kill", "-a")
         assert result.output == "killing:\n * /another\n * /talker\nkilled\n"
@@ -250,7 +247,7 @@ def test_kill_all_spares_the_hub(run: Run, hub: HubThread, talker: Peer) -> None
     assert run("node", "kill", "-a").stderr == "No nodes running\n"
 
 
-def test_kill_asks_which(run: Run, talker: Peer) -> None:
+def test_kill_asks_for_a_node(run: Run, talker: Peer) -> None:
     result = run("node", "kill", input="2\n1\n")
     assert result.exit_code == 0
     assert result.output.startswith("1. /talker\n\nPlease enter the number of the node you wish")
@@ -258,20 +255,20 @@ def test_kill_asks_which(run: Run, talker: Peer) -> None:
     talker.join()
 
 
-def test_kill_asks_nobody_where_nobody_is(run: Run, talker: Peer) -> None:
+def test_kill_needs_a_node_if_input_is_closed(run: Run, talker: Peer) -> None:
     result = run("node", "kill", input="")
     assert result.exit_code == 2
-    assert result.stderr.endswith("name the nodes to kill, or give --all.\n")
+    assert "--all" in result.stderr
 
 
-def test_kill_kills_nobody_if_one_is_unknown(run: Run, talker: Peer) -> None:
+def test_kill_does_nothing_if_a_node_is_unknown(run: Run, talker: Peer) -> None:
     result = run("node", "kill", "talker", "tolker")
     assert (result.exit_code, result.stdout) == (1, "")
-    assert result.stderr == "Error: Unknown node /tolker; did you mean /talker?\n"
+    assert "/tolker" in result.stderr and "/talker?" in result.stderr
     assert talker.name in run("node", "list").output
 
 
-def test_what_the_hub_refuses_to_kill_is_told(run: Run) -> None:
+def test_refused_kill_is_an_error(run: Run) -> None:
     result = run("node", "kill", "/rosapi")
     assert (result.exit_code, result.stdout) == (1, "killing /rosapi\n")
     assert result.stderr.startswith("Error: Failed to kill: /rosapi is the hub's own")

@@ -16,7 +16,7 @@ from fibws.cli import output
 HOSTILE = "\x1b]0;owned\x07\x9b31m red\r\x08\x7f \u202ereversed"
 
 
-def test_things_are_counted() -> None:
+def test_plural_of_a_noun() -> None:
     assert [output.counted(number, "node") for number in range(3)] == [
         "0 nodes",
         "1 node",
@@ -56,52 +56,52 @@ def stdout(monkeypatch: pytest.MonkeyPatch) -> Stdout:
     return stdout
 
 
-def test_a_terminal_is_shown_control_characters_and_not_sent_them(stdout: Stdout) -> None:
+def test_control_characters_are_escaped_on_a_terminal(stdout: Stdout) -> None:
     terminal = stdout(is_terminal=True)
     output.line(HOSTILE)
     shown = r"\x1b]0;owned\x07\x9b31m red\r\x08\x7f \u202ereversed"
     assert terminal.text() == f"{shown}\n"
 
 
-def test_a_terminal_keeps_lines_and_tabs(stdout: Stdout) -> None:
+def test_lines_and_tabs_are_kept_on_a_terminal(stdout: Stdout) -> None:
     terminal = stdout(is_terminal=True)
     output.line("average rate: 1.000\n\tmin: 1.000s é 中")
     assert terminal.text() == "average rate: 1.000\n\tmin: 1.000s é 中\n"
 
 
-def test_a_pipe_gets_a_text_as_it_is(stdout: Stdout) -> None:
+def test_text_is_unchanged_in_a_pipe(stdout: Stdout) -> None:
     pipe = stdout()
     output.line(HOSTILE)
     assert pipe.text() == f"{HOSTILE}\n"
 
 
 @pytest.mark.parametrize("text", ["a \ud800 b", "\U0001f600"])
-def test_what_an_encoding_lacks_is_spelled_out(text: str, stdout: Stdout) -> None:
+def test_characters_missing_in_the_encoding_are_escaped(text: str, stdout: Stdout) -> None:
     ascii_pipe = stdout("ascii")
     output.line(text)
     assert ascii_pipe.text() == text.encode("ascii", "backslashreplace").decode() + "\n"
 
 
-def test_half_of_a_character_ends_no_tool(stdout: Stdout) -> None:
+def test_lone_surrogate_is_printed_escaped(stdout: Stdout) -> None:
     pipe = stdout()
     output.line("a \ud800 b")
     assert pipe.text() == "a \\ud800 b\n"
 
 
-def test_a_terminal_has_colours(stdout: Stdout) -> None:
+def test_colours_on_a_terminal(stdout: Stdout) -> None:
     terminal = stdout(is_terminal=True)
     output.line("a", colour="red", bold=True)
     output.line("b", colour="green")
     assert terminal.text() == "\x1b[31m\x1b[1ma\x1b[0m\n\x1b[32mb\x1b[0m\n"
 
 
-def test_a_pipe_has_none(stdout: Stdout) -> None:
+def test_no_colours_in_a_pipe(stdout: Stdout) -> None:
     pipe = stdout()
     output.line("a", colour="red", bold=True)
     assert pipe.text() == "a\n"
 
 
-def test_a_terminal_has_none_where_that_is_asked_for(stdout: Stdout) -> None:
+def test_no_colour_disables_colours(stdout: Stdout) -> None:
     terminal = stdout(is_terminal=True)
     context = click.Context(click.Command("fibws"))
     context.color = False
@@ -110,18 +110,18 @@ def test_a_terminal_has_none_where_that_is_asked_for(stdout: Stdout) -> None:
     assert terminal.text() == "a\n"
 
 
-def test_a_dumb_terminal_is_sent_no_control_sequences(
+def test_no_control_sequences_on_a_dumb_terminal(
     stdout: Stdout, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     terminal = stdout(is_terminal=True)
-    assert output.obeys()
+    assert output.has_control_sequences()
     monkeypatch.setenv("TERM", "dumb")
-    assert not output.obeys()
+    assert not output.has_control_sequences()
     output.line("a", colour="red", bold=True)
     assert terminal.text() == "a\n"
 
 
-def test_json_is_one_line_and_means_the_same(stdout: Stdout) -> None:
+def test_json_is_one_line_of_equal_meaning(stdout: Stdout) -> None:
     terminal = stdout(is_terminal=True)
     output.as_json({"data": f"{HOSTILE}\n"})
     text = terminal.text()
@@ -130,14 +130,14 @@ def test_json_is_one_line_and_means_the_same(stdout: Stdout) -> None:
     assert json.loads(text) == {"data": f"{HOSTILE}\n"}
 
 
-def test_json_keeps_letters_where_it_can(stdout: Stdout) -> None:
+def test_json_keeps_letters_of_the_encoding(stdout: Stdout) -> None:
     pipe = stdout()
     output.as_json(["é", 1])
     assert pipe.text() == '["é",1]\n'
 
 
 @pytest.mark.parametrize("text", ["\U0001f600", "\ud800"])
-def test_json_is_json_in_every_encoding(text: str, stdout: Stdout) -> None:
+def test_json_is_valid_in_every_encoding(text: str, stdout: Stdout) -> None:
     ascii_pipe = stdout("ascii")
     output.as_json([text])
     assert json.loads(ascii_pipe.text()) == [text]
@@ -150,19 +150,19 @@ def test_names_are_sorted(stdout: Stdout) -> None:
     assert pipe.text() == '/a\n/b\n"/a"\n"/b"\n'
 
 
-def test_a_table_has_a_line_for_each_row_whatever_is_in_it(stdout: Stdout) -> None:
+def test_table_has_one_line_per_row(stdout: Stdout) -> None:
     pipe = stdout()
     output.table(("NAME", "N"), [("/a\n/forged", "1"), ("/b", "22")])
     assert pipe.text() == "NAME         N\n/a\\n/forged  1\n/b           22\n"
 
 
-def test_characters_that_cannot_be_shown_are_known(stdout: Stdout) -> None:
+def test_can_show_depends_on_the_encoding(stdout: Stdout) -> None:
     stdout("ascii")
     assert output.can_show("a")
     assert not output.can_show("─")
 
 
-def test_what_is_closed_is_printed_nowhere(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_closed_output_is_ignored(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "stdout", None)
     output.line("lost", colour="red")
     output.as_json({"é": 1})

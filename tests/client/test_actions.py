@@ -1,4 +1,4 @@
-"""One goal, from its sending to its end."""
+"""Sending one goal and following it to its end."""
 
 from __future__ import annotations
 
@@ -12,12 +12,13 @@ from node_in_thread import ACTION_TOPICS
 
 from fibws.client import actions as goals
 from fibws.client.hub_client import HubClient
+from fibws.protocol.goals import GoalStatus as S
 
 ROS1, ROS2 = "actionlib_tutorials/Fibonacci", "example_interfaces/Fibonacci"
 
 
-class ByHand:
-    """A server over topics that says what a test has it say."""
+class ManualServer:
+    """An action server over topics that publishes what a test tells it to."""
 
     def __init__(self, client: HubClient) -> None:
         self._client = client
@@ -30,7 +31,7 @@ class ByHand:
         message: dict[str, Any] = next(self._client.messages("/hand/goal"))
         return message
 
-    def say(self, topic: str, **fields: Any) -> None:
+    def publish(self, topic: str, **fields: Any) -> None:
         self._client.send({"op": "publish", "topic": f"/hand/{topic}", "msg": fields})
 
 
@@ -38,11 +39,11 @@ def status(goal: dict[str, Any], number: int, text: str = "") -> dict[str, Any]:
     return {"goal_id": goal["goal_id"], "status": number, "text": text}
 
 
-def test_a_goal_of_which_nothing_is_heard_is_lost(
+def test_goal_without_messages_is_lost(
     run: Run, client: HubClient, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(goals, "LOST_AFTER", 0.1)
-    ByHand(client)
+    ManualServer(client)
     result = run("action", "send", "/hand", "3")
     assert (result.exit_code, result.stdout) == (1, "")
     assert result.stderr.splitlines() == [
@@ -51,17 +52,17 @@ def test_a_goal_of_which_nothing_is_heard_is_lost(
     ]
 
 
-def test_the_goals_of_others_are_none_of_its_own(run: Run, client: HubClient) -> None:
-    server = ByHand(client)
+def test_goals_of_other_clients_are_ignored(run: Run, client: HubClient) -> None:
+    server = ManualServer(client)
     with ThreadPoolExecutor() as threads:
         sent = threads.submit(run, "action", "send", "-f", "/hand", "3")
         goal = server.goal()
         other = {"goal_id": {"id": "another"}}
-        server.say("status", status_list=[status(other, 3)])
-        server.say("feedback", status=status(other, 1), feedback={"sequence": [9]})
-        server.say("result", status=status(other, 3), result={"sequence": [9]})
-        server.say("status", status_list=[status(other, 3), status(goal, 1)])
-        server.say("result", status=status(goal, 5, "not today"), result={})
+        server.publish("status", status_list=[status(other, 3)])
+        server.publish("feedback", status=status(other, 1), feedback={"sequence": [9]})
+        server.publish("result", status=status(other, 3), result={"sequence": [9]})
+        server.publish("status", status_list=[status(other, 3), status(goal, 1)])
+        server.publish("result", status=status(goal, 5, "not today"), result={})
         result = sent.result(20)
     assert (result.exit_code, result.stdout) == (1, "sequence: []\n")
     assert result.stderr.splitlines() == [
@@ -71,8 +72,8 @@ def test_the_goals_of_others_are_none_of_its_own(run: Run, client: HubClient) ->
     ]
 
 
-class Said:
-    """A client over which a test says what comes."""
+class FakeClient:
+    """A client that receives the given operations."""
 
     node = "/me"
 
@@ -96,25 +97,31 @@ OTHER = {"op": "action_result", "id": "another", "status": 4, "result": True, "v
     [
         (
             {"op": "action_result", "status": 4, "result": True, "values": {"x": 1}},
-            goals.End("SUCCEEDED", "", {"x": 1}),
+            goals.End(S.SUCCEEDED, "", {"x": 1}),
         ),
         (
             {"op": "action_result", "status": 5, "result": True, "values": {"x": 1}},
-            goals.End("PREEMPTED", "", {"x": 1}),
+            goals.End(S.PREEMPTED, "", {"x": 1}),
         ),
         (
             {"op": "action_result", "status": 6, "result": False, "values": "no"},
-            goals.End("ABORTED", "no", None),
+            goals.End(S.ABORTED, "no", None),
         ),
-        ({"op": "action_result", "status": 99, "result": False}, goals.End("LOST", "", None)),
-        ({"op": "status", "level": "error", "msg": "no"}, goals.End("REJECTED", "no", None)),
+        (
+            {"op": "action_result", "status": 99, "result": False},
+            goals.End(S.LOST, "", None),
+        ),
+        (
+            {"op": "status", "level": "error", "msg": "no"},
+            goals.End(S.REJECTED, "no", None),
+        ),
     ],
 )
-def test_the_end_of_a_goal_over_operations(operation: dict[str, Any], end: goals.End) -> None:
+def test_end_of_a_goal_over_operations(operation: dict[str, Any], end: goals.End) -> None:
     warning = {"op": "status", "level": "warning", "msg": "never mind", "id": ID}
-    client = Said(OTHER, warning, {"id": ID, **operation}, OTHER)
+    client = FakeClient(OTHER, warning, {"id": ID, **operation}, OTHER)
     goal = goals.OperationGoal(client, "/a", ROS2, {"order": 3})  # type: ignore[arg-type]
-    assert list(goal.news()) == [end]
+    assert list(goal.updates()) == [end]
     goal.cancel()
     assert [(each["op"], each["id"]) for each in client.sent] == [
         ("send_action_goal", ID),
@@ -122,8 +129,8 @@ def test_the_end_of_a_goal_over_operations(operation: dict[str, Any], end: goals
     ]
 
 
-def test_the_end_of_a_goal_over_topics_is_its_last_news() -> None:
-    client = Said({"op": "status", "level": "info", "msg": "never mind"})
+def test_result_ends_a_goal_over_topics() -> None:
+    client = FakeClient({"op": "status", "level": "info", "msg": "never mind"})
     goal = goals.TopicGoal(client, "/a", ROS1, {"order": 3})  # type: ignore[arg-type]
     id_ = client.sent[-1]["msg"]["goal_id"]["id"]
     for number in (1, 1, 99):
@@ -138,10 +145,13 @@ def test_the_end_of_a_goal_over_topics_is_its_last_news() -> None:
                 },
             }
         )
-    assert list(goal.news()) == [goals.Status("ACTIVE"), goals.End("LOST", "", {})]
+    assert list(goal.updates()) == [
+        goals.StatusChange(S.ACTIVE),
+        goals.End(S.LOST, "", {}),
+    ]
 
 
-def test_a_server_that_will_get_to_a_goal_is_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_goal_in_the_queue_of_a_live_server_is_not_lost(monkeypatch: pytest.MonkeyPatch) -> None:
     now = 0.0
     monkeypatch.setattr(
         goals, "time", SimpleNamespace(monotonic=lambda: now, time_ns=lambda: 1_000_000_000)
@@ -150,7 +160,7 @@ def test_a_server_that_will_get_to_a_goal_is_waited_for(monkeypatch: pytest.Monk
     heard = [(4.0, alive), (9.0, None)]
     waits: list[float | None] = []
 
-    class OneWay:
+    class SilentClient:
         node = "/me"
 
         def send(self, operation: dict[str, Any]) -> None:
@@ -162,6 +172,6 @@ def test_a_server_that_will_get_to_a_goal_is_waited_for(monkeypatch: pytest.Monk
             now, operation = heard.pop(0)
             return operation
 
-    goal = goals.TopicGoal(OneWay(), "/a", ROS1, {"order": 3})  # type: ignore[arg-type]
-    assert list(goal.news()) == [goals.End("LOST", "nothing was heard of it for 5 s", None)]
+    goal = goals.TopicGoal(SilentClient(), "/a", ROS1, {"order": 3})  # type: ignore[arg-type]
+    assert list(goal.updates()) == [goals.End(S.LOST, "nothing was heard of it for 5 s", None)]
     assert waits == [5.0, 5.0]

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import socket
+import threading
 from contextlib import suppress
 from types import SimpleNamespace
 from typing import Any
@@ -15,7 +17,7 @@ from websockets.sync.server import ServerConnection
 from client.servers import replying_server, websocket_server
 from fibws.client import hub_client as module
 from fibws.client import websocket
-from fibws.client.hub_client import HubClient, Operation, RawMessage, check
+from fibws.client.hub_client import HubClient, Operation, RawMessage, check, is_hub_running
 from fibws.errors import (
     HubUnreachable,
     InvalidAddress,
@@ -27,7 +29,7 @@ from fibws.errors import (
 from fibws.protocol.serialized import SUBPROTOCOL, deliver_head
 
 
-def test_link_is_a_node_while_it_is_open(hub: HubThread, client: HubClient) -> None:
+def test_client_is_a_node_while_it_is_open(hub: HubThread, client: HubClient) -> None:
     with HubClient("other", hub.url) as other:
         assert other.node in client.call("/rosapi/nodes")["nodes"]
     assert other.node not in client.call("/rosapi/nodes")["nodes"]
@@ -331,7 +333,7 @@ def test_call_times_out_while_other_operations_are_received() -> None:
         client = HubClient("test", url)
         with pytest.raises(ServiceTimeout, match=r"no response within 0\.01 s"):
             client.call("/s", timeout=0.01)
-        client._stream.abort()
+        client._socket.abort()
 
 
 def test_oldest_operations_received_during_a_call_are_dropped_at_the_limit(
@@ -343,3 +345,23 @@ def test_oldest_operations_received_during_a_call_are_dropped_at_the_limit(
     with replying_server(*others, response) as url, HubClient("test", url) as client:
         client.call("/s")
         assert [(client.receive(20) or {}).get("id") for _ in range(2)] == ["3", "4"]
+
+
+def test_running_hub_is_found(hub: HubThread) -> None:
+    assert is_hub_running(hub.url)
+    hub.stop()
+    assert not is_hub_running(hub.url)
+
+
+def test_other_servers_are_not_taken_for_a_hub() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+
+        def refuse() -> None:
+            connection, _ = server.accept()
+            connection.close()
+
+        thread = threading.Thread(target=refuse)
+        thread.start()
+        with pytest.raises(HubUnreachable):
+            is_hub_running(f"ws://127.0.0.1:{server.getsockname()[1]}")
+        thread.join(60)

@@ -6,8 +6,8 @@ import shutil
 
 import click
 
-from fibws.cli import complete, output
-from fibws.cli.common_options import json_option, linked
+from fibws.cli import completers, output
+from fibws.cli.common_options import json_option, with_hub
 from fibws.cli.graph.dot import dot
 from fibws.cli.graph.drawing import ASCII, LINES, drawing
 from fibws.cli.graph.view import View
@@ -18,11 +18,11 @@ WIDTH_OF_PIPES = 120
 
 
 @click.command()
-@click.argument("namespace", default="/", shell_complete=complete.nodes)
+@click.argument("namespace", default="/", shell_complete=completers.nodes)
 @click.option("--all", "everything", is_flag=True, help="Show what belongs to ROS itself, too.")
 @click.option("--dot", "as_dot", is_flag=True, help="Print Graphviz: fibws graph --dot | dot -Tsvg")
 @json_option
-@linked("graph")
+@with_hub("graph")
 def command(
     client: HubClient, namespace: str, everything: bool, as_dot: bool, as_json: bool
 ) -> None:

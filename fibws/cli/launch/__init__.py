@@ -14,7 +14,7 @@ import click
 from fibws import hub_address, names
 from fibws.cli import output
 from fibws.cli.common_options import SETTINGS, examples, hub_option
-from fibws.cli.exit_handling import ending
+from fibws.cli.exit_handling import clean_exit
 from fibws.cli.run import workspace_option
 from fibws.errors import FibwsError
 from fibws.suggestions import suggestion
@@ -99,7 +99,7 @@ def command(words: tuple[str, ...], listing: str | None, **options: Any) -> None
     A hub is started if none is running. Ctrl-C stops all nodes; another Ctrl-C does not wait for
     them. The exit code is 1 if a node failed.
     """
-    with ending(endless=True):
+    with clean_exit(endless=True):
         sys.exit(_main(words, listing, options))
 
 

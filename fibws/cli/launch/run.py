@@ -19,8 +19,9 @@ import click
 
 from fibws.cli import output
 from fibws.cli.exit_handling import end_line
-from fibws.client.hub_client import HubClient
-from fibws.errors import LaunchError, NoHub
+from fibws.client.hub_client import HubClient, is_hub_running
+from fibws.client.parameters import Parameters
+from fibws.errors import LaunchError, NoHub, ParameterNotSet
 from fibws.hub_address import LOOPBACK
 from fibws.ros1.launch.model import Launch, Node, Step
 from fibws.ros1.launch.node_command import is_built_in, log_folder, node_command
@@ -32,7 +33,6 @@ from fibws.values import parameter_files
 TOOL = "launch"
 RETRY = 0.2
 """Seconds between two attempts to connect to the hub, with --wait."""
-ROOT = "/"
 
 _Result = TypeVar("_Result")
 
@@ -120,7 +120,7 @@ class _Run:
         """Return whether a hub is running, after waiting for it if that is wanted."""
         is_first = True
         while True:
-            if await self._in_thread(self._can_connect):
+            if await self._in_thread(lambda: is_hub_running(self._url, TOOL)):
                 return True
             if not self._options.wait or self._runner.is_stopping:
                 return False
@@ -128,13 +128,6 @@ class _Run:
                 self._screen.info("no hub is running yet, will wait for it to start")
                 is_first = False
             await asyncio.sleep(RETRY)
-
-    def _can_connect(self) -> bool:
-        try:
-            HubClient(TOOL, self._url).close()
-        except NoHub:
-            return False
-        return True
 
     async def _prepare(self) -> None:
         """Set the parameters."""
@@ -238,31 +231,31 @@ def prepare(client: HubClient, launch: Launch, warn: Callable[[str], None]) -> I
         ServiceError: the hub refuses a parameter.
         OSError: a file cannot be written.
     """
+    parameters = Parameters(client.call)
     for step in launch.steps:
-        _run_step(client, step, warn)
+        _run_step(parameters, step, warn)
         yield
     for name in _outermost(launch.cleared):
-        if name == ROOT:
-            _call(client, "set_param", name=ROOT, value="{}")
-        elif _has(client, name):
-            _call(client, "delete_param", name=name)
+        with suppress(ParameterNotSet):
+            parameters.delete(name)
         yield
     for name, value in launch.parameters.items():
         if isinstance(value, bytes):
             warn(f"{name}: parameters cannot hold bytes; setting their base64")
             value = b64encode(value).decode()
-        _call(client, "set_param", name=name, value=json.dumps(value, ensure_ascii=False))
+        parameters.set_json(name, json.dumps(value, ensure_ascii=False))
         yield
 
 
-def _run_step(client: HubClient, step: Step, warn: Callable[[str], None]) -> None:
-    if not _has(client, step.name):
+def _run_step(parameters: Parameters, step: Step, warn: Callable[[str], None]) -> None:
+    try:
+        if step.command == "delete":
+            parameters.delete(step.name)
+        else:
+            value = parameters.get(step.name)
+            Path(step.file).write_text(parameter_files.dumped(value), "utf-8")
+    except ParameterNotSet:
         warn(f"rosparam {step.command} {step.name}: parameter not set")
-    elif step.command == "delete":
-        _call(client, "delete_param", name=step.name)
-    else:
-        value = json.loads(_call(client, "get_param", name=step.name)["value"])
-        Path(step.file).write_text(parameter_files.dumped(value), "utf-8")
 
 
 def _outermost(names: list[str]) -> list[str]:
@@ -273,11 +266,3 @@ def _outermost(names: list[str]) -> list[str]:
         for name in found
         if not any(name != each and f"{name}/".startswith(f"{each.rstrip('/')}/") for each in found)
     ]
-
-
-def _has(client: HubClient, name: str) -> bool:
-    return name == ROOT or bool(_call(client, "has_param", name=name)["exists"])
-
-
-def _call(client: HubClient, service: str, **request: str) -> dict[str, Any]:
-    return client.call(f"/rosapi/{service}", request)

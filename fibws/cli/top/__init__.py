@@ -9,7 +9,7 @@ from itertools import count
 import click
 
 from fibws.cli import output
-from fibws.cli.common_options import json_option, linked
+from fibws.cli.common_options import json_option, with_hub
 from fibws.cli.top.measure import SORTS, Measure
 from fibws.cli.top.screen import KEYS, Screen
 from fibws.cli.top.text import block
@@ -38,7 +38,7 @@ STATISTICS = "/rosapi/statistics"
     help="What the topics are sorted by.",
 )
 @json_option
-@linked("top", endless=True)
+@with_hub("top", endless=True)
 def command(client: HubClient, times: int | None, delay: float, sort: str, as_json: bool) -> None:
     """Show the topics with their rates and the clients, until q or Ctrl-C.
 
@@ -49,7 +49,7 @@ def command(client: HubClient, times: int | None, delay: float, sort: str, as_js
     On a terminal the keys r, b and n sort by rate, bandwidth and name. Elsewhere, and with -n,
     there is a block of plain text for each look, or with --json an object.
     """
-    if times or as_json or not (output.obeys() and output.can_show("─…")):
+    if times or as_json or not (output.has_control_sequences() and output.can_show("─…")):
         for measure in _measures(client, delay, sort, times):
             output.as_json(measure.as_json()) if as_json else block(measure)
     else:

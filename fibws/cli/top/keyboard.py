@@ -7,7 +7,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from fibws.cli.input import is_keyboard
+from fibws.cli.arguments import is_stdin_terminal
 
 
 class Keyboard:
@@ -16,7 +16,7 @@ class Keyboard:
     @contextmanager
     def read(self) -> Iterator[None]:
         """Have each key told at once, and not shown."""
-        if sys.platform == "win32" or not is_keyboard():
+        if sys.platform == "win32" or not is_stdin_terminal():
             yield
             return
         import termios
@@ -31,7 +31,7 @@ class Keyboard:
 
     def pressed(self, seconds: float) -> str:
         """The key that is pressed within so many seconds, or an empty text."""
-        if not is_keyboard():
+        if not is_stdin_terminal():
             time.sleep(seconds)
             return ""
         if sys.platform == "win32":

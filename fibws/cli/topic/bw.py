@@ -6,8 +6,8 @@ import time
 
 import click
 
-from fibws.cli import complete, output
-from fibws.cli.common_options import json_option, linked
+from fibws.cli import completers, output
+from fibws.cli.common_options import json_option, with_hub
 from fibws.cli.topic.every_second import count_option, report, subscribe, window_option
 from fibws.cli.topic.target import global_name
 from fibws.client.hub_client import HubClient, RawMessage
@@ -50,11 +50,11 @@ class Bandwidth:
 
 
 @click.command()
-@click.argument("topic", shell_complete=complete.topics)
+@click.argument("topic", shell_complete=completers.topics)
 @window_option(WINDOW, least=2)
 @count_option
 @json_option
-@linked("bw", endless=True)
+@with_hub("bw", endless=True)
 def command(client: HubClient, topic: str, window: int, count: int | None, as_json: bool) -> None:
     """Show the bandwidth of TOPIC every second.
 

@@ -9,8 +9,8 @@ import time
 
 import click
 
-from fibws.cli import complete, output
-from fibws.cli.common_options import json_option, linked
+from fibws.cli import completers, output
+from fibws.cli.common_options import json_option, with_hub
 from fibws.cli.topic.every_second import count_option, report, subscribe, window_option
 from fibws.cli.topic.target import global_name
 from fibws.client.hub_client import HubClient, RawMessage
@@ -86,11 +86,11 @@ def json_stamp(message: bytes | memoryview) -> int | None:
 
 
 @click.command()
-@click.argument("topic", shell_complete=complete.topics)
+@click.argument("topic", shell_complete=completers.topics)
 @window_option(MOST, least=1)
 @count_option
 @json_option
-@linked("delay", endless=True)
+@with_hub("delay", endless=True)
 def command(client: HubClient, topic: str, window: int, count: int | None, as_json: bool) -> None:
     """Show the delay of TOPIC every second, by the stamps in its messages' headers."""
     delay = Delay(window)

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from fibws.cli import complete, output
-from fibws.cli.common_options import json_option, linked
+from fibws.cli import completers, output
+from fibws.cli.common_options import json_option, with_hub
 from fibws.cli.topic.target import Target, global_name, retarget, wait
 from fibws.client.hub_client import HubClient
 from fibws.errors import UnknownField
@@ -37,7 +37,7 @@ def _no_bags(context: click.Context, parameter: click.Parameter, file: str | Non
 
 
 @click.command()
-@click.argument("topic", metavar="TOPIC[/FIELD]", shell_complete=complete.topics)
+@click.argument("topic", metavar="TOPIC[/FIELD]", shell_complete=completers.topics)
 @click.option(
     "-n", "count", metavar="COUNT", type=click.IntRange(min=1), help="End after so many messages."
 )
@@ -62,7 +62,7 @@ def _no_bags(context: click.Context, parameter: click.Parameter, file: str | Non
 )
 @click.option("-b", "--bag", expose_value=False, hidden=True, callback=_no_bags)
 @json_option
-@linked("echo", endless=True)
+@with_hub("echo", endless=True)
 def command(
     client: HubClient,
     topic: str,
@@ -119,7 +119,7 @@ def _yaml(
     *, clear: bool, noarr: bool, nostr: bool, width: int | None, offset: bool
 ) -> Callable[[Any, Target], None]:
     style = printing.Style(noarr, nostr, width)
-    before = CLEAR if clear and output.obeys() else ""
+    before = CLEAR if clear and output.has_control_sequences() else ""
 
     def show(value: Any, target: Target) -> None:
         now = style._replace(offset=time.time_ns()) if offset else style

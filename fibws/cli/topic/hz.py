@@ -6,8 +6,8 @@ import time
 
 import click
 
-from fibws.cli import complete, output
-from fibws.cli.common_options import json_option, linked
+from fibws.cli import completers, output
+from fibws.cli.common_options import json_option, with_hub
 from fibws.cli.topic.every_second import count_option, report, subscribe, window_option
 from fibws.cli.topic.target import global_name
 from fibws.client.hub_client import HubClient, OnMessage
@@ -16,12 +16,12 @@ from fibws.values.rates import MOST, Rate, as_object, poll, rates_text
 
 @click.command()
 @click.argument(
-    "topics", metavar="TOPIC...", nargs=-1, required=True, shell_complete=complete.topics
+    "topics", metavar="TOPIC...", nargs=-1, required=True, shell_complete=completers.topics
 )
 @window_option(MOST, least=2)
 @count_option
 @json_option
-@linked("hz", endless=True)
+@with_hub("hz", endless=True)
 def command(
     client: HubClient, topics: tuple[str, ...], window: int, count: int | None, as_json: bool
 ) -> None:

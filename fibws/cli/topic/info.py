@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import click
 
-from fibws.cli import complete, output
-from fibws.cli.common_options import json_option, linked
-from fibws.client.graph_snapshot import Entry, Snapshot
+from fibws.cli import completers, output
+from fibws.cli.common_options import json_option, with_hub
+from fibws.client.graph_snapshot import Entry, GraphSnapshot
 from fibws.client.hub_client import HubClient
 
 
 @click.command()
-@click.argument("topic", shell_complete=complete.topics)
+@click.argument("topic", shell_complete=completers.topics)
 @json_option
-@linked()
+@with_hub()
 def command(client: HubClient, topic: str, as_json: bool) -> None:
     """Show the type of TOPIC, who publishes it and who hears it."""
-    snapshot = Snapshot(client)
+    snapshot = GraphSnapshot(client)
     found = snapshot.topic(client.resolve(topic))
     publishers, subscribers = (
         [

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import click
 
-from fibws.cli import complete, output
-from fibws.cli.common_options import json_option, linked
-from fibws.client.graph_snapshot import Entry, Snapshot, within
+from fibws.cli import completers, output
+from fibws.cli.common_options import json_option, with_hub
+from fibws.client.graph_snapshot import Entry, GraphSnapshot, in_namespace
 from fibws.client.hub_client import HubClient
 
 
 @click.command()
-@click.argument("namespace", required=False, shell_complete=complete.topics)
+@click.argument("namespace", required=False, shell_complete=completers.topics)
 @click.option("-v", "--verbose", is_flag=True, help="Say of each topic what type it has.")
 @click.option("-p", "publishers", is_flag=True, help="Only what is published.")
 @click.option("-s", "subscribers", is_flag=True, help="Only what is subscribed to.")
 @json_option
-@linked()
+@with_hub()
 def command(
     client: HubClient,
     namespace: str | None,
@@ -28,7 +28,7 @@ def command(
     """List the topics, or those in NAMESPACE."""
     if publishers and subscribers:
         raise click.UsageError("you may only specify one of -p, -s")
-    topics = within(namespace and client.resolve_namespace(namespace), _all(client))
+    topics = in_namespace(namespace and client.resolve_namespace(namespace), _all(client))
     published = [topic for topic in topics if topic["publishers"]]
     subscribed = [topic for topic in topics if topic["subscribers"]]
     chosen = published if publishers else subscribed if subscribers else topics
@@ -56,7 +56,7 @@ def _all(client: HubClient) -> list[Entry]:
             "publishers": [each["node"] for each in topic["publishers"]],
             "subscribers": sorted({each["node"] for each in topic["subscriptions"]}),
         }
-        for topic in Snapshot(client).topics
+        for topic in GraphSnapshot(client).topics
         if topic["publishers"] or topic["subscriptions"]
     ]
 

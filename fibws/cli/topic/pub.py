@@ -9,10 +9,9 @@ from typing import Any, TextIO
 import click
 
 from fibws import names
-from fibws.cli import complete, output
-from fibws.cli.arguments import DigitOptions
-from fibws.cli.common_options import examples, linked
-from fibws.cli.input import piped
+from fibws.cli import completers, output
+from fibws.cli.arguments import DigitOptions, piped_input
+from fibws.cli.common_options import examples, with_hub
 from fibws.cli.topic import pipe
 from fibws.cli.topic.publisher import Publisher
 from fibws.cli.type_names import full_name
@@ -27,8 +26,8 @@ RATE = 10.0
 
 
 @click.command(cls=DigitOptions)
-@click.argument("topic", shell_complete=complete.topics)
-@click.argument("type_", metavar="TYPE", shell_complete=complete.type_of_topic)
+@click.argument("topic", shell_complete=completers.topics)
+@click.argument("type_", metavar="TYPE", shell_complete=completers.type_of_topic)
 @click.argument("words", metavar="[ARGS]...", nargs=-1)
 @click.option("-v", "verbose", is_flag=True, help="Print the messages.")
 @click.option(
@@ -50,7 +49,7 @@ RATE = 10.0
     is_flag=True,
     help="With -r, let now and auto be the time of each message.",
 )
-@linked("pub", endless=True)
+@with_hub("pub", endless=True)
 @examples(
     '{topic pub} -r 10 /chatter std_msgs/String "data: hello"',
     '{topic pub} -1 /cmd_vel geometry_msgs/Twist "{linear: {x: 1.5}}"',
@@ -85,7 +84,7 @@ def command(
     if values or _has_no_fields(typedefs):
         messages = _of_words(values, typedefs, anew=substitute)
     else:
-        if file is None and piped() is None:
+        if file is None and piped_input() is None:
             raise click.UsageError("Please specify message values")
         if rate is None and not once and not latch:
             rate = RATE

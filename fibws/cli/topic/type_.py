@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import click
 
-from fibws.cli import complete, output
-from fibws.cli.common_options import json_option, linked
+from fibws.cli import completers, output
+from fibws.cli.common_options import json_option, with_hub
 from fibws.cli.topic.target import all_types, find, global_name
 from fibws.client.hub_client import HubClient
 from fibws.suggestions import suggestion
 
 
 @click.command()
-@click.argument("topic", metavar="TOPIC[/FIELD]", shell_complete=complete.topics)
+@click.argument("topic", metavar="TOPIC[/FIELD]", shell_complete=completers.topics)
 @json_option
-@linked()
+@with_hub()
 def command(client: HubClient, topic: str, as_json: bool) -> None:
     """Show the type of TOPIC; with FIELD, the topic's type, the field and the field's type."""
     name = global_name(client, topic)

@@ -10,10 +10,10 @@ from typing import Any, Generic, Self
 
 from fibws.errors import ActionError, NodeClosed, NodeError, WaitTimeout
 from fibws.interfaces.message import F, G, R
-from fibws.node.actions.status import GoalStatus
 from fibws.node.checks import check_queue_size, check_timeout
 from fibws.node.session import OperationHandler, Session, throw
 from fibws.node.types import ActionType
+from fibws.protocol.goals import GoalStatus
 
 HUB_LOST = "the connection to the hub was lost"
 

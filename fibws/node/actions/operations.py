@@ -12,10 +12,11 @@ from fibws.errors import InvalidMessage, OperationRejected
 from fibws.interfaces.message import F, G, R
 from fibws.node.actions.client import ActionClient, ClientGoal
 from fibws.node.actions.server import ActionServer, Execute
-from fibws.node.actions.status import GoalStatus, Record, status_from_ros2
+from fibws.node.actions.status import Record
 from fibws.node.session import Session
 from fibws.node.types import ActionType
 from fibws.protocol.decoding import quoted
+from fibws.protocol.goals import GoalStatus, status_from_ros2
 from fibws.protocol.operations import (
     ActionFeedback,
     ActionResult,

@@ -11,10 +11,11 @@ from typing import Any, Generic, Self, TypeAlias
 
 from fibws.errors import AlreadyOffered, NodeError
 from fibws.interfaces.message import F, G, R
-from fibws.node.actions.status import GoalStatus, Record, Transition
+from fibws.node.actions.status import Record, Transition
 from fibws.node.checks import check_timeout, without_surrogates
 from fibws.node.session import OperationHandler, Session, Tasks, throw
 from fibws.node.types import ActionType
+from fibws.protocol.goals import GoalStatus
 
 MOST_GOALS = 1000
 """Goals of one server that are executed at once."""

@@ -1,4 +1,4 @@
-"""The states of a goal, and the goals that a server keeps, by actionlib's rules.
+"""The goals that a server keeps, and how their statuses change, by actionlib's rules.
 
 Sources: http://wiki.ros.org/actionlib/DetailedDescription (the server's state machine) and
 actionlib's action_server.py.
@@ -7,7 +7,9 @@ actionlib's action_server.py.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import Enum, IntEnum, auto
+from enum import Enum, auto
+
+from fibws.protocol.goals import GoalStatus
 
 KEPT = 5.0
 """Seconds that an ended goal stays in the status list (actionlib's status_list_timeout)."""
@@ -21,47 +23,6 @@ OUTDATED = (
 )
 
 
-class GoalStatus(IntEnum):
-    """The state of a goal, with the numbers of actionlib_msgs/GoalStatus.
-
-    ROS 2 has fewer states (action_msgs/GoalStatus); each has the name of one of actionlib here.
-    """
-
-    PENDING = 0
-    """The server has not begun yet; ROS 2: ACCEPTED."""
-    ACTIVE = 1
-    """The server executes the goal; ROS 2: EXECUTING."""
-    PREEMPTED = 2
-    """Canceled after it had begun; ROS 2: CANCELED."""
-    SUCCEEDED = 3
-    """The goal was reached; ROS 2: SUCCEEDED."""
-    ABORTED = 4
-    """The server gave up; ROS 2: ABORTED."""
-    REJECTED = 5
-    """The server refused the goal."""
-    PREEMPTING = 6
-    """Being canceled after it has begun; ROS 2: CANCELING."""
-    RECALLING = 7
-    """Being canceled before it has begun."""
-    RECALLED = 8
-    """Canceled before it had begun."""
-    LOST = 9
-    """The client gave up waiting for the server, or lost the hub; ROS 2: UNKNOWN."""
-
-    def __str__(self) -> str:
-        return self.name
-
-    @property
-    def is_final(self) -> bool:
-        """Whether no other status can follow."""
-        return self in _FINAL
-
-    @property
-    def ros2(self) -> int:
-        """The number of the corresponding status of ROS 2."""
-        return _TO_ROS2[self]
-
-
 class Transition(Enum):
     """An event that changes a goal's status."""
 
@@ -72,17 +33,6 @@ class Transition(Enum):
     SUCCEED = auto()
     ABORT = auto()
 
-
-_FINAL = frozenset(
-    {
-        GoalStatus.PREEMPTED,
-        GoalStatus.SUCCEEDED,
-        GoalStatus.ABORTED,
-        GoalStatus.REJECTED,
-        GoalStatus.RECALLED,
-        GoalStatus.LOST,
-    }
-)
 
 _TRANSITIONS = {
     Transition.ACCEPT: {
@@ -113,38 +63,10 @@ _TRANSITIONS = {
     },
 }
 
-_TO_ROS2 = {
-    GoalStatus.PENDING: 1,
-    GoalStatus.ACTIVE: 2,
-    GoalStatus.PREEMPTED: 5,
-    GoalStatus.SUCCEEDED: 4,
-    GoalStatus.ABORTED: 6,
-    GoalStatus.REJECTED: 6,
-    GoalStatus.PREEMPTING: 3,
-    GoalStatus.RECALLING: 3,
-    GoalStatus.RECALLED: 5,
-    GoalStatus.LOST: 0,
-}
-
-_FROM_ROS2 = (
-    GoalStatus.LOST,
-    GoalStatus.PENDING,
-    GoalStatus.ACTIVE,
-    GoalStatus.PREEMPTING,
-    GoalStatus.SUCCEEDED,
-    GoalStatus.PREEMPTED,
-    GoalStatus.ABORTED,
-)
-
 
 def next_status(status: GoalStatus, transition: Transition) -> GoalStatus | None:
     """Return the status after a transition; None if the transition is not allowed."""
     return _TRANSITIONS[transition].get(status)
-
-
-def status_from_ros2(number: int) -> GoalStatus:
-    """Return the status that corresponds to a number of ROS 2, which is from 0 to 6."""
-    return _FROM_ROS2[number]
 
 
 @dataclass(slots=True, eq=False)

@@ -13,25 +13,33 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import count
-from typing import Any, NamedTuple
+from typing import Any
 
 from fibws.errors import NodeError
 from fibws.interfaces.message import F, G, R
 from fibws.msg import actionlib_msgs
 from fibws.node.actions.client import ActionClient, ClientGoal
 from fibws.node.actions.server import MOST_GOALS, ActionServer, Execute
-from fibws.node.actions.status import GoalStatus, Record, Records
+from fibws.node.actions.status import Record, Records
 from fibws.node.publisher import Publisher
 from fibws.node.session import Session, Tasks
 from fibws.node.subscription import Subscription
 from fibws.node.topics import Topics
 from fibws.node.types import ActionType, MessageCodec, Types
+from fibws.protocol.goals import (
+    CANCEL,
+    FEEDBACK,
+    GOAL,
+    LOST_AFTER,
+    RESULT,
+    STATUS,
+    ActionTopic,
+    GoalStatus,
+    goal_id,
+)
 
 STATUS_PERIOD = 0.2
 """Seconds between two messages on ``status`` (actionlib_status_frequency is 5 Hz)."""
-
-LOST_AFTER = 5.0
-"""Seconds without a message about a goal, or from its server, after which it counts as lost."""
 
 QUEUE_SIZE = 1000
 """Messages of a client's topic that the hub keeps while the connection is slow."""
@@ -52,21 +60,7 @@ class GoalIdGenerator:
 
     def generate(self) -> str:
         """Return a new id."""
-        return f"{self._node}-{next(self._numbers)}-{self.now() / 1e9:.3f}"
-
-
-class ActionTopic(NamedTuple):
-    """One of an action's topics: the end of its name, and its type with a gap for the action's."""
-
-    name: str
-    type: str
-
-
-GOAL = ActionTopic("goal", "{action}ActionGoal")
-CANCEL = ActionTopic("cancel", "actionlib_msgs/GoalID")
-STATUS = ActionTopic("status", "actionlib_msgs/GoalStatusArray")
-FEEDBACK = ActionTopic("feedback", "{action}ActionFeedback")
-RESULT = ActionTopic("result", "{action}ActionResult")
+        return goal_id(self._node, next(self._numbers), self.now())
 
 
 class ActionTopics:
@@ -130,7 +124,7 @@ class ActionTopics:
             subscription.close()
 
     def _resolve(self, topic: ActionTopic) -> tuple[str, MessageCodec[Any]]:
-        message_class = self._types.message_class(topic.type.format(action=self._type))
+        message_class = self._types.message_class(topic.type_of(self._type))
         return f"{self._name}/{topic.name}", self._types.codec(message_class)
 
 

@@ -18,8 +18,8 @@ from fibws.errors import (
 )
 from fibws.msg.actionlib_tutorials import FibonacciFeedback, FibonacciGoal, FibonacciResult
 from fibws.node.actions.client import ActionClient, ClientGoal
-from fibws.node.actions.status import GoalStatus
 from fibws.node.session import Session
+from fibws.protocol.goals import GoalStatus
 
 from ..conftest import FakeSession
 from .conftest import FibonacciType

@@ -14,7 +14,7 @@ from fibws.node.actions.actions import Actions
 from fibws.node.actions.client import ActionClient
 from fibws.node.actions.operations import OperationActionClient
 from fibws.node.actions.server import ActionServer, ServerGoal
-from fibws.node.actions.status import GoalStatus
+from fibws.protocol.goals import GoalStatus
 
 from ..conftest import FakeSession, Lines, hears, reconnected, said, says
 from .conftest import FibonacciType

@@ -13,8 +13,9 @@ from fibws.errors import AlreadyOffered, InvalidMessage, NodeClosed, OperationRe
 from fibws.msg.actionlib_tutorials import FibonacciFeedback, FibonacciGoal, FibonacciResult
 from fibws.node.actions import server as server_module
 from fibws.node.actions.server import ENDED, SUPERSEDED, ActionServer, ServerGoal
-from fibws.node.actions.status import GoalStatus, Record, Transition
+from fibws.node.actions.status import Record, Transition
 from fibws.node.session import Session
+from fibws.protocol.goals import GoalStatus
 
 from ..conftest import FakeSession, Lines
 from .conftest import FibonacciType

@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import pytest
 
-from fibws.msg import actionlib_msgs
 from fibws.node.actions.status import (
     KEPT,
     KEPT_COUNT,
     OUTDATED,
-    GoalStatus,
     Record,
     Records,
     Transition,
     next_status,
-    status_from_ros2,
 )
+from fibws.protocol.goals import GoalStatus
 
 FINAL = {
     GoalStatus.PREEMPTED,
@@ -25,12 +23,6 @@ FINAL = {
     GoalStatus.RECALLED,
     GoalStatus.LOST,
 }
-
-
-@pytest.mark.parametrize("status", GoalStatus)
-def test_numbers_are_those_of_actionlib(status: GoalStatus) -> None:
-    assert getattr(actionlib_msgs.GoalStatus, status.name) == status
-    assert str(status) == status.name
 
 
 @pytest.mark.parametrize("status", GoalStatus)
@@ -81,12 +73,6 @@ def test_forbidden_transition_has_no_next_status(
     status: GoalStatus, transition: Transition
 ) -> None:
     assert next_status(status, transition) is None
-
-
-def test_statuses_and_numbers_of_ros_2_correspond() -> None:
-    assert [status_from_ros2(number).ros2 for number in range(7)] == list(range(7))
-    assert {status.ros2 for status in GoalStatus} == set(range(7))
-    assert GoalStatus.RECALLED.ros2 == GoalStatus.PREEMPTED.ros2 == 5
 
 
 def test_forbidden_transition_leaves_status_and_text() -> None:

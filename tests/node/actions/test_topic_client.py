@@ -14,7 +14,7 @@ from fibws.msg.actionlib_tutorials import FibonacciFeedback, FibonacciGoal, Fibo
 from fibws.node.actions import topics
 from fibws.node.actions.actions import Actions
 from fibws.node.actions.client import ActionClient
-from fibws.node.actions.status import GoalStatus
+from fibws.protocol.goals import GoalStatus
 
 from ..conftest import FakeSession, hears, reconnected, said
 

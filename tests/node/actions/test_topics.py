@@ -7,17 +7,10 @@ from typing import Any
 import pytest
 
 from fibws.errors import NodeError
-from fibws.node.actions.topics import (
-    CANCEL,
-    FEEDBACK,
-    GOAL,
-    RESULT,
-    STATUS,
-    ActionTopics,
-    GoalIdGenerator,
-)
+from fibws.node.actions.topics import ActionTopics, GoalIdGenerator
 from fibws.node.topics import Topics
 from fibws.node.types import Types
+from fibws.protocol.goals import CANCEL, FEEDBACK, GOAL, RESULT, STATUS
 
 from ..conftest import FakeSession, Lines, hears, reconnected, said
 from .conftest import NOW

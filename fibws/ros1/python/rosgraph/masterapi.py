@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from typing import Any
 
-from fibws.errors import FibwsError, HubUnreachable, ServiceError
+from fibws.client.parameters import Parameters
+from fibws.errors import FibwsError, HubUnreachable, ParameterNotSet, ServiceError
 from rosgraph.names import GLOBALNS, get_ros_namespace, ns_join, resolve_name
 
 
@@ -52,11 +52,12 @@ class Master:
 
     def is_online(self) -> bool:
         """Whether there is a hub."""
+        from fibws.client.hub_client import is_hub_running
+
         try:
-            self.getPid()
-        except (MasterException, OSError):
+            return is_hub_running(tool="rosgraph")
+        except FibwsError:
             return False
-        return True
 
     def getPid(self) -> int:
         """0: the hub does not tell; but it answers."""
@@ -77,41 +78,41 @@ class Master:
 
     def getParam(self, key: str) -> Any:
         """The value of a parameter, or of a namespace as a dict."""
-        name = self._global(key)
-        value = json.loads(self.ask("get_param", name=name, default="null")["value"])
-        if value is None:
-            raise MasterError(f"Parameter [{name}] is not set")
-        return value
+        try:
+            return self._parameters().get(self._global(key))
+        except ParameterNotSet as error:
+            raise MasterError(str(error)) from None
 
     def setParam(self, key: str, value: Any) -> int:
         """Set a parameter; 0."""
-        self.ask("set_param", name=self._global(key), value=json.dumps(value, allow_nan=False))
+        self._parameters().set(self._global(key), value)
         return 0
 
     def hasParam(self, key: str) -> bool:
         """Whether there is such a parameter."""
-        return bool(self.ask("has_param", name=self._global(key))["exists"])
+        return self._parameters().has(self._global(key))
 
     def deleteParam(self, key: str) -> int:
         """Delete a parameter; 0."""
         name = self._global(key)
         if name == GLOBALNS:
             raise MasterError("cannot delete root of parameter tree")
-        if not self.hasParam(name):
-            raise MasterError(f"parameter [{name}] is not set")
-        self.ask("delete_param", name=name)
+        try:
+            self._parameters().delete(name)
+        except ParameterNotSet:
+            raise MasterError(f"parameter [{name}] is not set") from None
         return 0
 
     def searchParam(self, key: str) -> str:
         """The global name of the parameter of that name that is nearest to who asks."""
-        name = self.ask("search_param", name=key)["global_name"]
-        if not name:
+        name = self._parameters().search(key)
+        if name is None:
             raise MasterError(f"Cannot find parameter [{key}] in an upwards search")
-        return str(name)
+        return name
 
     def getParamNames(self) -> list[str]:
         """The names of all parameters."""
-        return list(self.ask("get_param_names")["names"])
+        return self._parameters().names()
 
     def lookupNode(self, node_name: str) -> str:
         """The URI of a node."""
@@ -169,6 +170,9 @@ class Master:
             raise MasterFailure(error.text) from None
         except FibwsError as error:
             raise MasterFailure(str(error)) from None
+
+    def _parameters(self) -> Parameters:
+        return Parameters(lambda service, request: self.ask(service.rpartition("/")[2], **request))
 
     def _topics(self) -> list[dict[str, Any]]:
         """The topics, with who publishes them unless the hub is a rosbridge of ROS's own."""

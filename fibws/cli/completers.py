@@ -1,7 +1,6 @@
-"""What a shell completes: names from the live hub, for ``shell_complete=`` of an argument.
+"""Completions of arguments for ``shell_complete=``: names from the hub, types from files.
 
-A shell waits for these, and whoever types does, too. So they take what the hub says within a
-moment, and nothing where there is no hub.
+A person waits for these, so a hub that does not answer in a moment gives none.
 """
 
 from __future__ import annotations
@@ -15,6 +14,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import click
 
 from fibws import names
+from fibws.cli.type_names import is_type
 from fibws.client.hub_client import HubClient
 from fibws.definition_folders import STANDARD, named_folders
 from fibws.errors import FibwsError, InvalidName
@@ -23,15 +23,15 @@ if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
 PATIENCE = 0.3
-"""Seconds in which a hub must have answered."""
+"""Seconds to wait for the hub."""
 
 Found: TypeAlias = dict[str, str]
-"""Names, each with a word that a shell may show beside it: what type it is of."""
+"""Names and their types, which a shell may show beside them."""
 Completion: TypeAlias = "Callable[[click.Context, click.Parameter, str], list[CompletionItem]]"
 
 
 def completion(ask: Callable[[HubClient], Found]) -> Completion:
-    """What completes by asking the hub; ``ask`` gives global names."""
+    """Return a completion of the global names that ``ask`` gets from the hub."""
 
     def complete(
         context: click.Context, parameter: click.Parameter, incomplete: str
@@ -63,23 +63,23 @@ def _params(client: HubClient) -> Found:
 
 
 topics = completion(_topics)
-"""Topics that are published or subscribed to."""
+"""All topics."""
 nodes = completion(_nodes)
-"""Nodes, but for that of whoever asks."""
+"""All nodes, except the shell's own."""
 services = completion(_services)
-"""Services, the hub's own among them."""
+"""All services, including the hub's own."""
 actions = completion(_actions)
-"""Actions, those over topics among them."""
+"""All actions, including those over topics."""
 params = completion(_params)
-"""Parameters."""
+"""All parameters."""
 
 
 def defined(kind: str, *, short: bool = False) -> Completion:
-    """What completes types of a kind (msg, srv, action) that fibws or $FIBWS_INTERFACES has.
+    """Return a completion of the types in fibws and $FIBWS_INTERFACES.
 
     Args:
-        kind: theirs.
-        short: whether they may also be named without their package, once a part of that is there.
+        kind: ``msg``, ``srv`` or ``action``.
+        short: also complete names without their package, once a letter is typed.
     """
 
     def complete(
@@ -94,7 +94,7 @@ def defined(kind: str, *, short: bool = False) -> Completion:
 
 
 def packages(kind: str) -> Completion:
-    """What completes packages that have types of a kind; otherwise as `defined`."""
+    """Return a completion of the packages that define types of a kind; see `defined`."""
 
     def complete(
         context: click.Context, parameter: click.Parameter, incomplete: str
@@ -105,21 +105,21 @@ def packages(kind: str) -> Completion:
 
 
 types = defined("msg")
-"""Types of messages."""
+"""Message types."""
 service_types = defined("srv")
-"""Types of services."""
+"""Service types."""
 
 
 def type_of_topic(
     context: click.Context, parameter: click.Parameter, incomplete: str
 ) -> list[CompletionItem]:
-    """The type that the command's topic has, or else as `types`."""
+    """Complete the type of the command's topic; message types if that is unknown."""
     topic = context.params.get("topic") or ""
 
     def ask(client: HubClient) -> Found:
         return {client.call("/rosapi/topic_type", {"topic": client.resolve(topic)})["type"]: ""}
 
-    found = {name for name in _asked(ask, context.params.get("hub")) if _is_type(name)}
+    found = {name for name in _asked(ask, context.params.get("hub")) if is_type(name)}
     return _beginning(found or _types("msg"), incomplete)
 
 
@@ -131,9 +131,9 @@ def _asked(ask: Callable[[HubClient], Found], hub: str | None) -> Found:
             with HubClient("completion", hub) as client:
                 found.update(ask(client))
         except (FibwsError, KeyError, TypeError, ValueError):
-            pass  # No hub, or none of this kind: there is nothing to complete from.
+            pass  # There is no hub, or it is another kind of server.
 
-    # A look-up of a host's name heeds no time limit, but nobody needs to wait for a thread.
+    # Looking up a host's name has no timeout, but waiting for a thread has.
     thread = Thread(target=answer, daemon=True)
     thread.start()
     thread.join(PATIENCE)
@@ -141,18 +141,18 @@ def _asked(ask: Callable[[HubClient], Found], hub: str | None) -> Found:
 
 
 def _items(found: Found, incomplete: str) -> list[CompletionItem]:
-    """Those that begin so, relative to the namespace if that is how they are being spelled."""
+    """Return the names that begin so; relative ones if the typed one is relative."""
     relative = incomplete != "" and not incomplete.startswith("/")
     base = _namespace().rstrip("/") + "/" if relative else ""
     return [
-        _item(name.removeprefix(base), type_ if _is_type(type_) else "")
+        _item(name.removeprefix(base), type_ if is_type(type_) else "")
         for name, type_ in sorted(found.items())
         if name.startswith(base + incomplete) and _is_name(name)
     ]
 
 
 def _item(name: str, help_: str = "") -> CompletionItem:
-    from click.shell_completion import CompletionItem  # which only a shell has a use for
+    from click.shell_completion import CompletionItem  # Only completion needs it.
 
     return CompletionItem(name, help=help_ or None)
 
@@ -165,7 +165,7 @@ def _namespace() -> str:
 
 
 def _is_name(name: str) -> bool:
-    """Whether it is a name and no more: a shell must not be given ``$(...)`` by somebody's hub."""
+    """Return whether a name is legal: a hub must not pass ``$(...)`` to the shell."""
     try:
         names.check(name)
     except InvalidName:
@@ -173,24 +173,19 @@ def _is_name(name: str) -> bool:
     return name.startswith("/")
 
 
-def _is_type(name: str) -> bool:
-    package, _, type_ = name.partition("/")
-    return package.isidentifier() and type_.isidentifier()
-
-
 def _beginning(found: Iterable[str], incomplete: str) -> list[CompletionItem]:
     return [_item(name) for name in sorted(found) if name.startswith(incomplete)]
 
 
 def _types(kind: str) -> set[str]:
-    """The names of types by their files, as no definition needs to be read for that."""
+    """Return the names of types, from the names of their files."""
     folders = [STANDARD, *map(Path, named_folders())]
     return {name for folder in folders for name in _types_in(folder, kind)}
 
 
 def _types_in(folder: Path, kind: str) -> Iterable[str]:
-    """The types in a folder of packages, or in one that is a package itself."""
+    """Yield the types in a folder of packages, or in a package."""
     for path in (*folder.glob(f"*/{kind}/*.{kind}"), *folder.glob(f"{kind}/*.{kind}")):
         name = f"{path.absolute().parts[-3]}/{path.stem}"
-        if _is_type(name):
+        if is_type(name):
             yield name
