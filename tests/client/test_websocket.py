@@ -130,7 +130,7 @@ def test_error_of_tls_to_a_hub_without_it_says_what_to_do(hub: HubThread) -> Non
         HubClient("test", f"wss://127.0.0.1:{hub.port}")
 
 
-def test_failed_tls_closes_the_socket(hub: HubThread, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_failed_tls_closes_the_socket(monkeypatch: pytest.MonkeyPatch) -> None:
     opened: list[socket.socket] = []
     connect = socket.create_connection
 
@@ -143,8 +143,8 @@ def test_failed_tls_closes_the_socket(hub: HubThread, monkeypatch: pytest.Monkey
 
     monkeypatch.setattr(socket, "create_connection", open_socket)
     monkeypatch.setattr(ssl, "create_default_context", fail)
-    with pytest.raises(HubUnreachable):
-        HubClient("test", f"wss://127.0.0.1:{hub.port}")
+    with socket.create_server(("127.0.0.1", 0)) as server, pytest.raises(HubUnreachable):
+        HubClient("test", f"wss://127.0.0.1:{server.getsockname()[1]}")
     assert [each.fileno() for each in opened] == [-1]
 
 

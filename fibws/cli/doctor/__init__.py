@@ -1,4 +1,4 @@
-"""``fibws doctor``: what is wrong with this setup, and what to do about it."""
+"""``fibws doctor``: check this setup for problems, and say how to fix them."""
 
 from __future__ import annotations
 
@@ -19,44 +19,44 @@ from fibws.errors import NodeError
 SIGNS = {"ok": "✓", "warning": "!", "wrong": "✗"}
 ASCII = {"ok": "+", "warning": "!", "wrong": "x"}
 COLOURS = {"ok": "green", "warning": "yellow", "wrong": "red"}
-MOMENT = 1.0
-"""Seconds between the two looks at what changes."""
+INTERVAL = 1.0
+"""Seconds between the two snapshots that are compared."""
 
 
 @click.command()
 @json_option
 @hub_option
 def command(hub: str | None, as_json: bool) -> None:
-    """Look for what is wrong with this setup, and say what to do about it.
+    """Check this setup for problems, and say how to fix them.
 
     \b
-    python       is it new enough?
-    packages     is all that fibws needs there, in versions that fit?
-    terminal     can what is printed have more than ASCII?
-    environment  are ROS_NAMESPACE and FIBWS_HUB what they should be? proxies?
-    definitions  is every folder of FIBWS_INTERFACES there, does every file parse?
-    hub          is there one, or what is it that answers?
-    version      is the hub's that of this?
-    round trip   does an answer come soon?
-    clock        do the clocks agree?
-    graph        how much is there?
-    types        is there a topic whose type nobody defined?
-    ends         topics without publishers or subscribers: were names misspelled?
-    names        one name for two things, one program twice, nodes that fight
-    clients      who does not keep up, and loses messages?
+    python       the version of Python
+    packages     the required packages and their versions
+    terminal     the encoding of the output
+    environment  ROS_NAMESPACE, FIBWS_HUB and proxies
+    definitions  the folders and files of FIBWS_INTERFACES
+    hub          whether a hub answers
+    version      whether the hub has the same version
+    round trip   the time that a call takes
+    clock        the difference between the clocks
+    graph        the numbers of nodes and topics
+    types        topics of undefined types
+    ends         topics without publishers or subscribers, misspelled names
+    names        names used twice
+    clients      clients that are too slow and lose messages
 
-    It exits with 1 if something is wrong; what only looks odd is a warning.
+    The exit code is 1 if something is wrong, 0 if there are only warnings.
     """
     is_fine = True
     for finding in findings(hub):
         is_fine &= finding.verdict != "wrong"
-        output.as_json(finding.as_json()) if as_json else tell(finding)
+        output.as_json(finding.as_json()) if as_json else print_finding(finding)
     if not is_fine:
         sys.exit(1)
 
 
 def findings(hub_: str | None) -> Iterator[Finding]:
-    """All findings, in the order in which one would look."""
+    """Yield all findings; each check relies on the ones before it."""
     yield from machine.checks(hub.url_of(hub_))
     yield from definitions.checks()
     client = hub.reach(hub_)
@@ -64,23 +64,23 @@ def findings(hub_: str | None) -> Iterator[Finding]:
         yield client
         return
     with client:
-        yield ok("hub", f"{client.url} takes connections")
+        yield ok("hub", f"{client.url} accepts connections")
         yield hub.version(client.url)
         try:
-            yield from hub.distance(client)
-            before = _look(client)
-            client.process(MOMENT)
-            yield from graph.checks(before, _look(client), but=client.node)
+            yield from hub.round_trip(client)
+            before = _snapshot(client)
+            client.process(INTERVAL)
+            yield from graph.checks(before, _snapshot(client), but=client.node)
         except NodeError as error:
-            yield wrong("hub", str(error), "Look at the hub's log. Is it a fibws hub?")
+            yield wrong("hub", str(error), "Check the hub's log. Is it a hub of fibws?")
 
 
-def _look(client: HubClient) -> graph.Look:
+def _snapshot(client: HubClient) -> graph.Snapshot:
     return client.call("/rosapi/graph"), client.call("/rosapi/statistics")
 
 
-def tell(finding: Finding) -> None:
-    """Print a finding as a line, and below it what to do."""
+def print_finding(finding: Finding) -> None:
+    """Print a finding, and its advice below."""
     signs = SIGNS if output.can_show("".join(SIGNS.values())) else ASCII
     head = f"{signs[finding.verdict]} {finding.verdict:7}  {finding.check:11}  "
     margin = " " * len(head)
@@ -90,7 +90,7 @@ def tell(finding: Finding) -> None:
 
 
 def _wrapped(text: str, margin: str) -> str:
-    """A text in lines of which all but the first begin with a margin; a pipe gets one line."""
+    """Wrap a text to the terminal's width, with a margin; return one line for a pipe."""
     text = output.visible(text, keep="")
     if not output.is_terminal():
         return text

@@ -1,4 +1,4 @@
-"""Whether the user's folders of definitions are there, and every file in them can be read."""
+"""Checks of the user's folders of definitions."""
 
 from __future__ import annotations
 
@@ -15,27 +15,27 @@ if TYPE_CHECKING:
     from fibws.interfaces import Interfaces
     from fibws.interfaces.folders import Package
 
-MOST = 20
-"""Files that are told of one by one."""
+MAX_LISTED = 20
+"""Maximum number of errors that are listed."""
 
 
 def checks() -> Iterator[Finding]:
-    """Look at each folder of $FIBWS_INTERFACES."""
+    """Check each folder of $FIBWS_INTERFACES."""
     if folders := named_folders():
-        yield from of([Path(each) for each in folders])
+        yield from check_folders([Path(each) for each in folders])
 
 
-def of(folders: list[Path]) -> Iterator[Finding]:
-    """Look at these folders, which may need each other's types."""
+def check_folders(folders: list[Path]) -> Iterator[Finding]:
+    """Check folders, which may use each other's types."""
     there = [folder for folder in folders if folder.is_dir()]
     for folder in folders:
         if folder not in there:
             yield wrong(
                 "definitions",
-                f"{folder} is in ${VARIABLE} and is no folder",
-                f"Make it, or take it out: folders are divided by {os.pathsep}",
+                f"{folder} in ${VARIABLE} is not a folder",
+                f"Create it, or remove it from ${VARIABLE}; folders are separated by {os.pathsep}",
             )
-    from fibws.interfaces import Interfaces  # which takes pydantic
+    from fibws.interfaces import Interfaces  # It loads pydantic.
     from fibws.interfaces.folders import find_packages
 
     interfaces = Interfaces(there)
@@ -46,30 +46,32 @@ def of(folders: list[Path]) -> Iterator[Finding]:
         if not packages and not _is_built(folder):
             yield warning(
                 "definitions",
-                f"{folder} has no definitions",
-                "A folder holds packages: PACKAGE/msg/Type.msg, PACKAGE/srv/Type.srv.",
+                f"{folder} contains no definitions",
+                "Expected packages in it: PACKAGE/msg/Type.msg, PACKAGE/srv/Type.srv.",
             )
         for package in packages:
             for fault in _faults(interfaces, package):
                 read += fault is None
                 faults.update({fault: None} if fault else {})
-    for fault in list(faults)[:MOST]:
-        yield wrong("definitions", fault, "Mend the file; the hub and the nodes refuse this type.")
-    if len(faults) > MOST:
-        yield wrong("definitions", f"and {len(faults) - MOST} more", "Mend those above first.")
+    for fault in list(faults)[:MAX_LISTED]:
+        yield wrong("definitions", fault, "Fix the file; the hub and nodes reject this type.")
+    if len(faults) > MAX_LISTED:
+        yield wrong(
+            "definitions", f"and {len(faults) - MAX_LISTED} more", "Fix the errors above first."
+        )
     if read:
-        yield ok("definitions", f"types of ${VARIABLE} that are well defined: {read}")
+        yield ok("definitions", f"Valid types in ${VARIABLE}: {read}")
 
 
 def _is_built(folder: Path) -> bool:
-    """Whether catkin_make here made it, for which no package needs to define anything."""
+    """Return whether `fibws workspace` created the folder; its packages may define nothing."""
     from fibws.ros1.workspace.build import RECORD
 
     return (folder.parent / RECORD).is_file()
 
 
 def _faults(interfaces: Interfaces, package: Package) -> Iterator[str | None]:
-    """What is wrong with each type of a package: None if nothing is."""
+    """Yield the error of each type of a package, None if there is none."""
     for kind in ("msg", "srv", "action"):
         for path in sorted((package.folder / kind).glob(f"*.{kind}")):
             name = f"{package.name}/{path.stem}"

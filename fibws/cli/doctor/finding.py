@@ -1,4 +1,4 @@
-"""What a check has found."""
+"""The result of a check."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ Verdict: TypeAlias = Literal["ok", "warning", "wrong"]
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """One thing that was looked at: how it is and, if that may not be, what to do."""
+    """The result of a check: a verdict, a text, and advice if something should be fixed."""
 
     check: str
     verdict: Verdict
@@ -18,26 +18,26 @@ class Finding:
     advice: str = ""
 
     def as_json(self) -> dict[str, Any]:
-        """All of it, fit for JSON."""
+        """Return the fields for JSON."""
         return asdict(self)
 
 
 def ok(check: str, text: str) -> Finding:
-    """It is as it should be."""
+    """Return a finding without a problem."""
     return Finding(check, "ok", text)
 
 
 def warning(check: str, text: str, advice: str) -> Finding:
-    """It may be meant to be so, or not."""
+    """Return a finding that may be a problem."""
     return Finding(check, "warning", text, advice)
 
 
 def wrong(check: str, text: str, advice: str) -> Finding:
-    """So it cannot work."""
+    """Return a finding that is a problem."""
     return Finding(check, "wrong", text, advice)
 
 
-def listed(names: list[str], most: int = 5) -> str:
-    """The first of some names, and how many more there are."""
-    more = f" and {len(names) - most} more" if len(names) > most else ""
-    return ", ".join(names[:most]) + more
+def join_names(names: list[str], limit: int = 5) -> str:
+    """Return the first names, and the number of the others."""
+    more = f" and {len(names) - limit} more" if len(names) > limit else ""
+    return ", ".join(names[:limit]) + more

@@ -1,4 +1,4 @@
-"""What looks odd in the graph: types, loose ends, names, clients that do not keep up."""
+"""Checks of the graph: types, missing publishers and subscribers, names, slow clients."""
 
 from __future__ import annotations
 
@@ -7,96 +7,96 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from typing import Any, TypeAlias
 
-from fibws.cli.doctor.finding import Finding, listed, ok, warning
+from fibws.cli.doctor.finding import Finding, join_names, ok, warning
 from fibws.cli.graph.view import Topic, View
 from fibws.cli.output import counted
 from fibws.suggestions import misspelled
 
-Look: TypeAlias = tuple[dict[str, Any], dict[str, Any]]
-"""What /rosapi/graph and /rosapi/statistics said at one time."""
+Snapshot: TypeAlias = tuple[dict[str, Any], dict[str, Any]]
+"""The responses of /rosapi/graph and /rosapi/statistics at one moment."""
 
 
-def checks(before: Look, now: Look, *, but: str) -> Iterator[Finding]:
-    """All that the hub's answers tell.
+def checks(before: Snapshot, now: Snapshot, *, but: str) -> Iterator[Finding]:
+    """Yield the findings about the graph.
 
     Args:
-        before: what they were a moment ago.
-        now: what they are now.
-        but: the node that asks, which is no part of it.
+        before: an older snapshot.
+        now: the newest snapshot.
+        but: the node to exclude, which is the doctor's own.
     """
     view = View.of(now[0], but=but)
     nodes, topics = counted(len(view.nodes), "node"), counted(len(view.topics), "topic")
-    yield ok("graph", f"{nodes}, {topics} of theirs")
-    yield from _or(ok("types", "Every topic's type is defined"), types(view))
-    yield from _or(ok("ends", "Every topic has publishers and subscribers"), ends(view))
+    yield ok("graph", f"{nodes}, {topics}")
+    yield from _or(ok("types", "All topics have defined types"), types(view))
+    yield from _or(ok("ends", "All topics have publishers and subscribers"), ends(view))
     everything = View.of(now[0], but=but, everything=True)
     clashes = [*same_names(everything), *twins(view), *replaced(before[0], now[0])]
-    yield from _or(ok("names", "No two things have one name"), clashes)
-    yield from _or(ok("clients", "All keep up"), clients(before[1], now[1], but=but))
+    yield from _or(ok("names", "No name is used twice"), clashes)
+    yield from _or(ok("clients", "No client is too slow"), clients(before[1], now[1], but=but))
 
 
 def types(view: View) -> Iterator[Finding]:
-    """Topics whose messages nobody checks."""
+    """Find topics whose types are undefined, so that messages are not checked."""
     unchecked = [
         f"{each.name} ({each.type})" for each in view.topics if each.type and not each.checked
     ]
     if unchecked:
         yield warning(
             "types",
-            f"No definition is known of the types of {listed(unchecked)}; messages go unchecked",
+            f"Topics of undefined types, whose messages are not checked: {join_names(unchecked)}",
             "Start the hub with the folder of the definitions: fibws hub --interfaces DIR",
         )
 
 
 def ends(view: View) -> Iterator[Finding]:
-    """Topics that one end of is missing, most of all those that are one topic misspelled."""
+    """Find topics without a publisher or without subscribers, and misspelled ones among them."""
     published = [each for each in view.topics if each.publishers]
-    silent = [each for each in view.topics if not each.publishers and each.subscribers]
-    unheard = [each.name for each in published if not each.subscribers]
+    unpublished = [each for each in view.topics if not each.publishers and each.subscribers]
+    unsubscribed = [each.name for each in published if not each.subscribers]
     explained: set[str] = set()
-    for topic in silent:
+    for topic in unpublished:
         others = [each.name for each in published if _may_be_one(topic, each)]
         guess = misspelled(topic.name, others)
         if guess is not None:
             explained |= {topic.name, guess}
             yield warning(
                 "ends",
-                f"{topic.name} has a subscriber ({listed(topic.subscribers, 2)}) and no publisher, "
-                f"while {guess} is published",
-                f"If they are to be one, mend the name, or remap it: {topic.name}:={guess}",
+                f"{topic.name} has a subscriber ({join_names(topic.subscribers, 2)}) but no "
+                f"publisher; {guess} has a publisher",
+                f"If they should be one topic, fix the name or remap it: {topic.name}:={guess}",
             )
-    waiting = [each.name for each in silent if each.name not in explained]
+    waiting = [each.name for each in unpublished if each.name not in explained]
     if waiting:
         yield warning(
             "ends",
-            f"Nobody publishes {listed(waiting)}, which somebody waits for",
-            "Is a node not started yet, or its topic called otherwise? See: fibws graph",
+            f"Topics with subscribers but no publisher: {join_names(waiting)}",
+            "Is a node not running, or has its topic another name? See: fibws graph",
         )
-    loose = [name for name in unheard if name not in explained]
-    if loose:
+    unread = [name for name in unsubscribed if name not in explained]
+    if unread:
         yield warning(
             "ends",
-            f"Nobody hears {listed(loose)}",
-            "That may be as it should be. To hear: fibws topic echo " + loose[0],
+            f"Topics without subscribers: {join_names(unread)}",
+            f"This may be intended. To print the messages: fibws topic echo {unread[0]}",
         )
 
 
 def same_names(view: View) -> Iterator[Finding]:
-    """Topics and services of one name, which ROS allows and people confuse.
+    """Find topics and services of the same name, which ROS allows.
 
-    An action is no clash: it has its topics in the namespace of its name.
+    Actions are not compared: their topics are in the namespace of their name.
     """
     services = {each.name for each in view.services}
     for name in sorted(each.name for each in view.topics if each.name in services):
         yield warning(
             "names",
             f"{name} is a topic and a service",
-            "Both work, but give one of them a name of its own.",
+            "Both work; rename one of them to avoid confusion.",
         )
 
 
 def twins(view: View) -> Iterator[Finding]:
-    """Topics that one program publishes twice, as its copies' names tell: ``talker_1``."""
+    """Find topics that two copies of a program publish, by their names: ``talker_1``."""
     for topic in view.topics:
         copies: defaultdict[str, list[str]] = defaultdict(list)
         for node in topic.publishers:
@@ -105,27 +105,27 @@ def twins(view: View) -> Iterator[Finding]:
             if len(nodes) > 1:
                 yield warning(
                     "names",
-                    f"{topic.name} is published by what looks like one program, "
-                    f"{len(nodes)} times: {listed(nodes)}",
-                    f"If that is one too many: fibws node kill {nodes[-1]}",
+                    f"{topic.name} is published by {len(nodes)} copies of a program: "
+                    f"{join_names(nodes)}",
+                    f"If one is too many: fibws node kill {nodes[-1]}",
                 )
 
 
 def replaced(before: dict[str, Any], now: dict[str, Any]) -> Iterator[Finding]:
-    """Nodes that another one of their name took the place of while this looked."""
+    """Find nodes that another node of the same name replaced between the snapshots."""
     older = {each["name"]: each["address"] for each in before["nodes"]}
     for node in now["nodes"]:
         if older.get(node["name"], node["address"]) != node["address"]:
             yield warning(
                 "names",
-                f"{node['name']} came anew within a second, from {node['address']}: most likely "
-                "two programs of one name shut each other down",
-                "Give each a name of its own, by --node-name or __name:=",
+                f"{node['name']} reconnected within a second, from {node['address']}: probably two "
+                "programs with the same node name replace each other",
+                "Give each its own name with --node-name or __name:=",
             )
 
 
 def clients(before: dict[str, Any], now: dict[str, Any], *, but: str) -> Iterator[Finding]:
-    """Clients that do not take what is sent to them."""
+    """Find clients that read too slowly."""
     older = {each["node"]: each["dropped"] for each in before["clients"]}
     for client in now["clients"]:
         name, dropped = client["node"], client["dropped"]
@@ -135,12 +135,15 @@ def clients(before: dict[str, Any], now: dict[str, Any], *, but: str) -> Iterato
         if client["slow"] or more > 0:
             yield warning(
                 "clients",
-                f"{name} ({client['address']}) is too slow: {client['kept_bytes']} bytes wait for "
-                f"it, {counted(dropped, 'message')} dropped in all, {max(0, more)} just now",
-                "Subscribe with a throttle_rate, or to less. Live: fibws top",
+                f"{name} ({client['address']}) is too slow: {client['kept_bytes']} bytes queued, "
+                f"{counted(dropped, 'message')} dropped, {max(0, more)} in the last second",
+                "Subscribe with a throttle_rate, or to fewer topics. See: fibws top",
             )
         elif dropped:
-            yield ok("clients", f"{name} keeps up now; it once lost {counted(dropped, 'message')}")
+            yield ok(
+                "clients",
+                f"{name} is fast enough now; {counted(dropped, 'message')} dropped before",
+            )
 
 
 def _may_be_one(topic: Topic, other: Topic) -> bool:

@@ -1,4 +1,4 @@
-"""Whether there is a hub, which one, how far away, and what its clock says."""
+"""Checks of the hub: address, version, round trip, clock."""
 
 from __future__ import annotations
 
@@ -15,62 +15,62 @@ from fibws.client.hub_client import HubClient
 from fibws.errors import HubUnreachable, InvalidAddress, InvalidName, NoHub
 
 PATIENCE = 3.0
-"""Seconds in which a plain HTTP request must be answered."""
-TRIPS = 5
-SLOW_TRIP = 0.1
-"""Seconds there and back that one begins to notice."""
-CLOCKS = 0.5
-"""Seconds by which clocks may differ before stamps of messages look old, or of the future."""
+"""Seconds to wait for the response of an HTTP request."""
+ROUND_TRIPS = 5
+SLOW_ROUND_TRIP = 0.1
+"""Seconds of a round trip that a person notices."""
+MAX_CLOCK_DIFFERENCE = 0.5
+"""Seconds by which clocks may differ without confusing programs that compare stamps."""
 
 
 def url_of(hub: str | None) -> str:
-    """The address that was asked for, as it was written."""
+    """Return the hub's address as the user wrote it."""
     return hub or os.environ.get(hub_address.ENVIRONMENT) or hub_address.DEFAULT
 
 
 def reach(hub: str | None) -> HubClient | Finding:
-    """A client to the hub, or why there is none."""
-    elsewhere = f"tell where it is: {hub_address.ENVIRONMENT}=ws://HOST:PORT"
+    """Connect to the hub; return a finding if that fails."""
+    other = f"set its address: {hub_address.ENVIRONMENT}=ws://HOST:PORT"
     try:
         return HubClient("doctor", hub)
     except (InvalidAddress, InvalidName):
-        return wrong("hub", "Not looked for", "Mend the environment first, see above.")
+        return wrong("hub", "Not checked", "Fix the environment first, see above.")
     except NoHub as error:
-        text = f"Nothing answers at {error.url} ({_source(hub)}; {error.cause})"
-        return wrong("hub", text, f"Start one: {error.remedy}. Or {elsewhere}")
+        text = f"No hub at {error.url} ({_source(hub)}; {error.cause})"
+        return wrong("hub", text, f"Start one: {error.remedy}. Or {other}")
     except HubUnreachable as error:
-        text = f"{error}. {answering(error.url)}"
-        return wrong("hub", text, f"Look at what listens there, or {elsewhere}")
+        text = f"{error}. {http_server(error.url)}"
+        return wrong("hub", text, f"Check which program listens there, or {other}")
 
 
 def _source(hub: str | None) -> str:
     if hub:
-        return "--hub tells of it"
+        return "from --hub"
     is_set = os.environ.get(hub_address.ENVIRONMENT)
-    return f"{hub_address.ENVIRONMENT} {'tells of it' if is_set else 'is not set'}"
+    return f"{'from ' if is_set else ''}{hub_address.ENVIRONMENT}{'' if is_set else ' is not set'}"
 
 
-def answering(url: str) -> str:
-    """What a plain HTTP request tells of who is at an address."""
+def http_server(url: str) -> str:
+    """Describe the HTTP server at an address."""
     try:
         status, headers, _ = _get(url, "/")
     except (OSError, ValueError):
-        return "It does not answer HTTP either"
+        return "It does not answer HTTP requests either"
     server = headers.get("server", "")
-    return f"It answers HTTP with {status}{f', as {server}' if server else ''}"
+    return f"It answers HTTP requests with {status}{f' (server: {server})' if server else ''}"
 
 
 def version(url: str) -> Finding:
-    """Whether it is a hub of fibws, and as new as this."""
+    """Compare the hub's version with this one."""
     try:
         status, _, body = _get(url, "/healthz")
-        if status == 403:  # A hub does not know all names of its machine, but it knows this one.
+        if status == 403:  # The hub may not accept this name of its machine.
             status, _, body = _get(url, "/healthz", host="localhost")
     except (OSError, ValueError) as error:
         return warning(
             "version",
-            f"{url} does not answer a plain HTTP request: {error}",
-            "If something stands between, have it pass /healthz on.",
+            f"{url} does not answer an HTTP request: {error}",
+            "If there is a proxy, let it forward /healthz.",
         )
     try:
         health: Any = json.loads(body)
@@ -78,50 +78,52 @@ def version(url: str) -> Finding:
     except (ValueError, KeyError, TypeError):
         return warning(
             "version",
-            f"/healthz there answers {status}, without a version: {_first_line(body)}",
-            "If it is another rosbridge server than a fibws hub, not all tools can work with it.",
+            f"/healthz answers {status} without a version: {_first_line(body)}",
+            "If it is another rosbridge server, some tools will not work with it.",
         )
     if theirs.split(".")[:2] == __version__.split(".")[:2]:
         return ok("version", f"The hub is fibws {theirs}, this is {__version__}")
     return warning(
         "version",
         f"The hub is fibws {theirs}, this is {__version__}",
-        "Install one version at both ends: python -m pip install --upgrade fibws",
+        "Install the same version on both: python -m pip install --upgrade fibws",
     )
 
 
-def distance(client: HubClient) -> Iterator[Finding]:
-    """How long an answer takes, and how far the clocks are apart.
+def round_trip(client: HubClient) -> Iterator[Finding]:
+    """Measure the time of a call, and the difference between the clocks.
 
     Raises:
-        NodeError: the hub does not answer.
+        NodeError: the hub does not respond.
     """
     trips = []
-    for _ in range(TRIPS):
-        begun, wall = time.perf_counter(), time.time()
-        answer = client.call("/rosapi/get_time")["time"]
-        seconds = time.perf_counter() - begun
-        theirs = answer["secs"] + answer["nsecs"] / 1e9
+    for _ in range(ROUND_TRIPS):
+        start, wall = time.perf_counter(), time.time()
+        stamp = client.call("/rosapi/get_time")["time"]
+        seconds = time.perf_counter() - start
+        theirs = stamp["secs"] + stamp["nsecs"] / 1e9
         trips.append((seconds, theirs - (wall + seconds / 2)))
-    seconds, ahead = min(trips)  # Of the shortest trip, half is what is nearest to the way there.
-    text = f"An answer takes {seconds * 1000:.1f} ms"
-    if seconds <= SLOW_TRIP:
+    seconds, ahead = min(trips)  # The shortest trip has the smallest error.
+    text = f"A call takes {seconds * 1000:.1f} ms"
+    if seconds <= SLOW_ROUND_TRIP:
         yield ok("round trip", text)
     else:
         advice = "Is the network slow, or the hub busy? See: fibws top"
         yield warning("round trip", text, advice)
-    yield clocks(ahead, seconds / 2)
+    yield clock(ahead, seconds / 2)
 
 
-def clocks(ahead: float, within: float) -> Finding:
-    """How far the hub's clock is ahead, in seconds, as far as that can be told."""
-    if abs(ahead) <= within:
-        return ok("clock", f"The clocks agree within {within * 1000:.1f} ms")
+def clock(ahead: float, error: float) -> Finding:
+    """Judge the seconds by which the hub's clock is ahead, with the error of that measurement."""
+    if abs(ahead) <= error:
+        return ok("clock", f"The clocks agree within {error * 1000:.1f} ms")
     side = "ahead of" if ahead > 0 else "behind"
     text = f"The hub's clock is {abs(ahead):.3f} s {side} this machine's"
-    if abs(ahead) - within <= CLOCKS:
+    if abs(ahead) - error <= MAX_CLOCK_DIFFERENCE:
         return ok("clock", text)
-    return warning("clock", text, "Let both follow a time server (NTP), or stamps do not compare.")
+    return warning(
+        "clock", text, "Synchronize both clocks with NTP; otherwise stamps cannot be compared."
+    )
 
 
 def _get(url: str, path: str, host: str | None = None) -> tuple[int, dict[str, str], bytes]:

@@ -1,10 +1,9 @@
-"""Whether this machine has what fibws needs: Python, packages, environment, terminal."""
+"""Checks of this machine: Python, packages, terminal, environment variables."""
 
 from __future__ import annotations
 
 import os
 import platform
-import re
 import sys
 from collections.abc import Iterator
 
@@ -15,15 +14,15 @@ from fibws.errors import InvalidAddress, InvalidName
 
 PYTHON = (3, 11)
 PROXIES = ("https_proxy", "http_proxy", "all_proxy", "wss_proxy", "ws_proxy")
-OF_ROS = ("ROS_MASTER_URI", "ROS_IP", "ROS_HOSTNAME", "ROS_DOMAIN_ID")
-"""What other ROS installations go by, and fibws does not."""
+ROS_VARIABLES = ("ROS_MASTER_URI", "ROS_IP", "ROS_HOSTNAME", "ROS_DOMAIN_ID")
+"""Variables of other ROS installations, which fibws ignores."""
 
 
 def checks(hub: str) -> Iterator[Finding]:
-    """All that can be said without a hub.
+    """Yield the findings that need no hub.
 
     Args:
-        hub: the address that was asked for, as it was written.
+        hub: the hub's address as the user wrote it.
     """
     yield python(sys.version_info[:2])
     yield from packages()
@@ -32,75 +31,63 @@ def checks(hub: str) -> Iterator[Finding]:
 
 
 def python(version: tuple[int, int]) -> Finding:
-    """Whether Python is new enough."""
+    """Check the version of Python."""
     text = f"Python {platform.python_version()} on {platform.system()}"
     if version >= PYTHON:
         return ok("python", text)
     least = ".".join(map(str, PYTHON))
-    return wrong("python", text, f"Install Python {least} or newer, and fibws with it.")
+    return wrong("python", text, f"Install Python {least} or newer, and fibws in it.")
 
 
 def packages() -> Iterator[Finding]:
-    """Whether the packages that fibws needs are there, in versions that it can use."""
+    """Check the packages that fibws requires, and their versions."""
     from importlib import metadata
 
+    from packaging.requirements import Requirement  # 40 ms
+
     try:
-        needed = metadata.requires("fibws") or []
+        requirements = [Requirement(each) for each in metadata.requires("fibws") or []]
     except metadata.PackageNotFoundError:
         yield warning(
             "packages",
-            f"fibws {__version__} is not installed, only found in a folder",
+            f"fibws {__version__} is imported from a folder and not installed",
             "Install it: python -m pip install -e . in its checkout.",
         )
         return
     fine = [f"fibws {__version__}"]
-    for requirement in needed:
-        found = re.match(r"([\w.-]+)([^;]*)(;.*)?$", requirement)
-        if found is None or found[3]:
-            continue  # An extra's, or another system's.
-        name, wanted = found[1], found[2].strip()
+    for requirement in requirements:
+        if requirement.marker is not None and not requirement.marker.evaluate({"extra": ""}):
+            continue  # It belongs to an extra or to another system.
+        name, expected = requirement.name, requirement.specifier
+        advice = f'Install it: python -m pip install "{name}{expected}"'
         try:
             version = metadata.version(name)
         except metadata.PackageNotFoundError:
-            advice = f'Install it: python -m pip install "{name}{wanted}"'
             yield wrong("packages", f"{name} is not installed", advice)
             continue
-        if fits(version, wanted):
+        if expected.contains(version, prereleases=True):
             fine.append(f"{name} {version}")
         else:
-            advice = f'Install one that does: python -m pip install "{name}{wanted}"'
-            yield wrong("packages", f"{name} {version} does not fit, needed is {wanted}", advice)
+            yield wrong("packages", f"{name} {version} is installed, expected {expected}", advice)
     yield ok("packages", ", ".join(fine))
 
 
-def fits(version: str, wanted: str) -> bool:
-    """Whether a version is within bounds such as ``>=17.1,<18``; what is no bound, allows all."""
-    is_met = {
-        ">=": lambda left, right: left >= right,
-        "<": lambda left, right: left < right,
-    }
-    return all(
-        is_met[sign](_numbers(version), _numbers(bound))
-        for sign, bound in re.findall(r"(>=|<)(?!=)\s*([\d.]+)", wanted)
-    )
-
-
 def encoding() -> Finding:
-    """Whether what is printed can have more than ASCII."""
+    """Check whether the output can have more than ASCII."""
     name = output.encoding()
     if output.can_show("─✓é"):
-        return ok("terminal", f"What is printed is {name}")
+        return ok("terminal", f"The output's encoding is {name}")
     return warning(
         "terminal",
-        f"What is printed is {name}, which lacks characters of messages and drawings",
-        "Set LANG=C.UTF-8, or PYTHONUTF8=1.",
+        f"The output's encoding is {name}, which lacks characters of messages and drawings",
+        "Set LANG=C.UTF-8 or PYTHONUTF8=1.",
     )
 
 
 def environment(hub: str) -> Iterator[Finding]:
-    """Whether environment variables are what they should be."""
-    faults = [*_namespace(), *_address(hub), *_proxies(hub), *_of_ros()]
-    yield from faults or [ok("environment", _told(hub))]
+    """Check the environment variables."""
+    problems = [*_namespace(), *_address(hub), *_proxies(hub), *_other_ros()]
+    yield from problems or [ok("environment", _variables(hub))]
 
 
 def _namespace() -> Iterator[Finding]:
@@ -108,17 +95,16 @@ def _namespace() -> Iterator[Finding]:
     try:
         names.check_namespace(namespace)
     except InvalidName as error:
-        yield wrong("environment", f"ROS_NAMESPACE: {error}", "Mend it, or: unset ROS_NAMESPACE")
+        yield wrong("environment", f"ROS_NAMESPACE: {error}", "Fix it, or: unset ROS_NAMESPACE")
 
 
 def _address(hub: str) -> Iterator[Finding]:
     try:
         hub_address.hub_url(hub)
     except InvalidAddress as error:
-        where = (
-            hub_address.ENVIRONMENT if os.environ.get(hub_address.ENVIRONMENT) == hub else "--hub"
-        )
-        yield wrong("environment", f"{where}: {error}", f"Such as {hub_address.DEFAULT}.")
+        variable = hub_address.ENVIRONMENT
+        where = variable if os.environ.get(variable) == hub else "--hub"
+        yield wrong("environment", f"{where}: {error}", f"An example: {hub_address.DEFAULT}")
 
 
 def _proxies(hub: str) -> Iterator[Finding]:
@@ -126,34 +112,26 @@ def _proxies(hub: str) -> Iterator[Finding]:
     if found and hub.startswith("wss:"):
         yield warning(
             "environment",
-            f"{', '.join(sorted(found))} lead nodes to a wss:// hub by a proxy; tools go directly",
-            "If the hub is not to be reached by the proxy, name its host in no_proxy.",
+            f"{', '.join(sorted(found))}: nodes will use this proxy for a wss:// hub; "
+            "tools connect directly",
+            "To connect nodes directly as well, add the hub's host to no_proxy.",
         )
 
 
-def _of_ros() -> Iterator[Finding]:
-    found = [name for name in OF_ROS if os.environ.get(name)]
+def _other_ros() -> Iterator[Finding]:
+    found = [name for name in ROS_VARIABLES if os.environ.get(name)]
     if found and not os.environ.get(hub_address.ENVIRONMENT):
         yield warning(
             "environment",
-            f"{', '.join(found)} tell of another ROS, of which fibws knows nothing",
-            f"To say where the hub is, set {hub_address.ENVIRONMENT}.",
+            f"{', '.join(found)}: set for another ROS; fibws ignores them",
+            f"To set the hub's address: {hub_address.ENVIRONMENT}=ws://HOST:PORT",
         )
 
 
-def _told(hub: str) -> str:
+def _variables(hub: str) -> str:
     known = (hub_address.ENVIRONMENT, "ROS_NAMESPACE", "FIBWS_INTERFACES")
-    told = [f"{name}={os.environ[name]}" for name in known if os.environ.get(name)]
-    if told:
-        return ", ".join(told)
-    so = f", so the hub is {hub}" if hub == hub_address.DEFAULT else ""
-    return f"No variable of fibws is set{so}"
-
-
-def _numbers(version: str) -> tuple[int, ...]:
-    """``17.1.0`` is as new as ``17.1``; what follows the numbers, such as ``rc1``, is left out."""
-    found = re.match(r"\d+(\.\d+)*", version)
-    numbers = [int(part) for part in found[0].split(".")] if found else []
-    while numbers and not numbers[-1]:
-        numbers.pop()
-    return tuple(numbers)
+    variables = [f"{name}={os.environ[name]}" for name in known if os.environ.get(name)]
+    if variables:
+        return ", ".join(variables)
+    default = f"; the hub's address is {hub}" if hub == hub_address.DEFAULT else ""
+    return f"No variables of fibws are set{default}"

@@ -1,4 +1,4 @@
-"""What looks odd in what a hub tells."""
+"""Checks of the graph."""
 
 from __future__ import annotations
 
@@ -13,40 +13,36 @@ from ..graph.test_view import ME, graph, topic
 
 
 def client(node: str, **others: Any) -> dict[str, Any]:
-    told = {"node": node, "address": "127.0.0.1:5", "kept_bytes": 0, "dropped": 0, "slow": False}
-    return {**told, **others}
+    fields = {"node": node, "address": "127.0.0.1:5", "kept_bytes": 0, "dropped": 0, "slow": False}
+    return {**fields, **others}
 
 
-def found(told: dict[str, Any], before: dict[str, Any] | None = None) -> dict[str, list[Finding]]:
-    """The findings by their checks."""
+def found(now: dict[str, Any], before: dict[str, Any] | None = None) -> dict[str, list[Finding]]:
+    """Return the findings by their checks."""
     nobody: dict[str, Any] = {"clients": []}
     by_check: dict[str, list[Finding]] = {}
-    for finding in checks((before or told, nobody), (told, nobody), but=ME):
+    for finding in checks((before or now, nobody), (now, nobody), but=ME):
         by_check.setdefault(finding.check, []).append(finding)
     return by_check
 
 
 def of_clients(before: list[dict[str, Any]], now: list[dict[str, Any]]) -> list[Finding]:
-    looks = [(graph(), {"clients": clients}) for clients in (before, now)]
-    return [each for each in checks(looks[0], looks[1], but=ME) if each.check == "clients"]
+    snapshots = [(graph(), {"clients": clients}) for clients in (before, now)]
+    return [each for each in checks(snapshots[0], snapshots[1], but=ME) if each.check == "clients"]
 
 
 def texts(findings: list[Finding]) -> list[tuple[str, str]]:
     return [(finding.verdict, finding.text) for finding in findings]
 
 
-def test_a_graph_in_which_all_is_well() -> None:
+def test_graph_without_problems() -> None:
     told = found(graph(topic("/chatter", "/a", "/b"), nodes="/a /b"))
-    assert {check: texts(findings) for check, findings in told.items()} == {
-        "graph": [("ok", "2 nodes, 1 topic of theirs")],
-        "types": [("ok", "Every topic's type is defined")],
-        "ends": [("ok", "Every topic has publishers and subscribers")],
-        "names": [("ok", "No two things have one name")],
-        "clients": [("ok", "All keep up")],
-    }
+    assert told.keys() == {"graph", "types", "ends", "names", "clients"}
+    assert {finding.verdict for findings in told.values() for finding in findings} == {"ok"}
+    assert told["graph"][0].text == "2 nodes, 1 topic"
 
 
-def test_types_with_no_definition_are_named() -> None:
+def test_undefined_types_are_named() -> None:
     told = found(graph(topic("/a", "/n", "/n", type="my/Type", checked=False)))
     ((verdict, text),) = texts(told["types"])
     assert verdict == "warning"
@@ -54,39 +50,35 @@ def test_types_with_no_definition_are_named() -> None:
     assert "--interfaces DIR" in told["types"][0].advice
 
 
-def test_a_misspelled_topic_is_found_and_not_told_of_twice() -> None:
+def test_misspelled_topic_is_reported_once() -> None:
     told = found(graph(topic("/fibonacci", "/b"), topic("/fibonaci", "", "/l")))
-    assert told["ends"] == [
-        Finding(
-            "ends",
-            "warning",
-            "/fibonaci has a subscriber (/l) and no publisher, while /fibonacci is published",
-            "If they are to be one, mend the name, or remap it: /fibonaci:=/fibonacci",
-        )
-    ]
+    (finding,) = told["ends"]
+    assert finding.verdict == "warning"
+    assert all(name in finding.text for name in ("/fibonaci ", "(/l)", "/fibonacci "))
+    assert "/fibonaci:=/fibonacci" in finding.advice
 
 
-def test_topics_of_two_types_are_two() -> None:
+def test_topics_of_different_types_are_not_misspelled() -> None:
     told = found(graph(topic("/scans", "/b", type="a/B"), topic("/scan", "", "/l", type="c/D")))
     assert not any("remap" in finding.advice for finding in told["ends"])
     told = found(graph(topic("/scans", "/b", type="a/B"), topic("/scan", "", "/l", type="")))
     assert any("remap" in finding.advice for finding in told["ends"])
 
 
-def test_loose_ends_are_named() -> None:
+def test_topics_without_publisher_or_subscribers_are_named() -> None:
     told = found(graph(topic("/heard", "", "/l"), topic("/spoken", "/n"), topic("/rosout", "/n")))
-    assert texts(told["ends"]) == [
-        ("warning", "Nobody publishes /heard, which somebody waits for"),
-        ("warning", "Nobody hears /spoken"),
-    ]
+    unpublished, unread = texts(told["ends"])
+    assert unpublished[0] == unread[0] == "warning"
+    assert "/heard" in unpublished[1] and "publisher" in unpublished[1]
+    assert "/spoken" in unread[1] and "subscriber" in unread[1]
 
 
-def test_a_great_many_loose_ends_are_counted() -> None:
+def test_further_topics_are_counted() -> None:
     told = found(graph(*(topic(f"/t{number}", "/n") for number in range(9))))
     assert told["ends"][0].text.endswith("/t4 and 4 more")
 
 
-def test_things_of_two_kinds_with_one_name_are_named() -> None:
+def test_topic_and_service_of_the_same_name_are_reported() -> None:
     told = found(
         graph(
             topic("/x", "/n", "/m"),
@@ -97,29 +89,30 @@ def test_things_of_two_kinds_with_one_name_are_named() -> None:
     assert texts(told["names"]) == [("warning", "/x is a topic and a service")]
 
 
-def test_an_action_may_have_the_name_of_a_topic() -> None:
-    ways = (("/count", "/n", False), ("/count", "/n", True))
-    assert found(graph(topic("/count", "/n", "/m"), actions=ways))["names"][0].verdict == "ok"
+def test_action_may_have_the_name_of_a_topic() -> None:
+    actions = (("/count", "/n", False), ("/count", "/n", True))
+    assert found(graph(topic("/count", "/n", "/m"), actions=actions))["names"][0].verdict == "ok"
 
 
-def test_a_program_that_runs_twice_is_seen_by_what_it_publishes() -> None:
+def test_copies_of_a_program_are_found_by_their_names() -> None:
     names = "/talker_12_1700000000001 /talker_13_1700000000002 /other"
     told = found(graph(topic("/chatter", names, "/l"), topic("/heard", "/o", "/l_1 /l_2")))
     ((verdict, text),) = texts(told["names"])
     assert verdict == "warning"
-    assert "one program, 2 times: /talker_12_1700000000001, /talker_13" in text
+    assert "/chatter" in text and "2 copies" in text
+    assert "/talker_12_1700000000001, /talker_13" in text
     assert told["names"][0].advice.endswith("fibws node kill /talker_13_1700000000002")
 
 
-def test_nodes_that_fight_over_a_name_are_seen() -> None:
+def test_replaced_node_is_reported() -> None:
     before, now = graph(nodes="/a /b"), graph(nodes="/a /b /c")
     assert found(now, before)["names"][0].verdict == "ok"
     now["nodes"][1]["address"] = "127.0.0.1:6"
     (finding,) = found(now, before)["names"]
-    assert finding.text.startswith("/a came anew within a second, from 127.0.0.1:6")
+    assert finding.text.startswith("/a ") and "127.0.0.1:6" in finding.text
 
 
-def test_clients_that_do_not_keep_up_are_named() -> None:
+def test_slow_clients_are_reported() -> None:
     now = [
         client("/slow", slow=True, kept_bytes=99),
         client("/loses", dropped=7),
@@ -131,21 +124,21 @@ def test_clients_that_do_not_keep_up_are_named() -> None:
     assert texts(of_clients(before, now)) == [
         (
             "warning",
-            "/slow (127.0.0.1:5) is too slow: 99 bytes wait for it, 0 messages dropped in all, "
-            "0 just now",
+            "/slow (127.0.0.1:5) is too slow: 99 bytes queued, 0 messages dropped, "
+            "0 in the last second",
         ),
         (
             "warning",
-            "/loses (127.0.0.1:5) is too slow: 0 bytes wait for it, 7 messages dropped in all, "
-            "2 just now",
+            "/loses (127.0.0.1:5) is too slow: 0 bytes queued, 7 messages dropped, "
+            "2 in the last second",
         ),
-        ("ok", "/lost keeps up now; it once lost 7 messages"),
-        ("ok", "/new keeps up now; it once lost 1 message"),
+        ("ok", "/lost is fast enough now; 7 messages dropped before"),
+        ("ok", "/new is fast enough now; 1 message dropped before"),
     ]
 
 
 @pytest.mark.parametrize("name", ["/client_7 /client_8", "/a /b"])
-def test_nodes_that_publish_different_things_are_no_twins(name: str) -> None:
+def test_publishers_of_different_topics_are_not_copies(name: str) -> None:
     first, second = name.split()
     told = found(graph(topic("/one", first, "/l"), topic("/two", second, "/l")))
     assert told["names"][0].verdict == "ok"

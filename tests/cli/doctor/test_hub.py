@@ -1,4 +1,4 @@
-"""Whether there is a hub, and what it is."""
+"""Checks of the hub."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ def plain(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def serve() -> Iterator[Serve]:
-    """Starts an HTTP server that gives one answer to all; returns where, as of a hub."""
+    """Return a function that starts an HTTP server and returns its address as a hub's."""
     servers: list[HTTPServer] = []
 
     def serve(status: int = 200, body: bytes = b"") -> str:
-        class Answer(BaseHTTPRequestHandler):
+        class Handler(BaseHTTPRequestHandler):
             server_version = "Other/1.0"
 
             def do_GET(self) -> None:
@@ -42,7 +42,7 @@ def serve() -> Iterator[Serve]:
             def log_message(self, format: str, *words: object) -> None:
                 pass
 
-        servers.append(HTTPServer(("127.0.0.1", 0), Answer))
+        servers.append(HTTPServer(("127.0.0.1", 0), Handler))
         threading.Thread(target=servers[-1].serve_forever, args=(0.05,)).start()
         return f"ws://127.0.0.1:{servers[-1].server_port}"
 
@@ -52,66 +52,68 @@ def serve() -> Iterator[Serve]:
         server.server_close()
 
 
-def why_not(url: str | None) -> Finding:
+def failure(url: str | None) -> Finding:
     finding = doctor.reach(url)
     assert isinstance(finding, Finding)
     return finding
 
 
-def test_a_hub_is_reached(hub: HubThread) -> None:
+def test_running_hub_is_reached(hub: HubThread) -> None:
     client = doctor.reach(hub.url)
     assert isinstance(client, HubClient)
     client.close()
 
 
-def test_where_nothing_answers_it_tells_how_to_start_one() -> None:
+def test_missing_hub_gives_the_command_to_start_one() -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         url = f"ws://127.0.0.1:{taken.getsockname()[1]}"
-    finding = why_not(url)
+    finding = failure(url)
     assert finding.verdict == "wrong"
-    assert finding.text.startswith(f"Nothing answers at {url} (--hub tells of it; ")
-    assert finding.advice.startswith("Start one: fibws hub.")
+    assert url in finding.text and "--hub" in finding.text
+    assert "fibws hub" in finding.advice
 
 
 @pytest.mark.parametrize("is_set", [True, False])
-def test_it_tells_where_the_address_is_from(is_set: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_finding_names_the_source_of_the_address(
+    is_set: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         url = f"ws://127.0.0.1:{taken.getsockname()[1]}"
     if is_set:
         monkeypatch.setenv("FIBWS_HUB", url)
     monkeypatch.setattr("fibws.hub_address.DEFAULT", url)
-    expected = "FIBWS_HUB tells of it" if is_set else "FIBWS_HUB is not set"
-    assert f"({expected}; " in why_not(None).text
+    expected = "from FIBWS_HUB" if is_set else "FIBWS_HUB is not set"
+    assert f"({expected}; " in failure(None).text
 
 
-def test_what_is_no_hub_is_named(serve: Serve) -> None:
-    finding = why_not(serve(404))
+def test_other_http_server_is_described(serve: Serve) -> None:
+    finding = failure(serve(404))
     assert finding.verdict == "wrong"
     assert "the server is not a hub" in finding.text
-    assert "It answers HTTP with 404, as Other/1.0" in finding.text
+    assert "404" in finding.text and "Other/1.0" in finding.text
 
 
-def test_what_speaks_no_http_is_told_of(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_server_without_http_is_described(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("fibws.client.websocket.PATIENCE", 0.2)
     monkeypatch.setattr(doctor, "PATIENCE", 0.2)
     with socket.create_server(("127.0.0.1", 0)) as silent:
-        finding = why_not(f"ws://127.0.0.1:{silent.getsockname()[1]}")
-    assert "no handshake within 0.2 s. It does not answer HTTP either" in finding.text
+        finding = failure(f"ws://127.0.0.1:{silent.getsockname()[1]}")
+    assert "0.2 s" in finding.text and "HTTP" in finding.text
 
 
-def test_what_is_no_address_is_not_looked_for() -> None:
-    assert why_not("http://robot").text == "Not looked for"
+def test_hub_is_not_checked_at_an_invalid_address() -> None:
+    assert failure("http://robot").verdict == "wrong"
 
 
-def test_the_hubs_version_is_compared(hub: HubThread, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_version_of_the_hub_is_compared(hub: HubThread, monkeypatch: pytest.MonkeyPatch) -> None:
     assert doctor.version(hub.url).verdict == "ok"
     monkeypatch.setattr(doctor, "__version__", "99.0.1")
     finding = doctor.version(hub.url)
     assert finding.verdict == "warning"
-    assert "this is 99.0.1" in finding.text
+    assert "99.0.1" in finding.text
 
 
-def test_a_hub_tells_its_version_by_a_name_of_its_machine_that_it_does_not_know(
+def test_version_of_a_hub_that_does_not_accept_its_host_name(
     hub: HubThread, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     find = socket.getaddrinfo
@@ -124,41 +126,39 @@ def test_a_hub_tells_its_version_by_a_name_of_its_machine_that_it_does_not_know(
 
 
 @pytest.mark.parametrize("body", [b"", b"[]", b"{}", b"<html>\n", b"\xff"])
-def test_another_server_has_no_version(body: bytes, serve: Serve) -> None:
+def test_other_server_has_no_version(body: bytes, serve: Serve) -> None:
     finding = doctor.version(serve(200, body))
     assert finding.verdict == "warning"
-    assert "/healthz there answers 200, without a version" in finding.text
+    assert "/healthz" in finding.text and "200" in finding.text
 
 
-def test_a_hub_that_is_gone_has_no_version(hub: HubThread) -> None:
+def test_stopped_hub_has_no_version(hub: HubThread) -> None:
     hub.stop()
-    assert "does not answer a plain HTTP request" in doctor.version(hub.url).text
+    assert doctor.version(hub.url).verdict == "warning"
 
 
-def test_distance_is_measured(client: HubClient) -> None:
-    trip, clock = doctor.distance(client)
+def test_round_trip_and_clocks_are_measured(client: HubClient) -> None:
+    trip, clock = doctor.round_trip(client)
     assert [trip.check, clock.check] == ["round trip", "clock"]
     assert "ms" in trip.text
-    assert clock.verdict == "ok", "one machine has one clock"
+    assert clock.verdict == "ok", "both are on this machine"
 
 
-def test_a_slow_answer_is_odd(client: HubClient, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(doctor, "SLOW_TRIP", 0.0)
-    assert next(doctor.distance(client)).verdict == "warning"
+def test_slow_round_trip_is_a_warning(client: HubClient, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(doctor, "SLOW_ROUND_TRIP", 0.0)
+    assert next(doctor.round_trip(client)).verdict == "warning"
 
 
 @pytest.mark.parametrize(
-    ("ahead", "within", "verdict", "text"),
+    ("ahead", "error", "verdict", "text"),
     [
-        (0.01, 0.02, "ok", "The clocks agree within 20.0 ms"),
-        (0.3, 0.02, "ok", "The hub's clock is 0.300 s ahead of this machine's"),
-        (-0.3, 0.02, "ok", "The hub's clock is 0.300 s behind this machine's"),
-        (5.0, 0.02, "warning", "The hub's clock is 5.000 s ahead of this machine's"),
-        (5.0, 5.1, "ok", "The clocks agree within 5100.0 ms"),
+        (0.01, 0.02, "ok", "within 20.0 ms"),
+        (0.3, 0.02, "ok", "0.300 s ahead"),
+        (-0.3, 0.02, "ok", "0.300 s behind"),
+        (5.0, 0.02, "warning", "5.000 s ahead"),
+        (5.0, 5.1, "ok", "within 5100.0 ms"),
     ],
 )
-def test_clocks_agree_as_far_as_can_be_told(
-    ahead: float, within: float, verdict: str, text: str
-) -> None:
-    finding = doctor.clocks(ahead, within)
-    assert (finding.verdict, finding.text) == (verdict, text)
+def test_difference_of_clocks(ahead: float, error: float, verdict: str, text: str) -> None:
+    finding = doctor.clock(ahead, error)
+    assert finding.verdict == verdict and text in finding.text
