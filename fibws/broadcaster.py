@@ -1,4 +1,4 @@
-"""The tutorial's first node: it broadcasts the Fibonacci numbers."""
+"""The tutorial's first node: it publishes the Fibonacci numbers."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ WIDER = {
     "std_msgs/UInt16": "std_msgs/UInt32",
     "std_msgs/UInt32": "std_msgs/UInt64",
 }
-"""The next type that holds more whole numbers. None follows UInt64: a Float64 would round them."""
+"""The next wider type of each integer type. UInt64 is the widest: a Float64 would round."""
 
 
-def following(fault: fibws.FibwsError, now: str, first: str, on_overflow: str) -> str | None:
-    """The type to go on with once ``now`` was of no use; None to end.
+def next_type(error: fibws.FibwsError, now: str, first: str, on_overflow: str) -> str | None:
+    """Return the type to continue with after an error; None to stop.
 
     Raises:
-        OperationRejected: not even the first type was wanted.
+        OperationRejected: the hub refused the first type.
     """
-    if isinstance(fault, fibws.OperationRejected):
-        # Somebody listens with the narrower type.
+    if isinstance(error, fibws.OperationRejected):
+        # The topic has subscribers of the narrower type.
         if now == first:
-            raise fault
+            raise error
         return first
     if on_overflow == "stop":
         return None
@@ -44,24 +44,26 @@ async def broadcast(node: fibws.Node, type_: str, rate: float, on_overflow: str)
             await numbers.publish(a)
             node.log.info("%d", a)
             a, b = b, a + b
-        except (fibws.InvalidMessage, fibws.OperationRejected) as fault:
-            full = isinstance(fault, fibws.InvalidMessage)
+        except (fibws.InvalidMessage, fibws.OperationRejected) as error:
+            is_full = isinstance(error, fibws.InvalidMessage)
             # The node has logged the hub's reason.
-            reason = f"{a} does not fit a {numbers.type}" if full else f"{numbers.type} was refused"
-            next_type = following(fault, numbers.type, type_, on_overflow)
-            if next_type is None:
-                node.log.warning("%s: the series ends.", reason)
-                return
-            changes = next_type != numbers.type
-            if full and changes:
-                node.log.warning("%s: on with %s.", reason, next_type)
+            if is_full:
+                reason = f"{a} does not fit a {numbers.type}"
             else:
-                again = f"over with {next_type}" if changes else "over"
-                node.log.warning("%s: the series starts %s.", reason, again)
+                reason = f"{numbers.type} was refused"
+            new_type = next_type(error, numbers.type, type_, on_overflow)
+            if new_type is None:
+                node.log.warning("%s: stopping.", reason)
+                return
+            changes = new_type != numbers.type
+            if is_full and changes:
+                node.log.warning("%s: continuing with %s.", reason, new_type)
+            else:
+                node.log.warning("%s: starting over with %s.", reason, new_type)
                 a, b = 0, 1
             if changes:
                 numbers.close()
-                numbers = await node.advertise("fibonacci", next_type, queue_size=10)
+                numbers = await node.advertise("fibonacci", new_type, queue_size=10)
 
 
 @click.command(context_settings=node_program.SETTINGS)
@@ -73,15 +75,14 @@ async def broadcast(node: fibws.Node, type_: str, rate: float, on_overflow: str)
     type=click.Choice(["restart", "stop", "widen"]),
     default="restart",
     show_default=True,
-    help="What to do at the first number that the type cannot hold (for Int32: 2971215073)."
-    "  restart: begin at 0 again.  stop: end.  widen: go on with the next wider type on the same"
-    " topic, up to UInt64; the hub refuses that while somebody listens with the old type, upon"
-    " which the series begins again.",
+    help="What to do at the first number that does not fit the type (for Int32: 2971215073)."
+    "  restart: start over at 0.  stop: exit.  widen: continue with the next wider type, up to"
+    " UInt64, or start over if the topic has subscribers of the old type.",
 )
 def command(node: fibws.Node, type_: str, rate: float, on_overflow: str) -> None:
-    """Broadcast the Fibonacci numbers on the topic fibonacci.
+    """Publish the Fibonacci numbers on the topic fibonacci.
 
-    FROM:=TO renames a topic (fibonacci:=numbers), the node (__name:=counter) or its namespace
+    FROM:=TO renames the topic (fibonacci:=numbers), the node (__name:=counter) or its namespace
     (__ns:=/robot), as in ROS. A float type rounds large numbers.
     """
 

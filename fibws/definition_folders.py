@@ -1,4 +1,4 @@
-"""Where definitions are, as folders alone tell: nothing of fibws is loaded to find that out."""
+"""The folders of definitions, found without loading the rest of fibws."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from collections.abc import Sequence
 from pathlib import Path
 
 VARIABLE = "FIBWS_INTERFACES"
-"""The environment variable that names the user's folders, as PATH does."""
+"""The environment variable with the user's folders, separated as in PATH."""
 STANDARD = Path(__file__).parent / "interfaces" / "definitions"
 KINDS = ("msg", "srv", "action")
 
 
 def named_folders() -> list[str]:
-    """The user's folders, in the order of the variable."""
+    """Return the user's folders, in the order of the variable."""
     return [each for each in os.environ.get(VARIABLE, "").split(os.pathsep) if each]
 
 
 def hold_definitions(package: str) -> bool:
-    """Whether a folder of the package is named; it is asked for hundreds of modules."""
+    """Return whether a known folder has the package; called for hundreds of modules."""
     if os.path.isdir(os.path.join(STANDARD, package)):
         return True
     for folder in named_folders():
@@ -32,11 +32,11 @@ def hold_definitions(package: str) -> bool:
 
 
 def are_bare(path: Sequence[str], kind: str) -> bool:
-    """Whether there is a folder of definitions that holds no Python.
+    """Return whether a package has a folder of definitions without Python modules.
 
     Args:
-        path: the folders of its package.
-        kind: its name.
+        path: the folders of the package.
+        kind: ``msg``, ``srv`` or ``action``.
     """
     folders = [Path(place) / kind for place in path]
     return any(
@@ -46,7 +46,7 @@ def are_bare(path: Sequence[str], kind: str) -> bool:
 
 
 def find_unnamed(package: str, kind: str) -> Path | None:
-    """A folder of the package's definitions near the script, or near where it was started."""
+    """Find a folder of the package's definitions near the script or the working directory."""
     for start in (Path(sys.path[0] or "."), Path.cwd()):
         for place in (start, *start.absolute().parents):
             for folder in (place / package / kind, place / "src" / package / kind, place / kind):

@@ -1,4 +1,4 @@
-"""All errors that fibws raises on purpose.
+"""The errors that fibws raises on purpose; those of transforms are in `fibws.tf.errors`.
 
 FibwsError
 ├── InvalidName            a graph name that ROS does not allow
@@ -8,16 +8,10 @@ FibwsError
 ├── InterfaceError         something is wrong with a type
 │   ├── DefinitionError        a .msg, .srv or .action text that does not parse
 │   ├── InvalidTypeName        not of the form package/Type
-│   ├── DefinitionLimit        clients brought as many definitions as the hub keeps
+│   ├── DefinitionLimit        the hub keeps no more definitions of clients
 │   ├── UnknownType            the package is known, the type is not
 │   └── UnknownPackage         the package is unknown
 ├── InvalidMessage         a message that does not fit its type
-├── TransformError         something is wrong with a transform
-│   ├── InvalidTransform       a malformed transform, or invalid arguments
-│   ├── UnknownFrame           no transform has named this frame
-│   ├── UnconnectedFrames      no transforms connect the two frames
-│   ├── FrameLoop              a frame is its own ancestor
-│   └── TransformOutOfTime     the frames are connected, but not at the requested time
 ├── InvalidUtf8            a text message that is not UTF-8
 ├── OperationError         the hub refuses an operation; the text goes to the client
 │   ├── TypeConflict           a topic that already has another type
@@ -25,8 +19,8 @@ FibwsError
 │   ├── UnknownDefinition      messages cannot be serialized, as their fields are unknown
 │   ├── UnknownPublisher       a binary frame of a publisher that is not advertised
 │   ├── NotAllowed             the hub's policy forbids it
-│   ├── LimitReached           a client has as many of something as it may have
-│   └── CallFailed             a call or a goal ends without a result
+│   ├── LimitReached           a client's limit for something is reached
+│   └── CallFailed             a call or a goal ended without a result
 ├── ParameterError         an operation on a parameter failed
 │   ├── ParameterNotSet        there is no such parameter
 │   └── ParametersFull         all parameters together would exceed the limit
@@ -35,8 +29,8 @@ FibwsError
 │   ├── ExecutableNotFound     the package has no such program, or it cannot be run
 │   └── PackageFileError       an invalid package.xml or CMakeLists.txt
 ├── LaunchError            an invalid launch file
-├── HubError               the hub cannot start or go on
-└── NodeError              a node's request failed, or the node cannot go on
+├── HubError               the hub cannot start or continue
+└── NodeError              a node's request failed, or the node cannot continue
     ├── InvalidAddress         not the address of a hub
     ├── HubUnreachable         the hub refuses this node, or can never be reached
     │   └── NoHub                  nothing answers at the hub's address
@@ -44,14 +38,14 @@ FibwsError
     ├── OperationRejected      the hub refused an operation of the node
     ├── AlreadyOffered         the node already serves a service or an action of this name
     ├── ServiceError           a service call failed
-    │   ├── UnknownService         nobody serves it
+    │   ├── UnknownService         no node serves it
     │   ├── ServiceTimeout         there was no response in time
     │   └── ServiceLost            the connection broke before the response
     ├── CallRefused            raised by a service's handler to choose its caller's text
     ├── ActionError            a goal did not succeed
     ├── WaitTimeout            a wait ended without a result
     ├── NodeReplaced           another node took this node's name
-    ├── NodeKilled             somebody asked the hub to end this node
+    ├── NodeKilled             the hub was asked to kill this node
     └── NodeClosed             the node was used after its end
 """
 
@@ -123,13 +117,13 @@ class InvalidTypeName(InterfaceError, ValueError):
 
 
 class DefinitionLimit(InterfaceError):
-    """Clients brought as many definitions as the hub keeps; the text says which limit it is."""
+    """The hub keeps no more definitions of clients; the text names the limit."""
 
     code = "limit_reached"
 
 
 class UnknownType(InterfaceError, LookupError):
-    """A type that its package, which is known, does not define: most likely a typo."""
+    """A known package does not define this type."""
 
     code = "unknown_type"
 
@@ -145,7 +139,7 @@ class UnknownType(InterfaceError, LookupError):
 
 
 class UnknownPackage(InterfaceError, LookupError):
-    """A package that is unknown, so that its types cannot be checked."""
+    """The package is unknown, so that its types cannot be checked."""
 
     code = "unknown_package"
 
@@ -153,7 +147,7 @@ class UnknownPackage(InterfaceError, LookupError):
         self.package = package
         super().__init__(
             f"Unable to load the manifest for package {package}. "
-            f"Caused by: no folder of definitions holds it"
+            f"Caused by: no folder of definitions contains it"
         )
 
 
@@ -161,46 +155,6 @@ class InvalidMessage(FibwsError, ValueError):
     """A message that does not fit its type; the text says which field and why."""
 
     code = "invalid_message"
-
-
-class TransformError(FibwsError):
-    """Something is wrong with a transform; the kinds are those of tf2's errors."""
-
-
-class InvalidTransform(TransformError, ValueError):
-    """A malformed transform, or invalid arguments; tf2's InvalidArgumentException."""
-
-
-class UnknownFrame(TransformError, LookupError):
-    """No transform in the buffer names this frame; tf2's LookupException."""
-
-    def __init__(self, frame: str) -> None:
-        self.frame = frame
-        super().__init__(f"Frame {frame!r} does not exist: no transform leads to it or from it")
-
-
-class UnconnectedFrames(TransformError):
-    """No transforms connect the two frames; tf2's ConnectivityException."""
-
-    def __init__(self, target: str, source: str) -> None:
-        self.target = target
-        self.source = source
-        super().__init__(
-            f"Could not find a connection between {target!r} and {source!r} "
-            f"because they are not part of the same tree"
-        )
-
-
-class FrameLoop(TransformError):
-    """A frame is its own ancestor; in tf2 a LookupException, too."""
-
-    def __init__(self, frame: str) -> None:
-        self.frame = frame
-        super().__init__(f"The frames above {frame!r} are no tree: they contain a loop")
-
-
-class TransformOutOfTime(TransformError):
-    """The frames are connected, but not at the requested time; tf2's ExtrapolationException."""
 
 
 class InvalidUtf8(FibwsError, ValueError):
@@ -265,7 +219,7 @@ class UnknownPublisher(OperationError):
 
     def __init__(self, number: int) -> None:
         self.number = number
-        super().__init__(f"no advertisement has the publisher number {number}")
+        super().__init__(f"unknown publisher number {number}: not advertised, or unadvertised")
 
 
 class NotAllowed(OperationError):
@@ -281,13 +235,13 @@ class NotAllowed(OperationError):
 
 
 class LimitReached(OperationError):
-    """A client has as many of something as it may have."""
+    """A client's limit for something is reached; the text names the limit."""
 
     code = "limit_reached"
 
 
 class CallFailed(OperationError):
-    """A call, or a goal, that ends without a result; ``code`` says why.
+    """A call or a goal ended without a result; ``code`` says why.
 
     ``code`` is ``unknown_service``, ``unknown_action``, ``timeout``, ``server_lost`` (it left or
     withdrew), ``server_busy`` (it reads too slowly), or ``server_failed`` (the text is its own).
@@ -326,8 +280,8 @@ class ParametersFull(ParameterError):
         self.needed = needed
         self.limit = limit
         super().__init__(
-            f"Parameter [{name}] has no room: all parameters together would take {needed} bytes, "
-            f"and they may take {limit} (--max-parameter-bytes of the hub)"
+            f"Parameter [{name}] does not fit: all parameters would take {needed} bytes, the limit "
+            f"is {limit} (--max-parameter-bytes of the hub)"
         )
 
 
@@ -382,11 +336,11 @@ class LaunchError(FibwsError, ValueError):
 
 
 class HubError(FibwsError):
-    """The hub cannot start or go on."""
+    """The hub cannot start or continue."""
 
 
 class NodeError(FibwsError):
-    """A node's request failed, or the node cannot go on."""
+    """A node's request failed, or the node cannot continue."""
 
 
 class InvalidAddress(NodeError, ValueError):
@@ -425,7 +379,7 @@ class HubLost(NodeError):
     def __init__(self, url: str, cause: str) -> None:
         self.url = url
         self.cause = cause
-        super().__init__(f"The hub at {url} is gone: {cause}")
+        super().__init__(f"Lost the hub at {url}: {cause}")
 
 
 class OperationRejected(NodeError):
@@ -437,7 +391,7 @@ class AlreadyOffered(NodeError, ValueError):
 
     def __init__(self, name: str) -> None:
         self.name = name
-        super().__init__(f"{name}: this node offers it already")
+        super().__init__(f"{name}: this node already serves it")
 
 
 class ServiceError(NodeError):
@@ -456,7 +410,7 @@ class ServiceError(NodeError):
 
 
 class UnknownService(ServiceError, LookupError):
-    """Nobody serves this name: not yet, or the name is mistaken."""
+    """No node serves this name: not yet, or the name is wrong."""
 
 
 class ServiceTimeout(ServiceError, TimeoutError):
@@ -479,9 +433,9 @@ class ActionError(NodeError):
 
     Attributes:
         action: the action's name.
-        status: what became of the goal, a `fibws.GoalStatus`.
+        status: the goal's last status, a `fibws.GoalStatus`.
         text: the reason; empty if the server gave none.
-        result: what was reached until then, if the server said it.
+        result: the result so far, if the server sent one.
     """
 
     def __init__(self, action: str, status: IntEnum, text: str, result: Any = None) -> None:
@@ -501,7 +455,7 @@ class NodeReplaced(NodeError):
 
 
 class NodeKilled(NodeError):
-    """Somebody asked the hub to end this node, as rosnode kill does in ROS."""
+    """The hub was asked to kill this node, as rosnode kill does in ROS."""
 
 
 class NodeClosed(NodeError):

@@ -31,7 +31,7 @@ def hub_url(address: str | None = None) -> str:
     except ValueError as error:
         raise InvalidAddress(address, str(error)) from None
     if parts.scheme not in ("ws", "wss"):
-        raise InvalidAddress(address, f"a hub speaks ws:// or wss://, not {parts.scheme}://")
+        raise InvalidAddress(address, f"expected ws:// or wss://, got {parts.scheme}://")
     if address.isdigit():
         raise InvalidAddress(address, "the host is missing")
     if not parts.hostname or any(character.isspace() for character in url):

@@ -1,4 +1,4 @@
-"""The tutorial's second node: it says which numbers it heard."""
+"""The tutorial's second node: it logs the numbers that it receives."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ async def listen(node: fibws.Node, type_: str) -> None:
 @node_program.node("fibonacci_listener")
 @node_program.number_type
 def command(node: fibws.Node, type_: str) -> None:
-    """Listen to the numbers on the topic fibonacci.
+    """Log the numbers on the topic fibonacci.
 
-    FROM:=TO renames a topic (fibonacci:=numbers), the node (__name:=ear) or its namespace
+    FROM:=TO renames the topic (fibonacci:=numbers), the node (__name:=ear) or its namespace
     (__ns:=/robot), as in ROS.
     """
 

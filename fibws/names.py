@@ -1,4 +1,4 @@
-"""Graph names: what is legal, how relative, private and anonymous names resolve, remapping.
+"""Graph names: checking and resolving them, anonymous names, remapping.
 
 The rules are those of http://wiki.ros.org/Names and http://wiki.ros.org/Remapping%20Arguments.
 Pure: no clock, no environment, no sockets.
@@ -18,12 +18,12 @@ _LEGAL_BASE = re.compile(r"[A-Za-z]\w*", re.ASCII)
 
 
 def is_legal(name: str) -> bool:
-    """Whether `check` accepts the name."""
+    """Return whether `check` accepts the name."""
     return len(name) <= MAX_LENGTH and _LEGAL.fullmatch(name) is not None
 
 
 def check(name: str) -> str:
-    """Return ``name`` if it is a legal graph name, else raise `InvalidName`."""
+    """Return ``name`` if it is a legal graph name; raise `InvalidName` otherwise."""
     if not name:
         raise InvalidName(name, "it is empty")
     if len(name) > MAX_LENGTH:
@@ -36,7 +36,7 @@ def check(name: str) -> str:
 
 
 def check_base(name: str) -> str:
-    """Return ``name`` if it can name a node: a legal name with no namespace in it."""
+    """Return ``name`` if it can name a node: a legal name without a namespace."""
     if "/" in name:
         raise InvalidName(name, "namespaces are not allowed in node names; use __ns:=/NAMESPACE")
     if not _LEGAL_BASE.fullmatch(name) or len(name) > MAX_LENGTH:
@@ -45,7 +45,7 @@ def check_base(name: str) -> str:
 
 
 def resolve(name: str, *, namespace: str = "/", node: str = "/") -> str:
-    """The global name that ``name`` stands for.
+    """Return the global name for ``name``.
 
     Args:
         name: global (``/a/b``), relative to the namespace (``b``) or private to the node (``~b``).
@@ -64,9 +64,9 @@ def resolve(name: str, *, namespace: str = "/", node: str = "/") -> str:
 
 
 def resolve_any(name: str, *, namespace: str = "/", node: str = "/") -> str:
-    """The global name that ``name`` stands for; it need not be legal.
+    """Return the global name for ``name``, which need not be legal.
 
-    rospy warns of names such as ``/a-b`` and takes them. Empty parts count for nothing, as with
+    rospy accepts names such as ``/a-b`` with a warning. Empty parts are ignored, as by
     rosgraph.names.canonicalize_name: ``/x//y`` and ``/x/y/`` are ``/x/y``.
 
     Args:
@@ -91,7 +91,7 @@ def resolve_any(name: str, *, namespace: str = "/", node: str = "/") -> str:
 
 
 def join(namespace: str, name: str) -> str:
-    """``/robot`` and ``arm`` give ``/robot/arm``; the root is ``/``."""
+    """Return ``/robot/arm`` for ``/robot`` and ``arm``; the root is ``/``."""
     return f"{namespace.rstrip('/')}/{name}"
 
 
@@ -110,7 +110,7 @@ def anonymous(name: str, *, pid: int, random: bytes) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Remapping:
-    """What the command line's ``from:=to`` arguments change.
+    """The ``from:=to`` arguments of a command line.
 
     ``__name`` and ``__ns`` name the node and its namespace; ``names`` holds the others as they
     were spelled.
@@ -132,11 +132,11 @@ class Remapping:
 def parse_remappings(arguments: Iterable[str]) -> Remapping:
     """Read ``from:=to`` arguments; keys that begin with ``__`` are ROS's special ones.
 
-    ``__name`` and ``__ns`` are obeyed, other special keys and private parameters (``_x:=1``) are
-    read past, as a node that has no use for them does in ROS.
+    ``__name`` and ``__ns`` are used; other special keys and private parameters (``_x:=1``) are
+    ignored.
 
     Raises:
-        InvalidName: an argument is no remapping, or a name in it is not legal.
+        InvalidName: an argument is not a remapping, or a name in it is not legal.
     """
     names: dict[str, str] = {}
     special: dict[str, str] = {}
@@ -148,7 +148,7 @@ def parse_remappings(arguments: Iterable[str]) -> Remapping:
             special[source] = target
         elif not source.startswith("_"):
             if not target:
-                raise InvalidName(argument, "it names nothing behind :=")
+                raise InvalidName(argument, "expected a name after :=")
             names[check(source)] = check(target)
     node_name = special.get("__name")
     namespace = special.get("__ns")
@@ -160,7 +160,7 @@ def parse_remappings(arguments: Iterable[str]) -> Remapping:
 
 
 def check_namespace(name: str) -> str:
-    """Return a namespace as a global name, ``/`` or ``/a/b``, whichever way it was spelled."""
+    """Return a namespace as a global name: ``/`` or ``/a/b``."""
     stripped = name.strip("/")
     if stripped.startswith("~"):
         raise InvalidName(name, "a namespace cannot be private")

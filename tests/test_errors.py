@@ -20,19 +20,19 @@ from fibws.errors import (
 )
 
 
-def drawn(parent: type[FibwsError], depth: int = 0) -> list[tuple[int, str]]:
-    """The tree below a class as it should be drawn: how deep each name stands."""
+def tree(parent: type[FibwsError], depth: int = 0) -> list[tuple[int, str]]:
+    """Return the names of the classes below a class, each with its depth."""
     children = [child for child in parent.__subclasses__() if child.__module__ == errors.__name__]
     return [
         (depth, parent.__name__),
-        *(line for child in children for line in drawn(child, depth + 1)),
+        *(line for child in children for line in tree(child, depth + 1)),
     ]
 
 
-def test_the_tree_in_the_docstring_is_the_tree() -> None:
+def test_docstring_has_all_classes() -> None:
     assert errors.__doc__ is not None
     lines = re.findall(r"^([│├└─ ]*)([A-Z]\w+)(?:  .*)?$", errors.__doc__, re.MULTILINE)
-    assert [(len(indent) // 4, name) for indent, name in lines] == drawn(FibwsError)
+    assert [(len(indent) // 4, name) for indent, name in lines] == tree(FibwsError)
 
 
 @pytest.mark.parametrize(
@@ -57,7 +57,7 @@ def test_the_tree_in_the_docstring_is_the_tree() -> None:
         (
             UnknownPackage("my_msgs"),
             "Unable to load the manifest for package my_msgs. "
-            "Caused by: no folder of definitions holds it",
+            "Caused by: no folder of definitions contains it",
         ),
         (
             TypeConflict("/a", "std_msgs/Int32", "std_msgs/String", "/talker"),
@@ -70,11 +70,13 @@ def test_the_tree_in_the_docstring_is_the_tree() -> None:
         ),
     ],
 )
-def test_the_text_says_what_is_wrong(error: FibwsError, text: str) -> None:
+def test_text_of_an_error(error: FibwsError, text: str) -> None:
     assert str(error) == text
 
 
-def test_who_has_our_roscore_is_told_of_it(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_hub_suggests_roscore_in_a_shell_that_has_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     error = NoHub("ws://127.0.0.1:1", "refused")
     monkeypatch.delenv("FIBWS_PYTHON", raising=False)
     assert str(error) == "No hub at ws://127.0.0.1:1. Start one with: fibws hub"

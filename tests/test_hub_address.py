@@ -39,7 +39,7 @@ def test_environment_gives_the_default_address(
 @pytest.mark.parametrize(
     ("address", "fault"),
     [
-        ("http://robot:9090", "not http://"),
+        ("http://robot:9090", "http://"),
         ("9090", "the host is missing"),
         ("ws://", "the host is missing"),
         (" ", "the host is missing"),

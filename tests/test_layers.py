@@ -118,7 +118,10 @@ PURE = modules(
     *(f"ros1/launch/{name}.py" for name in ("model", "parameters", "reader", "scope")),
     "ros1/launch/xml_element.py",
     *("hub/settings.py", "hub/log_text.py", "hub/websocket/keepalive.py"),
-    *(f"tf/{name}.py" for name in ("buffer", "history", "messages", "selection", "transform")),
+    *(
+        f"tf/{name}.py"
+        for name in ("buffer", "errors", "history", "messages", "selection", "transform")
+    ),
 )
 
 

@@ -1,1 +1,1 @@
-"""Example nodes: services, actions, and the first rospy scripts."""
+"""Example nodes: a service, an action, and two rospy scripts."""

@@ -1,4 +1,4 @@
-"""The tutorials' action server: it gives the Fibonacci numbers, one a second."""
+"""An action server: it computes the Fibonacci numbers, one per second."""
 
 from __future__ import annotations
 
@@ -20,28 +20,25 @@ Ros2Goal: TypeAlias = fibws.ServerGoal[
     ros2.FibonacciGoal, ros2.FibonacciResult, ros2.FibonacciFeedback
 ]
 
-LAST = 46
-"""F(46) = 1836311903 is the last number that fits an int32."""
+MAX_INDEX = 46
+"""F(46) = 1836311903 is the last Fibonacci number that fits an int32."""
 
 
-def fault(order: int, last: int) -> str | None:
-    """Why there is no sequence of this order, which would end with F(``last``), if there is none.
-
-    It is what the goal's client is told.
-    """
+def check(order: int, last: int) -> str | None:
+    """Return why a sequence that ends with F(``last``) cannot be computed; None if it can."""
     if order < 0:
         return f"order {order} is negative"
-    if last > LAST:
+    if last > MAX_INDEX:
         return f"order {order} is too large: F({last}) does not fit an int32"
     return None
 
 
 async def serve_ros1(node: fibws.Node, rate: float) -> None:
-    """Serve ``fibonacci`` as actionlib's fibonacci_server.cpp: order n gives n + 2 numbers."""
+    """Serve ``fibonacci`` as actionlib's fibonacci_server.cpp: n + 2 numbers for order n."""
 
     async def execute(goal: Ros1Goal) -> ros1.FibonacciResult:
         order = goal.request.order
-        if (reason := fault(order, last=order + 1)) is not None:
+        if (reason := check(order, last=order + 1)) is not None:
             node.log.warning("fibonacci: Aborted, %s", reason)
             return goal.aborted(text=reason)
         sequence = [0, 1]
@@ -66,11 +63,11 @@ async def serve_ros1(node: fibws.Node, rate: float) -> None:
 
 
 async def serve_ros2(node: fibws.Node, rate: float) -> None:
-    """Serve ``fibonacci`` as ROS 2's action_tutorials_py: order n gives n + 1 numbers."""
+    """Serve ``fibonacci`` as ROS 2's action_tutorials_py: n + 1 numbers for order n."""
 
     async def execute(goal: Ros2Goal) -> ros2.FibonacciResult:
         order = goal.request.order
-        if (reason := fault(order, last=order)) is not None:
+        if (reason := check(order, last=order)) is not None:
             node.log.warning("Goal aborted: %s", reason)
             return goal.aborted(text=reason)
         node.log.info("Executing goal...")
@@ -95,11 +92,11 @@ async def serve_ros2(node: fibws.Node, rate: float) -> None:
 @node_program.node("fibonacci_action_server", anonymous=False)
 @node_program.rate
 def command(node: fibws.Node, rate: float) -> None:
-    """Give the Fibonacci numbers up to the order that a goal of the action fibonacci asks for.
+    """Compute Fibonacci numbers for the goals of the action fibonacci.
 
-    Goals may come over topics, as in ROS 1 (actionlib_tutorials/Fibonacci: order n gives n + 2
-    numbers, and a new goal has the one before it canceled), and by operation, as in ROS 2
-    (example_interfaces/Fibonacci: order n gives n + 1 numbers, and goals are pursued side by side).
+    Goals over topics, as in ROS 1: actionlib_tutorials/Fibonacci, n + 2 numbers for order n; a new
+    goal cancels the previous one. Goals over operations, as in ROS 2: example_interfaces/Fibonacci,
+    n + 1 numbers for order n; goals are executed concurrently.
 
     FROM:=TO renames the action (fibonacci:=numbers), the node (__name:=counter) or its namespace
     (__ns:=/robot), as in ROS.

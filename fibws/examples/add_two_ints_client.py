@@ -1,4 +1,4 @@
-"""The tutorial's client: it has two integers added."""
+"""A service client: it requests the sum of two integers."""
 
 from __future__ import annotations
 
@@ -9,21 +9,21 @@ from fibws.cli import node_program
 from fibws.srv.rospy_tutorials import AddTwoInts
 
 
-async def ask(node: fibws.Node, a: int, b: int) -> None:
-    """Print the sum that ``add_two_ints`` answers with, once somebody offers that service."""
+async def call(node: fibws.Node, a: int, b: int) -> None:
+    """Wait for the service ``add_two_ints``, call it and print the sum."""
     click.echo(f"Requesting {a}+{b}")
     await node.wait_for_service("add_two_ints")
     response = await node.call("add_two_ints", AddTwoInts, AddTwoInts.Request(a, b))
     click.echo(f"{a} + {b} = {response.sum}")
 
 
-# What begins with - is a negative number here, and not always an option.
+# Unknown options may be negative numbers.
 @click.command(context_settings={**node_program.SETTINGS, "ignore_unknown_options": True})
 @click.argument("a", type=int)
 @click.argument("b", type=int)
 @node_program.node("add_two_ints_client")
 def command(node: fibws.Node, a: int, b: int) -> None:
-    """Have the service add_two_ints add the integers A and B.
+    """Add the integers A and B with the service add_two_ints.
 
     FROM:=TO renames the service (add_two_ints:=add), the node (__name:=asker) or its namespace
     (__ns:=/robot), as in ROS.
@@ -31,7 +31,7 @@ def command(node: fibws.Node, a: int, b: int) -> None:
 
     async def program() -> None:
         async with node:
-            await ask(node, a, b)
+            await call(node, a, b)
 
     node_program.run(program())
 

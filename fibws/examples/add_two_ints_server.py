@@ -1,4 +1,4 @@
-"""The tutorial's service: it adds two integers."""
+"""A service server: it adds two integers."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from fibws.srv.rospy_tutorials import AddTwoInts, AddTwoIntsRequest, AddTwoIntsR
 
 
 def add(request: AddTwoIntsRequest) -> AddTwoIntsResponse:
-    """Answer with the sum."""
+    """Return the sum."""
     total = request.a + request.b
     click.echo(f"Returning [{request.a} + {request.b} = {total}]")
     return AddTwoIntsResponse(total)
 
 
 async def serve(node: fibws.Node) -> None:
-    """Answer the calls of ``add_two_ints`` until the node ends."""
+    """Serve ``add_two_ints`` until the node ends."""
     service = await node.service("add_two_ints", AddTwoInts, add)
     click.echo("Ready to add two ints.")
     await service.spin()
@@ -26,7 +26,7 @@ async def serve(node: fibws.Node) -> None:
 @click.command(context_settings=node_program.SETTINGS)
 @node_program.node("add_two_ints_server", anonymous=False)
 def command(node: fibws.Node) -> None:
-    """Add two integers for whoever calls the service add_two_ints.
+    """Add two integers for callers of the service add_two_ints.
 
     FROM:=TO renames the service (add_two_ints:=add), the node (__name:=adder) or its namespace
     (__ns:=/robot), as in ROS.

@@ -1,19 +1,19 @@
 #!/usr/bin/env python3
-"""Prints what it hears on the topic chatter: rosrun rospy_tutorials listener."""
+"""Logs the messages on the topic chatter: rosrun rospy_tutorials listener."""
 
 import rospy
 from std_msgs.msg import String
 
 
-def hear(message: String) -> None:
+def callback(message: String) -> None:
     """Log a message."""
     rospy.loginfo("%sI heard %s", rospy.get_caller_id(), message.data)
 
 
 def listen() -> None:
-    """Listen until the node ends."""
+    """Subscribe until the node ends."""
     rospy.init_node("listener", anonymous=True)
-    rospy.Subscriber("chatter", String, hear)
+    rospy.Subscriber("chatter", String, callback)
     rospy.spin()
 
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Says hello on the topic chatter, ten times a second: rosrun rospy_tutorials talker."""
+"""Publishes a text on the topic chatter, ten times a second: rosrun rospy_tutorials talker."""
 
 import rospy
 from std_msgs.msg import String

@@ -1,4 +1,4 @@
-"""Coordinate frames: transforms between them, and what is known of them over time, as in tf2.
+"""Coordinate frames and the transforms between them over time, as in tf2.
 
 buffer = Buffer()
 async with fibws.Node("robot") as node, asyncio.TaskGroup() as tasks:

@@ -1,6 +1,6 @@
-"""All transforms that are known: a tree of frames over time, after tf2's BufferCore.
+"""A bounded buffer of transforms: a tree of frames over time, after tf2's BufferCore.
 
-Pure: no clock, no sockets. What it keeps is bounded, whatever it is given.
+Pure: no clock, no sockets.
 """
 
 from __future__ import annotations
@@ -8,63 +8,62 @@ from __future__ import annotations
 from collections.abc import Iterator
 from math import isfinite
 
-from fibws.errors import (
+from fibws.tf.errors import (
     FrameLoop,
     InvalidTransform,
     TransformOutOfTime,
     UnconnectedFrames,
     UnknownFrame,
 )
-from fibws.tf.history import LATEST, FixedPlace, History, Sample
+from fibws.tf.history import LATEST, History, Sample, Static
 from fibws.tf.transform import Transform, normalized
 
 MAX_FRAMES = 1000
-"""Frames with a parent. One more makes the frame that has been still the longest be forgotten."""
+"""Maximum number of frames with a parent; more remove the one that was silent the longest."""
 
 MAX_SAMPLES = 200_000
-"""Samples of all frames together: 100 frames at 100 Hz fill half of it, at about 0.5 kB each."""
+"""Maximum number of samples of all frames: 100 frames at 100 Hz fill half, at 0.5 kB each."""
 
 MAX_FRAME_ID = 256
-"""Characters in a frame's id."""
+"""Maximum number of characters of a frame's id."""
 
 TOLERANCE = 0.01
-"""How far the square of a quaternion's length may be from 1, as in tf2."""
+"""Maximum difference between a quaternion's squared length and 1, as in tf2."""
 
 
 class Buffer:
-    """Keeps transforms and tells those between any two frames that they connect."""
+    """Keeps transforms and looks up the one between any two connected frames."""
 
     def __init__(self) -> None:
-        self._frames: dict[str, History | FixedPlace] = {}
-        """Who has a parent, by frame; the one that got a sample last stands last."""
+        self._frames: dict[str, History | Static] = {}
+        """The frames with a parent, by id; the one with the newest sample is last."""
         self._samples = 0
 
     def __len__(self) -> int:
-        """How many frames have a parent."""
+        """Return the number of frames with a parent."""
         return len(self._frames)
 
     @property
     def samples(self) -> int:
-        """How many samples are kept, of all frames together."""
+        """The number of samples of all frames."""
         return self._samples
 
     def insert(self, frame: str, sample: Sample, *, static: bool = False) -> None:
-        """Keep where a frame is in its parent.
+        """Add a sample of a frame's transform in its parent.
 
-        Its latest parent and kind hold: a static transform makes an end of the moving ones, and a
-        moving one of the static one.
+        A static transform replaces the moving ones of the frame, and a moving one the static one.
 
         Args:
-            static: the sample is right at all times, so its stamp says nothing.
+            static: the sample is valid at all times; its stamp is ignored.
 
         Raises:
-            InvalidTransform: it is of no use: see the text.
+            InvalidTransform: the frame or the sample is invalid; the text says why.
         """
         frame, sample = checked(frame, sample)
         place = self._frames.pop(frame, None)
         self._samples -= len(place) if place is not None else 0
         if static:
-            place = FixedPlace(sample)
+            place = Static(sample)
         else:
             if not isinstance(place, History):
                 place = History(frame)
@@ -72,22 +71,22 @@ class Buffer:
         self._keep(frame, place)
 
     def lookup(self, target: str, source: str, stamp: int = LATEST) -> Sample:
-        """Where ``source`` is in ``target``: what turns coordinates in the one into the other's.
+        """Return the transform of ``source`` in ``target``, as tf2's lookupTransform.
+
+        It turns coordinates in the source frame into coordinates in the target frame.
 
         Args:
-            target: the frame to express it in.
-            source: the frame that it is about.
-            stamp: at what time; 0 for the latest one at which the whole way is known.
+            stamp: the time; 0 for the latest one at which the whole path is known.
 
         Returns:
-            a sample with the target as parent; its stamp is 0 if all of the way is static.
+            A sample with the target as parent; its stamp is 0 if the whole path is static.
 
         Raises:
-            InvalidTransform: a frame's id is none.
-            UnknownFrame: there is no such frame.
-            UnconnectedFrames: nothing leads from the one to the other.
-            FrameLoop: the frames are no tree.
-            TransformOutOfTime: the way is not known at this time.
+            InvalidTransform: a frame's id is invalid.
+            UnknownFrame: a frame does not exist.
+            UnconnectedFrames: no transforms connect the frames.
+            FrameLoop: the frames contain a loop.
+            TransformOutOfTime: the path is unknown at this time.
         """
         target, source = frame_id(target), frame_id(source)
         if stamp == LATEST:
@@ -96,25 +95,25 @@ class Buffer:
         rising, falling = self._path(target, source, stamp)
         return Sample(stamp, target, _along(falling).inverse() @ _along(rising))
 
-    def _keep(self, frame: str, place: History | FixedPlace) -> None:
+    def _keep(self, frame: str, place: History | Static) -> None:
         if len(self._frames) == MAX_FRAMES:
-            self._forget_one()
+            self._remove_one()
         self._frames[frame] = place
         self._samples += len(place)
         while self._samples > MAX_SAMPLES and isinstance(place, History) and len(place) > 1:
             place.shorten()
             self._samples -= 1
 
-    def _forget_one(self) -> None:
-        """Make room. Static frames are published only once, so they go only if there is no other"""
-        still = next(
+    def _remove_one(self) -> None:
+        """Remove a frame; a static one, which is published only once, if there is no other."""
+        oldest = next(
             (frame for frame, place in self._frames.items() if isinstance(place, History)),
             next(iter(self._frames)),
         )
-        self._samples -= len(self._frames.pop(still))
+        self._samples -= len(self._frames.pop(oldest))
 
     def _path(self, target: str, source: str, stamp: int) -> tuple[list[Sample], list[Sample]]:
-        """The links from the source and from the target up to their nearest common ancestor."""
+        """Return the links from source and target up to their nearest common ancestor."""
         if target == source:
             return [], []
         rising: list[Sample] = []
@@ -128,7 +127,7 @@ class Buffer:
                 if link.parent == target:
                     return rising, []
         except TransformOutOfTime as error:
-            gap = error  # The common ancestor may still be below.
+            gap = error  # The common ancestor may be below the gap.
         for link in self._links(target, stamp):
             falling.append(link)
             if link.parent in height:
@@ -141,7 +140,7 @@ class Buffer:
         raise UnconnectedFrames(target, source)
 
     def _links(self, frame: str, stamp: int) -> Iterator[Sample]:
-        """The links from a frame to its parent, from there to the next one, up to the root."""
+        """Yield the links from a frame to its parent, and so on up to the root."""
         start = frame
         for _ in range(len(self._frames)):
             if (place := self._frames.get(frame)) is None:
@@ -158,26 +157,26 @@ class Buffer:
 
 
 def frame_id(name: str) -> str:
-    """A frame's id as tf2 has it: without the ``/`` that it began with in tf's first version.
+    """Return a frame's id without a leading ``/``, which only the first version of tf had.
 
     Raises:
-        InvalidTransform: it is empty or too long.
+        InvalidTransform: the id is empty or too long.
     """
     name = name.removeprefix("/")
     if not name:
-        raise InvalidTransform("a frame's id is empty: write a name such as base_link")
+        raise InvalidTransform("a frame's id is empty; expected a name such as base_link")
     if len(name) > MAX_FRAME_ID:
         raise InvalidTransform(
-            f"the frame id {name[:40]!r}... is longer than {MAX_FRAME_ID} characters"
+            f"the frame id {name[:40]!r}... is too long (limit {MAX_FRAME_ID} characters)"
         )
     return name
 
 
 def checked(frame: str, sample: Sample) -> tuple[str, Sample]:
-    """A frame's id and sample as they are kept.
+    """Return a valid frame id and a sample with a normalized rotation.
 
     Raises:
-        InvalidTransform: they are of no use: see the text.
+        InvalidTransform: the frame or the sample is invalid; the text says why.
     """
     frame, parent = frame_id(frame), frame_id(sample.parent)
     if frame == parent:
@@ -185,20 +184,20 @@ def checked(frame: str, sample: Sample) -> tuple[str, Sample]:
     translation, rotation = sample.transform.translation, sample.transform.rotation
     if not all(map(isfinite, (*translation, *rotation))):
         raise InvalidTransform(
-            f"{frame!r}: a number is none in the translation {translation} or the rotation "
-            f"{rotation} (x, y, z, w)"
+            f"{frame!r}: expected finite numbers, got the translation {translation} and the "
+            f"rotation {rotation} (x, y, z, w)"
         )
     if abs(sum(component * component for component in rotation) - 1) > TOLERANCE:
         raise InvalidTransform(
-            f"{frame!r}: the rotation {rotation} is no quaternion (x, y, z, w) of length 1; "
-            f"that of no rotation is (0, 0, 0, 1)"
+            f"{frame!r}: the rotation {rotation} is not a quaternion (x, y, z, w) of length 1; "
+            f"the identity is (0, 0, 0, 1)"
         )
     transform = Transform(translation, normalized(rotation))
     return frame, Sample(sample.stamp, parent, transform)
 
 
 def _along(links: list[Sample]) -> Transform:
-    """The transform from the first link's frame up to the last link's parent."""
+    """Return the transform from the first link's frame up to the last link's parent."""
     whole = Transform()
     for link in links:
         whole = link.transform @ whole

@@ -1,7 +1,6 @@
-"""Where one frame was in its parent over time.
+"""The transforms of one frame in its parent over time.
 
-A stamp is nanoseconds since 1970. As everywhere in tf2, 0 stands for no time in particular: asked
-for, it means the latest. Pure: no clock.
+A stamp is in nanoseconds since 1970; 0 stands for the latest one, as in tf2. Pure: no clock.
 """
 
 from __future__ import annotations
@@ -10,17 +9,17 @@ from bisect import bisect_left
 from operator import attrgetter
 from typing import NamedTuple
 
-from fibws.errors import TransformOutOfTime
+from fibws.tf.errors import TransformOutOfTime
 from fibws.tf.transform import Transform
 
 CACHE_TIME = 10_000_000_000
-"""How far a history reaches back from its latest sample, as tf2's does: nanoseconds."""
+"""Nanoseconds that a history reaches back from its latest sample, as in tf2."""
 
 LATEST = 0
 
 
 class Sample(NamedTuple):
-    """Where a frame was in its parent at one time."""
+    """The transform of a frame in its parent at one time."""
 
     stamp: int
     parent: str
@@ -28,7 +27,7 @@ class Sample(NamedTuple):
 
 
 class History:
-    """The samples of a frame that moves, of the last `CACHE_TIME` that its stamps tell of."""
+    """The samples of a moving frame during the last `CACHE_TIME`, by their stamps."""
 
     def __init__(self, frame: str) -> None:
         self._frame = frame
@@ -43,12 +42,11 @@ class History:
         return self._samples[-1]
 
     def insert(self, sample: Sample) -> None:
-        """Keep a sample; it replaces one of the same time.
+        """Add a sample; it replaces one of the same time.
 
-        tf2 did so too until, in Noetic, it began to ignore such a sample (TF_REPEATED_DATA). That
-        would freeze every broadcaster that never sets its stamps. Nor does it ignore what is older
-        than the history reaches back (TF_OLD_DATA): then the clock was set back, or a recording
-        began again, and the history begins again with it.
+        tf2 ignores it since Noetic (TF_REPEATED_DATA), which would freeze every broadcaster that
+        does not set its stamps. A sample older than the history (TF_OLD_DATA) clears it: the clock
+        was set back, or a recording was restarted.
         """
         samples = self._samples
         if samples and sample.stamp < self.latest.stamp - CACHE_TIME:
@@ -60,16 +58,16 @@ class History:
         del samples[: bisect_left(samples, oldest, key=attrgetter("stamp"))]
 
     def shorten(self) -> None:
-        """Forget the oldest sample."""
+        """Remove the oldest sample."""
         del self._samples[0]
 
     def at(self, stamp: int) -> Sample:
-        """Where the frame was at a time, between two samples on the way from one to the other.
+        """Return the sample at a time, interpolated between two samples.
 
-        While its parent changes, it stays where it was in the older one.
+        Between samples with different parents, it is the older one.
 
         Raises:
-            TransformOutOfTime: no samples are from before and after the time.
+            TransformOutOfTime: the time is outside the history.
         """
         samples = self._samples
         if stamp == LATEST:
@@ -91,16 +89,16 @@ class History:
         if oldest == latest:
             known = f"is known at {seconds(latest)} only"
         elif stamp > latest:
-            known = f"is known until {seconds(latest)}: that would be extrapolation into the future"
+            known = f"is known until {seconds(latest)}: extrapolation into the future"
         else:
-            known = f"is known since {seconds(oldest)}: that would be extrapolation into the past"
+            known = f"is known since {seconds(oldest)}: extrapolation into the past"
         return TransformOutOfTime(
-            f"The transform of {self._frame!r} at {seconds(stamp)} was asked for, but it {known}"
+            f"The transform of {self._frame!r} was requested at {seconds(stamp)}, but it {known}"
         )
 
 
-class FixedPlace:
-    """The one sample of a frame that does not move; it is right at all times."""
+class Static:
+    """The sample of a static frame, which is valid at all times."""
 
     def __init__(self, sample: Sample) -> None:
         self._sample = sample._replace(stamp=LATEST)
@@ -110,15 +108,15 @@ class FixedPlace:
 
     @property
     def latest(self) -> Sample:
-        """The sample, its stamp 0 so that it makes no other frame's seem late."""
+        """The sample; its stamp is 0, so that it does not limit the latest common time."""
         return self._sample
 
     def at(self, stamp: int) -> Sample:
-        """The sample, at this time as at any other."""
+        """Return the sample."""
         return self._sample
 
 
 def seconds(nanoseconds: int) -> str:
-    """Nanoseconds as seconds, exactly, without zeros at the end."""
+    """Write nanoseconds as seconds, exactly, without trailing zeros."""
     whole, rest = divmod(nanoseconds, 1_000_000_000)
     return f"{whole}.{rest:09}".rstrip("0").rstrip(".")

@@ -1,4 +1,4 @@
-"""Transforms as messages have them."""
+"""Transforms as messages."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from fibws.tf.transform import Transform
 
 
 def read(message: TransformStamped) -> tuple[str, Sample]:
-    """The frame that a message is about, and where it is."""
+    """Return a message's frame and sample."""
     translation, rotation = message.transform.translation, message.transform.rotation
     transform = Transform(
         (translation.x, translation.y, translation.z),
@@ -22,7 +22,7 @@ def read(message: TransformStamped) -> tuple[str, Sample]:
 
 
 def write(frame: str, sample: Sample) -> TransformStamped:
-    """The message that says where a frame is."""
+    """Return the message of a frame and its sample."""
     return TransformStamped(
         header=Header(stamp=Time.from_nanoseconds(sample.stamp), frame_id=sample.parent),
         child_frame_id=frame,

@@ -1,4 +1,4 @@
-"""The transforms that one client of tf2_web_republisher asked for, and which of them changed."""
+"""The transforms that one client of tf2_web_republisher requested, and their changes."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import isnan
 
-from fibws.errors import InvalidTransform, TransformError
 from fibws.tf.buffer import MAX_FRAMES, Buffer, frame_id
+from fibws.tf.errors import InvalidTransform, TransformError
 from fibws.tf.transform import Transform
 
 
@@ -20,23 +20,23 @@ class _Source:
 
 
 class Selection:
-    """Where some frames are in a target frame, told when it changed by more than a threshold.
+    """The transforms of some frames in a target frame, and which changed by more than a threshold.
 
-    The first transform of each frame counts as a change; where a threshold is 0, all do.
+    The first transform of each frame counts as a change; with a threshold of 0, all do.
 
     RobotWebTools' tf2_web_republisher compares half of the angle, and takes a quaternion and its
-    negative for two rotations. Here the threshold is the angle itself. Nor does this tell the
-    transform of frames that are not known yet, for which that one sends zeros once.
+    negative for different rotations; here the threshold is the angle itself. It also sends zeros
+    once for unknown frames, which are left out here.
 
     Args:
-        target: the frame to express the others in.
-        sources: the frames that it is about.
+        target: the target frame.
+        sources: the other frames.
         angular: the angular threshold in radians.
-        translational: the other threshold in metres.
-        log: is told when a transform cannot be told any more, and when it can again.
+        translational: the translational threshold in metres.
+        log: for frames that become unknown, and known again.
 
     Raises:
-        InvalidTransform: a frame's id is none, there are too many, or a threshold is no number.
+        InvalidTransform: a frame's id is invalid, there are too many, or a threshold is NaN.
     """
 
     def __init__(
@@ -48,9 +48,9 @@ class Selection:
         log: logging.Logger,
     ) -> None:
         if len(sources) > MAX_FRAMES:
-            raise InvalidTransform(f"{len(sources)} frames at once: {MAX_FRAMES} are the most")
+            raise InvalidTransform(f"too many frames: {len(sources)} (limit {MAX_FRAMES})")
         if isnan(angular) or isnan(translational):
-            raise InvalidTransform("a threshold is no number: write 0 to hear of every change")
+            raise InvalidTransform("a threshold is not a number; 0 sends every transform")
         self._target = frame_id(target)
         self._sources = [_Source(frame) for frame in dict.fromkeys(map(frame_id, sources))]
         self._angular = angular
@@ -59,14 +59,14 @@ class Selection:
 
     @property
     def target(self) -> str:
-        """The frame that the others are expressed in."""
+        """The target frame."""
         return self._target
 
     def changes(self, buffer: Buffer, *, whole: bool = False) -> dict[str, Transform]:
-        """What is to be told now, by source frame; it counts as told from here on.
+        """Return the changed transforms by source frame; they count as sent afterwards.
 
         Args:
-            whole: tell all that is known if anything changed.
+            whole: return all known transforms if one has changed.
         """
         known = [
             (source, transform)
@@ -81,7 +81,7 @@ class Selection:
         return {source.frame: transform for source, transform in due}
 
     def renew(self) -> None:
-        """Count nothing as told, since somebody listens who heard none of it."""
+        """Count all transforms as changed, for a new subscriber."""
         for source in self._sources:
             source.sent = None
 
@@ -94,7 +94,7 @@ class Selection:
             source.known = False
             return None
         if not source.known:
-            self._log.info("The transform from %s to %s is known.", source.frame, self._target)
+            self._log.info("The transform from %s to %s is known now.", source.frame, self._target)
         source.known = True
         return transform
 

@@ -1,4 +1,4 @@
-"""Says where a frame is that does not move, such as a camera on its robot."""
+"""Publishes the transform of a static frame, such as a camera on its robot."""
 
 from __future__ import annotations
 
@@ -19,24 +19,24 @@ ARGUMENTS = "X Y Z {YAW PITCH ROLL | QX QY QZ QW} FRAME_ID CHILD_FRAME_ID [PERIO
 
 
 def place(arguments: tuple[str, ...]) -> tuple[str, Sample]:
-    """The frame that the arguments are about, and where it is.
+    """Read the frame and its transform from the arguments.
 
     Raises:
-        UsageError: they say something else.
+        UsageError: the arguments are invalid.
     """
     if unknown := [argument for argument in arguments if argument.startswith("--")]:
         raise click.UsageError(f"No such option: {unknown[0]}")
     if not 8 <= len(arguments) <= 10:
-        raise click.UsageError(f"Got {len(arguments)} arguments. Write {ARGUMENTS}")
-    # Among nine, the seventh is QW, or else a FRAME_ID with a PERIOD to come.
-    turned = len(arguments) == 10 or (len(arguments) == 9 and _is_number(arguments[6]))
-    if turned:
+        raise click.UsageError(f"expected {ARGUMENTS}, got {len(arguments)} arguments")
+    # The seventh of nine arguments is QW, or FRAME_ID if PERIOD is given.
+    is_quaternion = len(arguments) == 10 or (len(arguments) == 9 and _is_number(arguments[6]))
+    if is_quaternion:
         x, y, z, qx, qy, qz, qw, *_ = _numbers("X Y Z QX QY QZ QW", arguments)
         rotation = (qx, qy, qz, qw)
     else:
         x, y, z, *angles = _numbers("X Y Z YAW PITCH ROLL", arguments)
         rotation = of_yaw_pitch_roll(*angles)
-    parent, frame, *period = arguments[7 if turned else 6 :]
+    parent, frame, *period = arguments[7 if is_quaternion else 6 :]
     _numbers("PERIOD", period)
     try:
         return checked(frame, Sample(LATEST, parent, Transform((x, y, z), rotation)))
@@ -47,7 +47,7 @@ def place(arguments: tuple[str, ...]) -> tuple[str, Sample]:
 def _numbers(names: str, arguments: Sequence[str]) -> list[float]:
     for name, argument in zip(names.split(), arguments, strict=False):
         if not _is_number(argument):
-            raise click.UsageError(f"{name} is {argument!r}, which is no number.")
+            raise click.UsageError(f"{name} must be a number, got {argument!r}")
     return [float(argument) for argument in arguments[: len(names.split())]]
 
 
@@ -59,7 +59,7 @@ def _is_number(argument: str) -> bool:
 
 
 async def publish(node: fibws.Node, frame: str, sample: Sample) -> None:
-    """Publish where a frame is, for those who listen and those who will, until the node ends."""
+    """Publish a static transform until the node ends."""
     static = await node.advertise("/tf_static", TFMessage, latch=True)
     now = node.now().to_nanoseconds()
     await static.publish(TFMessage([write(frame, sample._replace(stamp=now))]))
@@ -67,17 +67,17 @@ async def publish(node: fibws.Node, frame: str, sample: Sample) -> None:
     await node.spin()
 
 
-# What begins with - is a negative number here, and not always an option.
+# Unknown options may be negative numbers.
 @click.command(context_settings={**node_program.SETTINGS, "ignore_unknown_options": True})
 @node_program.node("static_transform_publisher", arguments=ARGUMENTS)
 def command(node: fibws.Node, arguments: tuple[str, ...]) -> None:
-    """Say where the frame CHILD_FRAME_ID is in FRAME_ID, for as long as this runs.
+    """Publish the static transform from FRAME_ID to CHILD_FRAME_ID on /tf_static.
 
-    X, Y and Z are metres; YAW, PITCH and ROLL are radians around the axes z, y and x of FRAME_ID,
+    X, Y and Z are metres; YAW, PITCH and ROLL are radians about the axes z, y and x of FRAME_ID,
     ROLL first; QX, QY, QZ and QW are a quaternion.
 
-    This is tf2_ros's program: it says it once, on the latched topic /tf_static. The one of the same
-    name in tf, which repeated it on /tf, wanted a PERIOD for that: here it changes nothing.
+    The transform is published once, on a latched topic, as by tf2_ros. PERIOD is ignored; accepted
+    for compatibility with tf.
     """
     frame, sample = place(arguments)
 

@@ -1,4 +1,4 @@
-"""Tells web pages and others without a transform library where frames are."""
+"""Sends transforms to web pages and other clients without a transform library."""
 
 from __future__ import annotations
 
@@ -12,12 +12,11 @@ from fibws.tf.republisher import Republisher
 @click.command(context_settings=node_program.SETTINGS)
 @node_program.node("tf2_web_republisher", anonymous=False)
 def command(node: fibws.Node) -> None:
-    """Tell TFClient, as roslib and roslibpy have it, and roslib's ROS2TFClient where frames are.
+    """Send transforms to the TFClient of roslib and roslibpy, and to roslib's ROS2TFClient.
 
-    It takes what is published on /tf and /tf_static, and answers goals of the action
-    /tf2_web_republisher (over topics, as in ROS 1, and by operation, as in ROS 2) and calls of the
-    service /republish_tfs: with the transforms that changed by more than a client's thresholds, at
-    the client's rate.
+    It subscribes to /tf and /tf_static, and serves the action /tf2_web_republisher (over topics, as
+    in ROS 1, and over operations, as in ROS 2) and the service /republish_tfs. Clients receive the
+    transforms that changed by more than their thresholds, at their rate.
 
     FROM:=TO renames a topic (/tf:=/robot/tf), the service, or the node with its action
     (__name:=transforms), as in ROS.

@@ -1,7 +1,6 @@
-"""Translations and rotations in space, and what one can do with them.
+"""Arithmetic with translations and rotations.
 
-Quaternions are ``(x, y, z, w)`` as in geometry_msgs/Quaternion, of length 1 unless it says
-otherwise. Pure: no clock, no sockets.
+Quaternions are ``(x, y, z, w)`` as in geometry_msgs/Quaternion, usually of length 1.
 """
 
 from __future__ import annotations
@@ -20,7 +19,9 @@ NO_ROTATION: Quaternion = (0.0, 0.0, 0.0, 1.0)
 
 @dataclass(frozen=True, slots=True)
 class Transform:
-    """Where a frame is in its parent: it turns a point's coordinates in the one into the other's.
+    """The position and orientation of a frame in its parent.
+
+    It turns coordinates in the frame into coordinates in the parent.
 
     Args:
         translation: metres.
@@ -31,27 +32,27 @@ class Transform:
     rotation: Quaternion = NO_ROTATION
 
     def __matmul__(self, inner: Transform) -> Transform:
-        """``inner`` first and then this, as with matrices: map→odom @ odom→base is map→base."""
+        """Apply ``inner`` and then this, as with matrices: map→odom @ odom→base is map→base."""
         x, y, z = rotated(inner.translation, self.rotation)
         dx, dy, dz = self.translation
         return Transform((x + dx, y + dy, z + dz), product(self.rotation, inner.rotation))
 
     def inverse(self) -> Transform:
-        """The way back."""
+        """Return the inverse transform."""
         rotation = conjugate(self.rotation)
         x, y, z = rotated(self.translation, rotation)
         return Transform((-x, -y, -z), rotation)
 
     def distance(self, other: Transform) -> float:
-        """How far the two translations are from each other, in metres."""
+        """Return the distance of the translations in metres."""
         return dist(self.translation, other.translation)
 
     def angle(self, other: Transform) -> float:
-        """How far one has to turn from this rotation to the other: radians from 0 to pi."""
+        """Return the angle between the rotations, in radians from 0 to pi."""
         return angle(self.rotation, other.rotation)
 
     def interpolated(self, other: Transform, ratio: float) -> Transform:
-        """The transform at ``ratio`` of the way to the other: 0 is this one, 1 the other."""
+        """Interpolate towards another transform: ``ratio`` 0 gives this one, 1 the other."""
         (x, y, z), (to_x, to_y, to_z) = self.translation, other.translation
         rest = 1 - ratio
         return Transform(
@@ -61,7 +62,7 @@ class Transform:
 
 
 def product(left: Quaternion, right: Quaternion) -> Quaternion:
-    """The rotation ``right``, and then ``left``."""
+    """Return the rotation by ``right`` and then by ``left``."""
     ax, ay, az, aw = left
     bx, by, bz, bw = right
     return (
@@ -73,16 +74,16 @@ def product(left: Quaternion, right: Quaternion) -> Quaternion:
 
 
 def conjugate(rotation: Quaternion) -> Quaternion:
-    """The rotation back."""
+    """Return the inverse rotation."""
     x, y, z, w = rotation
     return (-x, -y, -z, w)
 
 
 def normalized(quaternion: Quaternion) -> Quaternion:
-    """The quaternion of length 1 in this one's direction.
+    """Return a quaternion scaled to length 1.
 
     Raises:
-        ZeroDivisionError: it has no length, so no direction either.
+        ZeroDivisionError: its length is 0.
     """
     x, y, z, w = quaternion
     length = hypot(x, y, z, w)
@@ -90,7 +91,7 @@ def normalized(quaternion: Quaternion) -> Quaternion:
 
 
 def rotated(vector: Vector, rotation: Quaternion) -> Vector:
-    """``vector``, turned."""
+    """Return a rotated vector."""
     vx, vy, vz = vector
     x, y, z, w = rotation
     # v + 2w (q x v) + 2 q x (q x v), which is q v q* for a q of length 1, in half the products.
@@ -103,14 +104,14 @@ def rotated(vector: Vector, rotation: Quaternion) -> Vector:
 
 
 def angle(first: Quaternion, second: Quaternion) -> float:
-    """The angle of the shortest turn from one rotation to the other: radians from 0 to pi."""
+    """Return the angle between two rotations, in radians from 0 to pi."""
     apart, along = dist(first, second), hypot(*map(add, first, second))
     # q and -q are one rotation. The arc tangent is exact where the cosine's is not: near 0.
     return 4 * atan2(min(apart, along), max(apart, along))
 
 
 def slerp(first: Quaternion, second: Quaternion, ratio: float) -> Quaternion:
-    """The rotation at ``ratio`` of the shortest turn from one to the other, at an even speed."""
+    """Interpolate between two rotations along the shortest arc, at constant speed."""
     half = angle(first, second) / 2
     if sum(map(mul, first, second)) < 0:
         x, y, z, w = second
@@ -132,9 +133,9 @@ def slerp(first: Quaternion, second: Quaternion, ratio: float) -> Quaternion:
 
 
 def of_yaw_pitch_roll(yaw: float, pitch: float, roll: float) -> Quaternion:
-    """The rotation by ``roll`` around x, then ``pitch`` around y, then ``yaw`` around z: radians.
+    """Return the rotation by ``roll`` about x, then ``pitch`` about y, then ``yaw`` about z.
 
-    The axes stay where they are, as in REP 103.
+    The angles are in radians and the axes are fixed, as in REP 103.
     """
     about_x = (sin(roll / 2), 0.0, 0.0, cos(roll / 2))
     about_y = (0.0, sin(pitch / 2), 0.0, cos(pitch / 2))

@@ -96,7 +96,7 @@ def test_a_hub_that_goes_gives_the_terminal_back(hub: HubThread, terminal: Take)
     top.wait_for("/chatter")
     hub.stop()
     top.wait_for(RESTORED)
-    top.wait_for(f"Error: The hub at {hub.url} is gone")
+    top.wait_for(f"Error: Lost the hub at {hub.url}")
     assert top.ended() == 1
 
 

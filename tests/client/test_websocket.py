@@ -159,7 +159,7 @@ def pump(source: socket.socket, target: socket.socket) -> None:
 def test_lost_hub_is_an_error(hub: HubThread) -> None:
     client = HubClient("test", hub.url)
     hub.stop()
-    with pytest.raises(HubLost, match=f"The hub at {hub.url} is gone: "):
+    with pytest.raises(HubLost, match=hub.url):
         while True:
             client.receive(20)
     client.close()

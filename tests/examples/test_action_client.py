@@ -20,7 +20,7 @@ CLIENT = "fibws.examples.action_client"
 @pytest.mark.parametrize(
     ("over", "order"), [("topics", "4"), ("operations", "5")], ids=["topics", "operations"]
 )
-async def test_it_prints_how_far_the_server_has_come_and_the_result(
+async def test_feedback_and_result_are_printed(
     hub: Hub, start: Start, over: str, order: str
 ) -> None:
     await start("fibws.examples.action_server", "--hub", hub.url, "--rate", "20")
@@ -37,7 +37,7 @@ async def test_it_prints_how_far_the_server_has_come_and_the_result(
     ]
 
 
-async def test_it_waits_for_the_server(hub: Hub, start: Start) -> None:
+async def test_client_waits_for_the_server(hub: Hub, start: Start) -> None:
     program = await start(CLIENT, "1", "--hub", hub.url)
     assert await program.line() == "Waiting for action server to start.\n"
     await start("fibws.examples.action_server", "--hub", hub.url, "--rate", "100")
@@ -46,7 +46,7 @@ async def test_it_waits_for_the_server(hub: Hub, start: Start) -> None:
     assert (code, out) == (0, "Result: 0, 1, 1\n")
 
 
-async def test_it_says_why_there_is_no_result(hub: Hub, start: Start) -> None:
+async def test_failed_goal_is_an_error(hub: Hub, start: Start) -> None:
     await start("fibws.examples.action_server", "--hub", hub.url)
     program = await start(CLIENT, "-3", "--hub", hub.url)
     code, out, err = await program.end()

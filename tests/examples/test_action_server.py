@@ -43,7 +43,7 @@ async def ros2(node: fibws.Node) -> fibws.ActionClient[Any, Any, Any]:
     return client
 
 
-async def test_over_topics_it_is_actionlibs(hub: Hub, start: Start) -> None:
+async def test_server_over_topics_works_as_in_ros_1(hub: Hub, start: Start) -> None:
     server = await start(SERVER, "--hub", hub.url, "--rate", "100")
     async with fibws.Node("test", hub=hub.url) as node:
         goal = await (await ros1(node)).send({"order": 3})
@@ -56,7 +56,7 @@ async def test_over_topics_it_is_actionlibs(hub: Hub, start: Start) -> None:
     assert await logged(server) == "fibonacci: Succeeded"
 
 
-async def test_by_operation_it_is_ros_2s(hub: Hub, start: Start) -> None:
+async def test_server_over_operations_works_as_in_ros_2(hub: Hub, start: Start) -> None:
     server = await start(SERVER, "--hub", hub.url, "--rate", "100")
     async with fibws.Node("test", hub=hub.url) as node:
         goal = await (await ros2(node)).send({"order": 3})
@@ -68,7 +68,7 @@ async def test_by_operation_it_is_ros_2s(hub: Hub, start: Start) -> None:
     assert await logged(server) == "Feedback: [0, 1, 1, 2]"
 
 
-async def test_goals_are_canceled_in_either_way(hub: Hub, start: Start) -> None:
+async def test_goals_are_canceled_over_topics_and_operations(hub: Hub, start: Start) -> None:
     server = await start(SERVER, "--hub", hub.url, "--rate", "0.01")
     async with fibws.Node("test", hub=hub.url) as node:
         await canceled(await ros1(node))
@@ -92,7 +92,7 @@ async def canceled(client: fibws.ActionClient[Any, Any, Any]) -> None:
 
 
 @pytest.mark.parametrize("order", [0, 1])
-async def test_short_sequences_are_the_seeds_at_least(hub: Hub, start: Start, order: int) -> None:
+async def test_shortest_sequences(hub: Hub, start: Start, order: int) -> None:
     await start(SERVER, "--hub", hub.url, "--rate", "100")
     async with fibws.Node("test", hub=hub.url) as node:
         goal = await (await ros1(node)).send({"order": order})
@@ -101,9 +101,7 @@ async def test_short_sequences_are_the_seeds_at_least(hub: Hub, start: Start, or
         assert (await goal.result()).sequence == [0, 1]
 
 
-async def test_the_longest_sequence_ends_with_the_last_number_that_fits(
-    hub: Hub, start: Start
-) -> None:
+async def test_longest_sequence(hub: Hub, start: Start) -> None:
     await start(SERVER, "--hub", hub.url, "--rate", "10000")
     async with fibws.Node("test", hub=hub.url) as node:
         for client, longest in ((await ros1(node), 45), (await ros2(node), 46)):
@@ -118,7 +116,7 @@ async def test_the_longest_sequence_ends_with_the_last_number_that_fits(
                     await goal.result(timeout=60)
 
 
-async def test_a_negative_order_is_refused_and_the_server_goes_on(hub: Hub, start: Start) -> None:
+async def test_negative_order_is_aborted(hub: Hub, start: Start) -> None:
     server = await start(SERVER, "--hub", hub.url)
     async with fibws.Node("test", hub=hub.url) as node:
         for client in (await ros1(node), await ros2(node)):
@@ -141,14 +139,14 @@ async def test_names_can_be_chosen_and_ctrl_c_ends_it(hub: Hub, start: Start) ->
     assert (code, err) == (0, "")
 
 
-async def test_it_has_a_name_that_is_known(hub: Hub, start: Start) -> None:
+async def test_default_name_is_not_anonymous(hub: Hub, start: Start) -> None:
     await start(SERVER, "--hub", hub.url)
     async with fibws.Node("test", hub=hub.url) as node:
         await ros1(node)
         assert "/fibonacci_action_server" in await node.graph.nodes()
 
 
-async def test_it_ends_when_nobody_reads_what_it_prints(hub: Hub, start: Start) -> None:
+async def test_closed_pipe_ends_it_quietly(hub: Hub, start: Start) -> None:
     server = await start(SERVER, "--hub", hub.url, "--rate", "100")
     async with fibws.Node("test", hub=hub.url) as node:
         client = await ros1(node)
@@ -161,7 +159,7 @@ async def test_it_ends_when_nobody_reads_what_it_prints(hub: Hub, start: Start) 
     assert (code, err) == (0, "")
 
 
-async def test_it_ends_if_the_hub_refuses_it(hub: Hub, start: Start) -> None:
+async def test_refused_topic_is_an_error(hub: Hub, start: Start) -> None:
     async with fibws.Node("test", hub=hub.url) as node:
         node.subscribe("fibonacci/goal", String)
         await node.graph.topics()

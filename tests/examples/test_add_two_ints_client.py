@@ -11,7 +11,7 @@ from fibws.srv.rospy_tutorials import AddTwoInts
 CLIENT = "fibws.examples.add_two_ints_client"
 
 
-async def test_it_waits_for_a_server_and_prints_the_sum(hub: Hub, start: Start) -> None:
+async def test_client_waits_for_the_server_and_prints_the_sum(hub: Hub, start: Start) -> None:
     client = await start(CLIENT, "1", "2", "--hub", hub.url)
     server = await start("fibws.examples.add_two_ints_server", "--hub", hub.url)
     assert await client.end() == (0, "Requesting 1+2\n1 + 2 = 3\n", "")
@@ -19,14 +19,14 @@ async def test_it_waits_for_a_server_and_prints_the_sum(hub: Hub, start: Start) 
     assert await server.line() == "Returning [1 + 2 = 3]\n"
 
 
-async def test_numbers_may_be_negative_and_the_service_renamed(hub: Hub, start: Start) -> None:
+async def test_negative_numbers_and_renamed_service(hub: Hub, start: Start) -> None:
     async with fibws.Node("test", hub=hub.url) as node:
         await node.service("add", AddTwoInts, lambda request: request.a + request.b)
         client = await start(CLIENT, "-7", "-2", "add_two_ints:=add", FIBWS_HUB=hub.url)
         assert await client.end() == (0, "Requesting -7+-2\n-7 + -2 = -9\n", "")
 
 
-async def test_a_failure_is_told_in_a_line(hub: Hub, start: Start) -> None:
+async def test_failed_call_is_an_error_in_one_line(hub: Hub, start: Start) -> None:
     def fail(request: object) -> int:
         raise ValueError("I cannot add")
 
@@ -38,7 +38,7 @@ async def test_a_failure_is_told_in_a_line(hub: Hub, start: Start) -> None:
     assert err == "Error: /add_two_ints: error processing request: I cannot add\n"
 
 
-async def test_a_number_that_is_too_large_is_told_in_a_line(hub: Hub, start: Start) -> None:
+async def test_too_large_number_is_an_error(hub: Hub, start: Start) -> None:
     async with fibws.Node("test", hub=hub.url) as node:
         await node.service("add_two_ints", AddTwoInts, lambda request: request.a + request.b)
         client = await start(CLIENT, str(2**63), "2", "--hub", hub.url)
@@ -48,14 +48,14 @@ async def test_a_number_that_is_too_large_is_told_in_a_line(hub: Hub, start: Sta
     assert "Traceback" not in err
 
 
-async def test_what_is_no_number_is_refused(start: Start) -> None:
+async def test_invalid_number_is_an_error(start: Start) -> None:
     client = await start(CLIENT, "one", "2")
     code, _, err = await client.end()
     assert code == 2
     assert "'one' is not a valid integer" in err
 
 
-async def test_what_is_no_option_is_refused(start: Start) -> None:
+async def test_unknown_option_is_an_error(start: Start) -> None:
     client = await start(CLIENT, "1", "2", "--hbu", "ws://127.0.0.1:9")
     code, _, err = await client.end()
     assert code == 2

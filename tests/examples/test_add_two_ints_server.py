@@ -14,7 +14,7 @@ from fibws.srv.rospy_tutorials import AddTwoInts
 SERVER = "fibws.examples.add_two_ints_server"
 
 
-async def test_it_adds_two_integers(hub: Hub, start: Start) -> None:
+async def test_integers_are_added(hub: Hub, start: Start) -> None:
     program = await start(SERVER, FIBWS_HUB=hub.url)
     assert await program.line() == "Ready to add two ints.\n"
     async with fibws.Node("test", hub=hub.url) as node:
@@ -26,9 +26,7 @@ async def test_it_adds_two_integers(hub: Hub, start: Start) -> None:
     assert await program.end() == (0, "", "")
 
 
-async def test_a_sum_that_is_too_large_fails_and_the_server_lives_on(
-    hub: Hub, start: Start
-) -> None:
+async def test_server_continues_after_a_failed_call(hub: Hub, start: Start) -> None:
     program = await start(SERVER, "--hub", hub.url, "add_two_ints:=add")
     async with fibws.Node("test", hub=hub.url) as node:
         await node.wait_for_service("add", timeout=60)
@@ -42,7 +40,7 @@ async def test_a_sum_that_is_too_large_fails_and_the_server_lives_on(
     assert "Service /add failed" in await program.error_line()
 
 
-async def test_it_ends_when_nobody_reads_what_it_prints(hub: Hub, start: Start) -> None:
+async def test_closed_pipe_ends_it_quietly(hub: Hub, start: Start) -> None:
     program = await start(SERVER, "--hub", hub.url)
     await program.line()
     program.stop_reading()
@@ -53,7 +51,7 @@ async def test_it_ends_when_nobody_reads_what_it_prints(hub: Hub, start: Start) 
     assert await program.end() == (0, "", "")
 
 
-async def test_others_may_call_it_by_its_name(hub: Hub, start: Start) -> None:
+async def test_default_name_is_not_anonymous(hub: Hub, start: Start) -> None:
     program = await start(SERVER, "--hub", hub.url)
     await program.line()
     async with fibws.Node("test", hub=hub.url) as node:

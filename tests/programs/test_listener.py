@@ -15,7 +15,7 @@ from fibws.msg.std_msgs import Float64, Int32
 LISTENER = "fibws.listener"
 
 
-async def test_it_says_what_it_heard(hub: Hub, start: Start) -> None:
+async def test_numbers_are_logged(hub: Hub, start: Start) -> None:
     async with fibws.Node("test", hub=hub.url) as node:
         numbers = await node.advertise("fibonacci", Int32, latch=True)
         lines = node.subscribe("/rosout", Log)
@@ -41,7 +41,7 @@ async def test_names_and_type_can_be_chosen(hub: Hub, start: Start) -> None:
         assert (await anext(lines)).name == "/ear"
 
 
-async def test_it_hears_a_broadcaster(hub: Hub, start: Start) -> None:
+async def test_numbers_of_a_broadcaster_are_logged(hub: Hub, start: Start) -> None:
     listener = await start(LISTENER, "--hub", hub.url, "--node-name", "ear")
     await start("fibws.broadcaster", "--hub", hub.url, "--rate", "50")
     first = int((await listener.line()).split()[-1])
@@ -52,7 +52,7 @@ async def test_it_hears_a_broadcaster(hub: Hub, start: Start) -> None:
     assert (code, err) == (0, "")
 
 
-async def test_the_topics_type_is_another_one(hub: Hub, start: Start) -> None:
+async def test_topic_of_another_type_is_an_error(hub: Hub, start: Start) -> None:
     async with fibws.Node("test", hub=hub.url) as node:
         await node.advertise("fibonacci", Float64)
         await (await node.advertise("sync", Float64)).publish(0)

@@ -11,7 +11,7 @@ from running_programs import ROOT
 import fibws
 
 
-async def test_they_cost_nothing_until_they_are_used() -> None:
+async def test_public_names_are_loaded_on_first_use() -> None:
     code = (
         "import sys, fibws; before = set(sys.modules); fibws.Node; "
         "print('websockets' in before, 'pydantic' in before, 'asyncio' in before, "
@@ -24,7 +24,7 @@ async def test_they_cost_nothing_until_they_are_used() -> None:
     assert out == b"False False False True\n"
 
 
-def test_they_are_all_there() -> None:
+def test_all_public_names_exist() -> None:
     for name in fibws.__all__:
         assert getattr(fibws, name) is not None
     assert set(fibws.__all__) <= set(dir(fibws))

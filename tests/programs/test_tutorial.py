@@ -230,16 +230,14 @@ def reader_with(tmp_path: Path, tools: Path, port: int) -> Iterator[Callable[[st
 
 @pytest.mark.tutorial
 @pytest.mark.parametrize("shell", SHELLS)
-def test_what_is_typed_has_the_effects_that_are_told(
-    shell: str, reader_with: Callable[[str], Reader]
-) -> None:
+def test_tutorial(shell: str, reader_with: Callable[[str], Reader]) -> None:
     reader = reader_with(shell)
     for step in steps(TUTORIAL[:WITHOUT_BASH].replace("setup.bash", f"setup.{shell}")):
         reader.follow(step)
 
 
 @pytest.mark.tutorial
-def test_the_same_walk_needs_no_aliases(reader_with: Callable[[str], Reader]) -> None:
+def test_tutorial_without_aliases(reader_with: Callable[[str], Reader]) -> None:
     reader = reader_with("sh")
     reader.workspace = reader.workspace.with_name("other_workspace")
     first, *others = steps(TUTORIAL[WITHOUT_BASH:])
@@ -256,7 +254,7 @@ def test_the_same_walk_needs_no_aliases(reader_with: Callable[[str], Reader]) ->
         reader.follow(step)
 
 
-def test_the_document_has_steps_of_each_kind() -> None:
+def test_tutorial_has_steps_of_each_kind() -> None:
     found = list(steps(TUTORIAL))
     assert {step.verb for step in found} == {"type", "see", "write", "append", "insert", "end"}
     assert len(found) == TUTORIAL.count("\n```") / 2 + TUTORIAL.count("<!-- Ctrl-C")

@@ -9,7 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fibws.errors import (
+from fibws.tf import buffer as module
+from fibws.tf.buffer import MAX_FRAME_ID, Buffer
+from fibws.tf.errors import (
     FrameLoop,
     InvalidTransform,
     TransformError,
@@ -17,8 +19,6 @@ from fibws.errors import (
     UnconnectedFrames,
     UnknownFrame,
 )
-from fibws.tf import buffer as module
-from fibws.tf.buffer import MAX_FRAME_ID, Buffer
 from fibws.tf.history import Sample
 from fibws.tf.transform import Quaternion, Transform
 
@@ -67,7 +67,7 @@ def robot(buffer: Buffer) -> Buffer:
         ("arm", "arm", 0),
     ],
 )
-def test_the_way_between_two_frames_goes_by_their_nearest_ancestor(
+def test_lookup_goes_through_the_nearest_common_ancestor(
     robot: Buffer, target: str, source: str, x: float
 ) -> None:
     sample = robot.lookup(target, source)
@@ -75,7 +75,7 @@ def test_the_way_between_two_frames_goes_by_their_nearest_ancestor(
     assert sample.parent == target
 
 
-def test_the_target_is_the_frame_in_which_the_source_is_told(buffer: Buffer) -> None:
+def test_lookup_gives_the_source_in_the_target(buffer: Buffer) -> None:
     """A camera a metre in front of the base, which looks to the left; as `tf_echo base camera`."""
     left: Quaternion = (0.0, 0.0, QUARTER, QUARTER)
     buffer.insert("camera", Sample(1, "base", Transform((1.0, 0.0, 0.0), left)))
@@ -86,7 +86,7 @@ def test_the_target_is_the_frame_in_which_the_source_is_told(buffer: Buffer) -> 
 
 
 @given(st.lists(st.tuples(st.integers(0), transforms), min_size=1, max_size=12), st.data())
-def test_any_tree_gives_what_matrices_give(
+def test_lookup_agrees_with_matrices(
     tree: list[tuple[int, Transform]], data: st.DataObject
 ) -> None:
     buffer = Buffer()
@@ -102,7 +102,7 @@ def test_any_tree_gives_what_matrices_give(
     assert_same(transform, expected, scale=1000)
 
 
-def test_a_slash_before_a_frame_means_nothing(buffer: Buffer) -> None:
+def test_leading_slash_is_ignored(buffer: Buffer) -> None:
     place(buffer, "/base", "/map", 1)
     assert buffer.lookup("map", "/base") == buffer.lookup("/map", "base")
     assert buffer.lookup("/map", "base").parent == "map"
@@ -111,7 +111,7 @@ def test_a_slash_before_a_frame_means_nothing(buffer: Buffer) -> None:
 # Time
 
 
-def test_the_latest_time_is_that_at_which_the_whole_way_is_known(buffer: Buffer) -> None:
+def test_latest_time_is_common_to_the_whole_path(buffer: Buffer) -> None:
     for at in (1.0, 2.0, 3.0, 4.0):
         place(buffer, "odom", "map", at * 100, at)
     for at in (1.5, 2.5):
@@ -121,7 +121,7 @@ def test_the_latest_time_is_that_at_which_the_whole_way_is_known(buffer: Buffer)
     assert x_of(buffer, "base", "map") == -252.5
 
 
-def test_frames_off_the_way_do_not_count(robot: Buffer) -> None:
+def test_frames_off_the_path_are_ignored(robot: Buffer) -> None:
     place(robot, "arm", "base", 1000, at=3)
     place(robot, "hand", "arm", 20000, at=3)
     place(robot, "odom", "map", 1, at=2)
@@ -129,7 +129,7 @@ def test_frames_off_the_way_do_not_count(robot: Buffer) -> None:
     assert robot.lookup("camera", "hand").stamp == 3 * SECOND
 
 
-def test_a_time_can_be_asked_for(buffer: Buffer) -> None:
+def test_lookup_at_a_time(buffer: Buffer) -> None:
     for at in (1.0, 2.0, 3.0):
         place(buffer, "odom", "map", at * 100, at)
     place(buffer, "camera", "odom", 5, static=True)
@@ -142,7 +142,7 @@ def test_a_time_can_be_asked_for(buffer: Buffer) -> None:
             x_of(buffer, "camera", "map", at)
 
 
-def test_a_gap_above_the_nearest_ancestor_does_not_matter(robot: Buffer) -> None:
+def test_gap_above_the_nearest_ancestor_is_ignored(robot: Buffer) -> None:
     place(robot, "arm", "base", 2000, at=2)
     place(robot, "hand", "arm", 20000, at=2)
     assert x_of(robot, "camera", "hand", at=2) == 21900
@@ -150,14 +150,14 @@ def test_a_gap_above_the_nearest_ancestor_does_not_matter(robot: Buffer) -> None
         x_of(robot, "map", "hand", at=2)
 
 
-def test_what_is_static_only_is_right_at_all_times(buffer: Buffer) -> None:
+def test_static_path_is_valid_at_all_times(buffer: Buffer) -> None:
     place(buffer, "camera", "base", 1, at=5, static=True)
     place(buffer, "lens", "camera", 2, at=9, static=True)
     assert buffer.lookup("base", "lens").stamp == 0
     assert x_of(buffer, "base", "lens", at=1) == x_of(buffer, "base", "lens") == 3
 
 
-def test_a_broadcaster_without_stamps_is_heard(buffer: Buffer) -> None:
+def test_transforms_without_stamps_are_kept(buffer: Buffer) -> None:
     place(buffer, "base", "map", 1, at=0)
     place(buffer, "base", "map", 2, at=0)
     assert x_of(buffer, "map", "base") == 2
@@ -166,7 +166,7 @@ def test_a_broadcaster_without_stamps_is_heard(buffer: Buffer) -> None:
 # Changes of the tree
 
 
-def test_of_two_parents_the_latest_holds(buffer: Buffer) -> None:
+def test_latest_parent_replaces_the_others(buffer: Buffer) -> None:
     place(buffer, "cup", "table", 1, at=1)
     place(buffer, "cup", "hand", 2, at=2)
     place(buffer, "lamp", "table", 3)
@@ -176,7 +176,7 @@ def test_of_two_parents_the_latest_holds(buffer: Buffer) -> None:
     assert x_of(buffer, "table", "cup", at=1) == 1
 
 
-def test_a_frame_may_stop_or_begin_to_move(buffer: Buffer) -> None:
+def test_frame_may_become_static_or_moving(buffer: Buffer) -> None:
     for at in (1, 2):
         place(buffer, "base", "map", at, at)
     place(buffer, "base", "map", 7, at=0, static=True)
@@ -191,7 +191,7 @@ def test_a_frame_may_stop_or_begin_to_move(buffer: Buffer) -> None:
 # Errors
 
 
-def test_an_unknown_frame_is_named(robot: Buffer) -> None:
+def test_unknown_frame_is_an_error(robot: Buffer) -> None:
     with pytest.raises(UnknownFrame, match="Frame 'foot' does not exist"):
         robot.lookup("map", "foot")
     with pytest.raises(UnknownFrame, match="Frame 'world' does not exist"):
@@ -200,7 +200,7 @@ def test_an_unknown_frame_is_named(robot: Buffer) -> None:
         Buffer().lookup("a", "b")
 
 
-def test_unconnected_frames_are_named(robot: Buffer) -> None:
+def test_unconnected_frames_are_an_error(robot: Buffer) -> None:
     place(robot, "moon", "earth", 1)
     for target, source in (("map", "moon"), ("moon", "map"), ("earth", "hand"), ("map", "earth")):
         with pytest.raises(UnconnectedFrames, match=f"{target!r} and {source!r}"):
@@ -208,16 +208,16 @@ def test_unconnected_frames_are_named(robot: Buffer) -> None:
 
 
 @pytest.mark.parametrize("length", [2, 3, 50])
-def test_a_loop_is_an_error_and_no_hang(buffer: Buffer, length: int) -> None:
+def test_loop_is_an_error(buffer: Buffer, length: int) -> None:
     for number in range(length):
         place(buffer, f"f{number}", f"f{(number + 1) % length}", 1)
     place(buffer, "base", "map", 1)
     place(buffer, "tail", "f0", 1)
-    with pytest.raises(FrameLoop, match="above 'f0' are no tree"):
+    with pytest.raises(FrameLoop, match="'f0'"):
         buffer.lookup("map", "f0")
-    with pytest.raises(FrameLoop, match="above 'f0' are no tree"):
+    with pytest.raises(FrameLoop, match="'f0'"):
         buffer.lookup("f0", "map")
-    with pytest.raises(FrameLoop, match="above 'tail'"):
+    with pytest.raises(FrameLoop, match="'tail'"):
         buffer.lookup("base", "tail")
     assert x_of(buffer, "f1", "f0") == 1
 
@@ -234,14 +234,14 @@ def transform(**changes: float) -> Transform:
         ("", "map", transform(), "a frame's id is empty"),
         ("base", "/", transform(), "a frame's id is empty"),
         ("/base", "base", transform(), "the frame 'base' cannot be its own parent"),
-        ("b" * (MAX_FRAME_ID + 1), "map", transform(), r"'b{40}'\.\.\. is longer than 256"),
-        ("base", "map", transform(y=math.nan), "'base': a number is none in the translation"),
-        ("base", "map", transform(qz=math.inf), "'base': a number is none in the translation"),
+        ("b" * (MAX_FRAME_ID + 1), "map", transform(), r"'b{40}'\.\.\. .*256"),
+        ("base", "map", transform(y=math.nan), "'base': .*translation"),
+        ("base", "map", transform(qz=math.inf), "'base': .*translation"),
         ("base", "map", transform(qw=0), r"'base': the rotation .* \(0, 0, 0, 1\)"),
         ("base", "map", transform(qw=1.01), "'base': the rotation .* of length 1"),
     ],
 )
-def test_a_transform_of_no_use_is_refused(
+def test_invalid_transform_is_an_error(
     robot: Buffer, frame: str, parent: str, wrong: Transform, fault: str
 ) -> None:
     before = robot.lookup("map", "hand"), len(robot), robot.samples
@@ -251,12 +251,12 @@ def test_a_transform_of_no_use_is_refused(
     assert (robot.lookup("map", "hand"), len(robot), robot.samples) == before
 
 
-def test_a_quaternion_that_is_nearly_of_length_1_is_brought_to_it(buffer: Buffer) -> None:
+def test_quaternion_is_normalized(buffer: Buffer) -> None:
     buffer.insert("base", Sample(1, "map", transform(qw=1.004)))
     assert buffer.lookup("map", "base").transform == Transform()
 
 
-def test_a_frame_without_a_name_cannot_be_asked_for(robot: Buffer) -> None:
+def test_empty_frame_id_is_an_error(robot: Buffer) -> None:
     for target, source in (("", "base"), ("base", "/")):
         with pytest.raises(InvalidTransform, match="a frame's id is empty"):
             robot.lookup(target, source)
@@ -265,7 +265,7 @@ def test_a_frame_without_a_name_cannot_be_asked_for(robot: Buffer) -> None:
 # Bounds
 
 
-def test_the_frame_that_was_still_the_longest_makes_way(
+def test_frame_without_samples_for_longest_is_removed_at_the_limit(
     buffer: Buffer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(module, "MAX_FRAMES", 4)
@@ -281,7 +281,7 @@ def test_the_frame_that_was_still_the_longest_makes_way(
         buffer.lookup("base", "b")
 
 
-def test_static_frames_make_way_when_there_are_no_others(
+def test_static_frame_is_removed_if_there_are_no_others(
     buffer: Buffer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(module, "MAX_FRAMES", 2)
@@ -292,9 +292,7 @@ def test_static_frames_make_way_when_there_are_no_others(
         buffer.lookup("base", "a")
 
 
-def test_samples_are_bounded_and_every_frame_keeps_one(
-    buffer: Buffer, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_samples_are_bounded(buffer: Buffer, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "MAX_SAMPLES", 5)
     for at in range(1, 8):
         place(buffer, "base", "map", at, at)
@@ -310,7 +308,7 @@ FRAMES = st.sampled_from("abcde")
 
 
 @given(st.lists(st.tuples(FRAMES, FRAMES, st.integers(0, 40), st.booleans())))
-def test_whatever_comes_it_keeps_count_and_answers(
+def test_random_inserts_and_lookups(
     samples: list[tuple[str, str, int, bool]],
 ) -> None:
     buffer = Buffer()

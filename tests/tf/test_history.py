@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fibws.errors import TransformOutOfTime
-from fibws.tf.history import CACHE_TIME, LATEST, FixedPlace, History, Sample, seconds
+from fibws.tf.errors import TransformOutOfTime
+from fibws.tf.history import CACHE_TIME, LATEST, History, Sample, Static, seconds
 from fibws.tf.transform import Transform
 
 SECOND = 1_000_000_000
@@ -24,17 +24,17 @@ def history(*samples: Sample) -> History:
     return history
 
 
-def x_at(places: History | FixedPlace, at: float) -> float:
+def x_at(places: History | Static, at: float) -> float:
     return places.at(int(at * SECOND)).transform.translation[0]
 
 
-def test_between_two_samples_the_frame_is_on_its_way() -> None:
+def test_transform_between_two_samples_is_interpolated() -> None:
     places = history(sample(1, 10), sample(2, 20), sample(4, 0))
     assert [x_at(places, at) for at in (1, 1.5, 2, 3, 4)] == [10, 15, 20, 10, 0]
     assert places.at(3 * SECOND).stamp == 3 * SECOND
 
 
-def test_the_latest_sample_is_asked_for_with_0() -> None:
+def test_time_0_is_the_latest_sample() -> None:
     places = history(sample(1, 10), sample(2, 20))
     assert places.at(LATEST) == places.latest == sample(2, 20)
 
@@ -42,66 +42,66 @@ def test_the_latest_sample_is_asked_for_with_0() -> None:
 @pytest.mark.parametrize(
     ("at", "fault"),
     [
-        (0.5, "at 0.5 was asked for, but it is known since 1: .* into the past"),
-        (2.25, "at 2.25 was asked for, but it is known until 2: .* into the future"),
+        (0.5, "at 0.5, .* since 1: .* past"),
+        (2.25, "at 2.25, .* until 2: .* future"),
     ],
 )
-def test_what_came_before_and_after_is_not_guessed(at: float, fault: str) -> None:
+def test_times_outside_the_history_are_an_error(at: float, fault: str) -> None:
     places = history(sample(1, 10), sample(2, 20))
-    with pytest.raises(TransformOutOfTime, match=f"'base' {fault}"):
+    with pytest.raises(TransformOutOfTime, match=f"'base' .*{fault}"):
         places.at(int(at * SECOND))
 
 
-def test_one_sample_is_right_at_one_time_only() -> None:
+def test_single_sample_is_valid_at_one_time() -> None:
     places = history(sample(1, 10))
     assert x_at(places, 1) == 10
-    with pytest.raises(TransformOutOfTime, match="it is known at 1 only"):
+    with pytest.raises(TransformOutOfTime, match="at 1 only"):
         places.at(2 * SECOND)
 
 
-def test_samples_may_come_out_of_order() -> None:
+def test_samples_may_arrive_out_of_order() -> None:
     places = history(sample(4, 0), sample(1, 10), sample(2, 20))
     assert [x_at(places, at) for at in (1, 1.5, 2, 3, 4)] == [10, 15, 20, 10, 0]
 
 
-def test_a_sample_of_the_same_time_replaces_the_first() -> None:
+def test_sample_of_the_same_time_replaces_the_first() -> None:
     places = history(sample(0, 1), sample(0, 2))
     assert (len(places), places.latest) == (1, sample(0, 2))
     places = history(sample(1, 10), sample(2, 20), sample(1, 12))
     assert (len(places), x_at(places, 1.5)) == (2, 16)
 
 
-def test_while_its_parent_changes_it_stays_where_it_was() -> None:
+def test_transform_is_not_interpolated_between_parents() -> None:
     places = history(sample(1, 10, "map"), sample(2, 20, "odom"))
     assert places.at(int(1.9 * SECOND)) == sample(1, 10, "map")
     assert places.at(2 * SECOND) == sample(2, 20, "odom")
 
 
-def test_it_reaches_ten_seconds_back() -> None:
+def test_history_reaches_ten_seconds_back() -> None:
     places = history(sample(1, 1), sample(2, 2), sample(12, 12))
     assert (len(places), x_at(places, 2)) == (2, 2)
     with pytest.raises(TransformOutOfTime, match="known since 2"):
         places.at(SECOND)
 
 
-def test_a_clock_that_was_set_back_begins_a_new_history() -> None:
+def test_clock_set_back_begins_a_new_history() -> None:
     places = history(sample(100, 1), sample(101, 2), sample(90.9, 3))
     assert (len(places), places.latest) == (1, sample(90.9, 3))
 
 
-def test_a_late_sample_within_ten_seconds_does_not() -> None:
+def test_late_sample_does_not_begin_a_new_history() -> None:
     places = history(sample(100, 1), sample(101, 2), sample(91, 3))
     assert (len(places), places.latest) == (3, sample(101, 2))
 
 
-def test_the_oldest_sample_can_be_given_up() -> None:
+def test_oldest_sample_can_be_removed() -> None:
     places = history(sample(1, 10), sample(2, 20))
     places.shorten()
     assert (len(places), places.latest) == (1, sample(2, 20))
 
 
 @given(st.lists(st.integers(0, 3 * CACHE_TIME), min_size=1))
-def test_it_never_holds_more_than_its_time_nor_two_of_one(stamps: list[int]) -> None:
+def test_history_is_bounded_and_sorted(stamps: list[int]) -> None:
     places = History("base")
     for stamp in stamps:
         places.insert(Sample(stamp, "map", Transform()))
@@ -111,8 +111,8 @@ def test_it_never_holds_more_than_its_time_nor_two_of_one(stamps: list[int]) -> 
         assert kept[-1] - kept[0] <= CACHE_TIME
 
 
-def test_a_fixed_place_is_right_at_all_times() -> None:
-    place = FixedPlace(sample(5, 10))
+def test_static_transform_is_valid_at_all_times() -> None:
+    place = Static(sample(5, 10))
     assert [x_at(place, at) for at in (0, 1, 99)] == [10, 10, 10]
     assert (len(place), place.latest.stamp) == (1, LATEST)
 

@@ -8,13 +8,13 @@ from collections.abc import AsyncIterator, Awaitable, Callable
 import pytest
 
 import fibws
-from fibws.errors import TransformError
 from fibws.hub import Hub
 from fibws.msg.geometry_msgs import TransformStamped
 from fibws.msg.rosgraph_msgs import Log
 from fibws.msg.std_msgs import Header, String
 from fibws.msg.tf2_msgs import TFMessage
 from fibws.tf import Buffer, TransformListener
+from fibws.tf.errors import TransformError
 from fibws.tf.history import Sample
 
 from .conftest import PATIENCE, Publish
@@ -45,14 +45,14 @@ async def known(hub: Hub) -> AsyncIterator[Known]:
         running.cancel()
 
 
-async def test_moving_and_static_frames_are_heard(known: Known, publish: Publish) -> None:
+async def test_moving_and_static_frames_are_received(known: Known, publish: Publish) -> None:
     await publish(("base", "map", 1), ("wheel", "base", 10))
     await publish(("camera", "base", 100), static=True)
     assert (await known.lookup("map", "camera")).transform.translation == (101.0, 0.0, 0.0)
     assert (await known.lookup("camera", "wheel")).transform.translation == (-90.0, 0.0, 0.0)
 
 
-async def test_what_is_of_no_use_is_said_once_for_each_frame(
+async def test_invalid_transform_is_logged_once_per_frame(
     known: Known,
     node: fibws.Node,
     publish: Publish,
@@ -71,14 +71,14 @@ async def test_what_is_of_no_use_is_said_once_for_each_frame(
 
 
 @pytest.mark.parametrize("topic", ["/tf", "/tf_static"])
-async def test_a_topic_of_another_type_is_an_error(node: fibws.Node, topic: str) -> None:
+async def test_topic_of_another_type_is_an_error(node: fibws.Node, topic: str) -> None:
     await node.advertise(topic, String)
     with pytest.raises(fibws.OperationRejected, match=topic):
         async with asyncio.timeout(PATIENCE):
             await TransformListener(node, Buffer()).run()
 
 
-async def test_it_ends_with_its_node(hub: Hub) -> None:
+async def test_listener_ends_with_its_node(hub: Hub) -> None:
     async with fibws.Node("robot", hub=hub.url) as node:
         running = asyncio.create_task(TransformListener(node, Buffer()).run())
         await node.graph.nodes()

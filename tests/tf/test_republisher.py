@@ -27,8 +27,8 @@ from fibws.msg.tf2_web_republisher import (
 )
 from fibws.srv.tf2_web_republisher import RepublishTFs
 from fibws.tf import republisher as module
-from fibws.tf.audience import Audience
 from fibws.tf.republisher import Republisher
+from fibws.tf.subscribers import Subscribers
 
 from .conftest import PATIENCE, Place, Publish, places
 
@@ -111,7 +111,7 @@ async def fault(goal: ClientGoal) -> str:
 # The service
 
 
-async def test_a_call_opens_a_topic_of_its_own(node: fibws.Node, publish: Publish) -> None:
+async def test_call_opens_a_topic(node: fibws.Node, publish: Publish) -> None:
     names = [await open_topic(node, frame) for frame in ("base", "arm")]
     assert names == [f"{ACTION}/tf_repub_0", f"{ACTION}/tf_repub_1"]
     base, arm = (node.subscribe(name, TFArray) for name in names)
@@ -120,9 +120,7 @@ async def test_a_call_opens_a_topic_of_its_own(node: fibws.Node, publish: Publis
     assert await heard(arm) == [("arm", "map", 11)]
 
 
-async def test_the_stamp_is_the_time_at_which_it_is_told(
-    node: fibws.Node, publish: Publish
-) -> None:
+async def test_stamp_is_the_time_of_publishing(node: fibws.Node, publish: Publish) -> None:
     arrays = node.subscribe(await open_topic(node, "camera"), TFArray)
     before = node.now()
     await publish(("camera", "map", 1), static=True)
@@ -131,7 +129,7 @@ async def test_the_stamp_is_the_time_at_which_it_is_told(
     assert before < transform.header.stamp < node.now()
 
 
-async def test_only_what_changed_by_more_than_the_threshold_is_told(
+async def test_only_changes_above_the_threshold_are_published(
     node: fibws.Node, publish: Publish
 ) -> None:
     arrays = node.subscribe(await open_topic(node, "/arm", "/base", target="/map"), TFArray)
@@ -145,7 +143,7 @@ async def test_only_what_changed_by_more_than_the_threshold_is_told(
             break
 
 
-async def test_with_a_threshold_of_0_everything_is_told_all_the_time(
+async def test_with_a_threshold_of_0_all_transforms_are_published(
     node: fibws.Node, publish: Publish
 ) -> None:
     arrays = node.subscribe(await open_topic(node, "base", thresholds=0), TFArray)
@@ -154,7 +152,7 @@ async def test_with_a_threshold_of_0_everything_is_told_all_the_time(
         assert await heard(arrays) == [("base", "map", 1)]
 
 
-async def test_who_comes_late_hears_all_that_is_known(
+async def test_late_subscriber_receives_all_transforms(
     node: fibws.Node, publish: Publish, client: Client
 ) -> None:
     witness = (await client.send(wish("arm"))).feedback()
@@ -167,7 +165,7 @@ async def test_who_comes_late_hears_all_that_is_known(
     assert ("base", "map", 1) in await heard(arrays)
 
 
-async def test_who_comes_after_another_hears_all_that_is_known(
+async def test_second_subscriber_receives_all_transforms(
     hub: Hub, node: fibws.Node, publish: Publish
 ) -> None:
     name = await open_topic(node, "base", "arm")
@@ -183,14 +181,14 @@ async def test_who_comes_after_another_hears_all_that_is_known(
             pass
 
 
-async def test_a_topic_that_the_hub_refuses_is_said(node: fibws.Node, line: Line) -> None:
+async def test_refused_topic_is_logged(node: fibws.Node, line: Line) -> None:
     node.subscribe(f"{ACTION}/tf_repub_0", String)
     name = await open_topic(node, "map", thresholds=0)
     said = await line(f"Tried to register topic {name} with type tf2_web_republisher/TFArray")
     assert (said.level, said.name) == (Log.ERROR, ACTION)
 
 
-async def test_a_topic_is_closed_when_nobody_has_listened_for_the_timeout(
+async def test_topic_is_closed_after_the_timeout_without_subscribers(
     node: fibws.Node, publish: Publish, line: Line
 ) -> None:
     await publish(("base", "map", 1))
@@ -198,29 +196,29 @@ async def test_a_topic_is_closed_when_nobody_has_listened_for_the_timeout(
     with_listener = node.subscribe(name, TFArray)
     await heard(with_listener)
     other = await open_topic(node, "base", patience=0.2)
-    assert (await line("Nobody")).msg == f"Nobody listened to {other} for 0.2 s"
+    assert other in (await line("Closed")).msg
     topics = await node.graph.topics()
     assert name in topics
     assert other not in topics
     with_listener.close()
-    assert (await line("Nobody")).msg == f"Nobody listened to {name} for 0.2 s"
+    assert name in (await line("Closed")).msg
     assert name not in await node.graph.topics()
 
 
 @pytest.mark.parametrize(
     ("asked", "reason"),
     [
-        ({"rate": 0}, "rate is 0: write how many times a second, up to 1000"),
+        ({"rate": 0}, "rate .* got 0"),
         ({"rate": -1}, "rate is -1: "),
         ({"rate": 1001}, "rate is 1001: "),
         ({"rate": nan}, "rate is nan: "),
-        ({"patience": 0}, "timeout is 0 s: write a time above 0"),
+        ({"patience": 0}, "timeout .* got 0 s"),
         ({"patience": -1.5}, "timeout is -1.5 s: "),
         ({"target": ""}, "a frame's id is empty"),
         ({"thresholds": nan}, "a threshold is no number"),
     ],
 )
-async def test_a_call_that_makes_no_sense_is_refused(
+async def test_invalid_call_is_an_error(
     node: fibws.Node, asked: dict[str, Any], reason: str
 ) -> None:
     with pytest.raises(fibws.ServiceError, match=reason):
@@ -228,12 +226,12 @@ async def test_a_call_that_makes_no_sense_is_refused(
     assert ACTION + "/tf_repub_0" not in await node.graph.topics()
 
 
-async def test_topics_are_bounded_in_number(
+async def test_number_of_topics_is_limited(
     node: fibws.Node, line: Line, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(module, "MAX_TOPICS", 1)
     await open_topic(node, "base", patience=0.2)
-    with pytest.raises(fibws.ServiceError, match="1 topics are open already"):
+    with pytest.raises(fibws.ServiceError, match="limit 1"):
         await open_topic(node, "base")
     await line("Nobody")
     await open_topic(node, "base")
@@ -242,7 +240,7 @@ async def test_topics_are_bounded_in_number(
 # The action
 
 
-async def test_a_goal_is_told_what_changes_until_it_is_canceled(
+async def test_goal_gets_changes_until_it_is_canceled(
     publish: Publish, way: Way, client: Client
 ) -> None:
     goal = await client.send(wish("base"))
@@ -254,7 +252,7 @@ async def test_a_goal_is_told_what_changes_until_it_is_canceled(
     assert await end(goal) is way.canceled
 
 
-async def test_goals_do_not_concern_each_other(publish: Publish, client: Client) -> None:
+async def test_goals_are_independent(publish: Publish, client: Client) -> None:
     forth = await client.send(wish("base"))
     back = await client.send(wish("map", target="base"))
     await publish(("base", "map", 1))
@@ -270,26 +268,24 @@ async def test_goals_do_not_concern_each_other(publish: Publish, client: Client)
     ("asked", "reason"),
     [({"rate": 0}, "rate is 0"), ({"rate": inf}, "rate is"), ({"target": "/"}, "id is empty")],
 )
-async def test_a_goal_that_makes_no_sense_is_aborted(
-    client: Client, asked: dict[str, Any], reason: str
-) -> None:
+async def test_invalid_goal_is_aborted(client: Client, asked: dict[str, Any], reason: str) -> None:
     goal = await client.send(wish("base", **asked))
     assert reason in await fault(goal)
     assert goal.status is fibws.GoalStatus.ABORTED
 
 
-async def test_the_oldest_goal_makes_way(
+async def test_oldest_goal_is_aborted_at_the_limit(
     publish: Publish, client: Client, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(module, "MAX_GOALS", 2)
     first, *others = [await client.send(wish("base")) for _ in range(3)]
-    assert "it made way for one of 2 newer goals" in await fault(first)
+    assert "limit 2" in await fault(first)
     await publish(("base", "map", 1))
     for goal in others:
         assert await heard(goal.feedback()) == [("base", "map", 1)]
 
 
-async def test_goals_over_topics_and_over_operations_count_together(
+async def test_limit_counts_goals_over_topics_and_operations(
     node: fibws.Node, publish: Publish, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(module, "MAX_GOALS", 1)
@@ -299,11 +295,11 @@ async def test_goals_over_topics_and_over_operations_count_together(
         older = await over_topics.send(wish("base"))
         await heard(older.feedback())
         newer = await over_operations.send(wish("base"))
-        assert "it made way" in await fault(older)
+        assert "newer goal" in await fault(older)
         assert await heard(newer.feedback()) == [("base", "map", 1)]
 
 
-async def test_goals_over_topics_rest_while_nobody_hears_their_feedback(
+async def test_goal_over_topics_pauses_without_subscribers(
     node: fibws.Node, publish: Publish
 ) -> None:
     await publish(("base", "map", 1), ("arm", "map", 2))
@@ -322,19 +318,19 @@ async def test_goals_over_topics_rest_while_nobody_hears_their_feedback(
     assert places(feedback.feedback.transforms) == [("base", "map", 1), ("arm", "map", 2)]
 
 
-async def test_who_hears_feedback_is_of_interest_while_there_are_goals_over_topics(
+async def test_subscribers_are_watched_only_while_there_are_goals_over_topics(
     node: fibws.Node, publish: Publish, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    watching: list[Audience] = []
+    watching: list[Subscribers] = []
 
-    async def watch(audience: Audience) -> None:
-        watching.append(audience)
+    async def watch(subscribers: Subscribers) -> None:
+        watching.append(subscribers)
         try:
             await asyncio.Event().wait()
         finally:
-            watching.remove(audience)
+            watching.remove(subscribers)
 
-    monkeypatch.setattr(Audience, "watch", watch)
+    monkeypatch.setattr(Subscribers, "watch", watch)
     await publish(("base", "map", 1))
     async with ROS1.client(node) as client:
         await client.wait_for_server(timeout=PATIENCE)
@@ -350,7 +346,7 @@ async def test_who_hears_feedback_is_of_interest_while_there_are_goals_over_topi
     assert numbers == [0, 1, 1, 0]
 
 
-async def test_the_action_may_be_renamed(hub: Hub, node: fibws.Node, publish: Publish) -> None:
+async def test_action_can_be_renamed(hub: Hub, node: fibws.Node, publish: Publish) -> None:
     await publish(("base", "map", 1))
     renamed = fibws.parse_remappings(["/transforms:=/frames", "republish_tfs:=/others"])
     async with fibws.Node("transforms", hub=hub.url, remapping=renamed) as other:
@@ -366,7 +362,7 @@ async def test_the_action_may_be_renamed(hub: Hub, node: fibws.Node, publish: Pu
 # Both
 
 
-async def test_it_ends_with_its_node_and_says_why(hub: Hub, node: fibws.Node) -> None:
+async def test_error_of_the_node_ends_it(hub: Hub, node: fibws.Node) -> None:
     async with fibws.Node("transforms", hub=hub.url) as other:
         serving = asyncio.create_task(Republisher(other).run())
         client = node.action_client("/transforms", tf2_web_republisher.TFSubscription)

@@ -7,9 +7,9 @@ import math
 
 import pytest
 
-from fibws.errors import InvalidTransform
 from fibws.tf import selection as module
 from fibws.tf.buffer import Buffer
+from fibws.tf.errors import InvalidTransform
 from fibws.tf.history import Sample
 from fibws.tf.selection import Selection
 from fibws.tf.transform import Transform, of_yaw_pitch_roll
@@ -43,7 +43,7 @@ def test_the_first_transform_counts_as_a_change(buffer: Buffer) -> None:
     assert selection.changes(buffer) == {}
 
 
-def test_what_moved_by_more_than_the_threshold_is_told(buffer: Buffer) -> None:
+def test_translation_above_the_threshold_is_a_change(buffer: Buffer) -> None:
     selection = select("base")
     told = []
     for x in (1.0, 1.009, 1.0101, 1.02, 1.0001):
@@ -52,7 +52,7 @@ def test_what_moved_by_more_than_the_threshold_is_told(buffer: Buffer) -> None:
     assert told == [1.0, 1.0101, 1.0001]
 
 
-def test_what_turned_by_more_than_the_threshold_is_told(buffer: Buffer) -> None:
+def test_rotation_above_the_threshold_is_a_change(buffer: Buffer) -> None:
     selection = select("base")
     told = []
     for yaw in (1.0, 1.099, 1.101, 1.19, 0.9):
@@ -61,7 +61,7 @@ def test_what_turned_by_more_than_the_threshold_is_told(buffer: Buffer) -> None:
     assert told == [1.0, 1.101, 0.9]
 
 
-def test_a_quaternion_that_only_changed_its_sign_is_the_same_rotation(buffer: Buffer) -> None:
+def test_quaternion_of_opposite_sign_is_not_a_change(buffer: Buffer) -> None:
     selection = select("base")
     place(buffer, "base", yaw=1)
     assert selection.changes(buffer)
@@ -69,7 +69,7 @@ def test_a_quaternion_that_only_changed_its_sign_is_the_same_rotation(buffer: Bu
     assert selection.changes(buffer) == {}
 
 
-def test_many_small_steps_are_a_change_in_the_end(buffer: Buffer) -> None:
+def test_small_steps_add_up_to_a_change(buffer: Buffer) -> None:
     selection = select("base")
     told = 0
     for step in range(101):
@@ -79,7 +79,7 @@ def test_many_small_steps_are_a_change_in_the_end(buffer: Buffer) -> None:
 
 
 @pytest.mark.parametrize(("angular", "translational"), [(0, 1), (1, 0), (0, 0), (-1, 1)])
-def test_a_threshold_of_0_tells_everything(
+def test_with_a_threshold_of_0_all_transforms_are_changes(
     buffer: Buffer, angular: float, translational: float
 ) -> None:
     place(buffer, "base")
@@ -88,7 +88,7 @@ def test_a_threshold_of_0_tells_everything(
         assert selection.changes(buffer) == {"base": Transform()}
 
 
-def test_infinite_thresholds_tell_the_first_one_only(buffer: Buffer) -> None:
+def test_with_infinite_thresholds_only_the_first_transform_is_a_change(buffer: Buffer) -> None:
     place(buffer, "base")
     selection = select("base", angular=math.inf, translational=math.inf)
     assert selection.changes(buffer)
@@ -96,7 +96,7 @@ def test_infinite_thresholds_tell_the_first_one_only(buffer: Buffer) -> None:
     assert selection.changes(buffer) == {}
 
 
-def test_each_frame_changes_for_itself(buffer: Buffer) -> None:
+def test_frames_change_independently(buffer: Buffer) -> None:
     selection = select("base", "arm", "base", "map")
     for frame in ("base", "arm"):
         place(buffer, frame)
@@ -105,7 +105,7 @@ def test_each_frame_changes_for_itself(buffer: Buffer) -> None:
     assert list(selection.changes(buffer)) == ["arm"]
 
 
-def test_who_comes_anew_is_told_everything_again(buffer: Buffer) -> None:
+def test_renew_reports_all_transforms_again(buffer: Buffer) -> None:
     place(buffer, "base")
     selection = select("base")
     assert selection.changes(buffer)
@@ -113,9 +113,7 @@ def test_who_comes_anew_is_told_everything_again(buffer: Buffer) -> None:
     assert selection.changes(buffer) == {"base": Transform()}
 
 
-def test_a_frame_that_is_not_known_is_said_once_and_told_when_it_is(
-    buffer: Buffer, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_unknown_frame_is_logged_once(buffer: Buffer, caplog: pytest.LogCaptureFixture) -> None:
     caplog.set_level(logging.INFO)
     place(buffer, "arm")
     selection = select("base", "arm")
@@ -124,13 +122,8 @@ def test_a_frame_that_is_not_known_is_said_once_and_told_when_it_is(
     place(buffer, "base")
     assert list(selection.changes(buffer)) == ["base"]
     selection.changes(buffer)
-    assert [(record.levelno, record.getMessage()) for record in caplog.records] == [
-        (
-            logging.WARNING,
-            "No transform to map: Frame 'base' does not exist: no transform leads to it or from it",
-        ),
-        (logging.INFO, "The transform from base to map is known."),
-    ]
+    assert [record.levelno for record in caplog.records] == [logging.WARNING, logging.INFO]
+    assert all("base" in record.getMessage() for record in caplog.records)
 
 
 @pytest.mark.parametrize(
@@ -138,12 +131,12 @@ def test_a_frame_that_is_not_known_is_said_once_and_told_when_it_is(
     [
         ("", ["base"], (0, 0), "a frame's id is empty"),
         ("map", ["base", "/"], (0, 0), "a frame's id is empty"),
-        ("map", ["base"], (math.nan, 0), "a threshold is no number"),
-        ("map", ["base"], (0, math.nan), "a threshold is no number"),
-        ("map", list("abcd"), (0, 0), "4 frames at once: 3 are the most"),
+        ("map", ["base"], (math.nan, 0), "a threshold"),
+        ("map", ["base"], (0, math.nan), "a threshold"),
+        ("map", list("abcd"), (0, 0), "4 .*limit 3"),
     ],
 )
-def test_what_cannot_be_told_is_refused(
+def test_invalid_selection_is_an_error(
     monkeypatch: pytest.MonkeyPatch,
     target: str,
     sources: list[str],

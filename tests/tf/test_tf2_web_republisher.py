@@ -19,7 +19,7 @@ from fibws.srv.tf2_web_republisher import RepublishTFs
 REPUBLISHER = "fibws.tf.tf2_web_republisher"
 
 
-async def test_what_is_published_is_told_by_service_and_by_action(hub: Hub, start: Start) -> None:
+async def test_transforms_are_sent_by_service_and_by_action(hub: Hub, start: Start) -> None:
     place = ("fibws.tf.static_transform_publisher", "--hub", hub.url)
     await start(*place, "1", "0", "0", str(pi / 2), "0", "0", "base", "arm")
     await start(*place, "0", "2", "0", "0", "0", "0", "1", "arm", "hand")
@@ -43,7 +43,7 @@ async def test_what_is_published_is_told_by_service_and_by_action(hub: Hub, star
         assert (rotation.x, rotation.y, rotation.z, rotation.w) == pytest.approx((0, 0, half, half))
 
 
-async def test_the_action_is_named_like_the_node(hub: Hub, start: Start) -> None:
+async def test_action_has_the_name_of_the_node(hub: Hub, start: Start) -> None:
     await start(REPUBLISHER, "--hub", hub.url, "__ns:=/robot", "__name:=transforms", "/tf:=/moves")
     async with asyncio.timeout(PATIENCE), fibws.Node("test", hub=hub.url) as node:
         await node.wait_for_service("/robot/republish_tfs")
@@ -60,7 +60,7 @@ async def test_ctrl_c_ends_it(hub: Hub, start: Start, number: signal.Signals) ->
     assert await program.end() == (0, "", "")
 
 
-async def test_a_second_one_ends_the_first(hub: Hub, start: Start) -> None:
+async def test_second_republisher_ends_the_first(hub: Hub, start: Start) -> None:
     first = await start(REPUBLISHER, "--hub", hub.url)
     async with asyncio.timeout(PATIENCE), fibws.Node("test", hub=hub.url) as node:
         await node.wait_for_service("/republish_tfs")

@@ -40,58 +40,56 @@ X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
 
 @given(axes(), angles)
-def test_a_quaternion_is_an_axis_and_an_angle(axis: Vector, turn: float) -> None:
+def test_quaternion_of_an_axis_and_an_angle(axis: Vector, turn: float) -> None:
     np.testing.assert_allclose(
         matrix_of(quaternion(axis, turn)), rotation_matrix(axis, turn), atol=1e-14
     )
 
 
 @given(axes(), angles, vectors)
-def test_a_vector_is_turned(axis: Vector, turn: float, vector: Vector) -> None:
+def test_vector_is_rotated(axis: Vector, turn: float, vector: Vector) -> None:
     turned = rotated(vector, quaternion(axis, turn))
     np.testing.assert_allclose(turned, rotation_matrix(axis, turn) @ vector, atol=1e-11)
 
 
 @given(transforms, transforms)
-def test_two_transforms_make_one(outer: Transform, inner: Transform) -> None:
+def test_product_of_transforms(outer: Transform, inner: Transform) -> None:
     assert_same(outer @ inner, homogeneous(outer) @ homogeneous(inner), scale=10)
 
 
 @given(transforms)
-def test_a_transform_has_a_way_back(transform: Transform) -> None:
+def test_inverse(transform: Transform) -> None:
     assert_same(transform.inverse(), np.linalg.inv(homogeneous(transform)), scale=10)
     assert_same(transform @ transform.inverse(), np.eye(4), scale=10)
 
 
 @given(transforms)
-def test_nothing_changes_by_no_transform(transform: Transform) -> None:
+def test_identity_changes_nothing(transform: Transform) -> None:
     assert transform @ Transform() == transform
     assert Transform() @ transform == transform
 
 
 @given(rotations, axes(), angles)
-def test_the_angle_is_that_of_the_turn_between(
-    start: Quaternion, axis: Vector, turn: float
-) -> None:
+def test_angle_between_rotations(start: Quaternion, axis: Vector, turn: float) -> None:
     end = product(start, quaternion(axis, turn))
     assert angle(start, end) == pytest.approx(abs(turn), abs=1e-14)
     assert angle(end, start) == angle(start, end)
 
 
 @given(rotations, rotations)
-def test_a_quaternion_and_its_negative_are_one_rotation(
+def test_quaternion_and_its_negative_are_the_same_rotation(
     first: Quaternion, second: Quaternion
 ) -> None:
     x, y, z, w = second
     assert angle(first, (-x, -y, -z, -w)) == angle(first, second)
 
 
-def test_angles_that_a_cosine_cannot_tell_from_none_are_told() -> None:
+def test_tiny_angles_are_exact() -> None:
     assert angle(NO_ROTATION, quaternion(X, 1e-12)) == pytest.approx(1e-12, rel=1e-3)
 
 
 @given(rotations, axes(), st.floats(-3.14, 3.14) | st.floats(-1e-5, 1e-5), ratios)
-def test_rotations_between_two_lie_on_the_shortest_turn_at_an_even_speed(
+def test_rotations_are_interpolated_along_the_shortest_arc(
     start: Quaternion, axis: Vector, turn: float, ratio: float
 ) -> None:
     end = product(start, quaternion(axis, turn))
@@ -103,7 +101,7 @@ def test_rotations_between_two_lie_on_the_shortest_turn_at_an_even_speed(
 
 
 @given(transforms, transforms, ratios)
-def test_translations_between_two_lie_on_the_line(
+def test_translations_are_interpolated_linearly(
     start: Transform, end: Transform, ratio: float
 ) -> None:
     between = start.interpolated(end, ratio)
@@ -113,40 +111,38 @@ def test_translations_between_two_lie_on_the_line(
 
 
 @given(transforms, transforms)
-def test_the_ends_are_the_two_themselves(start: Transform, end: Transform) -> None:
+def test_ends_of_an_interpolation(start: Transform, end: Transform) -> None:
     assert_same(start.interpolated(end, 0), homogeneous(start))
     assert_same(start.interpolated(end, 1), homogeneous(end))
 
 
 @given(transforms, transforms)
-def test_the_distance_is_that_of_the_translations(first: Transform, second: Transform) -> None:
+def test_distance_of_translations(first: Transform, second: Transform) -> None:
     difference = np.array(first.translation) - np.array(second.translation)
     assert first.distance(second) == pytest.approx(np.linalg.norm(difference))
     assert first.angle(second) == angle(first.rotation, second.rotation)
 
 
 @given(angles, angles, angles)
-def test_roll_goes_before_pitch_before_yaw_around_axes_that_stay(
-    yaw: float, pitch: float, roll: float
-) -> None:
+def test_yaw_pitch_roll_are_about_fixed_axes(yaw: float, pitch: float, roll: float) -> None:
     expected = rotation_matrix(Z, yaw) @ rotation_matrix(Y, pitch) @ rotation_matrix(X, roll)
     actual = matrix_of(of_yaw_pitch_roll(yaw, pitch, roll))
     np.testing.assert_allclose(actual, expected, atol=1e-14)
 
 
 @given(rotations, st.floats(1e-150, 1e150))
-def test_a_quaternion_is_brought_to_length_1(rotation: Quaternion, length: float) -> None:
+def test_quaternion_is_normalized(rotation: Quaternion, length: float) -> None:
     x, y, z, w = rotation
     long = (x * length, y * length, z * length, w * length)
     np.testing.assert_allclose(normalized(long), rotation, atol=1e-14)
 
 
-def test_a_quaternion_without_a_length_has_no_direction() -> None:
+def test_zero_quaternion_cannot_be_normalized() -> None:
     with pytest.raises(ZeroDivisionError):
         normalized((0.0, 0.0, 0.0, 0.0))
 
 
-def test_whole_numbers_are_numbers() -> None:
+def test_integers_are_accepted() -> None:
     """Those who write a transform by hand leave the points out."""
     quarter = Transform((1, 2, 3), (0, 0, 1, 0))
     assert quarter.angle(Transform()) == pytest.approx(math.pi)

@@ -238,7 +238,7 @@ async def test_the_hubs_end_is_an_error(start: Start, hub: HubThread, publish: P
     hub.stop()
     code, _, said = await program.end()
     assert code == 1
-    assert said.startswith(f"Error: The hub at {hub.url} is gone: ")
+    assert said.startswith("Error: ") and hub.url in said
 
 
 @pytest.mark.skipif(not hasattr(os, "openpty"), reason="there are no terminals of this kind")

@@ -1,4 +1,4 @@
-"""Who listens to a topic."""
+"""The subscribers of a topic."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import pytest
 import fibws
 from fibws.hub import Hub
 from fibws.msg.std_msgs import String
-from fibws.tf import audience as module
-from fibws.tf.audience import Audience
+from fibws.tf import subscribers as module
+from fibws.tf.subscribers import Subscribers
 
 from .conftest import PATIENCE
 
@@ -24,36 +24,36 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> None:
 
 async def until(condition: Callable[[], bool]) -> None:
     async with asyncio.timeout(PATIENCE):
-        while not condition():  # noqa: ASYNC110 - what it waits for tells nobody
+        while not condition():  # noqa: ASYNC110 - nothing signals the condition
             await asyncio.sleep(0.01)
 
 
-async def test_it_is_not_known_until_somebody_looked(node: fibws.Node) -> None:
-    audience = Audience(node, "/topic")
-    assert (audience.listeners, audience.is_empty) == (None, False)
-    await audience.look()
-    assert (audience.listeners, audience.is_empty) == (frozenset(), True)
+async def test_subscribers_are_unknown_before_the_first_update(node: fibws.Node) -> None:
+    subscribers = Subscribers(node, "/topic")
+    assert (subscribers.names, subscribers.is_empty) == (None, False)
+    await subscribers.update()
+    assert (subscribers.names, subscribers.is_empty) == (frozenset(), True)
 
 
-async def test_listeners_are_known_by_name(hub: Hub, node: fibws.Node) -> None:
-    audience = Audience(node, "/topic")
+async def test_subscribers_are_known_by_name(hub: Hub, node: fibws.Node) -> None:
+    subscribers = Subscribers(node, "/topic")
     async with fibws.Node("listener", hub=hub.url) as other:
         other.subscribe("/topic", String)
         await other.graph.nodes()  # So the hub has had the subscription too.
-        await audience.look()
-        assert (audience.listeners, audience.is_empty) == (frozenset({"/listener"}), False)
+        await subscribers.update()
+        assert (subscribers.names, subscribers.is_empty) == (frozenset({"/listener"}), False)
     async with asyncio.timeout(PATIENCE):
-        await audience.watch(0.1)
-    assert audience.is_empty
+        await subscribers.watch(0.1)
+    assert subscribers.is_empty
 
 
 @pytest.mark.usefixtures("quick")
-async def test_whoever_comes_and_goes_is_seen(node: fibws.Node) -> None:
-    audience = Audience(node, "/topic")
-    watching = asyncio.create_task(audience.watch())
+async def test_changes_are_noticed(node: fibws.Node) -> None:
+    subscribers = Subscribers(node, "/topic")
+    watching = asyncio.create_task(subscribers.watch())
     async with node.subscribe("/topic", String):
-        await until(lambda: audience.listeners == frozenset({"/client"}))
-    await until(lambda: audience.is_empty)
+        await until(lambda: subscribers.names == frozenset({"/client"}))
+    await until(lambda: subscribers.is_empty)
     watching.cancel()
 
 
@@ -71,31 +71,31 @@ REFUSED = fibws.ServiceError("/rosapi/subscribers", "it does not exist")
         [*([REFUSED] * 20), [], [], [], []],
     ],
 )
-async def test_it_is_watched_until_nobody_has_listened_for_a_time(
+async def test_watch_ends_after_a_time_without_subscribers(
     node: fibws.Node, monkeypatch: pytest.MonkeyPatch, answers: Answers
 ) -> None:
     left = list(answers)
 
-    async def subscribers(topic: str) -> list[str]:
+    async def get_subscribers(topic: str) -> list[str]:
         answer = left.pop(0)
         if isinstance(answer, Exception):
             raise answer
         return answer
 
-    monkeypatch.setattr(node.graph, "subscribers", subscribers)
+    monkeypatch.setattr(node.graph, "subscribers", get_subscribers)
     async with asyncio.timeout(PATIENCE):
-        await Audience(node, "/topic").watch(0.04)
+        await Subscribers(node, "/topic").watch(0.04)
     assert left == []
 
 
-async def test_a_hub_that_does_not_tell_changes_nothing(
+async def test_failed_update_changes_nothing(
     node: fibws.Node, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async def refuse(topic: str) -> list[str]:
         raise REFUSED
 
-    audience = Audience(node, "/topic")
-    await audience.look()
+    subscribers = Subscribers(node, "/topic")
+    await subscribers.update()
     monkeypatch.setattr(node.graph, "subscribers", refuse)
-    await audience.look()
-    assert audience.is_empty
+    await subscribers.update()
+    assert subscribers.is_empty
