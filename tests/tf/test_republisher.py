@@ -209,13 +209,13 @@ async def test_topic_is_closed_after_the_timeout_without_subscribers(
     ("asked", "reason"),
     [
         ({"rate": 0}, "rate .* got 0"),
-        ({"rate": -1}, "rate is -1: "),
-        ({"rate": 1001}, "rate is 1001: "),
-        ({"rate": nan}, "rate is nan: "),
+        ({"rate": -1}, "rate .* got -1"),
+        ({"rate": 1001}, "rate .* got 1001"),
+        ({"rate": nan}, "rate .* got nan"),
         ({"patience": 0}, "timeout .* got 0 s"),
-        ({"patience": -1.5}, "timeout is -1.5 s: "),
+        ({"patience": -1.5}, "timeout .* got -1.5 s"),
         ({"target": ""}, "a frame's id is empty"),
-        ({"thresholds": nan}, "a threshold is no number"),
+        ({"thresholds": nan}, "a threshold"),
     ],
 )
 async def test_invalid_call_is_an_error(
@@ -266,7 +266,7 @@ async def test_goals_are_independent(publish: Publish, client: Client) -> None:
 
 @pytest.mark.parametrize(
     ("asked", "reason"),
-    [({"rate": 0}, "rate is 0"), ({"rate": inf}, "rate is"), ({"target": "/"}, "id is empty")],
+    [({"rate": 0}, "rate .* got 0"), ({"rate": inf}, "rate .* got inf"), ({"target": "/"}, "id is empty")],
 )
 async def test_invalid_goal_is_aborted(client: Client, asked: dict[str, Any], reason: str) -> None:
     goal = await client.send(wish("base", **asked))
