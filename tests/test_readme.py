@@ -1,4 +1,4 @@
-"""The README's code, run as a reader would run it."""
+"""The code, commands, files and links in README.md and docs/."""
 
 from __future__ import annotations
 
@@ -6,21 +6,34 @@ import asyncio
 import dataclasses
 import os
 import re
+import shlex
 import subprocess
 import sys
+import tomllib
+from collections.abc import Iterator
+from importlib import import_module
 from pathlib import Path
 
+import click
 import pytest
 
+from fibws.cli.commands import command as fibws_command
 from fibws.hub import Hub, Settings
 
-README = (Path(__file__).parents[1] / "README.md").read_text()
+ROOT = Path(__file__).parents[1]
+README = ROOT / "README.md"
+DOCS = ROOT / "docs"
+PAGES = {path: path.read_text("utf-8") for path in (README, *sorted(DOCS.glob("*.md")))}
+NODES = PAGES[README] + PAGES[DOCS / "python-nodes.md"]
 PROGRAMS = {
     found["node"]: found[0].strip("`").removeprefix("python\n")
-    for found in re.finditer(r"```python\n[^`]*fibws\.Node\(\"(?P<node>\w+)\"\)[^`]*```", README)
+    for found in re.finditer(r"```python\n[^`]*fibws\.Node\(\"(?P<node>\w+)\"\)[^`]*```", NODES)
 }
 """By the names of their nodes."""
-DEFINITION = re.search(r"`(fibonacci/msg/Fibonacci\.msg)`:\n\n```text\n(.*?)```", README, re.DOTALL)
+DEFINITION = re.search(r"`(fibonacci/msg/Fibonacci\.msg)`:\n\n```text\n(.*?)```", NODES, re.DOTALL)
+
+
+# The programs.
 
 
 async def start(program: str, hub: Hub, folder: Path) -> asyncio.subprocess.Process:
@@ -50,7 +63,7 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-async def test_the_listener_hears_the_talker(folder: Path) -> None:
+async def test_listener_receives_what_talker_publishes(folder: Path) -> None:
     talker, listener = PROGRAMS["talker"], PROGRAMS["listener"]
     async with Hub(Settings(port=0)) as hub:
         processes = [await start(talker, hub, folder), await start(listener, hub, folder)]
@@ -69,7 +82,7 @@ async def test_the_listener_hears_the_talker(folder: Path) -> None:
         ("counter", ["so far: [0, 1, 1]", "in all: [0, 1, 1, 2, 3, 5, 8]"]),
     ],
 )
-async def test_what_a_node_does_for_itself_is_printed(
+async def test_node_that_calls_itself_prints_the_results(
     node: str, lines: list[str], folder: Path
 ) -> None:
     async with Hub(Settings(port=0)) as hub:
@@ -81,10 +94,10 @@ async def test_what_a_node_does_for_itself_is_printed(
 
 def test_all_programs_are_tested() -> None:
     assert PROGRAMS.keys() == {"talker", "listener", "adder", "counter", "indexed_broadcaster"}
-    assert len(PROGRAMS) == README.count("```python")
+    assert len(PROGRAMS) == NODES.count("```python")
 
 
-async def test_a_definition_of_ones_own_goes_from_end_to_end(folder: Path) -> None:
+async def test_hub_and_node_use_a_definition_of_the_users_own(folder: Path) -> None:
     async with Hub(Settings(port=0, interfaces=(folder,))) as hub:
         process = await start(PROGRAMS["indexed_broadcaster"], hub, folder)
         try:
@@ -97,22 +110,100 @@ async def test_a_definition_of_ones_own_goes_from_end_to_end(folder: Path) -> No
             await process.wait()
 
 
-def test_the_generated_module_of_ones_own_package_can_be_used(folder: Path) -> None:
+def test_generated_module_of_the_users_own_package_can_be_imported(folder: Path) -> None:
     command = "-m fibws.interfaces.generator --interfaces . fibonacci"
-    assert f"python {command}" in README
+    assert f"python {command}" in NODES
     source = subprocess.run(
         [sys.executable, *command.split()], cwd=folder, check=True, capture_output=True, text=True
     ).stdout
     (folder / "fibonacci_msgs.py").write_text(source)
     check = "from fibonacci_msgs import Fibonacci; print(Fibonacci(index=7, value=13))"
-    said = subprocess.run(
+    printed = subprocess.run(
         [sys.executable, "-c", check], cwd=folder, check=True, capture_output=True, text=True
     ).stdout
-    assert said == "Fibonacci(index=7, value=13)\n"
+    assert printed == "Fibonacci(index=7, value=13)\n"
+
+
+# The commands.
+
+
+def commands(page: str) -> Iterator[list[str]]:
+    """Yield the words of each command in a page's blocks for terminals, comments left out."""
+    for block in re.findall(r"^```console[^\n]*\n(.*?)^```$", page, re.MULTILINE | re.DOTALL):
+        for line in block.splitlines():
+            for part in line.split(" && "):
+                yield shlex.split(part.removesuffix(" &"), comments=True)
+
+
+def installed(first: str) -> list[str]:
+    """Return the command that the README has behind an installation with pip."""
+    found = re.search(rf"^python -m pip install {re.escape(first)} && (.*)$", PAGES[README], re.M)
+    assert found is not None
+    words = shlex.split(found[1])
+    assert words.pop(0) == "python"
+    return words
+
+
+async def test_the_demo_runs() -> None:
+    demo = await asyncio.create_subprocess_exec(
+        *(sys.executable, *installed("-e ."), "--port", "0"), stdout=asyncio.subprocess.PIPE
+    )
+    try:
+        await line_with("I heard 0", demo)
+    finally:
+        demo.terminate()
+        await demo.communicate()
+
+
+def test_pytest_finds_tests() -> None:
+    words = [*installed("-e '.[test]'"), "--collect-only", "--quiet", "-n", "0"]
+    run = subprocess.run(
+        [sys.executable, *words, "tests/test_names.py"], cwd=ROOT, capture_output=True, text=True
+    )
+    assert run.returncode == 0, run.stdout + run.stderr
+    assert "tests/test_names.py::" in run.stdout
+
+
+def test_extras_are_those_of_the_package() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    for page in PAGES.values():
+        extras = set(re.findall(r"pip install [^`\n]*\[(\w+)\]", page))
+        assert extras <= project["optional-dependencies"].keys()
+
+
+@pytest.mark.parametrize("path", PAGES, ids=lambda path: path.name)
+def test_commands_and_their_options_exist(path: Path) -> None:
+    for words in commands(PAGES[path]):
+        match words:
+            case ["fibws", *arguments] | ["python", "-m", "fibws", *arguments]:
+                check_options(fibws_command, arguments)
+            case ["python", "-m", str(module), *arguments] if module.startswith("fibws."):
+                name = f"{module}.__main__" if module == "fibws.hub" else module
+                command = getattr(import_module(name), "command", None)
+                if isinstance(command, click.Command):
+                    check_options(command, arguments)
+
+
+def check_options(command: click.Command, arguments: list[str]) -> None:
+    """Parse a command's arguments, as if it were called, and do nothing."""
+    context = click.Context(command, info_name=command.name)
+    while isinstance(command, click.Group):
+        name = next(iter(arguments), "")
+        found = command.get_command(context, name)
+        assert found is not None, f"{command.name} has no command {name!r}"
+        command, arguments = found, arguments[1:]
+        context = click.Context(command, info_name=name, parent=context)
+    try:
+        command.parse_args(context, arguments)
+    except click.exceptions.Exit:
+        pass  # -h has printed the help.
+    except click.BadParameter as error:
+        assert "does not exist" in error.message, f"{command.name} {arguments}: {error}"
 
 
 def test_the_table_of_settings_is_that_of_the_code() -> None:
-    rows = re.findall(r"^\| `--([a-z-]+)` \| `?([^|`]*)`? \| (.*) \|$", README, re.MULTILINE)
+    page = PAGES[DOCS / "operations.md"]
+    rows = re.findall(r"^\| `--([a-z-]+)` \| `?([^|`]*)`? \| (.*) \|$", page, re.MULTILINE)
     assert rows == [
         (setting.name.replace("_", "-"), written(setting.default), setting.metadata["help"])
         for setting in dataclasses.fields(Settings)
@@ -123,3 +214,31 @@ def written(default: object) -> str:
     if isinstance(default, float):
         return f"{default:g}"
     return "" if default == () else str(default).lower()
+
+
+# Files and links.
+
+
+@pytest.mark.parametrize("path", PAGES, ids=lambda path: path.name)
+def test_links_lead_somewhere(path: Path) -> None:
+    text = re.sub(r"^```.*?^```$", "", PAGES[path], flags=re.MULTILINE | re.DOTALL)
+    for link in re.findall(r"\]\(([^)\s]+)\)", text):
+        if not link.startswith("http"):
+            file, _, anchor = link.partition("#")
+            target = (path.parent / file).resolve() if file else path
+            assert target.exists(), f"{path.name}: {link}"
+            if anchor:
+                headings = re.findall(r"^#+ (.*)$", PAGES[target], re.MULTILINE)
+                assert anchor in map(anchor_of, headings), f"{path.name}: {link}"
+
+
+def anchor_of(heading: str) -> str:
+    """Return the anchor that GitHub gives a heading."""
+    return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-")
+
+
+@pytest.mark.parametrize("path", PAGES, ids=lambda path: path.name)
+def test_files_of_the_repository_exist(path: Path) -> None:
+    files = re.findall(r"`((?:fibws|tests|web|bench|docs|\.ci)/[\w./-]*)`", PAGES[path])
+    missing = [file for file in files if not (ROOT / file).exists() and file != "fibws/hub/page"]
+    assert not missing
