@@ -1,4 +1,4 @@
-"""docs/tutorial.md, typed into shells as it stands there, and what then appears."""
+"""Type the commands of docs/tutorial.md into shells, and compare the output with the page."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ SHELLS = [
 
 
 class Step(NamedTuple):
-    """What a reader does, or sees."""
+    """One thing that a reader does or sees."""
 
     verb: str
     where: str
@@ -44,7 +44,7 @@ class Step(NamedTuple):
 
 
 def steps(document: str) -> Iterator[Step]:
-    """All that a document tells its reader to do, in order."""
+    """Yield the steps of a document in order."""
     end = 0
     for found in re.finditer(
         r"^```(?P<language>\w+)(?: (?P<terminal>\d))?\n(?P<text>.*?)^```$"
@@ -71,7 +71,7 @@ def steps(document: str) -> Iterator[Step]:
 
 
 class Screen(Terminal):
-    """A terminal that has a shell control its jobs, so that Ctrl-C ends what runs in it."""
+    """A terminal whose shell has job control, so that Ctrl-C ends the program in the foreground."""
 
     def __init__(self, *words: str, **environment: str) -> None:
         take = "import fcntl, os, sys, termios; fcntl.ioctl(0, termios.TIOCSCTTY, 0)"
@@ -79,7 +79,7 @@ class Screen(Terminal):
         super().__init__(sys.executable, "-S", "-c", f"{take}; {run}", *words, **environment)
 
     def close(self) -> None:
-        """End what runs in the foreground, the shell, and the terminal."""
+        """End the program in the foreground, the shell, and the terminal."""
         foreground = os.tcgetpgrp(self._master)
         if foreground > 1:
             with suppress(ProcessLookupError):
@@ -87,7 +87,7 @@ class Screen(Terminal):
         super().close()
 
     def wait_for_match(self, pattern: str) -> str:
-        """Read until something matches, go on behind it next time, and return it."""
+        """Read until the output matches, and return the match; next time continue behind it."""
         deadline = time.monotonic() + PATIENCE
         while (found := re.search(pattern.encode(), self._unread)) is None:
             rest = deadline - time.monotonic()
@@ -124,7 +124,7 @@ class Reader:
         terminal = self._terminals[number]
         found = terminal.wait_for_match(r"\s*\n".join(lines))
         heard = [int(number) for number in re.findall(r"(?:heard|data:|value:) (\d+)", found)]
-        assert set(heard) <= set(FIBONACCI), f"{heard} are no Fibonacci numbers"
+        assert set(heard) <= set(FIBONACCI), f"not Fibonacci numbers: {heard}"
         for index, value in re.findall(r"index: (\d+)\s+value: (\d+)", found):
             assert FIBONACCI[int(index)] == int(value)
 
@@ -156,11 +156,11 @@ class Reader:
         return self._terminals[number]
 
     def _file(self, path: str) -> Path:
-        self.leave(self._last)  # The file may be about to be made.
+        self.leave(self._last)  # The last command may be creating the file.
         return (self.workspace if path.startswith("src/") else self.workspace / "src") / path
 
     def _pattern(self, line: str) -> str:
-        """What a line is like that the document shows: times and numbers are others each time."""
+        """Return the pattern of a line of the document, in which times and numbers vary."""
         pattern = re.escape(line.replace("9090", str(self._port)))
         pattern = re.sub(r"\d{10}\\\.\d{6}", r"\\d{10}\\.\\d{6}", pattern)
         pattern = re.sub(r"_\d+_\d{13}", r"_\\d+_\\d{13}", pattern)
@@ -175,7 +175,7 @@ def fibonacci(count: int) -> list[int]:
 
 
 FIBONACCI = fibonacci(94)
-"""Those that fit an unsigned integer of 64 bits."""
+"""Those that fit a uint64."""
 
 
 @pytest.fixture
@@ -187,7 +187,7 @@ def port() -> int:
 
 @pytest.fixture
 def tools(tmp_path: Path) -> Path:
-    """The programs of one who has fibws and no ROS."""
+    """Return a folder with the programs of a reader who has fibws and no ROS."""
     folder = tmp_path / "tools"
     folder.mkdir()
     for name, words in (("python", ""), ("fibws", " -m fibws")):
@@ -201,7 +201,7 @@ def tools(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def reader_with(tmp_path: Path, tools: Path, port: int) -> Iterator[Callable[[str], Reader]]:
-    """Someone who has that shell."""
+    """Return a function that makes a reader who uses a shell."""
     options = {"bash": ["--norc", "--noprofile", "-i"], "zsh": ["-f", "-i"], "sh": ["-i"]}
     environment = {
         "PATH": str(tools),
@@ -230,14 +230,14 @@ def reader_with(tmp_path: Path, tools: Path, port: int) -> Iterator[Callable[[st
 
 @pytest.mark.tutorial
 @pytest.mark.parametrize("shell", SHELLS)
-def test_tutorial(shell: str, reader_with: Callable[[str], Reader]) -> None:
+def test_tutorial_works_as_written(shell: str, reader_with: Callable[[str], Reader]) -> None:
     reader = reader_with(shell)
     for step in steps(TUTORIAL[:WITHOUT_BASH].replace("setup.bash", f"setup.{shell}")):
         reader.follow(step)
 
 
 @pytest.mark.tutorial
-def test_tutorial_without_aliases(reader_with: Callable[[str], Reader]) -> None:
+def test_tutorial_works_without_bash(reader_with: Callable[[str], Reader]) -> None:
     reader = reader_with("sh")
     reader.workspace = reader.workspace.with_name("other_workspace")
     first, *others = steps(TUTORIAL[WITHOUT_BASH:])
@@ -249,7 +249,7 @@ def test_tutorial_without_aliases(reader_with: Callable[[str], Reader]) -> None:
     for node in nodes:
         reader.follow(node)
     for path in reader.workspace.glob("src/fibonacci/src/*.py"):
-        path.chmod(0o755)  # Windows has nothing of that kind.
+        path.chmod(0o755)  # Windows has no such permission.
     for step in others:
         reader.follow(step)
 

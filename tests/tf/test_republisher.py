@@ -266,7 +266,11 @@ async def test_goals_are_independent(publish: Publish, client: Client) -> None:
 
 @pytest.mark.parametrize(
     ("asked", "reason"),
-    [({"rate": 0}, "rate .* got 0"), ({"rate": inf}, "rate .* got inf"), ({"target": "/"}, "id is empty")],
+    [
+        ({"rate": 0}, "rate .* got 0"),
+        ({"rate": inf}, "rate .* got inf"),
+        ({"target": "/"}, "id is empty"),
+    ],
 )
 async def test_invalid_goal_is_aborted(client: Client, asked: dict[str, Any], reason: str) -> None:
     goal = await client.send(wish("base", **asked))
