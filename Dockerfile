@@ -3,13 +3,12 @@
 
 ARG PYTHON_IMAGE=python:3.13-slim
 
-# It is installed here, into a virtual environment that has no pip;
-# whatever building needed stays behind in this stage. That is Node, too, for the hub's page: where
-# there is no npm, the build hook asks pip for one.
+# Install into a virtual environment without pip. Everything that only the build needs stays in this
+# stage, also Node.js for the hub's page, which the build hook downloads by pip.
 FROM ${PYTHON_IMAGE} AS build
 WORKDIR /src
-# First what takes long and seldom changes: the page, which the hook keeps in fibws/hub/page, and
-# what fibws depends on. Neither is made anew because a Python file was edited.
+# First the slow steps whose input seldom changes: the page, which the hook keeps in fibws/hub/page,
+# and the dependencies. Editing a Python file repeats neither.
 COPY pyproject.toml hatch_build.py README.md LICENSE ./
 COPY fibws/__init__.py fibws/
 COPY web web
@@ -19,18 +18,18 @@ COPY . .
 RUN pip --python /opt/fibws/bin/python install --no-cache-dir --no-deps --force-reinstall .
 
 FROM ${PYTHON_IMAGE}
-# A number rather than a name below, because Kubernetes' runAsNonRoot cannot look names up.
+# USER below is a number because Kubernetes' runAsNonRoot does not look up names.
 RUN useradd --create-home --uid 10001 fibws
 COPY --from=build /opt/fibws /opt/fibws
-# Unbuffered, or `docker logs` would see what a program prints only much later.
+# Unbuffered, so that `docker logs` shows output at once.
 ENV PATH=/opt/fibws/bin:$PATH \
     PYTHONUNBUFFERED=1
-# The base image comes without bytecode, and who is not root can keep none: each program, and each
-# check of the hub's health, would compile the standard library anew (0.2 s and more every time).
+# The base image has no bytecode, and an unprivileged user cannot write any. Without this step each
+# program and each health check would compile the standard library again (0.2 s and more).
 RUN python -c "import fibws.hub.__main__, fibws.broadcaster, fibws.listener" \
  && python -c "import urllib.request, encodings.idna"
 USER 10001
 WORKDIR /home/fibws
 EXPOSE 9090
-# 0.0.0.0 is the container's own network: who may reach it is decided where the port is published.
+# 0.0.0.0 is the container's own network; publishing the port decides who can reach it.
 CMD ["python", "-m", "fibws.hub", "--host", "0.0.0.0"]
