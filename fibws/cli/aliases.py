@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from copy import copy
+
 import click
 
 from fibws.cli.commands import Root, command
@@ -34,9 +36,11 @@ class _Aliases(Root):
         return alias, found, [*words, *others]
 
 
+aliases = _Aliases(modules={}, callback=command.callback, context_settings=SETTINGS)
+
+
 def main() -> None:
     """Run the alias that the first argument names."""
-    aliases = _Aliases(modules={}, callback=command.callback, context_settings=SETTINGS)
     aliases.main(prog_name="")
 
 
@@ -44,12 +48,13 @@ def _open_part(part: str) -> click.Command:
     """Return ``fibws open`` for one part of the page, with a help of its own."""
     from fibws.cli import open as module
 
-    found = module.command
+    found = copy(module.command)
     found.help = (
         f"Open the {part} tab of the hub's page in a browser, and print its address.\n\n"
         f"{examples_text(module.PARTS[part])}\n\n"
         "Without a browser, only print the address. rqt's own options are ignored."
     )
+    found.params = [copy(each) for each in found.params]
     [words] = [each for each in found.params if isinstance(each, click.Argument)]
     words.metavar = "[NAME]..." if part in module.WITH_NAMES else ""
     return found

@@ -7,114 +7,93 @@ import re
 import signal
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack
+from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
 import pytest
+from click.testing import CliRunner, Result
 from hub_in_thread import HubThread
 
+from fibws.cli import core as module
+from fibws.cli.commands import command
 from fibws.client.hub_client import HubClient
 
-Core: TypeAlias = "Callable[..., subprocess.Popen[str]]"
 PATIENCE = 60
+PORT = 65001
+"""A port without a hub."""
+
+Core: TypeAlias = Callable[..., Result]
+
+
+class Started(Exception):
+    """Raised instead of starting a hub."""
 
 
 @pytest.fixture
-def core() -> Iterator[Core]:
-    """Starts ``fibws core``, which is ended after the test."""
-    with ExitStack() as stack:
+def core(monkeypatch: pytest.MonkeyPatch) -> Core:
+    """Run ``fibws core`` up to the start of the hub, whose command it prints."""
 
-        def start(*words: str, **environ: str) -> subprocess.Popen[str]:
-            inherited = {
-                name: value for name, value in os.environ.items() if not name.startswith("FIBWS")
-            }
-            process = subprocess.Popen(
-                [sys.executable, "-m", "fibws", "core", *words],
-                stdout=subprocess.PIPE,
-                stderr=subprocess.PIPE,
-                text=True,
-                env={**inherited, **environ},
-            )
-            stack.callback(process.communicate)
-            stack.callback(process.terminate)
-            return process
+    def exec_command(words: Sequence[str]) -> None:
+        print(*words[words.index("-m") :])
+        raise Started
 
-        yield start
+    monkeypatch.setattr(module, "exec_command", exec_command)
+    for name in [name for name in os.environ if name.startswith("FIBWS")]:
+        monkeypatch.delenv(name)
+
+    def core(*words: str, **environ: str) -> Result:
+        return CliRunner().invoke(command, ["core", *words], env=environ, prog_name="fibws")
+
+    return core
 
 
-def line_of(process: subprocess.Popen[str]) -> str:
-    assert process.stdout is not None
-    return process.stdout.readline()
+def hub_command(result: Result) -> str:
+    assert isinstance(result.exception, Started), result.output
+    return result.stdout.splitlines()[-1]
 
 
-def url_of(process: subprocess.Popen[str]) -> str:
-    """Wait until the hub listens; return its URL."""
-    found = re.search(r"ws://[\d.]+:\d+", line_of(process))
-    assert found is not None
-    return found[0]
-
-
-def end_of(process: subprocess.Popen[str]) -> tuple[int, str, str]:
-    out, err = process.communicate(timeout=PATIENCE)
-    return process.returncode, out, err
-
-
-def free_port() -> int:
-    import socket
-
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        port: int = server.getsockname()[1]
-    return port
-
-
-def test_core_runs_a_hub_until_ctrl_c(core: Core) -> None:
-    process = core("-p", "0")
-    with HubClient("test", url_of(process)) as client:
-        assert "/rosout" in client.call("/rosapi/topics")["topics"]
-    process.send_signal(signal.SIGINT)
-    assert process.wait(PATIENCE) == 0
+def test_core_runs_a_hub_until_ctrl_c() -> None:
+    with subprocess.Popen(
+        [sys.executable, "-m", "fibws", "core", "-p", "0"], stdout=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stdout is not None
+        url = re.search(r"ws://[\d.]+:\d+", process.stdout.readline())
+        assert url is not None
+        with HubClient("test", url[0]) as client:
+            assert "/rosout" in client.call("/rosapi/topics")["topics"]
+        process.send_signal(signal.SIGINT)
+        assert process.wait(PATIENCE) == 0
 
 
 def test_default_port_is_that_of_fibws_hub(core: Core) -> None:
-    url = f"ws://127.0.0.1:{free_port()}"
-    assert url_of(core(FIBWS_HUB=url)) == url
+    result = core(FIBWS_HUB=f"ws://127.0.0.1:{PORT}")
+    assert hub_command(result) == result.stdout.strip() == f"-m fibws.hub --port {PORT}"
 
 
-def test_other_port_is_printed_for_other_terminals(core: Core) -> None:
-    port = free_port()
-    process = core("--port", str(port))
-    assert f"export FIBWS_HUB=ws://127.0.0.1:{port}\n" in line_of(process)
-    assert url_of(process)
-
-
-def test_address_of_a_proxy_with_tls_is_not_used(core: Core) -> None:
-    port = free_port()
-    process = core("--port", str(port), FIBWS_HUB=f"wss://127.0.0.1:{port}")
-    assert f"export FIBWS_HUB=ws://127.0.0.1:{port}\n" in line_of(process)
+@pytest.mark.parametrize("url", [None, f"wss://127.0.0.1:{PORT}"])
+def test_other_port_is_printed_for_other_terminals(core: Core, url: str | None) -> None:
+    result = core("--port", str(PORT), **({} if url is None else {"FIBWS_HUB": url}))
+    assert hub_command(result) == f"-m fibws.hub --port {PORT}"
+    assert f"export FIBWS_HUB=ws://127.0.0.1:{PORT}\n" in result.stdout
 
 
 def test_second_hub_does_not_start(core: Core, hub: HubThread) -> None:
-    for process in (core("-p", str(hub.port)), core(FIBWS_HUB=hub.url)):
-        code, out, err = end_of(process)
-        assert (code, out) == (1, "")
-        assert "already running" in err and hub.url in err
+    for result in (core("-p", str(hub.port)), core(FIBWS_HUB=hub.url)):
+        assert (result.exit_code, result.stdout) == (1, "")
+        assert "already running" in result.stderr and hub.url in result.stderr
 
 
 def test_options_of_roscore_are_accepted(core: Core) -> None:
-    process = core("-v", "-w", "3", "-t", "2", "-p", "0")
-    assert url_of(process)
+    assert hub_command(core("-v", "-w", "3", "-t", "2", "-p", "0")) == "-m fibws.hub --port 0"
 
 
 def test_fibws_hub_on_another_machine_is_a_warning(core: Core) -> None:
-    process = core(FIBWS_HUB=f"ws://robot.example:{free_port()}")
-    assert process.stderr is not None
-    warning = process.stderr.readline()
-    assert warning.startswith("WARNING: ") and "robot.example" in warning
-    assert url_of(process).startswith("ws://127.0.0.1:")
+    result = core(FIBWS_HUB=f"ws://robot.example:{PORT}")
+    assert result.stderr.startswith("WARNING: ") and "robot.example" in result.stderr
+    assert hub_command(result) == f"-m fibws.hub --port {PORT}"
 
 
 def test_invalid_address_is_an_error(core: Core) -> None:
-    code, _, err = end_of(core(FIBWS_HUB="http://robot"))
-    assert code == 1
-    assert err.startswith("Error: 'http://robot' is not the address of a hub")
+    result = core(FIBWS_HUB="http://robot")
+    assert result.exit_code == 1
+    assert "http://robot" in result.stderr

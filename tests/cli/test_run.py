@@ -7,13 +7,15 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TypeAlias
 
 import pytest
+from click.testing import CliRunner, Result
 
 from fibws.cli import run as module
+from fibws.cli.commands import command
 
 PATIENCE = 60
 FIBWS = [sys.executable, "-P", "-m", "fibws"]
@@ -27,7 +29,7 @@ MANIFEST = """\
 </package>
 """
 
-Run: TypeAlias = Callable[..., subprocess.CompletedProcess[str]]
+Run: TypeAlias = Callable[..., Result]
 
 
 @pytest.fixture
@@ -46,30 +48,33 @@ def workspace(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def run(tmp_path: Path, workspace: Path) -> Run:
-    """Run ``fibws run`` with these words, in a shell that has sourced the workspace's setup."""
+def run(tmp_path: Path, workspace: Path, monkeypatch: pytest.MonkeyPatch) -> Run:
+    """Run ``fibws run`` with the workspace on ROS_PACKAGE_PATH, and its program as a child."""
 
-    def run(*words: str, cwd: Path = tmp_path, **environ: str) -> subprocess.CompletedProcess[str]:
-        inherited = {
-            name: value
-            for name, value in os.environ.items()
-            if not name.startswith(("FIBWS", "ROS_", "CMAKE_"))
-        }
-        return subprocess.run(
-            [*FIBWS, "run", *words],
-            capture_output=True,
-            text=True,
-            cwd=cwd,
-            env={**inherited, "ROS_PACKAGE_PATH": str(workspace / "src"), **environ},
-            timeout=PATIENCE,
-        )
+    def exec_command(words: Sequence[str]) -> None:
+        done = subprocess.run(words, capture_output=True, text=True, timeout=PATIENCE)
+        print(done.stdout, end="")
+        print(done.stderr, end="", file=sys.stderr)
+        sys.exit(done.returncode)
+
+    monkeypatch.setattr(module, "exec_command", exec_command)
+    for name in [name for name in os.environ if name.startswith(("FIBWS", "ROS_", "CMAKE_"))]:
+        monkeypatch.delenv(name)
+    monkeypatch.setenv("FIBWS_INTERFACES", "")  # Changed by --workspace.
+    monkeypatch.setenv("CMAKE_PREFIX_PATH", "")
+    monkeypatch.setenv("PYTHONPATH", os.environ.get("PYTHONPATH", ""))
+
+    def run(*words: str, cwd: Path = tmp_path, packages: str = str(workspace / "src")) -> Result:
+        monkeypatch.chdir(cwd)
+        monkeypatch.setenv("ROS_PACKAGE_PATH", packages)
+        return CliRunner().invoke(command, ["run", *words], prog_name="fibws")
 
     return run
 
 
 def test_arguments_after_the_program_are_passed_on(run: Run) -> None:
     done = run("fibonacci", "fibonacci_listener_node.py", "a:=b", "--help", "-x", "--", "_y:=[1]")
-    assert (done.returncode, done.stderr) == (0, "")
+    assert (done.exit_code, done.stderr) == (0, "")
     assert done.stdout == "['a:=b', '--help', '-x', '--', '_y:=[1]']\n"
 
 
@@ -77,24 +82,24 @@ def test_script_runs_by_its_path(run: Run, tmp_path: Path) -> None:
     (tmp_path / "script.py").write_text("import rospy, sys; print(sys.argv)")
     for path in ("script.py", str(tmp_path / "script.py")):
         done = run(path, "a:=b")
-        assert (done.returncode, done.stdout) == (0, f"[{path!r}, 'a:=b']\n"), done.stderr
+        assert (done.exit_code, done.stdout) == (0, f"[{path!r}, 'a:=b']\n"), done.stderr
 
 
 def test_missing_script_is_an_error(run: Run, tmp_path: Path) -> None:
     done = run("nodes/script.py")
-    assert done.returncode == 2
+    assert done.exit_code == 2
     assert f"{Path('nodes/script.py')} not found in {tmp_path.resolve()}" in done.stderr
 
 
 def test_script_without_its_package_is_found(run: Run) -> None:
     done = run("fibonacci_listener_node.py")
-    assert done.returncode == 2
+    assert done.exit_code == 2
     assert " has it: fibws run fibonacci fibonacci_listener_node.py\n" in done.stderr
 
 
 def test_exit_code_is_the_programs(run: Run, tmp_path: Path) -> None:
     (tmp_path / "script.py").write_text("raise SystemExit(7)")
-    assert run("script.py").returncode == 7
+    assert run("script.py").exit_code == 7
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals for others")
@@ -148,14 +153,14 @@ def test_prefix_runs_the_program(run: Run) -> None:
 )
 def test_error_names_the_cause(words: list[str], said: str, run: Run) -> None:
     done = run(*words)
-    assert done.returncode in (1, 2)
+    assert done.exit_code in (1, 2)
     assert said in done.stderr
     assert "Traceback" not in done.stderr
 
 
 def test_error_names_a_workspace_that_was_not_sourced(run: Run, workspace: Path) -> None:
-    done = run("fibonacci", "fibonacci_listener_node.py", cwd=workspace, ROS_PACKAGE_PATH="")
-    assert done.returncode == 1
+    done = run("fibonacci", "fibonacci_listener_node.py", cwd=workspace, packages="")
+    assert done.exit_code == 1
     assert "devel" in done.stderr
     assert "source" in done.stderr
 
@@ -166,9 +171,9 @@ def test_workspace_option_replaces_sourcing(run: Run, workspace: Path) -> None:
     (workspace / "devel" / "share").mkdir(parents=True)
     done = run(
         *("--workspace", str(workspace), "fibonacci", "fibonacci_listener_node.py"),
-        ROS_PACKAGE_PATH="/elsewhere",
+        packages="/elsewhere",
     )
-    assert done.returncode == 0, done.stderr
+    assert done.exit_code == 0, done.stderr
     environ = json.loads(done.stdout)
     assert environ["ROS_PACKAGE_PATH"] == os.pathsep.join([str(workspace / "src"), "/elsewhere"])
     assert environ["FIBWS_INTERFACES"] == str(workspace / "devel" / "share")
@@ -191,25 +196,18 @@ def test_programs_of_ros_have_substitutes(words: list[str], line: list[str]) -> 
 
 def test_program_of_ros_without_a_substitute_is_an_error(run: Run) -> None:
     done = run("turtlesim", "turtlesim_node")
-    assert (done.returncode, done.stdout) == (1, "")
+    assert (done.exit_code, done.stdout) == (1, "")
     assert "turtlesim" in done.stderr and "fibws open" in done.stderr
 
 
 def complete(words: str, **environ: str) -> list[str]:
-    done = subprocess.run(
-        FIBWS,
-        capture_output=True,
-        text=True,
-        env={
-            **os.environ,
-            **environ,
-            "_FIBWS_COMPLETE": "bash_complete",
-            "COMP_WORDS": words,
-            "COMP_CWORD": str(len(words.split(" ")) - 1),
-        },
-        timeout=PATIENCE,
-    )
-    return done.stdout.split()
+    variables = {
+        **environ,
+        "_FIBWS_COMPLETE": "bash_complete",
+        "COMP_WORDS": words,
+        "COMP_CWORD": str(len(words.split(" ")) - 1),
+    }
+    return CliRunner().invoke(command, env=variables, prog_name="fibws").output.split()
 
 
 def test_packages_and_programs_are_completed(workspace: Path) -> None:

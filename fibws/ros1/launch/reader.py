@@ -16,7 +16,7 @@ from fibws.ros1.launch.model import Argument, Launch, Node
 from fibws.ros1.launch.parameters import read_param, read_rosparam, set_parameter
 from fibws.ros1.launch.scope import Scope, normalized
 from fibws.ros1.launch.xml_element import Attributes, Element, applies, parse
-from fibws.suggestions import suggestion_or_known
+from fibws.suggestions import suggestion, suggestion_or_known
 
 _NODE = (
     *("pkg", "type", "name", "args", "output", "respawn", "respawn_delay", "required", "ns"),
@@ -145,7 +145,7 @@ class Reader:
     def _is_known(self, element: Element, known: Sequence[str] | Mapping[str, object]) -> bool:
         """Return whether an element is one of those, or else warn."""
         if element.name not in known:
-            near = suggestion_or_known(element.name, known)
+            near = suggestion(element.name, known)
             self._warn(element, f"ignoring unknown tag <{element.name}>{near}")
             return False
         self._warn_of_attributes(element)
@@ -156,7 +156,7 @@ class Reader:
         for name in element.attributes:
             if name not in (*known, "if", "unless"):
                 text = f"ignoring unknown attribute {name} of <{element.name}>"
-                self._warn(element, f"{text}{suggestion_or_known(name, known)}")
+                self._warn(element, f"{text}{suggestion(name, known)}")
 
     def _warn(self, element: Element, text: str) -> None:
         self.launch.warnings.append(f"{element.file}:{element.line}: {text}")

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import re
-import subprocess
+import sys
+from importlib import import_module
 from pathlib import Path
 
 import pytest
+from click.testing import CliRunner
 
+from fibws.cli.commands import command
 from fibws.errors import WorkspaceError
 from fibws.hub import Hub, Settings
 from fibws.ros1.shell import ros_programs
@@ -17,9 +20,12 @@ from fibws.ros1.shell import ros_programs
 def test_each_substitute_runs(package: str, program: str) -> None:
     line = ros_programs.command_line(package, program, ["--help"])
     assert line is not None
-    done = subprocess.run(line, capture_output=True, text=True)
-    assert (done.returncode, done.stderr) == (0, "")
-    assert done.stdout.startswith("Usage:")
+    assert line[:3] == [sys.executable, "-P", "-m"]
+    module, *words = line[3:]
+    program_ = command if module == "fibws" else import_module(module).command
+    result = CliRunner().invoke(program_, words)
+    assert result.exit_code == 0, result.output
+    assert result.stdout.startswith("Usage:")
 
 
 def test_name_may_end_in_py() -> None:
