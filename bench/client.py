@@ -136,7 +136,7 @@ class Client:
 
 
 @contextmanager
-def crowd(port: int, size: int, name: str) -> Iterator[list[Client]]:
+def connect_all(port: int, size: int, name: str) -> Iterator[list[Client]]:
     """Connect several clients, named after `name` and a number."""
     with ExitStack() as stack:
         yield [stack.enter_context(Client(port, f"/{name}_{n}")) for n in range(size)]

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from bench.client import Client, answer_pings, crowd, operation, receive_all
+from bench.client import Client, answer_pings, connect_all, operation, receive_all
 from bench.machine import on_load_cpu
 from bench.measure import Plan, Repeated, microseconds
 from bench.report import Report
@@ -170,7 +170,10 @@ def _encoder(types: Types, kind: Kind) -> Callable[[], object]:
 def _costs(server: Server, plan: Plan, report: Report) -> dict[Kind, Costs]:
     seen: dict[tuple[Kind, int], list[float]] = {}
     sizes: dict[Kind, int] = {}
-    with Client(server.port, "/lidar") as lidar, crowd(server.port, MOST, "viewer") as viewers:
+    with (
+        Client(server.port, "/lidar") as lidar,
+        connect_all(server.port, MOST, "viewer") as viewers,
+    ):
         for kind in KINDS:
             lidar.send(operation("advertise", topic=kind.topic, type=kind.type))
         for rep in range(plan.reps):

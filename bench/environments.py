@@ -67,7 +67,7 @@ class Run(NamedTuple):
 
 @dataclass(frozen=True)
 class Environment:
-    """How to start scripts, and how they find each other."""
+    """An interpreter and environment variables for scripts, and their hub or ROS master."""
 
     title: str
     name: str

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from typing import Any
 
-from bench.client import Client, crowd, operation
+from bench.client import Client, connect_all, operation
 from bench.machine import on_load_cpu
 from bench.measure import BenchError, Plan
 from bench.report import Report
@@ -72,7 +72,7 @@ class Meter:
     @contextmanager
     def clients(self, count: int, name: str) -> Iterator[list[Client]]:
         """Connect several clients, named after ``name`` and a number, as `client`."""
-        with crowd(self._server.port, count, name) as clients:
+        with connect_all(self._server.port, count, name) as clients:
             yield clients
         self.settle()
 
@@ -139,7 +139,7 @@ def topics(meter: Meter) -> None:
             meter.settle()
 
 
-def early_messages(meter: Meter) -> None:
+def pending_publishes(meter: Meter) -> None:
     """Publish on topics before they are advertised, as roslibpy does after a reconnection."""
     each = named("topic", TOPIC, meter.n)
     with meter.client("talker") as talker, meter.measured("publish early, then advertise"):
@@ -207,7 +207,7 @@ def publishers(meter: Meter) -> None:
 
 
 def calls(meter: Meter) -> None:
-    """Have calls wait for their responses, each with a timeout of its own."""
+    """Let calls wait for their responses, each with its own timeout."""
     n = meter.n
     timeouts = [{"timeout": 60 + number % 977} for number in range(n)]
     with meter.client("server") as server, meter.client("caller") as caller:
@@ -332,7 +332,7 @@ def _join(nodes: Sequence[Client]) -> int:
 DIMENSIONS = (
     idle_clients,
     topics,
-    early_messages,
+    pending_publishes,
     subscribers,
     encodings,
     ids,
@@ -373,7 +373,7 @@ def _measure_traffic(hub: str, count: int, report: Report) -> None:
     with (
         on_load_cpu(),
         running(hub) as server,
-        crowd(server.port, count, NODE) as nodes,
+        connect_all(server.port, count, NODE) as nodes,
     ):
         cpu = server.cpu_seconds
         megabytes = _join(nodes) / 1e6

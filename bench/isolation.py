@@ -1,4 +1,4 @@
-"""What one client can do to the others: large texts, stuck and slow readers, churn."""
+"""The effect of one client on the others: large texts, stuck and slow readers, churn."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from pathlib import Path
 
 import cbor2
 
-from bench.client import PING, TEXT, Client, crowd, frame, operation
+from bench.client import PING, TEXT, Client, connect_all, frame, operation
 from bench.handshake import connected
 from bench.machine import memory, on_load_cpu
 from bench.measure import HUB, BenchError, Plan
@@ -58,7 +58,7 @@ def isolation(plan: Plan, report: Report) -> None:
 
 
 def _publish(before: str, item: str, after: str) -> Callable[[int], bytes]:
-    """Return what makes a publish operation of a given size by repeating an item."""
+    """Return a function that builds a publish operation of a given size by repeating an item."""
 
     def make(size: int) -> bytes:
         head = b'{"op":"publish","topic":"/bench","msg":%b' % before.encode()
@@ -70,7 +70,7 @@ def _publish(before: str, item: str, after: str) -> Callable[[int], bytes]:
 
 
 def _cbor(tag: bytes, item: bytes, unit: int = 1) -> Callable[[int], bytes]:
-    """Return what makes a publish operation in CBOR whose data is an array of one item.
+    """Return a function that builds a publish operation in CBOR with an array of one item.
 
     Args:
         tag: what precedes the array's length, the initial byte for a length of 64 bits included.
@@ -247,7 +247,7 @@ def _neighbours(plan: Plan, report: Report) -> None:
     ):
         with running(HUB) as server, ExitStack() as stack:
             if name.endswith("still"):
-                for reader in stack.enter_context(crowd(server.port, STUCK, "stuck")):
+                for reader in stack.enter_context(connect_all(server.port, STUCK, "stuck")):
                     reader.send(operation("subscribe", topic="/flood", type="std_msgs/String"))
                     reader.settle()
             if load is not None:

@@ -84,6 +84,11 @@ class Repeated:
         return f"{self.least:.2f} ({self.median:.2f})"
 
 
+def minimum_and_median(values: Sequence[float]) -> str:
+    """Write the minimum and the median of values as whole numbers."""
+    return f"{min(values):,.0f} ({statistics.median(values):,.0f})"
+
+
 def microseconds(
     calls: Sequence[Callable[[], object]], rounds: int, round_seconds: float = 0.005
 ) -> list[list[float]]:

@@ -8,14 +8,14 @@ import time
 from collections.abc import Sequence
 from contextlib import ExitStack
 
-from bench.client import Client, answer_pings, crowd, operation
+from bench.client import Client, answer_pings, connect_all, operation
 from bench.machine import on_load_cpu
 from bench.measure import BenchError, Plan, Repeated
 from bench.report import Report
 from bench.servers import Server, all_running, running
 
 RATE = 1000
-"""Messages a second on the busy topic."""
+"""Messages per second on the busy topic."""
 LIMIT_PERCENT = 10.0
 """Of the hub's CPU time, for the page."""
 NODES, TOPICS, SUBSCRIBERS = 200, 300, 2
@@ -138,7 +138,7 @@ def _costs(hub: str, plan: Plan, report: Report) -> tuple[Repeated, Repeated]:
     with ExitStack() as stack:
         stack.enter_context(on_load_cpu())
         servers = stack.enter_context(all_running([hub, hub]))
-        crowds = [stack.enter_context(crowd(server.port, 3, "peer")) for server in servers]
+        crowds = [stack.enter_context(connect_all(server.port, 3, "peer")) for server in servers]
         pairs = [
             Pair(server, talker, listener, Page(reader) if opened else None)
             for server, (talker, listener, reader), opened in zip(
@@ -211,7 +211,10 @@ def _responses(
     """Return the CPU time of the calls in ms, and the bytes of a response, by case."""
     costs: dict[str, list[float]] = {case: [] for case in CASES}
     sizes: dict[str, int] = {}
-    with crowd(server.port, NODES, "node") as nodes, crowd(server.port, 1, "page") as (caller,):
+    with (
+        connect_all(server.port, NODES, "node") as nodes,
+        connect_all(server.port, 1, "page") as (caller,),
+    ):
         _register(nodes)
         for rep in range(plan.reps):
             for case, operations in CASES.items():

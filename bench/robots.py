@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from statistics import median
 
 from bench.environments import REAL_ROSPY, ROS, Environment, Run, Traffic, on_hub, real_ros
-from bench.measure import Plan, Repeated
+from bench.measure import Plan, Repeated, minimum_and_median
 from bench.report import Report
 
 UNSUSTAINED_PERCENT = 5.0
@@ -27,7 +27,7 @@ class Cell:
     latency: float
     cpu: float
     quick: bool = False
-    """Whether --quick measures it."""
+    """Whether --quick includes it."""
 
 
 IMAGE = Traffic("sensor_msgs/Image", 921_600, 30)
@@ -163,21 +163,21 @@ def _row(
     return (
         cell.title,
         environment.title,
-        _whole(latency),
+        minimum_and_median(latency),
         *ratios[:2],
-        _whole(cpu),
-        _whole(hub) if environment.hub else "",
+        minimum_and_median(cpu),
+        minimum_and_median(hub) if environment.hub else "",
         *ratios[2:],
-        _trouble(cell, environment, ours, real or (), report),
+        _problems(cell, environment, ours, real or (), report),
     )
 
 
-def _trouble(
+def _problems(
     cell: Cell, environment: Environment, ours: Sequence[Run], real: Sequence[Run], report: Report
 ) -> str:
-    """Report what was lost, and return it with the rate of a publisher that was too slow.
+    """Report lost messages; return them, and the rate of a publisher that was too slow.
 
-    It is a fault only if the real ROS, where there is one, did better.
+    They are a fault only if the real ROS, if installed, lost none.
     """
     what = f"{cell.title}, {environment.title}"
     faults = sorted({run.fault for run in ours if run.fault})
@@ -194,7 +194,3 @@ def _trouble(
 def p50(run: Run) -> float:
     """Return the median latency of a run, in µs; infinite if no message arrived."""
     return median(run.took) if run.took else math.inf
-
-
-def _whole(values: Sequence[float]) -> str:
-    return f"{min(values):,.0f} ({median(values):,.0f})"

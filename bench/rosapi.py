@@ -6,7 +6,7 @@ import json
 import time
 from collections.abc import Mapping, Sequence
 
-from bench.client import Client, answer_pings, crowd, operation
+from bench.client import Client, answer_pings, connect_all, operation
 from bench.machine import on_load_cpu
 from bench.measure import BenchError, Plan, Repeated
 from bench.report import Report
@@ -58,7 +58,10 @@ def rosapi(plan: Plan, report: Report) -> None:
 def _costs(server: Server, plan: Plan, report: Report) -> tuple[dict[str, list[float]], int]:
     """Return the CPU time of the calls in µs, by case, and the bytes of a response."""
     costs: dict[str, list[float]] = {case: [] for case in CASES}
-    with crowd(server.port, ROBOTS, "robot") as robots, crowd(server.port, PAGES, "page") as pages:
+    with (
+        connect_all(server.port, ROBOTS, "robot") as robots,
+        connect_all(server.port, PAGES, "page") as pages,
+    ):
         responses = _responses(pages[0], _advertise(robots), server, report)
         for rep in range(plan.reps):
             for case, operations in CASES.items():

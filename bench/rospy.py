@@ -10,7 +10,7 @@ from dataclasses import replace
 from statistics import median, quantiles
 
 from bench.environments import REAL_ROSPY, Environment, Traffic, on_hub, real_ros
-from bench.measure import Plan, Repeated
+from bench.measure import Plan, Repeated, minimum_and_median
 from bench.report import Report
 
 LOW = Traffic("std_msgs/String", 32, 100)
@@ -68,11 +68,11 @@ def _measure_latency(environments: Sequence[Environment], plan: Plan, report: Re
         rows.append(
             (
                 title,
-                _whole(medians[title]),
+                minimum_and_median(medians[title]),
                 f"{quantiles(last[title], n=100)[-1]:.0f}",
                 against_ros,
                 verdict,
-                _whole(cpu[title]),
+                minimum_and_median(cpu[title]),
                 f"{Repeated.ratio(medians[title], medians[ours.title])}",
                 f"{Repeated.ratio(cpu[title], cpu[ours.title])}",
             )
@@ -121,10 +121,6 @@ def _measure_import(environments: Sequence[Environment], plan: Plan, report: Rep
         report.record("rospy import", environment=name, seconds=seconds)
         rows.append((name, f"{seconds * 1000:.0f}", verdict))
     report.table("import rospy: ms, median", ("server", "ms", "limit"), rows)
-
-
-def _whole(values: Sequence[float]) -> str:
-    return f"{min(values):.0f} ({median(values):.0f})"
 
 
 def _import_seconds(environment: Environment) -> float:

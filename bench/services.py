@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 from typing import Any
 
-from bench.client import Client, crowd, frame, operation
+from bench.client import Client, connect_all, frame, operation
 from bench.machine import on_load_cpu
 from bench.measure import BenchError, Plan, Repeated
 from bench.report import Report
@@ -29,7 +29,7 @@ PONG_TYPE, PONG_FIELDS = "bench_msgs/Sum", "int64 sum\n"
 
 
 class RoundTrip(ABC):
-    """How a request and its response go through the hub."""
+    """The path of a request and its response through the hub."""
 
     name: str
     """The name in the table."""
@@ -53,7 +53,7 @@ class RoundTrip(ABC):
 
     @abstractmethod
     def is_response(self, number: int, fields: dict[str, Any]) -> bool:
-        """Whether an operation is the response to a request."""
+        """Return whether an operation is the response to a request."""
 
 
 class TopicRoundTrip(RoundTrip):
@@ -87,7 +87,7 @@ class TopicRoundTrip(RoundTrip):
         return self._responses[number]
 
     def is_response(self, number: int, fields: dict[str, Any]) -> bool:
-        """Whether it is the sum."""
+        """Return whether it is the sum."""
         return fields == {"op": "publish", "topic": PONG, "msg": {"sum": 3 * number}}
 
 
@@ -125,7 +125,7 @@ class ServiceRoundTrip(RoundTrip):
         return frame(b'{"op":"service_response","id":%b,%b' % (id_[1], self._responses[number]))
 
     def is_response(self, number: int, fields: dict[str, Any]) -> bool:
-        """Whether it is the response to this call."""
+        """Return whether it is the response to this call."""
         return fields == _response(SERVICE, number, {"sum": 3 * number})
 
 
@@ -148,7 +148,7 @@ class HubServiceRoundTrip(RoundTrip):
         raise BenchError(f"the hub forwarded a call of {self.name}: {request.decode()}")
 
     def is_response(self, number: int, fields: dict[str, Any]) -> bool:
-        """Whether it is the topic's type."""
+        """Return whether it is the topic's type."""
         return fields == _response(self.name, number, {"type": PING_TYPE})
 
 
@@ -164,7 +164,7 @@ def services(plan: Plan, report: Report) -> None:
     with ExitStack() as stack:
         stack.enter_context(on_load_cpu())
         servers = stack.enter_context(all_running(plan.hubs))
-        pairs = [stack.enter_context(crowd(server.port, 2, "peer")) for server in servers]
+        pairs = [stack.enter_context(connect_all(server.port, 2, "peer")) for server in servers]
         for pair in pairs:
             _prepare(trips, pair)
         for _ in range(plan.reps):

@@ -91,7 +91,7 @@ def _samples(
 
 @dataclass
 class Totals:
-    """What was sent and what arrived."""
+    """The numbers of sent and received messages."""
 
     rows: list[tuple[str, str, str, str]] = field(default_factory=list)
     faults: list[str] = field(default_factory=list)
@@ -124,8 +124,8 @@ async def _traffic(port: int, seconds: float) -> Totals:
             _images(await node("camera"), await node("viewer"), ended, totals),
             _calls(await node("adder"), await node("caller"), ended, totals),
             _goals(await node("executor"), await node("commander"), ended, totals),
-            *(asyncio.to_thread(_stand_still, port, n, ended) for n in range(STUCK)),
-            asyncio.to_thread(_visit, port, ended),
+            *(asyncio.to_thread(_subscribe_without_reading, port, n, ended) for n in range(STUCK)),
+            asyncio.to_thread(_register_and_drop, port, ended),
         )
     return totals
 
@@ -278,8 +278,8 @@ class _SlowReader:
         return read, mine["dropped"]
 
 
-def _stand_still(port: int, number: int, ended: asyncio.Event) -> None:
-    """Subscribe to the images and never read; come back when the hub has closed that."""
+def _subscribe_without_reading(port: int, number: int, ended: asyncio.Event) -> None:
+    """Subscribe to the images without reading; reconnect when the hub has closed the connection."""
     while not ended.is_set():
         viewer = connected(port, f"/?node=/stuck_{number}")
         with viewer:
@@ -289,8 +289,8 @@ def _stand_still(port: int, number: int, ended: asyncio.Event) -> None:
                     time.sleep(1)
 
 
-def _visit(port: int, ended: asyncio.Event) -> None:
-    """Come, register things, and leave without a word in the middle of a frame, again and again."""
+def _register_and_drop(port: int, ended: asyncio.Event) -> None:
+    """Connect, register topics and services, and disconnect within a frame, again and again."""
     service, type_ = "rospy_tutorials/AddTwoInts", "std_msgs/String"
     for number in count():
         if ended.is_set():

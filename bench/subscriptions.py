@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from contextlib import ExitStack
 
-from bench.client import Client, answer_pings, crowd, operation
+from bench.client import Client, answer_pings, connect_all, operation
 from bench.load import Load, load
 from bench.measure import Plan, Repeated
 from bench.report import Report
@@ -37,7 +37,7 @@ def _costs(hub: str, plan: Plan, report: Report) -> tuple[Repeated, Repeated]:
     loads: tuple[list[Load], list[Load]] = ([], [])
     with ExitStack() as stack:
         servers = [stack.enter_context(running(hub)) for _ in loads]
-        listeners = stack.enter_context(crowd(servers[1].port, SUBSCRIBERS, "listener"))
+        listeners = stack.enter_context(connect_all(servers[1].port, SUBSCRIBERS, "listener"))
         for listener in listeners:
             _subscribe(listener)
         for rep in range(plan.reps):

@@ -5,7 +5,7 @@ import struct
 from importlib import import_module
 
 VARIANTS = 4
-"""How many different messages a publisher sends in turn, as a camera has several buffers."""
+"""Number of different messages that a publisher sends in turn, as a camera with its buffers."""
 
 
 class Messages:
