@@ -21,12 +21,12 @@ GLOBAL = st.lists(PARTS, min_size=1, max_size=4).map(lambda parts: "/" + "/".joi
 
 
 @pytest.mark.parametrize("name", LEGAL)
-def test_a_legal_name_is_returned_as_it_is(name: str) -> None:
+def test_legal_name_is_returned(name: str) -> None:
     assert names.check(name) == name
 
 
 @pytest.mark.parametrize("name", [*ILLEGAL, "a" * 1025])
-def test_an_illegal_name_is_refused(name: str) -> None:
+def test_illegal_name_is_an_error(name: str) -> None:
     with pytest.raises(InvalidName):
         names.check(name)
 
@@ -47,20 +47,20 @@ def test_an_illegal_name_is_refused(name: str) -> None:
         ("/" + "a" * 1023, "/" + "a" * 1023),
     ],
 )
-def test_any_name_is_resolved(name: str, resolved: str) -> None:
+def test_illegal_names_are_resolved(name: str, resolved: str) -> None:
     assert names.resolve_any(name, namespace="/robot", node="/robot/arm") == resolved
 
 
 @pytest.mark.parametrize(
     "name", ["", "/", "//", "~", "~/", "a b", "a\n", "/a\x1b[0m", "/a\u202eb", "\ud800", "-" * 1025]
 )
-def test_a_name_that_would_confuse_tools_is_refused(name: str) -> None:
+def test_names_with_whitespace_or_control_characters_are_an_error(name: str) -> None:
     with pytest.raises(InvalidName):
         names.resolve_any(name)
 
 
 @given(st.text(max_size=50))
-def test_a_resolved_name_resolves_to_itself(name: str) -> None:
+def test_resolved_name_resolves_to_itself(name: str) -> None:
     try:
         resolved = names.resolve_any(name, namespace="/robot", node="/robot/arm")
     except InvalidName:
@@ -70,19 +70,19 @@ def test_a_resolved_name_resolves_to_itself(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", LEGAL)
-def test_a_legal_name_is_resolved_as_such(name: str) -> None:
+def test_legal_name_is_resolved_equally_by_both(name: str) -> None:
     assert names.is_legal(name)
     assert names.resolve_any(name, node="/talker") == names.resolve(name, node="/talker")
 
 
-def test_the_error_about_a_long_name_is_short() -> None:
+def test_error_about_a_long_name_is_short() -> None:
     with pytest.raises(InvalidName, match="longer than 1024") as caught:
         names.check("a" * 10_000)
     assert len(str(caught.value)) < 150
 
 
 @pytest.mark.parametrize("name", ["talker", "t1", "T_"])
-def test_a_node_can_have_a_base_name(name: str) -> None:
+def test_base_name_of_a_node(name: str) -> None:
     assert names.check_base(name) == name
 
 
@@ -97,7 +97,7 @@ def test_a_node_can_have_a_base_name(name: str) -> None:
         ("a" * 1025, "a letter"),
     ],
 )
-def test_a_node_cannot_have_another(name: str, fault: str) -> None:
+def test_other_names_of_a_node_are_an_error(name: str, fault: str) -> None:
     with pytest.raises(InvalidName, match=fault):
         names.check_base(name)
 
@@ -117,23 +117,23 @@ def test_names_are_global_relative_or_private(name: str, resolved: str) -> None:
     assert names.resolve(name, namespace="/robot", node="/robot/arm") == resolved
 
 
-def test_the_namespace_is_the_root_unless_told() -> None:
+def test_default_namespace_is_the_root() -> None:
     assert names.resolve("chat") == "/chat"
 
 
-def test_what_is_illegal_does_not_resolve() -> None:
+def test_resolving_an_illegal_name_is_an_error() -> None:
     with pytest.raises(InvalidName):
         names.resolve("not legal")
 
 
 @given(GLOBAL, GLOBAL)
-def test_a_name_that_was_resolved_stays_as_it_is(namespace: str, name: str) -> None:
+def test_resolving_twice_changes_nothing(namespace: str, name: str) -> None:
     resolved = names.resolve(name[1:], namespace=namespace)
     assert names.resolve(resolved, namespace="/elsewhere", node="/elsewhere/node") == resolved
 
 
 @given(GLOBAL, PARTS)
-def test_a_joined_name_is_in_its_namespace(namespace: str, name: str) -> None:
+def test_joined_name_is_in_its_namespace(namespace: str, name: str) -> None:
     assert names.join(namespace, name) == f"{namespace}/{name}"
     assert names.join("/", name) == f"/{name}"
 
@@ -153,17 +153,17 @@ def test_nodes_of_equal_pids_get_different_anonymous_names() -> None:
 
 
 @pytest.mark.parametrize("spelling", ["/a/b", "a/b", "/a/b/", "a/b/"])
-def test_a_namespace_may_be_spelled_in_many_ways(spelling: str) -> None:
+def test_spellings_of_a_namespace(spelling: str) -> None:
     assert names.check_namespace(spelling) == "/a/b"
 
 
 @pytest.mark.parametrize("spelling", ["", "/"])
-def test_the_root_is_a_namespace(spelling: str) -> None:
+def test_root_is_a_namespace(spelling: str) -> None:
     assert names.check_namespace(spelling) == "/"
 
 
 @pytest.mark.parametrize("spelling", ["a b", "1", "a//b", "~a", "/~a"])
-def test_some_are_no_namespace(spelling: str) -> None:
+def test_invalid_namespace_is_an_error(spelling: str) -> None:
     with pytest.raises(InvalidName):
         names.check_namespace(spelling)
 
@@ -184,13 +184,11 @@ def apply(remapping: Remapping, name: str) -> str:
         ("chat:=talk", "other", "/robot/other"),
     ],
 )
-def test_a_remapping_compares_what_the_names_stand_for(
-    argument: str, name: str, applied: str
-) -> None:
+def test_remapping_compares_resolved_names(argument: str, name: str, applied: str) -> None:
     assert apply(names.parse_remappings([argument]), name) == applied
 
 
-def test_a_remapping_is_applied_once() -> None:
+def test_remapping_is_applied_once() -> None:
     swapped = names.parse_remappings(["a:=b", "b:=a"])
     assert [apply(swapped, name) for name in ("a", "b")] == ["/robot/b", "/robot/a"]
 
@@ -200,11 +198,11 @@ def test_special_keys_name_the_node_and_its_namespace() -> None:
     assert remapping == Remapping({"chat": "talk"}, node_name="left", namespace="/robot")
 
 
-def test_without_arguments_nothing_is_remapped() -> None:
+def test_no_arguments_remap_nothing() -> None:
     assert names.parse_remappings([]) == Remapping()
 
 
-def test_other_special_keys_and_private_parameters_are_read_past() -> None:
+def test_other_special_keys_and_private_parameters_are_ignored() -> None:
     assert names.parse_remappings(["__log:=/tmp/x y", "_gain:=1.5"]) == Remapping()
 
 
@@ -212,6 +210,6 @@ def test_other_special_keys_and_private_parameters_are_read_past() -> None:
     "argument",
     ["chat", "chat:=", ":=chat", "a b:=c", "a:=b c", "__name:=/a/b", "__name:=", "__ns:=a b"],
 )
-def test_a_wrong_remapping_is_refused(argument: str) -> None:
+def test_invalid_remapping_is_an_error(argument: str) -> None:
     with pytest.raises(InvalidName):
         names.parse_remappings([argument])

@@ -20,5 +20,5 @@ def full_name(type_: str) -> str:
     installed = Installed("msg")
     nearest = installed.nearest(type_)
     found = installed.find(type_) or ([nearest] if nearest else [])
-    meant = f"; did you mean {' or '.join(found)}?" if found else ", as in std_msgs/String."
-    raise click.UsageError(f"{type_!r} lacks its package{meant}")
+    hint = f"did you mean {' or '.join(found)}?" if found else "expected a name as std_msgs/String"
+    raise click.UsageError(f"missing package in type {type_!r}; {hint}")

@@ -1,4 +1,4 @@
-"""A terminal that a program runs on: what it is sent is read, and keys are typed."""
+"""A pseudo-terminal for a program: its output is read, and keys are typed."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ ROOT = Path(__file__).parents[2]
 
 
 class Terminal:
-    """A program on a terminal of its own."""
+    """A program on its own terminal."""
 
     def __init__(self, *words: str, **environment: str) -> None:
         import fcntl
@@ -25,8 +25,8 @@ class Terminal:
         size = struct.pack("HHHH", 24, 80, 0, 0)
         fcntl.ioctl(self._slave, termios.TIOCSWINSZ, size)
         self._unread = b""
-        self.told = ""
-        """All that the program has sent to its terminal."""
+        self.output = ""
+        """All output of the program."""
         variables = {name: value for name, value in os.environ.items() if "FIBWS" not in name}
         self.process = subprocess.Popen(
             words,
@@ -43,7 +43,7 @@ class Terminal:
         os.write(self._master, keys.encode())
 
     def type_until(self, keys: str, text: str) -> None:
-        """Press keys, and again if a completion gave its hub up, as it soon does."""
+        """Press keys, again if the text does not follow: a completion does not wait long."""
         for _ in range(10):
             self.type(keys)
             if self._is_sent(text, 10):
@@ -51,7 +51,7 @@ class Terminal:
         raise AssertionError(f"no {text!r} in {self._unread!r}")
 
     def wait_for(self, text: str) -> None:
-        """Read until the terminal has been sent a text, and go on behind it next time."""
+        """Read until a text was printed; the next call continues after it."""
         assert self._is_sent(text, PATIENCE), f"no {text!r} in {self._unread!r}"
 
     def _is_sent(self, text: str, seconds: float) -> bool:
@@ -64,7 +64,7 @@ class Terminal:
         return True
 
     def modes(self) -> list[Any]:
-        """How the terminal is set: whether it echoes keys and the like."""
+        """Return the terminal's settings, such as the echo of keys."""
         import termios
 
         return termios.tcgetattr(self._slave)
@@ -73,8 +73,8 @@ class Terminal:
         """Wait for the program's end, and return its exit code."""
         deadline = time.monotonic() + PATIENCE
         while self.process.poll() is None:
-            assert time.monotonic() < deadline, "it does not end"
-            self._read(0.01)  # What nobody reads would keep it from ending.
+            assert time.monotonic() < deadline, "the program does not end"
+            self._read(0.01)  # Unread output would block the program.
         return self.process.returncode
 
     def close(self) -> None:
@@ -84,7 +84,7 @@ class Terminal:
         self.hang_up()
 
     def hang_up(self) -> None:
-        """End the terminal alone."""
+        """Close the terminal without ending the program."""
         os.close(self._master)
         os.close(self._slave)
 
@@ -95,5 +95,5 @@ class Terminal:
             return False
         data = os.read(self._master, 4096)
         self._unread += data
-        self.told += data.decode(errors="replace")
+        self.output += data.decode(errors="replace")
         return True

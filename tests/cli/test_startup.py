@@ -1,4 +1,4 @@
-"""Tools answer at once: what they may not load, and how long they take beside a bare script."""
+"""Start-up time of commands: modules that they must not load, and time beside a bare script."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from hub_in_thread import HubThread, Publish
 
 SLOW = {"asyncio", "cbor2", "fibws.hub", "fibws.interfaces", "fibws.msg", "fibws.node.node"}
 SLOW |= {"multiprocessing", "pydantic", "pydantic_core", "rich", "ssl", "unittest", "yaml"}
-MOST = 1.3
-"""Times that ``fibws topic echo -n 1`` may take what a bare script takes."""
+MAX_RATIO = 1.3
+"""Maximum ratio of the CPU times of ``fibws topic echo -n 1`` and a bare script."""
 ROUNDS = 7
 PATIENCE = 60
 
@@ -39,19 +39,19 @@ print(json.dumps(sorted(sys.modules)))
 """
 
 
-# What measures coverage loads a lot, and takes time.
+# Measuring coverage loads modules and takes time.
 ENVIRONMENT = {name: value for name, value in os.environ.items() if not name.startswith("COV")}
 ENVIRONMENT.pop("PYTHONDONTWRITEBYTECODE", None)
 
 
 def loaded(*words: str) -> set[str]:
-    """The modules that ``fibws`` with these words has loaded at its end."""
+    """Return the modules that ``fibws`` has loaded at its end."""
     script = [sys.executable, "-c", LOADED, json.dumps(words)]
     return set(json.loads(output(script).splitlines()[-1]))
 
 
 @pytest.mark.parametrize("words", [["--help"], ["topic", "--help"], ["topic", "echo", "--help"]])
-def test_help_loads_nothing_that_takes_its_time(words: list[str]) -> None:
+def test_help_loads_no_slow_modules(words: list[str]) -> None:
     assert not loaded(*words) & SLOW
     assert len(words) > 2 or not loaded(*words) & {"websockets", "socket"}
 
@@ -65,32 +65,30 @@ def test_help_loads_nothing_that_takes_its_time(words: list[str]) -> None:
         ["topic", "hz", "-n", "1", "/number"],
     ],
 )
-def test_a_tool_loads_nothing_that_takes_its_time(
-    hub: HubThread, publish: Publish, words: list[str]
-) -> None:
+def test_command_loads_no_slow_modules(hub: HubThread, publish: Publish, words: list[str]) -> None:
     publish("/number", "std_msgs/Int32", {"data": 8})
     found = loaded(*words, "--hub", hub.url)
     assert "websockets" in found
     assert not found & SLOW
 
 
-def test_echo_takes_little_longer_than_a_bare_script(
+def test_echo_is_not_much_slower_than_a_bare_script(
     hub: HubThread, publish: Publish, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    # A checkout may not be compiled, as what is installed is.
+    # An installed package is compiled; a checkout may not be.
     monkeypatch.setitem(ENVIRONMENT, "PYTHONPYCACHEPREFIX", str(tmp_path))
     publish("/number", "std_msgs/Int32", {"data": 8})
     echo = ["-m", "fibws", "topic", "echo", "-n", "1", "/number", "--hub", hub.url]
-    # In turns, so that what else this machine does falls on both; the smallest are the truest.
+    # Alternately, so that other load affects both; the minimum is affected least.
     mine, bare = [], []
     for _ in range(ROUNDS):
         mine.append(cpu_time([sys.executable, *echo]))
         bare.append(cpu_time([sys.executable, "-c", BARE, hub.url]))
-    assert min(mine) <= MOST * min(bare)
+    assert min(mine) <= MAX_RATIO * min(bare)
 
 
 def cpu_time(script: list[str]) -> float:
-    """Seconds that it works, however long it has to wait for that."""
+    """Return the CPU seconds of a script."""
     before = os.times()
     output(script)
     after = os.times()

@@ -84,7 +84,7 @@ def test_q_gives_the_terminal_back(terminal: Take) -> None:
 def test_rates_are_known_from_the_second_look_on(terminal: Take) -> None:
     top = terminal("-d", "0.1", TERM="xterm")
     top.wait_for("/chatter")
-    assert "Hz" not in top.told.partition("/chatter")[2].partition("\n")[0]
+    assert "Hz" not in top.output.partition("/chatter")[2].partition("\n")[0]
     top.wait_for("0.00Hz")
     top.type("q")
     assert top.ended() == 0
@@ -137,6 +137,6 @@ def test_a_terminal_that_has_no_screen_gets_blocks(terminal: Take) -> None:
 def test_colours_can_be_switched_off(terminal: Take) -> None:
     top = terminal(TERM="xterm", NO_COLOR="1")
     top.wait_for("/chatter")
-    assert "\x1b[3" not in top.told
+    assert "\x1b[3" not in top.output
     top.type("q")
     assert top.ended() == 0

@@ -9,20 +9,20 @@ from fibws.cli.type_names import full_name
 
 
 @pytest.mark.parametrize("name", ["std_msgs/String", "std_msgs/msg/String", "nobody/Knows"])
-def test_a_name_with_a_package_is_returned(name: str) -> None:
+def test_name_with_a_package_is_returned(name: str) -> None:
     assert full_name(name) == name
 
 
 @pytest.mark.parametrize(
-    ("name", "meant"),
+    ("name", "suggestion"),
     [
-        ("String", "; did you mean std_msgs/String?"),
-        ("Pose", "; did you mean geometry_msgs/Pose or turtlesim/Pose?"),
-        ("Twst", "; did you mean geometry_msgs/Twist?"),
-        ("Qqqqqqqq", ", as in std_msgs/String."),
+        ("String", "std_msgs/String"),
+        ("Pose", "geometry_msgs/Pose or turtlesim/Pose"),
+        ("Twst", "geometry_msgs/Twist"),
+        ("Qqqqqqqq", "std_msgs/String"),
     ],
 )
-def test_without_one_the_error_says_what_was_meant(name: str, meant: str) -> None:
+def test_name_without_a_package_is_an_error_with_a_suggestion(name: str, suggestion: str) -> None:
     with pytest.raises(click.UsageError) as error:
         full_name(name)
-    assert str(error.value) == f"{name!r} lacks its package{meant}"
+    assert repr(name) in str(error.value) and suggestion in str(error.value)

@@ -25,7 +25,7 @@ from fibws.errors import (
 )
 
 
-def test_a_hub_selects_fibws_v1(hub: HubThread) -> None:
+def test_hub_selects_fibws_v1(hub: HubThread) -> None:
     websocket = WebSocket(hub.url, "/test")
     assert websocket.serialized
     websocket.close()

@@ -233,7 +233,7 @@ async def test_number_of_topics_is_limited(
     await open_topic(node, "base", patience=0.2)
     with pytest.raises(fibws.ServiceError, match="limit 1"):
         await open_topic(node, "base")
-    await line("Nobody")
+    await line("Closed")
     await open_topic(node, "base")
 
 
@@ -267,8 +267,8 @@ async def test_goals_are_independent(publish: Publish, client: Client) -> None:
 @pytest.mark.parametrize(
     ("asked", "reason"),
     [
-        ({"rate": 0}, "rate .* got 0"),
-        ({"rate": inf}, "rate .* got inf"),
+        ({"rate": 0}, "rate must"),
+        ({"rate": inf}, "rate must"),
         ({"target": "/"}, "id is empty"),
     ],
 )

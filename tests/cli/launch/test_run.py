@@ -318,7 +318,7 @@ def test_closed_terminal_ends_everything(robot: Path) -> None:
     terminal = Terminal(*words, **environment)
     try:
         terminal.wait_for("[talker-1]")
-        found = re.search(r"FIBWS_HUB=(ws:[\d.:/]+)", terminal.told)
+        found = re.search(r"FIBWS_HUB=(ws:[\d.:/]+)", terminal.output)
         assert found is not None
         terminal.hang_up()
         terminal.process.wait(60)

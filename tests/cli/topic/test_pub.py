@@ -128,7 +128,7 @@ def test_a_message_with_no_fields_needs_no_values(run: Run) -> None:
     ("words", "code", "said"),
     [
         (["/x", "std_msgs/Strin", "a"], 1, "did you mean std_msgs/String?"),
-        (["/x", "String", "a"], 2, "'String' lacks its package; did you mean std_msgs/String?"),
+        (["/x", "String", "a"], 2, "did you mean std_msgs/String?"),
         (["/x", "std_msgs/Int32", "-5"], 2, "-- -5"),
         (["/x", "std_msgs/Int32", "3000000000"], 1, "for field data"),
         (["/rosout", "std_msgs/Int32", "1"], 1, "already established with type"),
