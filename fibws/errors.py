@@ -56,6 +56,8 @@ import re
 from enum import IntEnum
 from typing import Any
 
+from fibws.command_names import command_name, is_set_up
+
 
 class FibwsError(Exception):
     """The base of every error that fibws raises on purpose."""
@@ -369,8 +371,8 @@ class NoHub(HubUnreachable):
 
     @property
     def remedy(self) -> str:
-        """The command that starts a hub: roscore in a shell that has sourced `fibws setup`."""
-        return "roscore" if "FIBWS_PYTHON" in os.environ else "fibws hub"
+        """The command that starts a hub: roscore in a shell with `fibws setup`."""
+        return command_name("core" if is_set_up(os.environ) else "hub")
 
 
 class HubLost(NodeError):

@@ -7,6 +7,7 @@ import re
 import pytest
 
 from fibws import errors
+from fibws.command_names import SETUP
 from fibws.errors import (
     DefinitionError,
     FibwsError,
@@ -78,7 +79,7 @@ def test_missing_hub_suggests_roscore_in_a_shell_that_has_it(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     error = NoHub("ws://127.0.0.1:1", "refused")
-    monkeypatch.delenv("FIBWS_PYTHON", raising=False)
+    monkeypatch.delenv(SETUP, raising=False)
     assert str(error) == "No hub at ws://127.0.0.1:1. Start one with: fibws hub"
-    monkeypatch.setenv("FIBWS_PYTHON", "/usr/bin/python3")
+    monkeypatch.setenv(SETUP, "{}")
     assert str(error) == "No hub at ws://127.0.0.1:1. Start one with: roscore"

@@ -24,7 +24,7 @@ MASK = {"websockets.speedups.apply_mask", "websockets.utils.apply_mask"}
 CLASSES = {"msg", "srv", "action"}
 LOWEST = {"errors", "names", "suggestions", "hub_address"}
 BELOW = {
-    "errors": set[str](),
+    "errors": {"command_names"},
     "names": {"errors"},
     "suggestions": set[str](),
     "hub_address": {"errors"},

@@ -13,6 +13,7 @@ from fibws.cli.common_options import json_option, with_hub
 from fibws.cli.exit_handling import end_line
 from fibws.client.graph_snapshot import Entry, GraphSnapshot, in_namespace
 from fibws.client.hub_client import HubClient
+from fibws.command_names import command_name
 from fibws.errors import UnknownName
 
 PATIENCE = 3.0
@@ -90,7 +91,9 @@ def ping(client: HubClient, node: str | None, everyone: bool, count: int | None)
         _ping_all(client)
         return
     if not node:
-        raise click.UsageError("missing NODE or --all; fibws node list prints all nodes")
+        raise click.UsageError(
+            f"missing NODE or --all; {command_name('node list')} prints all nodes"
+        )
     name = client.resolve(node)
     snapshot = GraphSnapshot(client)
     snapshot.node(name)

@@ -10,6 +10,7 @@ from typing import Any, TypeAlias
 from fibws.cli.doctor.finding import Finding, join_names, ok, warning
 from fibws.cli.graph.view import Topic, View
 from fibws.cli.output import counted
+from fibws.command_names import command_name
 from fibws.suggestions import misspelled
 
 Snapshot: TypeAlias = tuple[dict[str, Any], dict[str, Any]]
@@ -44,7 +45,7 @@ def types(view: View) -> Iterator[Finding]:
         yield warning(
             "types",
             f"Topics of undefined types, whose messages are not checked: {join_names(unchecked)}",
-            "Start the hub with the folder of the definitions: fibws hub --interfaces DIR",
+            f"Start the hub with their folder: {command_name('hub')} --interfaces DIR",
         )
 
 
@@ -70,14 +71,14 @@ def ends(view: View) -> Iterator[Finding]:
         yield warning(
             "ends",
             f"Topics with subscribers but no publisher: {join_names(waiting)}",
-            "Is a node not running, or has its topic another name? See: fibws graph",
+            f"Is a node not running, or has its topic another name? See: {command_name('graph')}",
         )
     unread = [name for name in unsubscribed if name not in explained]
     if unread:
         yield warning(
             "ends",
             f"Topics without subscribers: {join_names(unread)}",
-            f"This may be intended. To print the messages: fibws topic echo {unread[0]}",
+            f"This may be intended. To print it: {command_name('topic echo')} {unread[0]}",
         )
 
 
@@ -107,7 +108,7 @@ def twins(view: View) -> Iterator[Finding]:
                     "names",
                     f"{topic.name} is published by {len(nodes)} copies of a program: "
                     f"{join_names(nodes)}",
-                    f"If one is too many: fibws node kill {nodes[-1]}",
+                    f"If one is too many: {command_name('node kill')} {nodes[-1]}",
                 )
 
 
@@ -137,7 +138,7 @@ def clients(before: dict[str, Any], now: dict[str, Any], *, but: str) -> Iterato
                 "clients",
                 f"{name} ({client['address']}) is too slow: {client['kept_bytes']} bytes queued, "
                 f"{counted(dropped, 'message')} dropped, {max(0, more)} in the last second",
-                "Subscribe with a throttle_rate, or to fewer topics. See: fibws top",
+                f"Subscribe with a throttle_rate, or to fewer topics. See: {command_name('top')}",
             )
         elif dropped:
             yield ok(

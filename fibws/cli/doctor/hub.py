@@ -12,6 +12,7 @@ from urllib.parse import urlsplit
 from fibws import __version__, hub_address
 from fibws.cli.doctor.finding import Finding, ok, warning, wrong
 from fibws.client.hub_client import HubClient
+from fibws.command_names import command_name
 from fibws.errors import HubUnreachable, InvalidAddress, InvalidName, NoHub
 
 PATIENCE = 3.0
@@ -108,7 +109,7 @@ def round_trip(client: HubClient) -> Iterator[Finding]:
     if seconds <= SLOW_ROUND_TRIP:
         yield ok("round trip", text)
     else:
-        advice = "Is the network slow, or the hub busy? See: fibws top"
+        advice = f"Is the network slow, or the hub busy? See: {command_name('top')}"
         yield warning("round trip", text, advice)
     yield clock(ahead, seconds / 2)
 
