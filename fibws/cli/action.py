@@ -23,8 +23,9 @@ from fibws.client.actions import (
 from fibws.client.graph_snapshot import Entry, GraphSnapshot, in_namespace
 from fibws.client.hub_client import HubClient
 from fibws.protocol.goals import GoalStatus
-from fibws.values import parsing, printing
+from fibws.values import parsing
 from fibws.values.typedefs import Typedefs, if_known
+from fibws.values.yaml_text import message_text
 
 POLL = 0.1
 """Seconds between two checks for an action that --wait waits for."""
@@ -156,14 +157,14 @@ class _Printer:
             case Feedback(values) if self._prints_feedback and self._as_json:
                 output.as_json({"feedback": values})
             case Feedback(values) if self._prints_feedback:
-                output.line(printing.text(values, self._feedback))
+                output.line(message_text(values, self._feedback))
                 output.line("---")
             case End(status, text, result):
                 click.echo(status.name, err=True)
                 if self._as_json:
                     output.as_json({"status": status.name, "text": text, "result": result})
                 elif result is not None:
-                    output.line(printing.text(result, self._result))
+                    output.line(message_text(result, self._result))
 
 
 def _follow(goal: Goal, printer: _Printer, timeout: float | None = None) -> End | None:

@@ -1,4 +1,4 @@
-"""``fibws msg``: the types of messages, as rosmsg has them."""
+"""``fibws msg``: message types, as rosmsg."""
 
 from fibws.cli.types import group
 

@@ -55,7 +55,7 @@ def get(client: HubClient, name: str, pretty: bool, as_json: bool) -> None:
         for line in parameter_files.pretty(value):
             output.line(line)
     else:
-        output.line(parameter_files.written(value))
+        output.line(parameter_files.text(value))
 
 
 @command.command("set", context_settings=arguments.VALUES)
@@ -80,10 +80,10 @@ def set_(
     if (value is None) == (textfile is None):
         raise click.UsageError("Give a VALUE, or the file that has it by -t.")
     if textfile is not None:
-        read: Any = parameter_files.text_of(textfile)
+        read: Any = parameter_files.read(textfile)
     else:
         # A shell leaves nothing of '', which is the empty text here, as for rosparam.
-        read = parameter_files.value(value) if value else ""
+        read = parameter_files.parse(value) if value else ""
     _set(client, parameter_files.leaves(_global(client, name), read), verbose=verbose)
 
 
@@ -116,7 +116,7 @@ def load(client: HubClient, file: str, namespace: str, verbose: bool) -> None:
     A FILE of - is what comes in by a pipe. Names are relative to NAMESPACE. Angles may be written
     deg(180) or rad(pi/2). If something is wrong with FILE, nothing is set.
     """
-    text = _piped() if file == "-" else parameter_files.text_of(Path(file))
+    text = _piped() if file == "-" else parameter_files.read(Path(file))
     try:
         found = parameter_files.parameters(text, _global(client, namespace))
     except FibwsError as error:

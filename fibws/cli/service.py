@@ -12,8 +12,9 @@ from fibws.cli.common_options import examples, json_option, with_hub
 from fibws.client.graph_snapshot import Entry, GraphSnapshot, in_namespace
 from fibws.client.hub_client import HubClient
 from fibws.suggestions import suggestion
-from fibws.values import parsing, printing
+from fibws.values import parsing
 from fibws.values.typedefs import TIMES, Typedefs, if_known
+from fibws.values.yaml_text import message_text
 
 POLL = 0.1
 """Seconds between two looks for a service that is waited for."""
@@ -130,13 +131,13 @@ def call(
     response = if_known(Typedefs.of_response, client, found["type"])
     for request in _requests(arguments, typedefs):
         if verbose and not as_json:
-            output.line(printing.text(request, typedefs))
+            output.line(message_text(request, typedefs))
             output.line("---")
         answer = client.call(name, request, timeout or 0)
         if as_json:
             output.as_json(answer)
         else:
-            output.line(printing.text(answer, response))
+            output.line(message_text(answer, response))
 
 
 def _found(client: HubClient, service: str) -> Entry:

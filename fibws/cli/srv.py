@@ -1,4 +1,4 @@
-"""``fibws srv``: the types of services, as rossrv has them."""
+"""``fibws srv``: service types, as rossrv."""
 
 from fibws.cli.types import group
 

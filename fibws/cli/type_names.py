@@ -15,10 +15,10 @@ def full_name(type_: str) -> str:
     """Return the name of a message type; raise `UsageError` if it has no package."""
     if "/" in type_:
         return type_
-    from fibws.values.installed_types import Installed  # Only this error needs it.
+    from fibws.values.type_definitions import InstalledTypes  # Only this error needs it.
 
-    installed = Installed("msg")
+    installed = InstalledTypes("msg")
     nearest = installed.nearest(type_)
     found = installed.find(type_) or ([nearest] if nearest else [])
-    hint = f"did you mean {' or '.join(found)}?" if found else "expected a name as std_msgs/String"
-    raise click.UsageError(f"missing package in type {type_!r}; {hint}")
+    meant = f"did you mean {' or '.join(found)}?" if found else "example: std_msgs/String"
+    raise click.UsageError(f"type {type_!r} has no package; {meant}")

@@ -1,9 +1,8 @@
-"""The commands on types: those of rosmsg for messages, those of rossrv for services."""
+"""Commands on types: ``fibws msg``, as rosmsg, and ``fibws srv``, as rossrv."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,12 +20,11 @@ from fibws.errors import (
     UnknownType,
 )
 from fibws.suggestions import suggestion
-from fibws.values import type_text
+from fibws.values.type_definitions import InstalledTypes, typedefs_lines
 from fibws.values.typedefs import Typedefs
 
 if TYPE_CHECKING:
     from fibws.interfaces.folders import Kind
-    from fibws.values.installed_types import Installed
 
 NOUNS: dict[Kind, str] = {"msg": "message", "srv": "service", "action": "action"}
 EXAMPLES: dict[Kind, str] = {
@@ -47,32 +45,32 @@ _single_line = click.option("-s", "single_line", is_flag=True, help="List all in
 
 
 def group(kind: Kind) -> click.Group:
-    """The commands on the types of one kind."""
+    """Return the commands on the types of one kind."""
     noun = NOUNS[kind]
     commands = [_list(kind), _md5(kind), _package(kind), _packages(kind)]
     return click.Group(
         "types",
         commands=[show(kind), show(kind, "info"), *commands],
-        help=f"Look at the types of {noun}s.",
+        help=f"Show {noun} types.",
     )
 
 
 def show(kind: Kind, name: str = "show") -> click.Command:
-    """The command that prints the definition of a type."""
+    """Return the command that prints the definition of a type."""
 
     @click.command(name, help=_help_of_show(kind))
     @_type_argument(kind)
-    @click.option("-r", "--raw", is_flag=True, help="Print the file's text, comments and all.")
+    @click.option("-r", "--raw", is_flag=True, help="Print the file, with comments.")
     @_folders
     @hub_option
     def command(type_: str | None, raw: bool, folders: tuple[Path, ...], hub: str | None) -> None:
-        installed, type_ = _installed(kind, folders), _read(type_, kind)
+        installed, type_ = InstalledTypes(kind, folders), _given(type_, kind)
         if "/" in type_:
-            output.line(_shown(installed, kind, type_, hub, raw=raw))
+            output.line(_definition(installed, kind, type_, hub, raw=raw))
             return
-        for found in _found(installed, kind, type_):
+        for found in _in_all_packages(installed, kind, type_):
             output.line(f"[{found}]:")
-            output.line(_shown(installed, kind, found, hub, raw=raw))
+            output.line(_definition(installed, kind, found, hub, raw=raw))
 
     return command
 
@@ -81,9 +79,9 @@ def _help_of_show(kind: Kind) -> str:
     example = EXAMPLES[kind]
     return f"""Print the definition of TYPE, such as {example}.
 
-    Without its package, {example.partition("/")[2]}, every {NOUNS[kind]} of that name is printed.
-    Without TYPE, it is read from a pipe. What this machine has no definition of is asked of the
-    hub.
+    {example.partition("/")[2]}, without a package, prints each {NOUNS[kind]} of that name. Without
+    TYPE, its name is read from standard input. Types without a definition on this machine are
+    requested from the hub.
     """
 
 
@@ -92,19 +90,19 @@ def _list(kind: Kind) -> click.Command:
     @_folders
     @json_option
     def command(folders: tuple[Path, ...], as_json: bool) -> None:
-        _print(_installed(kind, folders).all(), as_json=as_json)
+        _print(InstalledTypes(kind, folders).all(), as_json=as_json)
 
     return command
 
 
 def _md5(kind: Kind) -> click.Command:
-    @click.command("md5", help="Print the md5 of TYPE.")
+    @click.command("md5", help="Print the MD5 of TYPE.")
     @_type_argument(kind)
     @_folders
     def command(type_: str | None, folders: tuple[Path, ...]) -> None:
-        installed, type_ = _installed(kind, folders), _read(type_, kind)
+        installed, type_ = InstalledTypes(kind, folders), _given(type_, kind)
         if "/" not in type_:
-            for found in _found(installed, kind, type_):
+            for found in _in_all_packages(installed, kind, type_):
                 output.line(f"[{found}]: {installed.md5(found)}")
             return
         try:
@@ -122,7 +120,7 @@ def _package(kind: Kind) -> click.Command:
     @_folders
     @json_option
     def command(package: str, single_line: bool, folders: tuple[Path, ...], as_json: bool) -> None:
-        installed = _installed(kind, folders)
+        installed = InstalledTypes(kind, folders)
         try:
             names = installed.names(package)
         except UnknownPackage:
@@ -134,21 +132,15 @@ def _package(kind: Kind) -> click.Command:
 
 
 def _packages(kind: Kind) -> click.Command:
-    @click.command("packages", help=f"List the packages that have {NOUNS[kind]}s.")
+    @click.command("packages", help=f"List the packages with {NOUNS[kind]}s.")
     @_single_line
     @_folders
     @json_option
     def command(single_line: bool, folders: tuple[Path, ...], as_json: bool) -> None:
-        names = _installed(kind, folders).packages()
+        names = InstalledTypes(kind, folders).packages()
         _print(names, single_line=single_line, as_json=as_json)
 
     return command
-
-
-def _installed(kind: Kind, folders: tuple[Path, ...]) -> Installed:
-    from fibws.values.installed_types import Installed  # with all that reads definitions
-
-    return Installed(kind, folders)
 
 
 def _type_argument(kind: Kind) -> Callable[[Callable[..., None]], Callable[..., None]]:
@@ -156,8 +148,8 @@ def _type_argument(kind: Kind) -> Callable[[Callable[..., None]], Callable[..., 
     return click.argument("type_", metavar="[TYPE]", required=False, shell_complete=types)
 
 
-def _read(type_: str | None, kind: Kind) -> str:
-    """The type that was given, or is the first word in a pipe: ``fibws topic type /x | ...``."""
+def _given(type_: str | None, kind: Kind) -> str:
+    """Return the argument TYPE, or the first line of input: ``fibws topic type /x | ...``."""
     if type_ is None:
         type_ = next((line.strip() for line in piped_input() or () if line.strip()), None)
     if type_ is None:
@@ -165,7 +157,7 @@ def _read(type_: str | None, kind: Kind) -> str:
     return type_.removesuffix(f".{kind}")
 
 
-def _found(installed: Installed, kind: Kind, short: str) -> list[str]:
+def _in_all_packages(installed: InstalledTypes, kind: Kind, short: str) -> list[str]:
     found = installed.find(short)
     if not found:
         nearest = installed.nearest(short)
@@ -174,17 +166,19 @@ def _found(installed: Installed, kind: Kind, short: str) -> list[str]:
     return found
 
 
-def _shown(installed: Installed, kind: Kind, type_: str, hub: str | None, *, raw: bool) -> str:
-    """A definition as rosmsg prints it: with a line break behind it."""
+def _definition(
+    installed: InstalledTypes, kind: Kind, type_: str, hub: str | None, *, raw: bool
+) -> str:
+    """Return a definition in the format of rosmsg, which ends with a line break."""
     try:
-        shown = installed.show(type_)
-        return shown.text if raw else _text(shown.lines)
+        definition = installed.definition(type_)
+        return definition.text if raw else _text(definition.lines)
     except InvalidTypeName:
-        raise click.UsageError(f"{type_!r} is no type: write package/Type.") from None
+        raise click.UsageError(f"invalid type {type_!r}: expected package/Type") from None
     except (UnknownPackage, UnknownType):
-        lines = _told(installed, kind, type_, hub)
+        lines = _lines_from_hub(installed, kind, type_, hub)
         if raw:
-            text = f"Only the hub has {type_}, and it tells what is in it, but not the text of it."
+            text = f"-r: only the hub defines {type_}, and it does not send the original text"
             raise click.ClickException(text) from None
         return _text(lines)
 
@@ -193,24 +187,20 @@ def _text(lines: Iterable[str]) -> str:
     return "".join(f"{line}\n" for line in lines)
 
 
-def _told(installed: Installed, kind: Kind, type_: str, hub: str | None) -> list[str]:
-    """The lines of a type of which this machine has no definition, as the hub knows it."""
+def _lines_from_hub(
+    installed: InstalledTypes, kind: Kind, type_: str, hub: str | None
+) -> list[str]:
+    """Return the lines of a type that only the hub may define."""
     try:
         with HubClient("tool", hub) as client:
             try:
-                first, *others = [
-                    type_text.lines(
-                        type_text.of_typedefs(found, found.root),
-                        partial(type_text.of_typedefs, found),
-                    )
-                    for found in _typedefs(client, kind, type_)
-                ]
+                first, *others = [typedefs_lines(part) for part in _typedefs(client, kind, type_)]
             except ServiceError:
-                known = f", nor does the hub at {client.url}"
-                raise _unknown(installed, kind, type_, known) from None
+                where = f"on this machine or at the hub {client.url}"
+                raise _unknown(installed, kind, type_, where) from None
     except HubUnreachable as error:
-        missing = f", and no hub can be asked at {error.url}"
-        raise _unknown(installed, kind, type_, missing) from None
+        where = f"on this machine, and the hub {error.url} cannot be reached"
+        raise _unknown(installed, kind, type_, where) from None
     return [*first, *(line for part in others for line in ("---", *part))]
 
 
@@ -223,13 +213,12 @@ def _typedefs(client: HubClient, kind: Kind, type_: str) -> list[Typedefs]:
 
 
 def _unknown(
-    installed: Installed, kind: Kind, type_: str, elsewhere: str = ""
+    installed: InstalledTypes, kind: Kind, type_: str, where: str = "on this machine"
 ) -> click.ClickException:
     nearest = installed.nearest(type_)
-    meant = f"; did you mean {nearest}?" if nearest else ""
+    meant = f"did you mean {nearest}?" if nearest else "see --interfaces and $FIBWS_INTERFACES"
     return click.ClickException(
-        f"Unknown {NOUNS[kind]} type {type_}: no definition here has it ($FIBWS_INTERFACES, "
-        f"--interfaces){elsewhere}{meant}"
+        f"Unknown {NOUNS[kind]} type {type_}: no definition {where}; {meant}"
     )
 
 

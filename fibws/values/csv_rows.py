@@ -1,29 +1,28 @@
-"""Messages as comma-separated values, as ``rostopic echo -p`` prints them for plots."""
+"""Comma-separated values of messages, as ``rostopic echo -p`` prints them for plots."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
-from fibws.values.printing import elements
 from fibws.values.typedefs import FLOATS, STRINGS, TIMES, Field, Typedefs
 
 
 class Cell(NamedTuple):
-    """One value of a row, and what the head of its column is."""
+    """One value of a row, and the name of its column."""
 
     head: str
     text: str
 
 
 class Rows:
-    """The rows of one field of messages, or of whole messages.
+    """The rows of whole messages, or of one field of them.
 
     Args:
-        typedefs: those of the messages' type.
-        field: what is printed.
+        typedefs: the definition of the messages' type.
+        field: the field, or the whole message.
         noarr: leave out arrays.
-        nostr: leave out texts.
+        nostr: leave out strings.
     """
 
     def __init__(
@@ -35,15 +34,15 @@ class Rows:
         self._nostr = nostr
 
     def head(self, value: Any) -> str:
-        """The first line: what is in the columns of a row as that of ``value``."""
+        """Return the first line: the names of the columns of ``value``."""
         return f"%time,{','.join(cell.head for cell in self._cells(value))}"
 
     def row(self, value: Any, *, now: int, relative: bool = False) -> str:
-        """A line of values, the first of which is the time of the header, or else now.
+        """Return a line of values; the first one is the header's time, or ``now`` without a header.
 
         Args:
             now: nanoseconds since 1970.
-            relative: count times from ``now``.
+            relative: subtract ``now`` from times.
         """
         stamp = now
         if self._field.length is None and self._typedefs.has_header(self._field.type):
@@ -53,24 +52,24 @@ class Rows:
         return f"{stamp - zero},{','.join(cell.text for cell in cells)}"
 
     def _cells(self, value: Any, zero: int = 0) -> Iterator[Cell]:
-        return self._of(value, self._field, "field", zero)
+        return self._cells_of(value, self._field, "field", zero)
 
-    def _of(self, value: Any, field: Field, head: str, zero: int) -> Iterator[Cell]:
+    def _cells_of(self, value: Any, field: Field, head: str, zero: int) -> Iterator[Cell]:
         if field.length is not None:
             element = Field("", field.type)
-            for i, each in enumerate(elements(value, field)):
-                yield from self._of(each, element, f"{head}{i}", zero)
+            for i, each in enumerate(field.elements(value)):
+                yield from self._cells_of(each, element, f"{head}{i}", zero)
         elif field.type in TIMES:
             start = zero if field.type == "time" else 0
             yield Cell(head, str(_nanoseconds(value) - start))
         elif field.type in self._typedefs:
             for each in self._typedefs.fields(field.type):
                 if not self._is_left_out(each):
-                    yield from self._of(value[each.name], each, f"{head}.{each.name}", zero)
+                    yield from self._cells_of(value[each.name], each, f"{head}.{each.name}", zero)
         elif isinstance(value, dict):
             for name, each in value.items():
                 length = 0 if isinstance(each, list) else None
-                yield from self._of(each, Field(name, "", length), f"{head}.{name}", zero)
+                yield from self._cells_of(each, Field(name, "", length), f"{head}.{name}", zero)
         else:
             yield Cell(head, _text(value, field.type))
 

@@ -1,4 +1,4 @@
-"""What leads to a field of a topic's messages: ``/topic/field/sub[3]``."""
+"""Paths to fields of messages, as in ``/topic/field/sub[3]``."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
 from fibws.errors import InvalidValue, UnknownField
-from fibws.values.printing import elements
 from fibws.values.typedefs import TIMES, Field, Typedefs
 
 _STEP = re.compile(r"(\w+)(?:\[([^\]]*)\])?")
@@ -15,19 +14,19 @@ _TIME = [Field("secs", "int32"), Field("nsecs", "int32")]
 
 
 class Step(NamedTuple):
-    """One part of a path: a field, and which of its elements."""
+    """One part of a path: a field, and the elements of its array to choose."""
 
     name: str
-    which: int | slice | None = None
+    chosen: int | slice | None = None
 
 
 class Path:
-    """The way to a field: ``poses[0]/position/x``, or nothing for the whole message.
+    """A path to a field: ``poses[0]/position/x``; an empty one is that of the whole message.
 
-    Elements are counted as in Python: ``[-1]`` is the last, ``[2:4]`` are two of them.
+    Elements are counted as in Python: ``[-1]`` is the last one, ``[2:4]`` are two.
 
     Raises:
-        UsageError: it is not written so.
+        InvalidValue: the text is not a path.
     """
 
     def __init__(self, text: str) -> None:
@@ -41,76 +40,77 @@ class Path:
         return "/".join(self._parts)
 
     def field(self, typedefs: Typedefs) -> Field:
-        """What it leads to, in messages of a type.
+        """Return the field of a type; the field of several elements' fields is an array.
 
         Raises:
-            UnknownField: there is no such field.
+            UnknownField: the type has no such field.
         """
         field = Field("", typedefs.root)
         is_list = False
         for step in self.steps:
             if field.length is not None:
-                raise UnknownField(f"{field.name} has several elements: write {field.name}[0]")
+                raise UnknownField(f"{field.name} is an array: choose an element, {field.name}[0]")
             fields = _TIME if field.type in TIMES else []
             if field.type in typedefs:
                 fields = typedefs.fields(field.type)
-            field = _named(step.name, fields, field.type)
-            if step.which is None:
+            field = _field(step.name, fields, field.type)
+            if step.chosen is None:
                 continue
             if field.length is None:
-                raise UnknownField(f"{step.name} is a {field.type}, no array")
+                raise UnknownField(f"{step.name} is a {field.type}, not an array")
             field = Field(step.name, field.type)
-            is_list = is_list or isinstance(step.which, slice)
+            is_list = is_list or isinstance(step.chosen, slice)
         return Field(field.name, field.type, 0) if is_list else field
 
     def pick(self, message: Any, typedefs: Typedefs) -> Any:
-        """The value in a message; it raises `UnknownField` if an array is too short."""
+        """Return the value in a message; raise `UnknownField` if an array is too short."""
         return _pick(message, Field("", typedefs.root), self.steps, typedefs)
 
 
 def splits(name: str, topics: Iterable[str]) -> Iterator[tuple[str, str]]:
-    """The ways to take a name for a topic and a path, the longest topic first.
+    """Yield the topics and paths that a name may mean, the longest topic first.
 
     Args:
-        name: a global name, with or without a path behind it.
+        name: a global name, perhaps followed by a path.
         topics: the global names of all topics.
     """
     name = name.rstrip("/")
-    found = [topic for topic in topics if name == topic or name.startswith(f"{topic}/")]
-    for topic in sorted(found, key=len, reverse=True):
+    candidates = [topic for topic in topics if name == topic or name.startswith(f"{topic}/")]
+    for topic in sorted(candidates, key=len, reverse=True):
         yield topic, name[len(topic) + 1 :]
 
 
 def _pick(value: Any, field: Field, steps: list[Step], typedefs: Typedefs) -> Any:
     for i, step in enumerate(steps):
         fields = _TIME if field.type in TIMES else typedefs.fields(field.type)
-        field = _named(step.name, fields, field.type)
+        field = _field(step.name, fields, field.type)
         value = value[step.name]
-        if step.which is None:
+        if step.chosen is None:
             continue
-        several = elements(value, field)
+        elements = field.elements(value)
         field = Field(step.name, field.type)
         try:
-            value = several[step.which]
+            value = elements[step.chosen]
         except IndexError:
-            raise UnknownField(f"{step.name} has only {len(several)} elements") from None
-        if isinstance(step.which, slice):
+            raise UnknownField(f"{step.name} has only {len(elements)} elements") from None
+        if isinstance(step.chosen, slice):
             return [_pick(each, field, steps[i + 1 :], typedefs) for each in value]
     return value
 
 
-def _named(name: str, fields: list[Field], type_: str) -> Field:
+def _field(name: str, fields: list[Field], type_: str) -> Field:
     for field in fields:
         if field.name == name:
             return field
-    there = ", ".join(each.name for each in fields) or "no fields that are known"
-    raise UnknownField(f"no field named {name} in {type_}, which has {there}")
+    known = ", ".join(each.name for each in fields)
+    expected = f"expected {known}" if known else "it has no known fields"
+    raise UnknownField(f"no field named {name} in {type_}: {expected}")
 
 
 def _step(part: str) -> Step:
     found = _STEP.fullmatch(part)
     if found is None:
-        raise InvalidValue(f"{part!r} is no field: write name, name[0] or name[2:4]")
+        raise InvalidValue(f"invalid field {part!r}; examples: name, name[0], name[2:4]")
     name, inside = found.groups()
     if inside is None:
         return Step(name)
@@ -121,5 +121,5 @@ def _step(part: str) -> Step:
         if not 2 <= len(numbers) <= 3 or numbers[2:] == [0]:
             raise ValueError
     except ValueError:
-        raise InvalidValue(f"{part!r} picks no elements: write {name}[0] or {name}[2:4]") from None
+        raise InvalidValue(f"invalid index in {part!r}; examples: {name}[0], {name}[2:4]") from None
     return Step(name, slice(*numbers))

@@ -8,7 +8,6 @@ from typing import Any
 from fibws.errors import InvalidValue, UnknownField
 from fibws.values.expressions import FUNCTIONS, Expression, Value
 from fibws.values.field_paths import Path
-from fibws.values.printing import elements
 from fibws.values.typedefs import FLOATS, Typedefs
 
 _MESSAGE = "m."
@@ -58,7 +57,7 @@ class Filter:
             message, typedefs = variables
             found, field = path.pick(message, typedefs), path.field(typedefs)
             if field.length is not None:
-                return elements(found, field)
+                return field.elements(found)
             # JSON has no NaN.
             return float("nan") if found is None and field.type in FLOATS else found
 

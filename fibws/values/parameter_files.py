@@ -1,4 +1,4 @@
-"""Parameters as YAML, as rosparam writes and reads it."""
+"""Parameters in YAML, as rosparam writes and reads them."""
 
 from __future__ import annotations
 
@@ -16,32 +16,32 @@ from fibws.values import parsing
 if TYPE_CHECKING:
     import yaml
 
-MOST_CHARACTERS = 2**26
-"""Of a file: no hub takes as many, and a device may have no end."""
+MAX_CHARACTERS = 2**26
+"""Maximum size of a file: no hub takes more, and a device may be endless."""
 NAMESPACE = "_ns"
-"""The key by which a document names the namespace of its parameters."""
+"""The key of the namespace of a document's parameters."""
 
 
-def written(value: Any) -> str:
-    """A value as ``rosparam get`` prints it, to be followed by a line break."""
+def text(value: Any) -> str:
+    """Return a value as ``rosparam get`` prints it, without the last line break."""
     return dumped(value).removesuffix("\n...\n")
 
 
 def dumped(value: Any) -> str:
-    """A value as a document that ``rosparam load`` reads."""
+    """Return a value as a YAML document."""
     import yaml
 
-    text: str = yaml.safe_dump(value)
-    return text
+    document: str = yaml.safe_dump(value)
+    return document
 
 
 def pretty(value: Any, indent: str = "") -> Iterator[str]:
-    """The lines of a value as ``rosparam get -p`` prints them."""
+    """Yield the lines of a value as ``rosparam get -p`` prints it."""
     if isinstance(value, str) and not indent:
         yield value
         return
     if not isinstance(value, dict):
-        yield written(value)
+        yield text(value)
         return
     for key, each in sorted(value.items()):
         if isinstance(each, dict):
@@ -51,77 +51,64 @@ def pretty(value: Any, indent: str = "") -> Iterator[str]:
             yield f"{indent}{key}: |"
             yield from (f"{indent}  {line}" for line in each.split("\n"))
         else:
-            text = each if isinstance(each, str) else written(each).rstrip("\n")
-            yield f"{indent}{key}: {text}"
+            line = each if isinstance(each, str) else text(each).rstrip("\n")
+            yield f"{indent}{key}: {line}"
 
 
-def text_of(path: Path) -> str:
-    """What is in a file; it raises `ClickException` if it cannot be read as text."""
+def read(path: Path) -> str:
+    """Return the text of a file; raise `ParameterError` if it cannot be read."""
     try:
         with path.open(encoding="utf-8") as file:
-            text = file.read(MOST_CHARACTERS + 1)
+            content = file.read(MAX_CHARACTERS + 1)
     except OSError as error:
         raise ParameterError(f"Cannot read {path}: {error.strerror}") from None
     except UnicodeDecodeError:
-        raise ParameterError(f"{path} is no text in UTF-8") from None
-    if len(text) > MOST_CHARACTERS:
-        raise ParameterError(f"{path} has more than {MOST_CHARACTERS} characters")
-    return text
+        raise ParameterError(f"{path} is not a UTF-8 text file") from None
+    if len(content) > MAX_CHARACTERS:
+        raise ParameterError(f"{path} is too long (limit: {MAX_CHARACTERS} characters)")
+    return content
 
 
-def value(word: str) -> Any:
-    """The value that a word in YAML stands for; it raises `UsageError` if that is none."""
-    import yaml
-
-    try:
-        return yaml.load(word, loader())
-    except yaml.YAMLError as error:
-        raise InvalidValue(f"This is no YAML: {parsing.fault(error)}: {word!r}") from None
-    except parsing.FAULTS as error:
-        raise InvalidValue(f"{word[:80]!r}: {error}") from None
+def parse(text: str) -> Any:
+    """Return the value of a YAML text with angles; raise `InvalidValue` if it is invalid."""
+    return parsing.parse(text, loader())
 
 
 def parameters(text: str, namespace: str) -> list[tuple[str, str]]:
-    """The parameters in a file, as `leaves` gives them; several documents may be in it.
+    """Return the parameters in the text of a file, as `leaves`.
 
     Args:
-        text: what is in the file.
-        namespace: that of all whose names are relative.
+        text: YAML with angles, of one document or several.
+        namespace: the namespace of relative names.
 
     Raises:
-        ClickException: the text is no YAML, or there is something in it that no parameter can be.
+        InvalidValue: invalid YAML.
+        ParameterError: a value that parameters cannot have.
     """
-    import yaml
-
     found = []
-    try:
-        for document in yaml.load_all(text, loader()):
-            above = namespace
-            if isinstance(document, dict) and isinstance(document.get(NAMESPACE), str):
-                inner = document.pop(NAMESPACE)
-                above = inner if inner.startswith("/") else names.join(namespace, inner)
-            if document is not None:
-                found += leaves(above, document)
-    except yaml.YAMLError as error:
-        raise ParameterError(f"This is no YAML: {parsing.fault(error)}") from None
-    except parsing.FAULTS as error:
-        raise ParameterError(str(error)) from None
+    for document in parsing.documents(text, loader()):
+        above = namespace
+        if isinstance(document, dict) and isinstance(document.get(NAMESPACE), str):
+            inner = document.pop(NAMESPACE)
+            above = inner if inner.startswith("/") else names.join(namespace, inner)
+        if document is not None:
+            found += leaves(above, document)
     return found
 
 
 def leaves(name: str, value: Any) -> list[tuple[str, str]]:
-    """The names and the values, in JSON, that are to be set for a parameter to have a value.
+    """Return the names and the values, in JSON, that set a parameter to a value.
 
-    An object is many: what else there is in that namespace stays, as with rosparam.
+    An object sets a parameter for each of its keys; others in that namespace stay, as in rosparam.
 
     Raises:
-        ClickException: the value is nothing that a parameter can be.
+        ParameterError: a value that parameters cannot have.
     """
     try:
         parsing.check_size(value)
-        return list(_leaves(name, value))
-    except RecursionError:
-        raise ParameterError(f"{name} has too many values in each other") from None
+    except InvalidValue as error:
+        raise ParameterError(f"Parameter [{name}]: {error}") from None
+    return list(_leaves(name, value))
 
 
 def _leaves(name: str, value: Any) -> Iterator[tuple[str, str]]:
@@ -129,20 +116,20 @@ def _leaves(name: str, value: Any) -> Iterator[tuple[str, str]]:
         for key, each in value.items():
             if not isinstance(key, str):
                 raise ParameterError(
-                    f"{name} has the key {key!r}, which is no text to YAML: write '\"{key}\"'"
+                    f"Parameter [{name}]: key {key!r} is not a string: quote it, '\"{key}\"'"
                 )
             yield from _leaves(names.join(name, key), each)
         return
     if name == "/":
-        raise ParameterError("/ is the namespace of all parameters: set it to an object")
+        raise ParameterError("/ is the root namespace: its value must be an object")
     if _has_null(value):
-        raise ParameterError(f"Parameter [{name}]: null is no value; to unset it, delete it")
+        raise ParameterError(f"Parameter [{name}]: null is not allowed; use delete to unset it")
     try:
         yield name, json.dumps(value, ensure_ascii=False, allow_nan=False, default=_refuse)
     except ValueError as error:
         fault = str(error)
         if isinstance(value, float) and not math.isfinite(value):
-            fault = f"{value} is no number that JSON has"
+            fault = f"{value} is not a JSON number"
         raise ParameterError(f"Parameter [{name}]: {fault}") from None
 
 
@@ -154,13 +141,12 @@ def _has_null(value: Any) -> bool:
 
 def _refuse(value: object) -> None:
     if isinstance(value, bytes):
-        raise ValueError("bytes are no value that JSON has")
-    kind = type(value).__name__
-    raise ValueError(f"{value} is a {kind} to YAML: put it between quotation marks to be a text")
+        raise ValueError("bytes are not allowed")
+    raise ValueError(f"{value} is a {type(value).__name__} in YAML: quote it to make it a string")
 
 
 def loader() -> type[yaml.SafeLoader]:
-    """Return the loader of YAML with angles, as rosparam reads it."""
+    """Return the loader of YAML with angles, as in rosparam."""
     import yaml
 
     class Loader(yaml.SafeLoader):

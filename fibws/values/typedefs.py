@@ -1,8 +1,9 @@
-"""What types are made of, as the hub tells it."""
+"""Definitions of types as the hub reports them, in rosapi/TypeDef."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from binascii import a2b_base64
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple, Protocol, Self
 
 from fibws.errors import ServiceError
@@ -12,7 +13,7 @@ TIMES = frozenset({"time", "duration"})
 STRINGS = frozenset({"string", "wstring"})
 FLOATS = frozenset({"float32", "float64"})
 BYTES = frozenset({"uint8", "char"})
-"""What arrays of are base64 on the wire."""
+"""Types whose arrays are base64 in JSON."""
 _SCALARS: dict[str, object] = {"bool": False, **dict.fromkeys(STRINGS, "")}
 _SCALARS |= dict.fromkeys(FLOATS, 0.0)
 
@@ -25,30 +26,37 @@ class Caller(Protocol):
 
 
 class Field(NamedTuple):
-    """A field of a message, or whatever else has its type."""
+    """A field of a message, or a whole message, whose name is empty."""
 
     name: str
     type: str
     length: int | None = None
-    """None if it is no array; 0 for an array of any number of elements, else how many."""
+    """None without an array, 0 for an array of any length, otherwise the length."""
 
     @property
     def written_type(self) -> str:
-        """Its type as definitions have it: ``int32``, ``int32[]`` or ``int32[3]``."""
+        """The type as in definitions: ``int32``, ``int32[]`` or ``int32[3]``."""
         return self.type if self.length is None else f"{self.type}[{self.length or ''}]"
+
+    def elements(self, array: Any) -> Sequence[Any]:
+        """Return the elements of an array in JSON, in which bytes are base64."""
+        if self.type in BYTES and isinstance(array, str):
+            return list(a2b_base64(array))
+        return array if isinstance(array, list) else []
 
 
 class Typedefs:
-    """A type with all the types in it.
+    """A type with all its nested types.
 
     Args:
         root: the type's name.
-        typedefs: those of rosapi/TypeDef that a service of rosapi gave.
+        typedefs: the rosapi/TypeDef messages that a service of rosapi returned; none if the type
+            is unknown.
     """
 
     def __init__(self, root: str, typedefs: Iterable[Mapping[str, Any]] = ()) -> None:
         self.root = root
-        """The type's name; a service's request has that of the service with ``Request`` to it."""
+        """The type's name; that of a service's request ends in ``Request``."""
         self._fields: dict[str, list[Field]] = {}
         self._constants: dict[str, dict[str, str]] = {}
         for each in typedefs:
@@ -63,47 +71,47 @@ class Typedefs:
 
     @classmethod
     def of_message(cls, client: Caller, type_: str) -> Self:
-        """Those of a message; it raises `ServiceError` if the hub has no such type."""
-        return cls._ask(client, "/rosapi/message_details", type_)
+        """Return a message type; raise `ServiceError` if the hub does not know it."""
+        return cls._request(client, "/rosapi/message_details", type_)
 
     @classmethod
     def of_request(cls, client: Caller, service_type: str) -> Self:
-        """Those of a service's request; it raises `ServiceError` if the hub has no such type."""
-        return cls._ask(client, "/rosapi/service_request_details", service_type)
+        """Return the type of a service's request; raise `ServiceError` as `of_message`."""
+        return cls._request(client, "/rosapi/service_request_details", service_type)
 
     @classmethod
     def of_response(cls, client: Caller, service_type: str) -> Self:
-        """Those of a service's response; it raises `ServiceError` if the hub has no such type."""
-        return cls._ask(client, "/rosapi/service_response_details", service_type)
+        """Return the type of a service's response; raise `ServiceError` as `of_message`."""
+        return cls._request(client, "/rosapi/service_response_details", service_type)
 
     @classmethod
-    def _ask(cls, client: Caller, service: str, type_: str) -> Self:
+    def _request(cls, client: Caller, service: str, type_: str) -> Self:
         typedefs = client.call(service, {"type": type_})["typedefs"]
         try:
             return cls(typedefs[0]["type"] if typedefs else type_, typedefs)
         except (LookupError, TypeError, ValueError):
-            raise ServiceError(service, f"what it told of {type_} is no rosapi/TypeDef[]") from None
+            raise ServiceError(service, f"invalid rosapi/TypeDef[] for {type_}") from None
 
     def __contains__(self, type_: str) -> bool:
         return type_ in self._fields
 
     def fields(self, type_: str) -> list[Field]:
-        """The fields of a message type, in order; it raises `KeyError` if that is none of these."""
+        """Return the fields of a message type in order; raise `KeyError` for an unknown type."""
         return self._fields[type_]
 
     def constants(self, type_: str) -> dict[str, str]:
-        """The constants of a message type by their names, each as text; raises as `fields`."""
+        """Return the constants of a message type as text, by name; raise as `fields`."""
         return self._constants[type_]
 
-    def fit(self, message: Mapping[str, Any]) -> bool:
-        """Whether a message looks like one of the type, by its fields and what kind each is of."""
+    def fits(self, message: Mapping[str, Any]) -> bool:
+        """Return whether a message has the type's fields, with values of their kinds."""
         return all(
             each.name in message and isinstance(message[each.name], self._kind(each))
             for each in self._fields.get(self.root, ())
         )
 
     def _kind(self, field: Field) -> type | tuple[type, ...]:
-        """What JSON has for a field; a number that is none is null there."""
+        """Return the Python type of a field in JSON, in which NaN is null."""
         if field.length is not None:
             return (str, list) if field.type in BYTES else list
         if field.type in self._fields or field.type in TIMES:
@@ -111,11 +119,11 @@ class Typedefs:
         return str if field.type in STRINGS else (int, float, type(None))
 
     def has_header(self, type_: str) -> bool:
-        """Whether messages of a type begin with a header, which is where ROS looks for a stamp."""
+        """Return whether messages of a type begin with a header, where ROS expects a stamp."""
         return [field[:2] for field in self._fields.get(type_, [])[:1]] == [("header", HEADER)]
 
     def default(self, field: Field) -> Any:
-        """What a field is that nobody has given a value."""
+        """Return the default of a field."""
         if field.length is not None:
             return [self.default(Field("", field.type)) for _ in range(field.length)]
         if field.type in self._fields:
@@ -123,9 +131,13 @@ class Typedefs:
         return _SCALARS.get(field.type, 0)
 
 
-def if_known(ask: Callable[[Caller, str], Typedefs], client: Caller, type_: str) -> Typedefs:
-    """What ``ask``, such as `Typedefs.of_message`, says of a type; nothing if nobody defined it."""
+def if_known(request: Callable[[Caller, str], Typedefs], client: Caller, type_: str) -> Typedefs:
+    """Return ``request(client, type_)``, or an empty `Typedefs` if the hub does not know the type.
+
+    Args:
+        request: `Typedefs.of_message`, `Typedefs.of_request` or `Typedefs.of_response`.
+    """
     try:
-        return ask(client, type_)
+        return request(client, type_)
     except ServiceError:
         return Typedefs(type_)

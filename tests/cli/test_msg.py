@@ -1,4 +1,4 @@
-"""``fibws msg``, most of which ``fibws srv`` is, too."""
+"""``fibws msg``; most of it is the same in ``fibws srv``."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ POINT = ["geometry_msgs/Point position", "  float64 x", "  float64 y", "  float6
 
 @pytest.fixture
 def alone(monkeypatch: pytest.MonkeyPatch) -> Alone:
-    """Run ``fibws`` where there is no hub."""
+    """Run ``fibws`` without a hub."""
     monkeypatch.setenv("FIBWS_HUB", "ws://127.0.0.1:1")
     monkeypatch.delenv("FIBWS_INTERFACES", raising=False)
 
@@ -44,7 +44,7 @@ def folder(tmp_path: Path) -> Path:
 # show
 
 
-def test_show_has_rosmsgs_shape(alone: Alone) -> None:
+def test_show_prints_as_rosmsg(alone: Alone) -> None:
     result = alone("msg", "show", "shape_msgs/Plane")
     assert (result.exit_code, result.output) == (0, "float64[4] coef\n\n")
     lines = alone("msg", "show", "geometry_msgs/PoseWithCovarianceStamped").output.splitlines()
@@ -74,12 +74,12 @@ def test_constants_come_first(alone: Alone) -> None:
     ]
 
 
-def test_info_is_another_word_for_show(alone: Alone) -> None:
+def test_info_is_an_alias_of_show(alone: Alone) -> None:
     shown = alone("msg", "show", "std_msgs/Int32").output
     assert alone("msg", "info", "std_msgs/msg/Int32").output == shown == "int32 data\n\n"
 
 
-def test_a_type_without_its_package_is_looked_for_in_all(alone: Alone, folder: Path) -> None:
+def test_a_type_without_a_package_is_found_in_all_packages(alone: Alone, folder: Path) -> None:
     assert alone("msg", "show", "Int32").output == "[std_msgs/Int32]:\nint32 data\n\n"
     assert alone("msg", "show", "Int32.msg").output == "[std_msgs/Int32]:\nint32 data\n\n"
     (folder / "my_msgs" / "msg" / "Int32.msg").write_text("int32 mine\n")
@@ -88,7 +88,7 @@ def test_a_type_without_its_package_is_looked_for_in_all(alone: Alone, folder: P
     )
 
 
-def test_the_messages_of_actions_are_there(alone: Alone) -> None:
+def test_messages_of_actions_are_shown(alone: Alone) -> None:
     output = alone("msg", "show", "actionlib_tutorials/FibonacciActionGoal").output
     assert output.splitlines()[-3:] == [
         "actionlib_tutorials/FibonacciGoal goal",
@@ -97,18 +97,18 @@ def test_the_messages_of_actions_are_there(alone: Alone) -> None:
     ]
 
 
-def test_the_type_may_come_by_a_pipe(alone: Alone) -> None:
+def test_the_type_may_be_read_from_standard_input(alone: Alone) -> None:
     assert alone("msg", "show", input="\nstd_msgs/Int32\n").output == "int32 data\n\n"
     assert alone("msg", "show", input="").exit_code == 2
 
 
-def test_raw_is_the_text(alone: Alone, folder: Path) -> None:
+def test_raw_prints_the_file(alone: Alone, folder: Path) -> None:
     words = ("msg", "show", "-r", "--interfaces", str(folder), "my_msgs/Thing")
     lines = alone(*words).output.splitlines()
     assert lines[:2] == ["# A thing.", "uint8 RED=1  # the default"]
 
 
-def test_folders_of_definitions_are_the_users(
+def test_definitions_are_found_in_folders(
     alone: Alone, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     lines = ["uint8 RED=1", "uint8 colour", "float32[<=3] where", ""]
@@ -121,14 +121,14 @@ def test_folders_of_definitions_are_the_users(
     assert str(folder / "no") in result.stderr
 
 
-def test_a_definition_that_is_wrong_is_told(alone: Alone, folder: Path) -> None:
+def test_an_invalid_definition_is_reported(alone: Alone, folder: Path) -> None:
     (folder / "my_msgs" / "msg" / "Bad.msg").write_text("int32 x\nwhatever\n")
     result = alone("msg", "show", "--interfaces", str(folder), "my_msgs/Bad")
     assert (result.exit_code, result.stdout) == (1, "")
     assert "Bad.msg, line 2:" in result.stderr
 
 
-def test_what_only_the_hub_has_is_asked_of_it(run: Run, client: HubClient) -> None:
+def test_unknown_types_are_requested_from_the_hub(run: Run, client: HubClient) -> None:
     client.send(
         {
             "op": "advertise",
@@ -149,53 +149,50 @@ def test_what_only_the_hub_has_is_asked_of_it(run: Run, client: HubClient) -> No
     ]
     result = run("msg", "show", "-r", "hub_msgs/Thing")
     assert (result.exit_code, result.stdout) == (1, "")
-    assert result.stderr.startswith("Error: Only the hub has hub_msgs/Thing")
+    assert "hub_msgs/Thing" in result.stderr
 
 
-def test_what_nobody_has_is_an_error(run: Run) -> None:
+def test_an_unknown_type_is_an_error(run: Run) -> None:
     result = run("msg", "show", "std_msgs/Int31")
     assert (result.exit_code, result.stdout) == (1, "")
-    assert result.stderr.startswith("Error: Unknown message type std_msgs/Int31: no definition")
-    assert ", nor does the hub at ws://127.0.0.1:" in result.stderr
+    assert "std_msgs/Int31" in result.stderr
+    assert "hub ws://127.0.0.1:" in result.stderr
     assert result.stderr.endswith("; did you mean std_msgs/Int32?\n")
 
 
-def test_where_there_is_no_hub_that_is_told_too(alone: Alone) -> None:
+def test_an_unknown_type_without_a_hub_is_an_error(alone: Alone) -> None:
     result = alone("msg", "show", "no_msgs/Qqqqqq")
     assert (result.exit_code, result.stdout) == (1, "")
-    assert result.stderr == (
-        "Error: Unknown message type no_msgs/Qqqqqq: no definition here has it "
-        "($FIBWS_INTERFACES, --interfaces), and no hub can be asked at ws://127.0.0.1:1\n"
-    )
+    assert "no_msgs/Qqqqqq" in result.stderr and "ws://127.0.0.1:1 " in result.stderr
 
 
 @pytest.mark.parametrize(("type_", "nearest"), [("Int31", "std_msgs/Int32"), ("Qqqqqq", None)])
-def test_a_name_that_nobody_has_is_an_error(alone: Alone, type_: str, nearest: str | None) -> None:
+def test_an_unknown_name_is_an_error(alone: Alone, type_: str, nearest: str | None) -> None:
     for verb in ("show", "md5"):
         result = alone("msg", verb, type_)
         assert (result.exit_code, result.stdout) == (1, "")
         hint = f"; did you mean {nearest}?" if nearest else ""
-        assert result.stderr == f"Error: Could not find msg '{type_}'{hint}\n"
+        assert f"'{type_}'{hint}\n" in result.stderr
 
 
 @pytest.mark.parametrize("type_", ["std_msgs/a/Int32", "/std_msgs/Int32", "std-msgs/Int32"])
-def test_what_is_no_type_is_wrong_usage(alone: Alone, type_: str) -> None:
+def test_an_invalid_type_is_wrong_usage(alone: Alone, type_: str) -> None:
     result = alone("msg", "show", type_)
     assert result.exit_code == 2
-    assert f"{type_!r} is no type: write package/Type." in result.stderr
+    assert repr(type_) in result.stderr
 
 
 # list, package, packages, md5
 
 
-def test_list_names_all(alone: Alone, folder: Path) -> None:
+def test_list_prints_all_types(alone: Alone, folder: Path) -> None:
     found = alone("msg", "list", "--interfaces", str(folder)).output.splitlines()
     assert {"std_msgs/Int32", "my_msgs/Thing", "actionlib_tutorials/FibonacciGoal"} <= set(found)
     as_json = alone("msg", "list", "--interfaces", str(folder), "--json").output.splitlines()
     assert [json.loads(line) for line in as_json] == found
 
 
-def test_package_names_its_types(alone: Alone, folder: Path) -> None:
+def test_package_lists_its_types(alone: Alone, folder: Path) -> None:
     assert alone("msg", "package", "rosgraph_msgs").output.splitlines() == [
         "rosgraph_msgs/Clock",
         "rosgraph_msgs/Log",
@@ -208,10 +205,10 @@ def test_package_names_its_types(alone: Alone, folder: Path) -> None:
     assert found.output == "my_msgs/Thing\n"
     result = alone("msg", "package", "std_msg")
     assert (result.exit_code, result.stdout) == (1, "")
-    assert result.stderr == "Error: Unknown package std_msg; did you mean std_msgs?\n"
+    assert "did you mean std_msgs?" in result.stderr
 
 
-def test_packages_names_those_that_have_messages(alone: Alone) -> None:
+def test_packages_lists_packages_with_messages(alone: Alone) -> None:
     found = alone("msg", "packages").output.splitlines()
     assert found == sorted(found)
     assert "std_msgs" in found
@@ -219,10 +216,10 @@ def test_packages_names_those_that_have_messages(alone: Alone) -> None:
     assert alone("msg", "packages", "-s").output == f"{' '.join(found)}\n"
 
 
-def test_md5_is_ros_1s(alone: Alone) -> None:
+def test_md5_is_that_of_ros_1(alone: Alone) -> None:
     md5 = "992ce8a1687cec8c8bd883ec73ca41d1"
     assert alone("msg", "md5", "std_msgs/String").output == f"{md5}\n"
     assert alone("msg", "md5", "String").output == f"[std_msgs/String]: {md5}\n"
     result = alone("msg", "md5", "std_msgs/Strin")
     assert (result.exit_code, result.stdout) == (1, "")
-    assert result.stderr.startswith("Error: Unknown message type std_msgs/Strin: no definition")
+    assert "std_msgs/Strin" in result.stderr

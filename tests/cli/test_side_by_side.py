@@ -25,11 +25,12 @@ from fibws.errors import InvalidValue
 from fibws.hub.rosapi.typedefs import TypeDefs
 from fibws.interfaces import Interfaces
 from fibws.interfaces.definition import Field as DefinedField
-from fibws.values import csv_rows, parsing, printing
+from fibws.values import csv_rows, parsing
 from fibws.values import rates as windows
 from fibws.values.field_paths import Path as FieldPath
 from fibws.values.rates import Rate, poll, rates_text
 from fibws.values.typedefs import Field, Typedefs
+from fibws.values.yaml_text import Style, message_text, value_text
 
 PYTHON = "/usr/bin/python3"
 SCRIPT = Path(__file__).with_name("rostopic_says.py")
@@ -150,9 +151,9 @@ def test_messages_are_printed_alike(ask: Ask, type_: str) -> None:
     for _ in range(4):
         value = example(type_, choose)
         found = typedefs(type_)
-        assert printing.text(value, found) == ask("echo", **asked(type_, value))
-        style = printing.Style(width=choose.choice([2, 5, 9]), offset=choose.choice([None, NOW]))
-        printed = printing.value(value, Field("", type_), found, style)
+        assert message_text(value, found) == ask("echo", **asked(type_, value))
+        style = Style(width=choose.choice([2, 5, 9]), offset=choose.choice([None, NOW]))
+        printed = value_text(value, Field("", type_), found, style)
         given = {"width": style.width, "offset": style.offset}
         assert printed == ask("echo", **asked(type_, value), **given)
 
@@ -163,7 +164,8 @@ def test_messages_are_printed_alike(ask: Ask, type_: str) -> None:
 def test_what_is_told_by_its_length_is_told_alike(ask: Ask, type_: str) -> None:
     value = example(type_, random.Random(8))
     for noarr, nostr in ((True, False), (False, True), (True, True)):
-        mine = printing.text(value, typedefs(type_), noarr=noarr, nostr=nostr)
+        style = Style(noarr, nostr)
+        mine = value_text(value, Field("", type_), typedefs(type_), style)
         assert mine == ask("echo", **asked(type_, value), noarr=noarr, nostr=nostr)
 
 
@@ -173,7 +175,7 @@ def test_texts_are_printed_alike(ask: Ask, text: str) -> None:
         ("std_msgs/String", {"data": text}),
         ("diagnostic_msgs/KeyValue", {"key": text, "value": text}),
     ):
-        assert printing.text(value, typedefs(type_)) == ask("echo", **asked(type_, value))
+        assert message_text(value, typedefs(type_)) == ask("echo", **asked(type_, value))
 
 
 def test_lists_of_texts_are_printed_alike(ask: Ask) -> None:
@@ -183,7 +185,7 @@ def test_lists_of_texts_are_printed_alike(ask: Ask) -> None:
         names = [*names, "joint_2"]
         value = {"header": header, "name": names, "position": [], "velocity": [], "effort": []}
         type_ = "sensor_msgs/JointState"
-        assert printing.text(value, typedefs(type_)) == ask("echo", **asked(type_, value))
+        assert message_text(value, typedefs(type_)) == ask("echo", **asked(type_, value))
 
 
 @pytest.mark.parametrize(
@@ -210,7 +212,7 @@ def test_fields_are_picked_alike(ask: Ask, type_: str, path: str) -> None:
     while any(each == [] for each in value.values()):
         value = example(type_, choose)
     found, way = typedefs(type_), FieldPath(path)
-    mine = printing.value(way.pick(value, found), way.field(found), found)
+    mine = value_text(way.pick(value, found), way.field(found), found)
     assert mine == ask("field", **asked(type_, value), path=path)
 
 
@@ -276,7 +278,7 @@ def test_words_are_read_alike(ask: Ask, type_: str, words: list[str]) -> None:
         with pytest.raises(InvalidValue):
             parsing.message(words, typedefs(type_))
     else:
-        mine = printing.text(parsing.message(words, typedefs(type_)), typedefs(type_))
+        mine = message_text(parsing.message(words, typedefs(type_)), typedefs(type_))
         # What is whole is a float here once the hub has read it.
         assert _as_floats(mine) == _as_floats(theirs["text"])
 
@@ -383,6 +385,7 @@ def test_info_is_alike(ask: Ask, run: Run, publish: Publish) -> None:
 
 def test_what_rostopic_gets_wrong_is_right_here() -> None:
     covariance = {"covariance": [0.0] * 36}
-    short = printing.text(covariance, typedefs("geometry_msgs/PoseWithCovariance"), noarr=True)
+    type_ = "geometry_msgs/PoseWithCovariance"
+    short = value_text(covariance, Field("", type_), typedefs(type_), Style(noarr=True))
     assert short.endswith('covariance: "<array type: float64, length: 36>"')
     assert windows.MOST == 50_000

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from fibws.interfaces.catalogue import STANDARD
-from fibws.values.installed_types import Installed
+from fibws.values.type_definitions import InstalledTypes
 
 pytestmark = [
     pytest.mark.real_ros,
@@ -56,11 +56,11 @@ def test_every_standard_type_is_shown_alike(ros_packages: Path) -> None:
         check=True,
     )
     theirs: dict[str, str] = json.loads(ran.stdout)
-    messages, services = Installed("msg"), Installed("srv")
+    messages, services = InstalledTypes("msg"), InstalledTypes("srv")
     ours = {}
     for key in theirs:
         kind, type_ = key.split()
-        shown = (messages if kind == "msg" else services).show(type_)
-        ours[key] = "".join(f"{line}\n" for line in shown.lines)
+        definition = (messages if kind == "msg" else services).definition(type_)
+        ours[key] = "".join(f"{line}\n" for line in definition.lines)
     assert len(theirs) > 150
     assert ours == theirs

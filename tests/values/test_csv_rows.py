@@ -1,4 +1,4 @@
-"""Rows for plots; rostopic's own are in `test_side_by_side`."""
+"""Comma-separated values; compared with rostopic's in `test_side_by_side`."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def test_a_row_begins_with_the_time(client: HubClient) -> None:
     assert rows.row({"data": 8}, now=NOW) == f"{NOW},8"
 
 
-def test_the_time_is_that_of_the_header(client: HubClient) -> None:
+def test_the_time_is_the_header_s_stamp(client: HubClient) -> None:
     type_ = "geometry_msgs/PointStamped"
     rows = Rows(Typedefs.of_message(client, type_), Field("", type_))
     header = {"seq": 1, "stamp": {"secs": 11, "nsecs": 5}, "frame_id": "map"}
@@ -25,7 +25,7 @@ def test_the_time_is_that_of_the_header(client: HubClient) -> None:
     assert rows.row(message, now=NOW, relative=True) == relative
 
 
-def test_the_elements_of_arrays_have_columns(client: HubClient) -> None:
+def test_each_element_of_an_array_has_a_column(client: HubClient) -> None:
     type_ = "std_msgs/UInt8MultiArray"
     message = {"layout": {"dim": [], "data_offset": 0}, "data": "AQI="}
     rows = Rows(Typedefs.of_message(client, type_), Field("", type_))
@@ -33,8 +33,8 @@ def test_the_elements_of_arrays_have_columns(client: HubClient) -> None:
     assert rows.row(message, now=NOW) == f"{NOW},0,1,2"
 
 
-def test_a_message_that_nobody_defined_has_columns_by_its_looks() -> None:
-    rows = Rows(Typedefs("nobodys_msgs/Type"), Field("", "nobodys_msgs/Type"))
+def test_a_message_of_an_unknown_type_has_a_column_for_each_value() -> None:
+    rows = Rows(Typedefs("unknown_msgs/Type"), Field("", "unknown_msgs/Type"))
     message = {"a": True, "b": {"c": "x"}, "d": [1, 2]}
     assert rows.head(message) == "%time,field.a,field.b.c,field.d0,field.d1"
     assert rows.row(message, now=NOW) == f"{NOW},1,x,1,2"

@@ -1,4 +1,4 @@
-"""The way to a field of a topic's messages; rostopic's own is in `test_side_by_side`."""
+"""Paths to fields of messages; compared with rostopic's in `test_side_by_side`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from fibws.client.hub_client import HubClient
-from fibws.errors import InvalidValue
+from fibws.errors import InvalidValue, UnknownField
 from fibws.values.field_paths import Path, splits
 from fibws.values.typedefs import Typedefs
 
@@ -44,41 +44,38 @@ def test_a_path_leads_to_a_field(polygon: Typedefs, text: str, type_: str, value
     assert path.pick(POLYGON, polygon) == value
 
 
-def test_bytes_are_counted_as_such(client: HubClient) -> None:
+def test_bytes_are_elements(client: HubClient) -> None:
     typedefs = Typedefs.of_message(client, "std_msgs/UInt8MultiArray")
     assert Path("data[1]").pick({"data": "AQI="}, typedefs) == 2
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "facts"),
     [
-        (
-            "headr",
-            "no field named headr in geometry_msgs/PolygonStamped, which has header, polygon",
-        ),
-        ("header/seq/x", "no field named x in uint32, which has no fields that are known"),
-        ("header[0]", "header is a std_msgs/Header, no array"),
-        ("polygon/points/x", "points has several elements: write points[0]"),
+        ("headr", "headr .*geometry_msgs/PolygonStamped: .*header, polygon"),
+        ("header/seq/x", "x in uint32"),
+        ("header[0]", "header is a std_msgs/Header"),
+        ("polygon/points/x", r"points\[0\]"),
     ],
 )
-def test_a_path_to_nowhere_says_where_it_ends(polygon: Typedefs, text: str, said: str) -> None:
-    with pytest.raises(LookupError, match=f"^{re.escape(said)}$"):
+def test_unknown_fields_are_named(polygon: Typedefs, text: str, facts: str) -> None:
+    with pytest.raises(UnknownField, match=facts):
         Path(text).field(polygon)
 
 
 def test_an_array_may_be_too_short(polygon: Typedefs) -> None:
-    with pytest.raises(LookupError, match="points has only 2 elements"):
+    with pytest.raises(UnknownField, match=r"points.* 2"):
         Path("polygon/points[2]").pick(POLYGON, polygon)
 
 
 @pytest.mark.parametrize("text", ["a[", "a]", "a[]", "a[x]", "a[1:2:3:4]", "a[1:2:0]", "a-b"])
-def test_what_is_no_path_is_said_to_be_none(text: str) -> None:
-    with pytest.raises(InvalidValue, match="write"):
+def test_invalid_paths_are_refused(text: str) -> None:
+    with pytest.raises(InvalidValue, match=re.escape(repr(text))):
         Path(text)
 
 
 @pytest.mark.parametrize("text", ["a", "a/b[1]/c", "a[1:2]", "a[::2]", "a[-1]"])
-def test_a_path_is_written_as_it_was(text: str) -> None:
+def test_the_text_of_a_path_is_what_was_parsed(text: str) -> None:
     assert str(Path(text)) == text
     assert Path(text)
     assert not Path("")
@@ -94,5 +91,5 @@ def test_a_path_is_written_as_it_was(text: str) -> None:
         ("/a/", [("/a", "")]),
     ],
 )
-def test_a_name_is_a_topic_and_maybe_a_path(name: str, found: list[tuple[str, str]]) -> None:
+def test_a_name_is_a_topic_perhaps_with_a_path(name: str, found: list[tuple[str, str]]) -> None:
     assert list(splits(name, ["/a", "/a/b", "/c"])) == found

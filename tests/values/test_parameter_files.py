@@ -43,7 +43,7 @@ def tree(leaves: list[tuple[str, str]]) -> dict[str, Any]:
 
 @examples(0.3)  # PyYAML is slow.
 @given(SPACES)
-def test_what_is_dumped_is_loaded_as_it_was(space: dict[str, Any]) -> None:
+def test_dumped_parameters_are_loaded_unchanged(space: dict[str, Any]) -> None:
     space = json.loads(json.dumps(space))
     assert tree(parameter_files.parameters(parameter_files.dumped(space), "/")) == space
 
@@ -64,28 +64,28 @@ def test_what_is_dumped_is_loaded_as_it_was(space: dict[str, Any]) -> None:
         ("radius(1)", "radius(1)"),
     ],
 )
-def test_a_word_has_yamls_type(word: str, value: object) -> None:
-    found = parameter_files.value(word)
+def test_values_have_the_types_of_yaml(word: str, value: object) -> None:
+    found = parameter_files.parse(word)
     assert (found, type(found)) == (value, type(value))
 
 
 @pytest.mark.parametrize(
     ("word", "fault"),
     [
-        ("[1", "This is no YAML: expected ',' or ']'"),
-        ("!!python/object:os.system {}", "This is no YAML: could not determine a constructor"),
+        ("[1", "Invalid YAML: expected"),
+        ("!!python/object:os.system {}", "Invalid YAML: could not determine a constructor"),
         ("rad(x)", "angle in radians 'rad(x)'"),
         ("2020-13-45", "month must be in 1..12"),
         ("[" * 1_000, "'[[["),
     ],
 )
-def test_what_is_no_value_is_wrong_usage(word: str, fault: str) -> None:
+def test_invalid_yaml_is_refused(word: str, fault: str) -> None:
     with pytest.raises(InvalidValue) as caught:
-        parameter_files.value(word)
+        parameter_files.parse(word)
     assert fault in str(caught.value)
 
 
-def test_an_object_is_many_parameters() -> None:
+def test_an_object_is_a_parameter_for_each_key() -> None:
     assert parameter_files.leaves("/a", {"b": 1, "c": {"d": [{"e": 1}], "f": {}}}) == [
         ("/a/b", "1"),
         ("/a/c/d", '[{"e": 1}]'),
@@ -96,34 +96,34 @@ def test_an_object_is_many_parameters() -> None:
 @pytest.mark.parametrize(
     ("word", "fault"),
     [
-        ("{1: 2}", "/x has the key 1, which is no text to YAML: write '\"1\"'"),
-        ("{a: {yes: 2}}", "/x/a has the key True"),
-        ("null", "Parameter [/x]: null is no value; to unset it, delete it"),
-        ("{a: [{b: null}]}", "Parameter [/x/a]: null is no value"),
-        ("2020-01-01", "Parameter [/x]: 2020-01-01 is a date to YAML"),
-        ("[2020-01-01]", "2020-01-01 is a date to YAML: put it between quotation marks"),
-        ("!!binary aGk=", "Parameter [/x]: bytes are no value"),
-        (".nan", "Parameter [/x]: nan is no number that JSON has"),
-        ("[.inf]", "Parameter [/x]: "),
-        ("&x {a: *x}", "/x has too many values in each other"),
-        ("&x [*x]", "/x has too many values in each other"),
-        (f"1{':59' * 500}", "a number that no field has room for"),
-        ("!!timestamp x", "'!!timestamp x': "),
+        ("{1: 2}", "[/x]: key 1"),
+        ("{a: {yes: 2}}", "[/x/a]: key True"),
+        ("null", "[/x]: null"),
+        ("{a: [{b: null}]}", "[/x/a]: null"),
+        ("2020-01-01", "[/x]: 2020-01-01 is a date"),
+        ("[2020-01-01]", "2020-01-01 is a date"),
+        ("!!binary aGk=", "[/x]: bytes"),
+        (".nan", "[/x]: nan"),
+        ("[.inf]", "[/x]: "),
+        ("&x {a: *x}", "nested too deeply"),
+        ("&x [*x]", "nested too deeply"),
+        (f"1{':59' * 500}", "number too large"),
+        ("!!timestamp x", "Invalid YAML"),
     ],
 )
-def test_what_no_parameter_can_be_is_refused(word: str, fault: str) -> None:
+def test_values_that_parameters_cannot_have_are_refused(word: str, fault: str) -> None:
     with pytest.raises((InvalidValue, ParameterError)) as caught:
-        parameter_files.leaves("/x", parameter_files.value(word))
+        parameter_files.leaves("/x", parameter_files.parse(word))
     assert fault in str(caught.value)
 
 
-def test_all_can_only_be_an_object() -> None:
-    with pytest.raises((InvalidValue, ParameterError), match="set it to an object"):
+def test_the_root_namespace_must_be_an_object() -> None:
+    with pytest.raises((InvalidValue, ParameterError), match="object"):
         parameter_files.leaves("/", 5)
     assert parameter_files.leaves("/", {"a": 5}) == [("/a", "5")]
 
 
-def test_a_file_may_have_several_documents_and_name_namespaces() -> None:
+def test_documents_may_name_their_namespaces() -> None:
     text = "a: 1\n---\n---\n_ns: arm\nb: 2\n---\n_ns: /global\nc: 3\n---\n_ns: {d: 4}\n"
     assert parameter_files.parameters(text, "/robot") == [
         ("/robot/a", "1"),
@@ -140,29 +140,29 @@ def test_a_file_may_have_several_documents_and_name_namespaces() -> None:
     [
         (
             "a: [1",
-            "This is no YAML: expected ',' or ']', but got '<stream end>' (line 1, column 6)",
+            "Invalid YAML: expected ',' or ']', but got '<stream end>' (line 1, column 6)",
         ),
         ("a: 2020-13-45", "month must be in 1..12"),
         ("a: deg(x)", "angle in degrees 'deg(x)'"),
-        ("[" * 1_000, "maximum recursion depth exceeded"),
+        ("[" * 1_000, "nested too deeply"),
         ("a: !!timestamp x", "groupdict"),
     ],
 )
-def test_what_is_no_yaml_is_told(text: str, fault: str) -> None:
+def test_invalid_yaml_in_files_is_refused(text: str, fault: str) -> None:
     with pytest.raises((InvalidValue, ParameterError)) as caught:
         parameter_files.parameters(text, "/")
     assert fault in str(caught.value)
 
 
-def test_a_file_that_cannot_be_read_is_told(tmp_path: Path) -> None:
-    with pytest.raises(ParameterError, match=r"Cannot read .*missing: No such file"):
-        parameter_files.text_of(tmp_path / "missing")
+def test_unreadable_files_are_reported(tmp_path: Path) -> None:
+    with pytest.raises(ParameterError, match="missing: No such file"):
+        parameter_files.read(tmp_path / "missing")
     (tmp_path / "latin").write_bytes(b"\xff")
-    with pytest.raises((InvalidValue, ParameterError), match=r"latin is no text in UTF-8"):
-        parameter_files.text_of(tmp_path / "latin")
+    with pytest.raises((InvalidValue, ParameterError), match=r"latin .*UTF-8"):
+        parameter_files.read(tmp_path / "latin")
 
 
-def test_pretty_is_for_people() -> None:
+def test_pretty_leaves_out_quotes() -> None:
     value = {"b": {"c": "x"}, "a": "l1\nl2", "d": [1, 2], "e": 1.5}
     assert list(parameter_files.pretty(value)) == [
         "a: |",
@@ -178,14 +178,14 @@ def test_pretty_is_for_people() -> None:
 
 
 @pytest.mark.skipif(not Path("/dev/zero").exists(), reason="there is no such device")
-def test_a_file_without_end_is_refused() -> None:
-    with pytest.raises(ParameterError, match="/dev/zero has more than 67108864 characters"):
-        parameter_files.text_of(Path("/dev/zero"))
+def test_endless_files_are_refused() -> None:
+    with pytest.raises(ParameterError, match=r"/dev/zero .*67108864"):
+        parameter_files.read(Path("/dev/zero"))
 
 
-def test_few_lines_that_stand_for_billions_of_values_are_refused() -> None:
+def test_aliases_of_billions_of_values_are_refused() -> None:
     lines = [f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * 10)}]" for n in range(1, 12)]
-    with pytest.raises((InvalidValue, ParameterError), match="more than 5000000 values"):
+    with pytest.raises((InvalidValue, ParameterError), match="5000000"):
         parameter_files.parameters("\n".join(["a0: &a0 [0, 0]", *lines]), "/")
 
 

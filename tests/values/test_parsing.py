@@ -1,9 +1,10 @@
-"""Words of a command line as messages; genpy's own view of them is in `test_side_by_side`."""
+"""Messages from a command line's arguments; compared with genpy's in `test_side_by_side`."""
 
 from __future__ import annotations
 
 import io
 import math
+import re
 import time
 from typing import Any
 
@@ -28,7 +29,7 @@ def test_a_message_is_an_object_or_its_values_in_order(client: HubClient, words:
     assert parsing.message(words, typedefs) == {"data": 5}
 
 
-def test_messages_in_it_may_be_lists(client: HubClient) -> None:
+def test_nested_messages_may_be_lists(client: HubClient) -> None:
     typedefs = Typedefs.of_message(client, "geometry_msgs/Twist")
     assert parsing.message(["[1, 2, 3]", "{z: 0.5}"], typedefs) == {
         "linear": {"x": 1, "y": 2, "z": 3},
@@ -36,7 +37,7 @@ def test_messages_in_it_may_be_lists(client: HubClient) -> None:
     }
 
 
-def test_a_number_that_yaml_takes_for_a_text_is_one(client: HubClient) -> None:
+def test_numbers_that_are_strings_in_yaml_are_numbers(client: HubClient) -> None:
     typedefs = Typedefs.of_message(client, "std_msgs/Float64")
     assert parsing.message(["1e3"], typedefs) == {"data": 1000.0}
     assert parsing.message(["one"], typedefs) == {"data": "one"}, "the hub says what is wrong"
@@ -44,9 +45,8 @@ def test_a_number_that_yaml_takes_for_a_text_is_one(client: HubClient) -> None:
     assert parsing.message([".inf"], typedefs) == {"data": math.inf}
 
 
-def test_a_colon_without_its_blank_is_told(client: HubClient) -> None:
-    told = "YAML wants a blank after the colon: 'data: 5'"
-    assert fault(["data:5"], Typedefs.of_message(client, "std_msgs/Int32")) == told
+def test_a_missing_space_after_a_colon_is_reported(client: HubClient) -> None:
+    assert "'data: 5'" in fault(["data:5"], Typedefs.of_message(client, "std_msgs/Int32"))
     text = Typedefs.of_message(client, "std_msgs/String")
     assert parsing.message(["data:5"], text) == {"data": "data:5"}
 
@@ -68,7 +68,7 @@ def test_a_time_has_several_spellings(client: HubClient, word: str) -> None:
     assert parsing.message([f"data: {word}"], typedefs) == {"data": {"secs": 1, "nsecs": 5}}
 
 
-def test_times_of_which_nothing_is_said_are_0_as_in_ros(client: HubClient) -> None:
+def test_missing_times_are_0_as_in_ros(client: HubClient) -> None:
     typedefs = Typedefs.of_message(client, "geometry_msgs/PoseStamped")
     zero = {"secs": 0, "nsecs": 0}
     assert parsing.message(["{}"], typedefs) == {"header": {"stamp": zero}}
@@ -76,56 +76,52 @@ def test_times_of_which_nothing_is_said_are_0_as_in_ros(client: HubClient) -> No
     assert said == {"header": {"frame_id": "map", "stamp": zero}}
 
 
-def test_bytes_may_be_binary(client: HubClient) -> None:
+def test_bytes_may_have_the_tag_binary(client: HubClient) -> None:
     typedefs = Typedefs.of_message(client, "std_msgs/UInt8MultiArray")
     assert parsing.message(["data: !!binary AQI="], typedefs)["data"] == "AQI="
 
 
-def test_a_message_that_nobody_defined_is_taken_as_it_is() -> None:
-    typedefs = Typedefs("nobodys_msgs/Type")
+def test_a_message_of_an_unknown_type_is_not_checked() -> None:
+    typedefs = Typedefs("unknown_msgs/Type")
     assert parsing.message(["{a: [1, {b: x}]}"], typedefs) == {"a": [1, {"b": "x"}]}
-    assert "The fields of nobodys_msgs/Type are not known" in fault(["1"], typedefs)
+    assert "unknown_msgs/Type" in fault(["1"], typedefs)
 
 
 @pytest.mark.parametrize(
-    ("type_", "words", "said"),
+    ("type_", "words", "facts"),
     [
-        ("std_msgs/Int32", ["{dta: 5}"], "No field name [dta]: did you mean data?"),
-        ("std_msgs/Int32", ["{xyz: 5}"], "No field name [xyz]: there are data"),
-        ("geometry_msgs/Point", ["1", "2"], "Not enough arguments: given [1, 2], expected x, y, z"),
-        ("std_msgs/Int32", ["1", "2"], "Too many arguments: given [1, 2], expected data"),
-        ("std_msgs/Int32", ["{data: "], "This is no YAML: "),
-        ("std_msgs/Int32", ["data: [1]"], "Field [data] must be an int32 instead of [1]"),
-        ("std_msgs/String", ["data: 5"], "Field [data] must be a text instead of 5"),
-        ("std_msgs/Int64", ["2020-01-01"], "Field [data] is a date to YAML"),
-        ("std_msgs/Time", ["data: soon"], "Field [data] must be now, {secs: 1, nsecs: 0} or whole"),
-        ("std_msgs/Int32MultiArray", ["data: 5"], "Field [data] must be a list of int32"),
-        ("geometry_msgs/Twist", ["linear: 5"], "Field [linear] must be x, y, z"),
-        ("geometry_msgs/Twist", ["linear: {w: 5}"], "No field name [linear.w]"),
-        ("geometry_msgs/Twist", ["linear: [1]"], "Not enough arguments for [linear]"),
-        (
-            "geometry_msgs/PoseWithCovariance",
-            ["covariance: [1, 2]"],
-            "Field [covariance] has incorrect number of elements: 2 instead of 36",
-        ),
-        ("geometry_msgs/Polygon", ["points: [{x: 1}, {w: 2}]"], "No field name [points[1].w]"),
+        ("std_msgs/Int32", ["{dta: 5}"], r"\[dta\].*did you mean data"),
+        ("std_msgs/Int32", ["{xyz: 5}"], r"\[xyz\].* data"),
+        ("geometry_msgs/Point", ["1", "2"], r"Not enough arguments: .*x, y, z .*\[1, 2\]"),
+        ("std_msgs/Int32", ["1", "2"], r"Too many arguments: .*data .*\[1, 2\]"),
+        ("std_msgs/Int32", ["{data: "], "Invalid YAML: "),
+        ("std_msgs/Int32", ["data: [1]"], r"\[data\].* int32.*\[1\]"),
+        ("std_msgs/String", ["data: 5"], r"\[data\].* string.*5"),
+        ("std_msgs/Int64", ["2020-01-01"], r"\[data\].* date 2020-01-01"),
+        ("std_msgs/Time", ["data: soon"], r"\[data\].* now, \{secs: 1, nsecs: 0\}.*'soon'"),
+        ("std_msgs/Int32MultiArray", ["data: 5"], r"\[data\].* list of int32.* 5"),
+        ("geometry_msgs/Twist", ["linear: 5"], r"\[linear\].* x, y, z .* 5"),
+        ("geometry_msgs/Twist", ["linear: {w: 5}"], r"\[linear\.w\]"),
+        ("geometry_msgs/Twist", ["linear: [1]"], r"Not enough arguments for \[linear\]"),
+        ("geometry_msgs/PoseWithCovariance", ["covariance: [1, 2]"], r"\[covariance\].* 36.* 2"),
+        ("geometry_msgs/Polygon", ["points: [{x: 1}, {w: 2}]"], r"\[points\[1\]\.w\]"),
     ],
 )
-def test_an_error_names_the_field_and_what_would_be_right(
-    client: HubClient, type_: str, words: list[str], said: str
+def test_an_error_names_the_field_and_what_is_expected(
+    client: HubClient, type_: str, words: list[str], facts: str
 ) -> None:
-    assert fault(words, Typedefs.of_message(client, type_)).startswith(said)
+    assert re.match(f".*{facts}", fault(words, Typedefs.of_message(client, type_)))
 
 
-def test_yaml_makes_no_objects_of_python(client: HubClient) -> None:
+def test_tags_of_python_objects_are_refused(client: HubClient) -> None:
     typedefs = Typedefs.of_message(client, "std_msgs/String")
-    assert "no YAML" in fault(["!!python/object/apply:os.getcwd []"], typedefs)
+    assert "Invalid YAML" in fault(["!!python/object/apply:os.getcwd []"], typedefs)
 
 
 def test_a_file_may_have_several_documents() -> None:
     stream: Any = io.StringIO("data: 1\n---\ndata: 2\n")
     assert list(parsing.documents(stream)) == [{"data": 1}, {"data": 2}]
-    with pytest.raises(InvalidValue, match="no YAML"):
+    with pytest.raises(InvalidValue, match="Invalid YAML"):
         list(parsing.documents(io.StringIO("{")))
 
 
@@ -138,21 +134,22 @@ BOMB = "\n".join(
 @pytest.mark.parametrize(
     ("text", "fault"),
     [
-        (BOMB, "more than 5000000 values"),
-        ("a: &a [*a]", "too many values in each other"),
-        ("a: &a {b: *a}", "too many values in each other"),
-        (f"a: 1{':59' * 5_000}", "no field has room for"),
-        ("a: !!timestamp x", "This is no YAML"),
+        (BOMB, "limit: 5000000"),
+        ("a: &a [*a]", "nested too deeply"),
+        ("a: &a {b: *a}", "nested too deeply"),
+        ("[" * 1_000, "nested too deeply"),
+        (f"a: 1{':59' * 5_000}", "limit: 1024 bits"),
+        ("a: !!timestamp x", "Invalid YAML"),
     ],
 )
-def test_what_would_never_end_is_refused(text: str, fault: str) -> None:
+def test_documents_without_bounds_are_refused(text: str, fault: str) -> None:
     with pytest.raises(InvalidValue, match=fault):
         parsing.parse(text)
     with pytest.raises(InvalidValue, match=fault):
         list(parsing.documents(text))
 
 
-def test_what_is_said_of_a_long_word_is_short() -> None:
+def test_errors_about_long_words_are_short() -> None:
     with pytest.raises(InvalidValue) as refused:
         parsing.parse("9" * 5_000)
     assert len(str(refused.value)) < 500

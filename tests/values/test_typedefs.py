@@ -1,4 +1,4 @@
-"""What types are made of, as a real hub tells it."""
+"""Definitions of types, as a real hub reports them."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def test_a_type_is_written_as_in_definitions(field: Field, written: str) -> None
     assert field.written_type == written
 
 
-def test_the_spelling_of_ros_2_means_the_same_type(client: HubClient) -> None:
+def test_names_of_ros_2_mean_the_same_types(client: HubClient) -> None:
     assert Typedefs.of_message(client, "std_msgs/msg/Int32").root == "std_msgs/Int32"
 
 
@@ -54,7 +54,7 @@ def test_a_service_has_a_request_and_a_response(client: HubClient) -> None:
     assert response.fields(response.root) == [Field("sum", "int64")]
 
 
-def test_a_type_that_is_none_is_an_error(client: HubClient) -> None:
+def test_an_unknown_type_is_an_error(client: HubClient) -> None:
     with pytest.raises(ServiceError, match="did you mean std_msgs/String"):
         Typedefs.of_message(client, "std_msgs/Strin")
     unknown = if_known(Typedefs.of_message, client, "std_msgs/Strin")
@@ -71,26 +71,24 @@ def test_defaults_are_those_of_ros(client: HubClient) -> None:
     assert typedefs.default(Field("", "uint8", 0)) == []
 
 
-def test_a_type_that_is_not_in_it_is_not_there() -> None:
+def test_an_empty_definition_contains_no_type() -> None:
     typedefs = Typedefs("my_msgs/Mine")
     assert "my_msgs/Mine" not in typedefs
     with pytest.raises(KeyError):
         typedefs.fields("my_msgs/Mine")
 
 
-def test_a_stamp_is_in_a_header_that_comes_first(client: HubClient) -> None:
+def test_a_header_is_the_first_field(client: HubClient) -> None:
     typedefs = Typedefs.of_message(client, "nav_msgs/Path")
     assert typedefs.has_header("nav_msgs/Path")
     assert typedefs.has_header("geometry_msgs/PoseStamped")
     assert not typedefs.has_header("geometry_msgs/Point")
-    assert not typedefs.has_header("nobodys_msgs/Type")
+    assert not typedefs.has_header("unknown_msgs/Type")
 
 
 @pytest.mark.parametrize("typedefs", [5, [5], [{"type": "x"}], [{}]])
-def test_what_is_no_definition_is_an_error(
-    typedefs: object, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_invalid_response_is_an_error(typedefs: object, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(HubClient, "__init__", lambda *_: None)
     monkeypatch.setattr(HubClient, "call", lambda *_: {"typedefs": typedefs})
-    with pytest.raises(ServiceError, match=r"is no rosapi/TypeDef\[\]"):
+    with pytest.raises(ServiceError, match=r"invalid .*std_msgs/Int32"):
         Typedefs.of_message(HubClient("test"), "std_msgs/Int32")

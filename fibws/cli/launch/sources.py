@@ -6,13 +6,12 @@ import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import click
 
 from fibws import names
 from fibws.cli.run import put_on_paths
-from fibws.errors import FibwsError, InvalidValue
+from fibws.errors import FibwsError
 from fibws.ros1.launch import launch_files
 from fibws.ros1.launch.environment import LocalEnvironment
 from fibws.ros1.launch.reader import STANDARD_INPUT, Reader
@@ -49,7 +48,7 @@ class Sources:
             raise click.UsageError("FILE can be - (standard input) only once.")
         self._values = _values(words)
         self._files = launch_files.find_launch_files(files, self.packages)
-        self._environment = LocalEnvironment(self.packages, read_yaml)
+        self._environment = LocalEnvironment(self.packages, parameter_files.parse)
 
     def read(self) -> Reader:
         """Read the files, or raise `LaunchError` or `OSError`."""
@@ -84,24 +83,6 @@ def completions(words: Sequence[str], incomplete: str) -> list[str]:
     except (click.ClickException, FibwsError, OSError):
         return []
     return [each for each in found if each.startswith(incomplete)]
-
-
-def read_yaml(text: str) -> Any:
-    """Return the value of a YAML text, with rosparam's angles.
-
-    Raises:
-        InvalidValue: the text is invalid or too large.
-    """
-    import yaml
-
-    from fibws.values import parsing
-
-    try:
-        value = yaml.load(text, parameter_files.loader())
-        parsing.check_size(value)
-    except (yaml.YAMLError, *parsing.FAULTS) as error:
-        raise InvalidValue(parsing.fault(error)) from None
-    return value
 
 
 def _values(words: Sequence[str]) -> dict[str, str]:

@@ -13,7 +13,7 @@ from fibws.cli.common_options import json_option, with_hub
 from fibws.cli.topic.target import Target, global_name, retarget, wait
 from fibws.client.hub_client import HubClient
 from fibws.errors import UnknownField
-from fibws.values import printing
+from fibws.values.yaml_text import Style, value_text
 
 if TYPE_CHECKING:
     from fibws.values.filters import Filter
@@ -105,7 +105,7 @@ def command(
 
 def _up_to_date(client: HubClient, target: Target, message: dict[str, Any]) -> Target:
     """The target as it is now: a topic may come back with another type."""
-    if target.typedefs.fit(message):
+    if target.typedefs.fits(message):
         return target
     type_ = client.call("/rosapi/topic_type", {"topic": target.topic})["type"]
     return target if type_ in ("", target.type) else retarget(client, target, type_)
@@ -118,14 +118,14 @@ def _json(value: Any, target: Target) -> None:
 def _yaml(
     *, clear: bool, noarr: bool, nostr: bool, width: int | None, offset: bool
 ) -> Callable[[Any, Target], None]:
-    style = printing.Style(noarr, nostr, width)
+    style = Style(noarr, nostr, width)
     before = CLEAR if clear and output.has_control_sequences() else ""
 
     def show(value: Any, target: Target) -> None:
         now = style._replace(offset=time.time_ns()) if offset else style
         if before:
             click.echo(before, nl=False, color=True)
-        output.line(f"{printing.value(value, target.field, target.typedefs, now)}\n---")
+        output.line(f"{value_text(value, target.field, target.typedefs, now)}\n---")
 
     return show
 

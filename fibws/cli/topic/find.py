@@ -6,7 +6,7 @@ import click
 
 from fibws.cli import completers, output
 from fibws.cli.common_options import json_option, with_hub
-from fibws.cli.type_names import full_name
+from fibws.cli.types import full_name
 from fibws.client.hub_client import HubClient
 
 

@@ -14,10 +14,11 @@ from fibws.cli.arguments import DigitOptions, piped_input
 from fibws.cli.common_options import examples, with_hub
 from fibws.cli.topic import pipe
 from fibws.cli.topic.publisher import Publisher
-from fibws.cli.type_names import full_name
+from fibws.cli.types import full_name
 from fibws.client.hub_client import HubClient
-from fibws.values import parsing, printing
+from fibws.values import parsing
 from fibws.values.typedefs import Typedefs
+from fibws.values.yaml_text import message_text
 
 LINGER = 3.0
 """Seconds that a message is there for late listeners if it is published once, as in rostopic."""
@@ -94,7 +95,7 @@ def command(
         return
     for message in messages:
         publisher.publish(message)
-        what = f"[{printing.text(message, typedefs)}]" if verbose else "message"
+        what = f"[{message_text(message, typedefs)}]" if verbose else "message"
         until = f" for {LINGER} seconds" if once else ". Press ctrl-C to terminate"
         output.line(f"publishing and latching {what}{until}")
         client.process(LINGER if once else None)
@@ -133,7 +134,7 @@ def _of_stream(
 
 def _shown(messages: Iterable[dict[str, Any]], typedefs: Typedefs) -> Iterator[dict[str, Any]]:
     for message in messages:
-        output.line(f"publishing {printing.text(message, typedefs)}")
+        output.line(f"publishing {message_text(message, typedefs)}")
         yield message
 
 

@@ -60,7 +60,7 @@ def test_what_is_no_file_of_the_system_is_read_whole(
 def test_what_is_no_yaml_is_an_error(publisher: Publisher, piped: TextIO) -> None:
     print("{", file=piped)
     piped.close()
-    with pytest.raises(InvalidValue, match="no YAML"):
+    with pytest.raises(InvalidValue, match="Invalid YAML"):
         list(pipe.documents(publisher))
 
 

@@ -35,9 +35,9 @@ def test_json_has_the_parts(run: Run, publish: Publish) -> None:
     }
 
 
-def test_what_there_is_not_is_an_error(run: Run, publish: Publish) -> None:
+def test_unknown_topics_and_fields_are_errors(run: Run, publish: Publish) -> None:
     publish("/pose", "geometry_msgs/PoseStamped")
     topic, field = run("topic", "type", "/posse"), run("topic", "type", "/pose/x")
     assert topic.exit_code == field.exit_code == 1
-    assert topic.stderr == "Error: unknown topic type [/posse]; did you mean /pose?\n"
-    assert "no field named x in geometry_msgs/PoseStamped, which has header, pose" in field.stderr
+    assert "[/posse]; did you mean /pose?" in topic.stderr
+    assert "x in geometry_msgs/PoseStamped" in field.stderr

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from fibws.errors import InterfaceError
 
 if TYPE_CHECKING:
-    from fibws.values.installed_types import Installed
+    from fibws.values.type_definitions import InstalledTypes
 
 __all__ = [
     "MODE_MSG",
@@ -81,17 +81,17 @@ def iterate_packages(rospack: object, mode: str) -> Iterator[tuple[str, str]]:
 
 def _text(mode: str, type_: str, raw: bool) -> str:
     try:
-        shown = _installed(mode).show(type_)
+        shown = _installed(mode).definition(type_)
     except InterfaceError as error:
         raise ROSMsgException(f"Unable to load {mode[1:]} [{type_}]: {error}") from None
     return shown.text if raw else "".join(f"{line}\n" for line in shown.lines)
 
 
-def _installed(mode: str) -> Installed:
-    from fibws.values.installed_types import Installed
+def _installed(mode: str) -> InstalledTypes:
+    from fibws.values.type_definitions import InstalledTypes
 
     if mode == MODE_MSG:
-        return Installed("msg", ())
+        return InstalledTypes("msg", ())
     if mode == MODE_SRV:
-        return Installed("srv", ())
+        return InstalledTypes("srv", ())
     raise ROSMsgException(f"Invalid mode for list_types: {mode}")
