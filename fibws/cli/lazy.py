@@ -20,6 +20,8 @@ class Command(NamedTuple):
     help: str
     section: str = "Commands"
     """The heading above it in the help."""
+    attribute: str = "command"
+    """The command's name in its module."""
 
 
 class LazyGroup(click.Group):
@@ -53,7 +55,8 @@ class LazyGroup(click.Group):
         """Import and return the command of this name; None if it is unknown."""
         if cmd_name not in self.modules:
             return None
-        command: click.Command = import_module(self.modules[cmd_name].module).command
+        found = self.modules[cmd_name]
+        command: click.Command = getattr(import_module(found.module), found.attribute)
         return command
 
     def resolve_command(

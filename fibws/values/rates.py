@@ -9,7 +9,7 @@ from typing import NamedTuple, TypeAlias
 
 _HEADS = ("topic", "rate", "min_delta", "max_delta", "std_dev", "window")
 
-MOST = 50_000
+MAX_WINDOW = 50_000
 """Default number of measurements that are kept, as in rostopic."""
 
 
@@ -30,7 +30,7 @@ class Window:
         size: maximum number of measurements.
     """
 
-    def __init__(self, size: int = MOST) -> None:
+    def __init__(self, size: int = MAX_WINDOW) -> None:
         self._values: deque[float] = deque(maxlen=size)
 
     def __len__(self) -> int:
@@ -77,7 +77,7 @@ class Rate:
         window: number of latest messages to measure.
     """
 
-    def __init__(self, window: int = MOST) -> None:
+    def __init__(self, window: int = MAX_WINDOW) -> None:
         self._deltas = Window(window - 1)
         self._last: float | None = None
         self._reported: float | None = None

@@ -20,7 +20,7 @@ from click.testing import CliRunner
 from hub_in_thread import Publish, Run
 
 from fibws.cli import output
-from fibws.cli.topic import bw, delay
+from fibws.cli.topic.rates import Bandwidth, Delay, bandwidth_text, delay_text
 from fibws.errors import InvalidValue
 from fibws.hub.rosapi.typedefs import TypeDefs
 from fibws.interfaces import Interfaces
@@ -314,25 +314,25 @@ def test_silence_is_told_alike(ask: Ask) -> None:
 
 def test_delays_are_told_alike(ask: Ask) -> None:
     delays = [0.25, 0.5, 0.001]
-    mine = delay.Delay()
+    mine = Delay()
     for each in delays:
         mine.add(each)
     polled = mine.poll()
     assert polled is not None
     # rostopic counts one more than it has.
     theirs = ask("delay", delays=delays).replace("window: 4", "window: 3")
-    assert f"{delay.text(*polled)}\n" == theirs
+    assert f"{delay_text(*polled)}\n" == theirs
 
 
 @pytest.mark.parametrize("size", [7, 700, 700_000])
 def test_bandwidth_is_told_alike(ask: Ask, size: int) -> None:
-    bandwidth = bw.Bandwidth()
+    bandwidth = Bandwidth()
     sizes, times = [size, size + 1, size + 5], [10.0, 10.5, 11.0]
     for each, now in zip(sizes, times, strict=True):
         bandwidth.add(each, now)
     polled = bandwidth.at(11.5)
     assert polled is not None
-    assert f"{bw.text(*polled)}\n" == ask("bw", sizes=sizes, times=times, now=11.5)
+    assert f"{bandwidth_text(*polled)}\n" == ask("bw", sizes=sizes, times=times, now=11.5)
 
 
 def _printed(show: Callable[[], None]) -> str:
@@ -388,4 +388,4 @@ def test_what_rostopic_gets_wrong_is_right_here() -> None:
     type_ = "geometry_msgs/PoseWithCovariance"
     short = value_text(covariance, Field("", type_), typedefs(type_), Style(noarr=True))
     assert short.endswith('covariance: "<array type: float64, length: 36>"')
-    assert windows.MOST == 50_000
+    assert windows.MAX_WINDOW == 50_000

@@ -6,18 +6,18 @@ import click
 
 from fibws.cli.lazy import Command, LazyGroup
 
+LISTING = "fibws.cli.topic.listing"
+RATES = "fibws.cli.topic.rates"
 COMMANDS = {
-    "bw": Command("fibws.cli.topic.bw", "Show the bandwidth of a topic."),
-    "delay": Command(
-        "fibws.cli.topic.delay", "Show the delay of a topic, by the stamps in its headers."
-    ),
+    "bw": Command(RATES, "Show the bandwidth of a topic.", attribute="bw"),
+    "delay": Command(RATES, "Show the delay of a topic, by header stamps.", attribute="delay"),
     "echo": Command("fibws.cli.topic.echo", "Print the messages of a topic."),
-    "find": Command("fibws.cli.topic.find", "List the topics of a type."),
-    "hz": Command("fibws.cli.topic.hz", "Show the publishing rate of topics."),
-    "info": Command("fibws.cli.topic.info", "Show the publishers and subscribers of a topic."),
-    "list": Command("fibws.cli.topic.list", "List the topics."),
+    "find": Command(LISTING, "List the topics of a type.", attribute="find"),
+    "hz": Command(RATES, "Show the publishing rate of topics.", attribute="hz"),
+    "info": Command(LISTING, "Show the publishers and subscribers of a topic.", attribute="info"),
+    "list": Command(LISTING, "List the topics.", attribute="list_"),
     "pub": Command("fibws.cli.topic.pub", "Publish messages."),
-    "type": Command("fibws.cli.topic.type_", "Show the type of a topic or of a field."),
+    "type": Command(LISTING, "Show the type of a topic or of a field.", attribute="type_"),
 }
 
 

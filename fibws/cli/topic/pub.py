@@ -1,7 +1,12 @@
-"""``fibws topic pub``: publish messages."""
+"""``fibws topic pub``: publish messages of the command line, a file or standard input."""
 
 from __future__ import annotations
 
+import os
+import select
+import sys
+import time
+from codecs import getincrementaldecoder
 from collections.abc import Iterable, Iterator
 from itertools import repeat
 from typing import Any, TextIO
@@ -12,18 +17,19 @@ from fibws import names
 from fibws.cli import completers, output
 from fibws.cli.arguments import DigitOptions, piped_input
 from fibws.cli.common_options import examples, with_hub
-from fibws.cli.topic import pipe
-from fibws.cli.topic.publisher import Publisher
-from fibws.cli.types import full_name
+from fibws.cli.type_names import full_name
 from fibws.client.hub_client import HubClient
 from fibws.values import parsing
-from fibws.values.typedefs import Typedefs
+from fibws.values.typedefs import Typedefs, if_known
 from fibws.values.yaml_text import message_text
 
 LINGER = 3.0
-"""Seconds that a message is there for late listeners if it is published once, as in rostopic."""
+"""Seconds for which a message that is published once stays available, as in rostopic."""
 RATE = 10.0
-"""Messages a second of those that come from a file or a pipe."""
+"""Messages per second from a file or standard input."""
+MAX_CHARACTERS = 2**26
+"""Maximum size of a message from standard input: by default no hub accepts larger ones."""
+CHUNK = 2**16
 
 
 @click.command(cls=DigitOptions)
@@ -36,19 +42,21 @@ RATE = 10.0
     "--rate",
     metavar="HZ",
     type=click.FloatRange(min=0, min_open=True, max=1e6),
-    help=f"Publish so many messages a second.  [default: {RATE:g} for those of -f and of a pipe]",
+    help=f"Messages to publish per second.  [default: {RATE:g} from a file or standard input]",
 )
 @click.option(
-    "-1", "--once", is_flag=True, help=f"Publish one message, and end {LINGER:g} seconds later."
+    "-1", "--once", is_flag=True, help=f"Publish one message, and exit after {LINGER:g} seconds."
 )
-@click.option("-f", "--file", type=click.File("r", "utf-8"), help="Take the messages from a file.")
-@click.option("-l", "--latch", is_flag=True, help="Latch also with -r, -f and a pipe.")
+@click.option("-f", "--file", type=click.File("r", "utf-8"), help="Read messages from a file.")
+@click.option(
+    "-l", "--latch", is_flag=True, help="Latch messages from -r, -f or standard input, too."
+)
 @click.option(
     "-s",
     "--substitute-keywords",
     "substitute",
     is_flag=True,
-    help="With -r, let now and auto be the time of each message.",
+    help="With -r, replace now and auto by the time of each message.",
 )
 @with_hub("pub", endless=True)
 @examples(
@@ -70,9 +78,9 @@ def command(
 ) -> None:
     """Publish messages of TYPE on TOPIC.
 
-    ARGS are YAML: one object, or a value for each field in order. In them, now stands for the time
-    and auto for a header of now. If one begins with a minus, write -- before them all. Without
-    ARGS, the messages are those of a file or of standard input, with --- between them.
+    ARGS are YAML: one object, or a value for each field in order. The word now is the current time,
+    auto a header with the current time. Write -- before ARGS that begin with a minus. Without ARGS,
+    messages are read from a file or standard input, separated by lines of ---.
     """
     if rate is not None and once:
         raise click.UsageError("You cannot select both -r and -1 (--once)")
@@ -83,56 +91,57 @@ def command(
     publisher = Publisher(client, name, full_name(type_), latch=latch or rate is None)
     typedefs = publisher.typedefs
     if values or _has_no_fields(typedefs):
-        messages = _of_words(values, typedefs, anew=substitute)
+        messages = _from_arguments(values, typedefs, substitute=substitute)
+    elif file is None and piped_input() is None:
+        raise click.UsageError("Please specify message values")
     else:
-        if file is None and piped_input() is None:
-            raise click.UsageError("Please specify message values")
         if rate is None and not once and not latch:
             rate = RATE
-        messages = _of_stream(publisher, file, repeated=rate is not None)
+        if file is None:
+            messages = _from_documents(documents_from_stdin(publisher), typedefs)
+        else:
+            messages = _from_file(file, typedefs, is_repeated=rate is not None)
     if rate is not None:
-        publisher.publish_all(_shown(messages, typedefs) if verbose else messages, rate)
+        publisher.publish_all(_printed(messages, typedefs) if verbose else messages, rate)
         return
     for message in messages:
         publisher.publish(message)
-        what = f"[{message_text(message, typedefs)}]" if verbose else "message"
+        printed = f"[{message_text(message, typedefs)}]" if verbose else "message"
         until = f" for {LINGER} seconds" if once else ". Press ctrl-C to terminate"
-        output.line(f"publishing and latching {what}{until}")
+        output.line(f"publishing and latching {printed}{until}")
         client.process(LINGER if once else None)
         return
 
 
-def _of_words(values: list[Any], typedefs: Typedefs, *, anew: bool) -> Iterator[dict[str, Any]]:
-    """The message of the command line, without end; if ``anew``, each with its own time."""
+def _from_arguments(
+    values: list[Any], typedefs: Typedefs, *, substitute: bool
+) -> Iterator[dict[str, Any]]:
+    """Yield the message of the command line forever; ``substitute`` updates its times."""
     message = parsing.fill(values, typedefs)
     while True:
         yield message
-        if anew:
+        if substitute:
             message = parsing.fill(values, typedefs)
 
 
-def _of_stream(
-    publisher: Publisher, file: TextIO | None, *, repeated: bool
-) -> Iterator[dict[str, Any]]:
-    """The messages of a file or of standard input; the only one of a file is ``repeated``."""
-    given = parsing.documents(file) if file is not None else pipe.documents(publisher)
-    messages = (
-        parsing.fill(each if isinstance(each, list) else [each], publisher.typedefs)
-        for each in given
-        if each is not None
-    )
-    if file is None:
-        return messages
-    all_ = list(messages)
-    if not all_:
-        raise click.UsageError(f"There is no message in {file.name}")
-    if len(all_) == 1 and repeated:
+def _from_file(file: TextIO, typedefs: Typedefs, *, is_repeated: bool) -> Iterator[dict[str, Any]]:
+    """Yield the messages of a file; repeat a single one if ``is_repeated``."""
+    messages = list(_from_documents(parsing.documents(file), typedefs))
+    if not messages:
+        raise click.UsageError(f"{file.name} contains no message")
+    if len(messages) == 1 and is_repeated:
         output.line("Got one message and a rate, publishing repeatedly")
-        return repeat(all_[0])
-    return iter(all_)
+        return repeat(messages[0])
+    return iter(messages)
 
 
-def _shown(messages: Iterable[dict[str, Any]], typedefs: Typedefs) -> Iterator[dict[str, Any]]:
+def _from_documents(documents: Iterable[Any], typedefs: Typedefs) -> Iterator[dict[str, Any]]:
+    for each in documents:
+        if each is not None:
+            yield parsing.fill(each if isinstance(each, list) else [each], typedefs)
+
+
+def _printed(messages: Iterable[dict[str, Any]], typedefs: Typedefs) -> Iterator[dict[str, Any]]:
     for message in messages:
         output.line(f"publishing {message_text(message, typedefs)}")
         yield message
@@ -140,3 +149,124 @@ def _shown(messages: Iterable[dict[str, Any]], typedefs: Typedefs) -> Iterator[d
 
 def _has_no_fields(typedefs: Typedefs) -> bool:
     return typedefs.root in typedefs and not typedefs.fields(typedefs.root)
+
+
+class Publisher:
+    """A topic that a tool publishes until its client is closed.
+
+    Args:
+        topic: its global name.
+        latch: have the hub keep the last message for late subscribers.
+
+    Raises:
+        OperationRejected: the hub refuses the topic with this type.
+    """
+
+    def __init__(self, client: HubClient, topic: str, type_: str, *, latch: bool) -> None:
+        self.client = client
+        self.topic = topic
+        client.send({"op": "advertise", "topic": topic, "type": type_, "latch": latch})
+        self.typedefs = if_known(Typedefs.of_message, client, type_)
+        """The definition of the type; empty if it is unknown."""
+        client.process(0)
+        if self.typedefs.root not in self.typedefs:
+            warning = f"WARNING: {type_} has no known definition: messages are not checked"
+            click.echo(warning, err=True)
+
+    def publish(self, message: dict[str, Any]) -> None:
+        """Publish a message, and wait until the hub has sent it to the subscribers.
+
+        Raises:
+            OperationRejected: the hub refuses the message.
+        """
+        self._send(message)
+        self._flush()
+
+    def publish_all(self, messages: Iterable[dict[str, Any]], rate: float) -> None:
+        """Publish messages at a rate in Hz; raise as `publish`."""
+        due = time.monotonic()
+        is_first = True
+        for message in messages:
+            self._send(message)
+            if is_first:  # Report an invalid message immediately.
+                self._flush()
+                is_first = False
+            # A delay of more than one period is not made up for.
+            due = max(due, time.monotonic() - 1 / rate) + 1 / rate
+            self.client.process(due - time.monotonic())
+        self._flush()
+
+    def _send(self, message: dict[str, Any]) -> None:
+        self.client.send({"op": "publish", "topic": self.topic, "msg": message})
+
+    def _flush(self) -> None:
+        """Wait until the hub has processed all messages."""
+        self.client.call("/rosapi/get_time")
+        self.client.process(0)
+
+
+def documents_from_stdin(publisher: Publisher) -> Iterator[Any]:
+    """Yield each YAML value on standard input as soon as its end is received.
+
+    A document ends with a line of ``---`` or with the input. Meanwhile the publisher's client
+    processes what the hub sends: the hub disconnects clients that do not answer pings.
+
+    Raises:
+        InvalidValue: invalid YAML.
+        UsageError: a document exceeds `MAX_CHARACTERS`.
+        OperationRejected: the hub refused an operation.
+        HubLost: the connection is lost.
+    """
+    lines: list[str] = []
+    size = 0
+    for line in _lines(publisher):
+        if line.strip() == "---":
+            yield parsing.parse("".join(lines))
+            lines, size = [], 0
+        else:
+            lines.append(line)
+            size = _checked(size + len(line))
+    if any(line.strip() for line in lines):
+        yield parsing.parse("".join(lines))
+
+
+def _lines(publisher: Publisher) -> Iterator[str]:
+    incomplete: list[str] = []
+    size = 0
+    for text in _chunks(publisher):
+        *ends, rest = text.split("\n")
+        for end in ends:
+            yield "".join([*incomplete, end, "\n"])
+            incomplete, size = [], 0
+        incomplete.append(rest)
+        size = _checked(size + len(rest))
+    yield "".join(incomplete)
+
+
+def _checked(size: int) -> int:
+    if size > MAX_CHARACTERS:
+        raise click.UsageError(
+            f"message too long (limit: {MAX_CHARACTERS} characters): "
+            "separate messages by lines of ---"
+        )
+    return size
+
+
+def _chunks(publisher: Publisher) -> Iterator[str]:
+    try:
+        stdin = sys.stdin.fileno()
+    except OSError:  # It is not a file of the system, so reading does not wait.
+        yield sys.stdin.read()
+        return
+    decoder = getincrementaldecoder("utf-8")("replace")
+    while True:
+        ready = [stdin]
+        if sys.platform != "win32":  # Windows cannot wait for a pipe like this.
+            ready, _, _ = select.select([stdin, publisher.client], [], [])
+        if publisher.client in ready:
+            publisher.client.process(0)
+        if stdin in ready:
+            data = os.read(stdin, CHUNK)
+            yield decoder.decode(data, final=not data)
+            if not data:
+                return

@@ -46,7 +46,7 @@ def test_options_choose_what_is_printed(
 
 
 @pytest.mark.parametrize("name", ["/a-b", "/übung/x.y"])
-def test_a_topic_whose_name_is_not_legal_is_shown(run: Run, publish: Publish, name: str) -> None:
+def test_a_topic_with_an_invalid_name_is_printed(run: Run, publish: Publish, name: str) -> None:
     publish(name, "std_msgs/Int32", {"data": 8})
     assert run("topic", "echo", "-n", "1", name).output == "data: 8\n---\n"
     assert run("topic", "echo", "-n", "1", f"{name}/data").output == "8\n---\n"
@@ -55,12 +55,12 @@ def test_a_topic_whose_name_is_not_legal_is_shown(run: Run, publish: Publish, na
     assert name in run("topic", "list").output.splitlines()
 
 
-def test_json_is_a_message_a_line(run: Run, publish: Publish) -> None:
+def test_json_prints_a_message_per_line(run: Run, publish: Publish) -> None:
     publish("/curve", "std_msgs/Int32MultiArray", CURVE)
     assert json.loads(run("topic", "echo", "--json", "-n", "1", "/curve").output) == CURVE
     styled = run("topic", "echo", "--json", "--noarr", "-n", "1", "/curve")
     assert styled.exit_code == 2
-    assert "--json prints whole values" in styled.output
+    assert "--noarr" in styled.output
 
 
 def test_a_filter_leaves_out_what_is_not_wanted(run: Run, publish: Publish) -> None:
@@ -96,16 +96,14 @@ def test_an_invalid_filter_is_wrong_usage(
     assert result.exit_code == 2 and fact in result.output.partition("Error: ")[2], result.output
 
 
-def test_bags_are_said_not_to_be_read(run: Run) -> None:
+def test_bags_are_refused(run: Run) -> None:
     result = run("topic", "echo", "-b", "some.bag", "/number")
     assert result.exit_code == 2
-    assert result.output.endswith(
-        "-b is not here, as fibws reads no bag files: the package rosbags of PyPI does.\n"
-    )
+    assert "rosbags" in result.output
     assert "--bag" not in run("topic", "echo", "-h").output
 
 
-def test_rows_for_plots_have_a_head(run: Run, publish: Publish) -> None:
+def test_comma_separated_values_have_a_head(run: Run, publish: Publish) -> None:
     publish("/number", "std_msgs/Int32", {"data": 8})
     head, row = run("topic", "echo", "-p", "-n", "1", "/number").output.splitlines()
     assert head == "%time,field.data"
@@ -119,7 +117,7 @@ def test_times_can_be_relative(run: Run, publish: Publish) -> None:
     assert -20 < secs <= 0
 
 
-def test_an_array_that_is_too_short_is_said_and_passed_over(run: Run, publish: Publish) -> None:
+def test_messages_with_too_short_arrays_are_skipped(run: Run, publish: Publish) -> None:
     client = publish("/curve", "std_msgs/Int32MultiArray", {"data": [1]})
 
     def publish_longer() -> None:
@@ -133,11 +131,11 @@ def test_an_array_that_is_too_short_is_said_and_passed_over(run: Run, publish: P
     result = run("topic", "echo", "-n", "1", "/curve/data[2]")
     thread.join(60)
     assert result.stdout == "3\n---\n"
-    assert result.stderr == "data has only 1 elements\n"
+    assert "data has only 1 " in result.stderr
 
 
-def test_a_message_that_nobody_defined_is_printed(run: Run, publish: Publish) -> None:
-    publish("/odd", "nobodys_msgs/Type", {"a": 1, "b": [{"c": "x"}]})
+def test_a_message_of_an_unknown_type_is_printed(run: Run, publish: Publish) -> None:
+    publish("/odd", "unknown_msgs/Type", {"a": 1, "b": [{"c": "x"}]})
     assert run("topic", "echo", "-n", "1", "/odd").output == 'a: 1\nb: \n  - \n    c: "x"\n---\n'
 
 
@@ -149,7 +147,7 @@ def test_a_message_that_nobody_defined_is_printed(run: Run, publish: Publish) ->
         ({"data": 8}, {"data": "AQI="}, "std_msgs/UInt8MultiArray", "data: [1, 2]\n"),
     ],
 )
-async def test_a_topic_may_come_back_with_another_type(
+async def test_the_type_of_a_topic_may_change(
     start: Start,
     hub: HubThread,
     client: HubClient,
@@ -160,37 +158,37 @@ async def test_a_topic_may_come_back_with_another_type(
 ) -> None:
     program = await start("fibws", "topic", "echo", "-n", "2", "/x", FIBWS_HUB=hub.url)
     assert await program.error_line()
-    tell(client, "std_msgs/Int32", before)
+    publish_latched(client, "std_msgs/Int32", before)
     assert await program.line() == "data: 8\n"
     client.send({"op": "unadvertise", "topic": "/x"})
-    tell(client, type_, after)
+    publish_latched(client, type_, after)
     code, out, err = await program.end()
     assert (code, err) == (0, "")
     assert out.startswith("---\n")
     assert out.endswith(f"{printed}---\n")
 
 
-async def test_a_field_is_looked_for_in_another_type_too(
+async def test_the_field_may_be_missing_in_another_type(
     start: Start, hub: HubThread, client: HubClient
 ) -> None:
-    tell(client, "std_msgs/Int32", {"data": 8})
+    publish_latched(client, "std_msgs/Int32", {"data": 8})
     program = await start("fibws", "topic", "echo", "-n", "2", "/x/data", FIBWS_HUB=hub.url)
     assert await program.line() == "8\n"
     client.send({"op": "unadvertise", "topic": "/x"})
-    tell(client, "geometry_msgs/Point", {})
+    publish_latched(client, "geometry_msgs/Point", {})
     assert "no field" in await program.error_line()
     client.send({"op": "unadvertise", "topic": "/x"})
-    tell(client, "std_msgs/String", {"data": "8"})
+    publish_latched(client, "std_msgs/String", {"data": "8"})
     assert await program.end() == (0, '---\n"8"\n---\n', "")
 
 
-def tell(client: HubClient, type_: str, message: dict[str, Any]) -> None:
-    """Advertise the topic as of a type, and publish a message that stays."""
+def publish_latched(client: HubClient, type_: str, message: dict[str, Any]) -> None:
+    """Advertise /x with a type, and publish a latched message."""
     client.send({"op": "advertise", "topic": "/x", "type": type_, "latch": True})
     client.send({"op": "publish", "topic": "/x", "msg": message})
 
 
-async def test_ctrl_c_is_the_end(start: Start, hub: HubThread, publish: Publish) -> None:
+async def test_ctrl_c_ends_without_an_error(start: Start, hub: HubThread, publish: Publish) -> None:
     publish("/number", "std_msgs/Int32", {"data": 8})
     program = await start("fibws", "topic", "echo", "/number", FIBWS_HUB=hub.url)
     assert await program.line() == "data: 8\n"
@@ -199,7 +197,7 @@ async def test_ctrl_c_is_the_end(start: Start, hub: HubThread, publish: Publish)
     assert await program.end() == (0, "", "")
 
 
-async def test_a_reader_who_leaves_is_the_end(
+async def test_a_closed_pipe_ends_without_an_error(
     start: Start, hub: HubThread, publish: Publish
 ) -> None:
     client = publish("/number", "std_msgs/Int32", {"data": 8})
@@ -213,7 +211,7 @@ async def test_a_reader_who_leaves_is_the_end(
     assert (code, errors) == (0, "")
 
 
-async def test_a_topic_that_is_not_there_yet_is_waited_for(
+async def test_an_unpublished_topic_is_awaited(
     start: Start, hub: HubThread, publish: Publish
 ) -> None:
     publish("/later", "std_msgs/Int32")
@@ -224,21 +222,21 @@ async def test_a_topic_that_is_not_there_yet_is_waited_for(
     assert await program.end() == (0, "data: 8\n---\n", "")
 
 
-async def test_without_a_hub_it_says_what_to_do(start: Start) -> None:
+async def test_without_a_hub_the_error_says_how_to_start_one(start: Start) -> None:
     program = await start("fibws", "topic", "echo", "/x", FIBWS_HUB="ws://127.0.0.1:1")
-    code, printed, said = await program.end()
+    code, printed, errors = await program.end()
     assert (code, printed) == (1, "")
-    assert said == "Error: No hub at ws://127.0.0.1:1. Start one with: fibws hub\n"
+    assert "ws://127.0.0.1:1" in errors and "fibws hub" in errors
 
 
-async def test_the_hubs_end_is_an_error(start: Start, hub: HubThread, publish: Publish) -> None:
+async def test_a_lost_hub_is_an_error(start: Start, hub: HubThread, publish: Publish) -> None:
     publish("/number", "std_msgs/Int32", {"data": 8})
     program = await start("fibws", "topic", "echo", "/number", FIBWS_HUB=hub.url)
     await program.line()
     hub.stop()
-    code, _, said = await program.end()
+    code, _, errors = await program.end()
     assert code == 1
-    assert said.startswith("Error: ") and hub.url in said
+    assert hub.url in errors
 
 
 @pytest.mark.skipif(not hasattr(os, "openpty"), reason="there are no terminals of this kind")

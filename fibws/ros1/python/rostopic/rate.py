@@ -64,8 +64,8 @@ class ROSTopicHz:
         print(rates_text(polled, len(topics)))
 
     def _rate(self, topic: str | None) -> Rate:
-        from fibws.values.rates import MOST, Rate
+        from fibws.values.rates import MAX_WINDOW, Rate
 
         if topic not in self._rates:
-            self._rates[topic] = Rate(self._window_size if self._window_size > 0 else MOST)
+            self._rates[topic] = Rate(self._window_size if self._window_size > 0 else MAX_WINDOW)
         return self._rates[topic]

@@ -1,4 +1,4 @@
-"""Resolve the argument TOPIC of a tool: a topic, or a field of its messages."""
+"""The argument TOPIC of a tool: a topic, or a field of its messages."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ INTERVAL = 0.1
 """Seconds between two checks whether a topic is published now, as in rostopic."""
 
 
-class Target(NamedTuple):
+class FoundTopic(NamedTuple):
     """A topic that has a type, or a field of its messages."""
 
     topic: str
     type: str
     typedefs: Typedefs
-    """Of its type; empty if that is not defined."""
+    """The definition of the type; empty if it is unknown."""
     path: Path
     """The path to the field; empty for the whole message."""
     field: Field
@@ -38,7 +38,7 @@ def global_name(client: HubClient, name: str) -> str:
     return f"{client.resolve(before)}{bracket}{behind}"
 
 
-def find(client: HubClient, name: str) -> Target | None:
+def find_topic(client: HubClient, name: str) -> FoundTopic | None:
     """Return the topic or the field of a global name, or None if no topic with a type matches.
 
     Raises:
@@ -46,20 +46,22 @@ def find(client: HubClient, name: str) -> Target | None:
     """
     type_ = client.call("/rosapi/topic_type", {"topic": name})["type"] if _is_name(name) else ""
     if type_:
-        return _target(client, name, type_, Path(""))
-    fault: UnknownField | None = None
+        return _found(client, name, type_, Path(""))
+    unknown: UnknownField | None = None
     types = all_types(client)
     for topic, path in splits(name, (topic for topic, type_ in types.items() if type_)):
         try:
-            return _target(client, topic, types[topic], Path(path))
+            return _found(client, topic, types[topic], Path(path))
         except UnknownField as error:
-            fault = fault or error
-    if fault is not None:
-        raise click.ClickException(f"{name}: {fault}")
+            unknown = unknown or error
+    if unknown is not None:
+        raise click.ClickException(f"{name}: {unknown}")
     return None
 
 
-def wait(client: HubClient, name: str, *, subscribe: Callable[[str], None] | None = None) -> Target:
+def wait_for_topic(
+    client: HubClient, name: str, *, subscribe: Callable[[str], None] | None = None
+) -> FoundTopic:
     """Subscribe to the topic of a global name, and wait until it is published.
 
     It subscribes first, so that no message is missed. If the name is that of a field, it subscribes
@@ -74,26 +76,26 @@ def wait(client: HubClient, name: str, *, subscribe: Callable[[str], None] | Non
     subscribe = subscribe or client.subscribe
     if _is_name(name):
         subscribe(name)
-    target = find(client, name)
-    if target is None:
+    found = find_topic(client, name)
+    if found is None:
         meant = suggestion(name, (topic for topic, type_ in all_types(client).items() if type_))
         click.echo(f"WARNING: topic [{name}] does not appear to be published yet{meant}", err=True)
-        while target is None:
+        while found is None:
             time.sleep(INTERVAL)
-            target = find(client, name)
-    if target.topic != name:
+            found = find_topic(client, name)
+    if found.topic != name:
         if _is_name(name):
             client.unsubscribe(name)
-        subscribe(target.topic)
-    return target
+        subscribe(found.topic)
+    return found
 
 
-def retarget(client: HubClient, target: Target, type_: str) -> Target:
-    """Return a target with another type, which may lack the field."""
-    target = target._replace(type=type_, typedefs=if_known(Typedefs.of_message, client, type_))
+def with_type(client: HubClient, found: FoundTopic, type_: str) -> FoundTopic:
+    """Return a topic with another type, which may lack the field."""
+    found = found._replace(type=type_, typedefs=if_known(Typedefs.of_message, client, type_))
     with suppress(UnknownField):
-        target = target._replace(field=target.path.field(target.typedefs))
-    return target
+        found = found._replace(field=found.path.field(found.typedefs))
+    return found
 
 
 def all_types(client: HubClient) -> dict[str, str]:
@@ -106,9 +108,9 @@ def all_types(client: HubClient) -> dict[str, str]:
     return dict(zip(topics, types, strict=True))
 
 
-def _target(client: HubClient, topic: str, type_: str, path: Path) -> Target:
+def _found(client: HubClient, topic: str, type_: str, path: Path) -> FoundTopic:
     typedefs = if_known(Typedefs.of_message, client, type_)
-    return Target(topic, type_, typedefs, path, path.field(typedefs))
+    return FoundTopic(topic, type_, typedefs, path, path.field(typedefs))
 
 
 def _is_name(name: str) -> bool:
