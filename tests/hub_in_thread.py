@@ -71,7 +71,7 @@ def run(hub: HubThread, monkeypatch: pytest.MonkeyPatch) -> Run:
 @pytest.fixture
 def client(hub: HubThread) -> Iterator[HubClient]:
     """A node that is there while the test runs: its name is `HubClient.node`."""
-    with HubClient("test", hub.url) as client:
+    with HubClient("pub", hub.url) as client:
         yield client
 
 

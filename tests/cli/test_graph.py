@@ -14,7 +14,7 @@ from fibws.client.hub_client import HubClient
 
 @pytest.fixture
 def chatter(publish: Publish, hub: HubThread, monkeypatch: pytest.MonkeyPatch) -> HubClient:
-    """A node that publishes and hears /chatter."""
+    """A node that publishes and subscribes to /chatter."""
     monkeypatch.delenv("COLUMNS", raising=False)
     client = publish("/chatter", "std_msgs/String", {"data": "hello"})
     client.send({"op": "subscribe", "topic": "/chatter"})
@@ -22,7 +22,7 @@ def chatter(publish: Publish, hub: HubThread, monkeypatch: pytest.MonkeyPatch) -
     return client
 
 
-def test_it_draws_who_publishes_what_to_whom(run: Run, chatter: HubClient) -> None:
+def test_publishers_topics_and_subscribers_are_drawn(run: Run, chatter: HubClient) -> None:
     result = run("graph")
     assert result.exit_code == 0, result.output
     node = chatter.node
@@ -36,53 +36,53 @@ def test_it_draws_who_publishes_what_to_whom(run: Run, chatter: HubClient) -> No
     assert "fibws_graph" not in result.output
 
 
-def test_all_shows_what_belongs_to_ros(run: Run, chatter: HubClient) -> None:
+def test_all_shows_hidden_names(run: Run, chatter: HubClient) -> None:
     result = run("graph", "--all")
     assert "/rosout ───" in result.output
     assert "/rosapi/graph" in result.output
     assert "fibws_graph" not in result.output
 
 
-def test_a_namespace_is_all_that_is_shown(run: Run, chatter: HubClient) -> None:
+def test_only_a_namespace_is_shown(run: Run, chatter: HubClient) -> None:
     assert "/chatter" in run("graph", "chatter").output
     result = run("graph", "/elsewhere")
-    assert result.output.endswith("No node is in /elsewhere.\n")
+    assert "/elsewhere" in result.output.splitlines()[-1]
     assert "/chatter" not in result.output
 
 
 def test_json_is_one_object(run: Run, chatter: HubClient) -> None:
     result = run("graph", "--json")
     assert result.output.count("\n") == 1
-    told = json.loads(result.output)
-    assert told["nodes"] == [chatter.node]
-    assert [topic["name"] for topic in told["topics"]] == ["/chatter"]
+    shown = json.loads(result.output)
+    assert shown["nodes"] == [chatter.node]
+    assert [topic["name"] for topic in shown["topics"]] == ["/chatter"]
 
 
-def test_dot_is_graphviz(run: Run, chatter: HubClient) -> None:
+def test_dot_prints_graphviz(run: Run, chatter: HubClient) -> None:
     result = run("graph", "--dot")
     assert result.output.startswith("digraph graph_of_nodes {\n")
     assert f'"node {chatter.node}" -> "topic /chatter";' in result.output
 
 
-def test_dot_and_json_are_two_things(run: Run) -> None:
+def test_dot_and_json_exclude_each_other(run: Run) -> None:
     result = run("graph", "--dot", "--json")
     assert result.exit_code == 2
-    assert "--dot or --json, not both" in result.output
+    assert "--dot and --json" in result.output
 
 
-def test_an_empty_graph_says_how_to_fill_it(run: Run) -> None:
+def test_an_empty_graph_suggests_the_demo(run: Run) -> None:
     result = run("graph")
     assert result.exit_code == 0
-    assert result.output.endswith("No node is here yet. To see some: fibws demo\n")
+    assert "fibws demo" in result.output
 
 
-def test_what_cannot_show_lines_gets_ascii(hub: HubThread, chatter: HubClient) -> None:
+def test_ascii_is_drawn_without_unicode(hub: HubThread, chatter: HubClient) -> None:
     result = CliRunner(charset="ascii").invoke(command, ["graph", "--hub", hub.url])
     assert result.exit_code == 0, result.output
     assert "---> [/chatter std_msgs/String] --->" in result.output
 
 
-def test_a_namespace_that_is_no_name_is_told(run: Run) -> None:
+def test_an_invalid_namespace_is_an_error(run: Run) -> None:
     result = run("graph", "a b")
     assert result.exit_code == 1
-    assert result.output.startswith("Error: 'a b' is not a legal name")
+    assert "'a b'" in result.output

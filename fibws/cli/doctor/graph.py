@@ -25,12 +25,12 @@ def checks(before: Snapshot, now: Snapshot, *, but: str) -> Iterator[Finding]:
         now: the newest snapshot.
         but: the node to exclude, which is the doctor's own.
     """
-    view = View.of(now[0], but=but)
+    view = View.of(now[0], exclude=but)
     nodes, topics = counted(len(view.nodes), "node"), counted(len(view.topics), "topic")
     yield ok("graph", f"{nodes}, {topics}")
     yield from _or(ok("types", "All topics have defined types"), types(view))
     yield from _or(ok("ends", "All topics have publishers and subscribers"), ends(view))
-    everything = View.of(now[0], but=but, everything=True)
+    everything = View.of(now[0], exclude=but, everything=True)
     clashes = [*same_names(everything), *twins(view), *replaced(before[0], now[0])]
     yield from _or(ok("names", "No name is used twice"), clashes)
     yield from _or(ok("clients", "No client is too slow"), clients(before[1], now[1], but=but))

@@ -1,4 +1,4 @@
-"""``fibws graph``: who publishes what to whom, drawn in the terminal."""
+"""``fibws graph``: draw the graph in the terminal."""
 
 from __future__ import annotations
 
@@ -12,32 +12,35 @@ from fibws.cli.graph.dot import dot
 from fibws.cli.graph.drawing import ASCII, LINES, drawing
 from fibws.cli.graph.view import View
 from fibws.client.hub_client import HubClient
+from fibws.command_names import command_name
 
-WIDTH_OF_PIPES = 120
-"""Characters in a line where no terminal says how many there is room for."""
+PIPE_WIDTH = 120
+"""Characters per line without a terminal."""
 
 
 @click.command()
 @click.argument("namespace", default="/", shell_complete=completers.nodes)
-@click.option("--all", "everything", is_flag=True, help="Show what belongs to ROS itself, too.")
-@click.option("--dot", "as_dot", is_flag=True, help="Print Graphviz: fibws graph --dot | dot -Tsvg")
+@click.option("--all", "everything", is_flag=True, help="Show the hub, commands and pages, too.")
+@click.option(
+    "--dot", "as_dot", is_flag=True, help="Print the graph for Graphviz: --dot | dot -Tsvg"
+)
 @json_option
 @with_hub("graph")
 def command(
     client: HubClient, namespace: str, everything: bool, as_dot: bool, as_json: bool
 ) -> None:
-    """Draw who publishes what to whom: nodes, topics, services, actions.
+    """Draw the graph: nodes, topics, services and actions.
 
-    With a NAMESPACE, only what is in it and what has to do with that.
+    With NAMESPACE, only names in it are shown, and what is connected to them.
 
-    Left out, unless --all: /rosout and the hub's own topics, the services of logging and of the hub
-    itself, the topics that an action is made of.
+    Hidden without --all: nodes, topics and services of the hub, its page and commands; /rosout and
+    the services of loggers; the topics of actions.
     """
     if as_dot and as_json:
-        raise click.UsageError("--dot or --json, not both.")
+        raise click.UsageError("--dot and --json exclude each other.")
     view = View.of(
         client.call("/rosapi/graph"),
-        but=client.node,
+        exclude=client.node,
         namespace=client.resolve_namespace(namespace),
         everything=everything,
     )
@@ -48,12 +51,12 @@ def command(
             output.line(text)
     else:
         pen = LINES if output.can_show("─┬┤┘├└") else ASCII
-        width = shutil.get_terminal_size((WIDTH_OF_PIPES, 0)).columns
+        width = shutil.get_terminal_size((PIPE_WIDTH, 0)).columns
         for text, is_head in drawing(view, pen, width):
             output.line(text, bold=is_head)
         if not view.nodes:
             output.line(
-                "No node is here yet. To see some: fibws demo"
+                f"No nodes. To start some: {command_name('demo')}"
                 if namespace == "/"
-                else f"No node is in {namespace}."
+                else f"No nodes in {namespace}."
             )

@@ -1,4 +1,4 @@
-"""The graph in Graphviz's language: nodes are ellipses, topics are boxes."""
+"""The graph for Graphviz: nodes are ellipses, topics are boxes."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from fibws.cli.output import visible
 
 
 def dot(view: View) -> Iterator[str]:
-    """The lines of a file for ``dot``."""
+    """Yield the lines of a file for ``dot``."""
     yield "digraph graph_of_nodes {"
     yield "  rankdir=LR;"
     ends = {node for topic in view.topics for node in (*topic.publishers, *topic.subscribers)}
@@ -46,11 +46,11 @@ def _edge(start: tuple[str, str], end: tuple[str, str], attributes: str = "") ->
 
 
 def _id(kind: str, name: str) -> str:
-    """A node and a topic may have one name."""
+    """Return an id; a node and a topic may have the same name."""
     return _quoted(f"{kind} {name}")
 
 
 def _quoted(text: str) -> str:
-    """A text as Graphviz reads it: a backslash begins an escape there, too."""
+    """Return a string of Graphviz, in which a backslash begins an escape."""
     escaped = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
     return f'"{visible(escaped, keep="")}"'

@@ -1,4 +1,4 @@
-"""The graph drawn with characters: publishers, the topic, subscribers, from left to right.
+"""A drawing of the graph in characters: publishers, topic and subscribers from left to right.
 
 ::
 
@@ -15,16 +15,16 @@ from itertools import zip_longest
 from fibws.cli.graph.view import Action, Topic, View
 from fibws.cli.output import counted, visible
 
-NOBODY = ("(no publisher)", "(no subscriber)")
+NO_PUBLISHER, NO_SUBSCRIBER = "(no publisher)", "(no subscriber)"
 
 
 @dataclass(frozen=True, slots=True)
 class Pen:
-    """The characters that lines are made of; in a corner it is named which sides it joins."""
+    """The characters of lines; the names of corners say which sides they join."""
 
     dash: str
     join: str
-    """Left, right, and below: the first of several."""
+    """Left, right and below: the first one of several."""
     left_middle: str
     left_last: str
     right_middle: str
@@ -36,30 +36,30 @@ ASCII = Pen("-", "+", "+", "+", "+", "+")
 
 
 def drawing(view: View, pen: Pen, width: int) -> Iterator[tuple[str, bool]]:
-    """The lines of a drawing, each with whether it is a headline.
+    """Yield the lines of a drawing, and for each whether it is a heading.
 
     Args:
-        view: what is to be seen.
-        pen: what it is drawn with.
-        width: the most characters that a line should have.
+        view: the nodes, topics, services and actions to draw.
+        pen: the characters of lines.
+        width: the maximum length of a line, if possible.
     """
     sections = [
         ("Topics", topics(view.topics, pen, width)),
         ("Services", _columns([(each.name, each.type, each.node) for each in view.services])),
         ("Actions", _columns([_action(each) for each in view.actions])),
-        ("Nodes with none of these", view.idle()),
+        ("Other nodes", view.idle()),
     ]
     for head, lines in sections:
         if lines:
             yield head, True
-            # A name that has several lines, from a hub that is none, must not look like several.
+            # A name with line breaks, from another kind of server, must not look like several.
             yield from ((f"  {visible(line, keep='')}", False) for line in lines)
             yield "", False
     yield from ((line, False) for line in _summary(view))
 
 
 def topics(found: Sequence[Topic], pen: Pen, width: int) -> list[str]:
-    """The lines of all topics: in columns, or one below the other where there is no room."""
+    """Return the lines of topics: in columns, or one below the other if there is no room."""
     room = width - 2
     left = max((len(name) for topic in found for name in _publishers(topic)), default=0)
     middle = max((len(_box(topic)) for topic in found), default=0)
@@ -73,7 +73,7 @@ def topics(found: Sequence[Topic], pen: Pen, width: int) -> list[str]:
 
 
 def _beside(topic: Topic, pen: Pen, left: int, middle: int) -> list[str]:
-    """A topic between its publishers and its subscribers, whose columns are so wide at least."""
+    """Return a topic between its publishers and subscribers, in columns of a minimum width."""
     publishers, subscribers = _publishers(topic), _subscribers(topic)
     left = max(left, *map(len, publishers))
     middle = max(middle, len(_box(topic)))
@@ -93,7 +93,7 @@ def _beside(topic: Topic, pen: Pen, left: int, middle: int) -> list[str]:
 
 
 def _below(topic: Topic, pen: Pen) -> list[str]:
-    """A topic with its publishers and its subscribers below."""
+    """Return a topic above its publishers and its subscribers."""
     return [
         _box(topic),
         *(f"  <{pen.dash * 2} {name}" for name in _publishers(topic)),
@@ -102,7 +102,7 @@ def _below(topic: Topic, pen: Pen) -> list[str]:
 
 
 def _corner(number: int, total: int, first: str, middle: str, last: str, pen: Pen) -> str:
-    """What stands where a name's own line meets that of the others."""
+    """Return the character where the line of a name meets those of others."""
     if total == 1:
         return pen.dash
     return first if number == 0 else last if number == total - 1 else middle
@@ -118,16 +118,16 @@ def _box(topic: Topic) -> str:
 
 
 def _publishers(topic: Topic) -> list[str]:
-    return topic.publishers or [NOBODY[0]]
+    return topic.publishers or [NO_PUBLISHER]
 
 
 def _subscribers(topic: Topic) -> list[str]:
-    return topic.subscribers or [NOBODY[1]]
+    return topic.subscribers or [NO_SUBSCRIBER]
 
 
-def _columns(offers: Sequence[tuple[str, str, str]]) -> list[str]:
-    """What is offered, its type, and by whom."""
-    boxes = [(name, f"[{type_ or 'type unknown'}]", node) for name, type_, node in offers]
+def _columns(rows: Sequence[tuple[str, str, str]]) -> list[str]:
+    """Return lines of names, types and nodes."""
+    boxes = [(name, f"[{type_ or 'type unknown'}]", node) for name, type_, node in rows]
     names = max((len(name) for name, _, _ in boxes), default=0)
     types = max((len(box) for _, box, _ in boxes), default=0)
     return [f"{name:{names}}  {box:{types}}  by {node}" for name, box, node in boxes]
@@ -135,7 +135,7 @@ def _columns(offers: Sequence[tuple[str, str, str]]) -> list[str]:
 
 def _action(action: Action) -> tuple[str, str, str]:
     goals = f", goals from {', '.join(action.clients)}" if action.clients else ""
-    return action.name, action.type, f"{action.node or 'nobody'}{goals}"
+    return action.name, action.type, f"{action.node or '(no server)'}{goals}"
 
 
 def _fits(blocks: list[list[str]], width: int) -> bool:
@@ -150,7 +150,8 @@ def _summary(view: View) -> Iterator[str]:
     parts = [counted(len(view.nodes), "node"), counted(len(view.topics), "topic")]
     parts += [counted(len(view.services), "service"), counted(len(view.actions), "action")]
     yield f"{', '.join(parts)}."
-    hidden = [(view.hidden_topics, "topic"), (view.hidden_services, "service")]
-    left_out = [counted(number, noun) for number, noun in hidden if number]
-    if left_out:
-        yield f"Left out: {' and '.join(left_out)} of ROS itself; --all shows them."
+    numbers = (view.hidden_nodes, view.hidden_topics, view.hidden_services)
+    nouns = ("node", "topic", "service")
+    hidden = [counted(*each) for each in zip(numbers, nouns, strict=True) if each[0]]
+    if hidden:
+        yield f"Hidden: {', '.join(hidden)} of the hub and its tools; --all shows them."

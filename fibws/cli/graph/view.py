@@ -1,22 +1,42 @@
-"""What a drawing shows of the graph: without what every graph has, in the order of the flow."""
+"""The part of the graph that `fibws graph` draws and `fibws doctor` checks."""
 
 from __future__ import annotations
 
+import re
 from collections import defaultdict
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any, Self
 
-DEBUG_TOPICS = frozenset({"/rosout", "/rosout_agg", "/client_count", "/connected_clients"})
-"""Topics that there are in every graph, which lead from everywhere to everywhere."""
-DEBUG_SERVICES = ("/get_loggers", "/set_logger_level")
-"""How the services end that each node of ROS has."""
+HIDDEN_NAMES = frozenset(
+    {
+        *("/rosout", "/rosout_agg", "/rosapi", "/rosbridge_websocket"),
+        *("/client_count", "/connected_clients", "/statistics"),
+    }
+)
+HIDDEN_PREFIXES = ("/rosapi/", "/rosout/", "/rosbridge_websocket/", "/page_")
+HIDDEN_SUFFIXES = ("/get_loggers", "/set_logger_level")
+TOOL = re.compile(r"/(\w+/)*fibws_(?!(echo|pub|hz|bw|delay)_)[a-z]+_\d+_\d+")
+"""The nodes of fibws's commands; those of `fibws topic` publish and subscribe as rostopic's do."""
 ACTION_TOPICS = ("goal", "cancel", "feedback", "status", "result")
+
+
+def is_hidden(name: str) -> bool:
+    """Return whether a node, topic or service belongs to the hub, to its page or to a command.
+
+    The page hides the same names: `web/src/hidden_names.ts`.
+    """
+    return (
+        name in HIDDEN_NAMES
+        or name.startswith(HIDDEN_PREFIXES)
+        or name.endswith(HIDDEN_SUFFIXES)
+        or TOOL.fullmatch(name) is not None
+    )
 
 
 @dataclass(frozen=True, slots=True)
 class Topic:
-    """A topic with the nodes at both of its ends; ``type`` is empty as long as it has none."""
+    """A topic with its publishers and subscribers; ``type`` is empty if it is unknown."""
 
     name: str
     type: str
@@ -27,7 +47,7 @@ class Topic:
 
 @dataclass(frozen=True, slots=True)
 class Service:
-    """A service with the node that provides it."""
+    """A service with its server."""
 
     name: str
     type: str
@@ -36,7 +56,7 @@ class Service:
 
 @dataclass(frozen=True, slots=True)
 class Action:
-    """An action with its server and, if that is known, those who send it goals."""
+    """An action with its server and, if they are known, its clients."""
 
     name: str
     type: str
@@ -46,60 +66,75 @@ class Action:
 
 @dataclass(frozen=True, slots=True)
 class View:
-    """A part of the graph: all names are sorted, but for topics, which follow the flow."""
+    """A part of the graph: topics follow the flow of messages, other names are sorted."""
 
     nodes: list[str]
     topics: list[Topic]
     services: list[Service]
     actions: list[Action]
+    hidden_nodes: int = 0
     hidden_topics: int = 0
     hidden_services: int = 0
 
     @classmethod
     def of(
-        cls, graph: dict[str, Any], *, but: str, namespace: str = "/", everything: bool = False
+        cls, graph: dict[str, Any], *, exclude: str, namespace: str = "/", everything: bool = False
     ) -> Self:
-        """The view of what /rosapi/graph tells.
+        """Return a view of the response of /rosapi/graph.
 
         Args:
-            graph: the response of /rosapi/graph.
-            but: the node that asks, which is no part of it.
-            namespace: what is in no namespace below this, and has no part in it, is left out.
-            everything: also show topics and services of the hub itself, of logging, of actions.
+            graph: the response.
+            exclude: the node that requested it.
+            namespace: show names in this namespace and what is connected to them.
+            everything: include hidden names, and the topics of actions.
         """
-        hub = {node["name"] for node in graph["nodes"] if node["own"]}
-        topics = [_topic(each, but) for each in graph["topics"]]
-        ends = {each.name: each for each in topics}
-        topics = [each for each in topics if _is_within(namespace, _names(each))]
-        services = [_service(each) for each in graph["services"] if each["node"] != but]
-        services = [each for each in services if _is_within(namespace, (each.name, each.node))]
-        actions = [_action(each, ends) for each in graph["actions"]]
+        hidden = {each["name"] for each in graph["nodes"] if each["own"] or is_hidden(each["name"])}
+        all_topics = [_topic(each, exclude) for each in graph["topics"]]
+        by_name = {each.name: each for each in all_topics}
+        all_topics = [each for each in all_topics if _is_within(namespace, _names(each))]
+        all_services = [
+            Service(each["name"], each["type"], each["node"])
+            for each in graph["services"]
+            if each["node"] != exclude and _is_within(namespace, (each["name"], each["node"]))
+        ]
+        actions = [_action(each, by_name) for each in graph["actions"]]
         actions = [
             each for each in actions if _is_within(namespace, (each.name, each.node, *each.clients))
         ]
-        nodes = {node["name"] for node in graph["nodes"]} - {but}
-        hidden: set[str] = set()
+        all_nodes = {each["name"] for each in graph["nodes"]} - {exclude}
+        all_nodes = {each for each in all_nodes if _is_within(namespace, (each,))}
+        nodes, topics, services = all_nodes, all_topics, all_services
         if not everything:
-            nodes -= hub
-            hidden |= DEBUG_TOPICS
-            hidden |= {f"{each.name}/{topic}" for each in actions for topic in ACTION_TOPICS}
-        shown = [each for each in topics if each.name not in hidden]
-        offered = [
-            each
-            for each in services
-            if everything or (each.node not in hub and not each.name.endswith(DEBUG_SERVICES))
-        ]
+            nodes = all_nodes - hidden
+            of_actions = {f"{each.name}/{topic}" for each in actions for topic in ACTION_TOPICS}
+            topics = [
+                _without(each, hidden)
+                for each in all_topics
+                if not is_hidden(each.name)
+                and each.name not in of_actions
+                and not _is_only_used_by(each, hidden)
+            ]
+            actions = [
+                replace(each, clients=[node for node in each.clients if node not in hidden])
+                for each in actions
+            ]
+            services = [
+                each
+                for each in all_services
+                if each.node not in hidden and not is_hidden(each.name)
+            ]
         return cls(
-            nodes=sorted(node for node in nodes if _is_within(namespace, (node,))),
-            topics=in_order_of_flow(shown),
-            services=sorted(offered, key=lambda each: each.name),
+            nodes=sorted(nodes),
+            topics=in_order_of_flow(topics),
+            services=sorted(services, key=lambda each: each.name),
             actions=sorted(actions, key=lambda each: each.name),
-            hidden_topics=len(topics) - len(shown),
-            hidden_services=len(services) - len(offered),
+            hidden_nodes=len(all_nodes) - len(nodes),
+            hidden_topics=len(all_topics) - len(topics),
+            hidden_services=len(all_services) - len(services),
         )
 
     def idle(self) -> list[str]:
-        """The nodes that nothing else in the view names."""
+        """Return the nodes without topics, services and actions in the view."""
         busy = {node for topic in self.topics for node in (*topic.publishers, *topic.subscribers)}
         busy |= {each.node for each in self.services}
         busy |= {each.node for each in self.actions}
@@ -107,23 +142,25 @@ class View:
         return [node for node in self.nodes if node not in busy]
 
     def as_json(self) -> dict[str, Any]:
-        """The nodes, topics, services and actions, fit for JSON."""
+        """Return the nodes, topics, services and actions for JSON."""
         return {
             name: value for name, value in asdict(self).items() if not name.startswith("hidden")
         }
 
 
 def in_order_of_flow(topics: Iterable[Topic]) -> list[Topic]:
-    """Each topic behind one that its publisher hears, as far as circles allow."""
+    """Return topics in an order in which, apart from cycles, messages flow from first to last."""
     by_name = {topic.name: topic for topic in sorted(topics, key=lambda each: each.name)}
-    heard: defaultdict[str, set[str]] = defaultdict(set)
+    subscribed: defaultdict[str, set[str]] = defaultdict(set)
     published: defaultdict[str, set[str]] = defaultdict(set)
     for topic in by_name.values():
         for node in topic.publishers:
             published[node].add(topic.name)
         for node in topic.subscribers:
-            heard[node].add(topic.name)
-    sources = [name for name, topic in by_name.items() if not any(map(heard.get, topic.publishers))]
+            subscribed[node].add(topic.name)
+    sources = [
+        name for name, topic in by_name.items() if not any(map(subscribed.get, topic.publishers))
+    ]
     ordered: dict[str, Topic] = {}
     for start in (*sources, *by_name):
         ahead = [start]
@@ -131,23 +168,19 @@ def in_order_of_flow(topics: Iterable[Topic]) -> list[Topic]:
             name = ahead.pop()
             if name not in ordered:
                 ordered[name] = by_name[name]
-                behind = {
-                    follower for node in by_name[name].subscribers for follower in published[node]
+                following = {
+                    topic for node in by_name[name].subscribers for topic in published[node]
                 }
-                ahead += sorted(behind, reverse=True)
+                ahead += sorted(following, reverse=True)
     return list(ordered.values())
 
 
-def _topic(topic: dict[str, Any], but: str) -> Topic:
-    publishers = {each["node"] for each in topic["publishers"]} - {but}
-    subscribers = {each["node"] for each in topic["subscriptions"]} - {but}
+def _topic(topic: dict[str, Any], exclude: str) -> Topic:
+    publishers = {each["node"] for each in topic["publishers"]} - {exclude}
+    subscribers = {each["node"] for each in topic["subscriptions"]} - {exclude}
     return Topic(
         topic["name"], topic["type"], topic["checked"], sorted(publishers), sorted(subscribers)
     )
-
-
-def _service(service: dict[str, Any]) -> Service:
-    return Service(service["name"], service["type"], service["node"])
 
 
 def _action(action: dict[str, Any], topics: dict[str, Topic]) -> Action:
@@ -160,6 +193,18 @@ def _names(topic: Topic) -> list[str]:
     return [topic.name, *topic.publishers, *topic.subscribers]
 
 
-def _is_within(namespace: str, found: Iterable[str]) -> bool:
+def _is_within(namespace: str, names: Iterable[str]) -> bool:
     inner = namespace.rstrip("/") + "/"
-    return any(f"{name}/".startswith(inner) for name in found)
+    return any(f"{name}/".startswith(inner) for name in names)
+
+
+def _without(topic: Topic, nodes: set[str]) -> Topic:
+    """Return a topic without nodes at its ends."""
+    publishers = [each for each in topic.publishers if each not in nodes]
+    subscribers = [each for each in topic.subscribers if each not in nodes]
+    return replace(topic, publishers=publishers, subscribers=subscribers)
+
+
+def _is_only_used_by(topic: Topic, nodes: set[str]) -> bool:
+    used_by = {*topic.publishers, *topic.subscribers}
+    return bool(used_by) and used_by <= nodes

@@ -1,4 +1,4 @@
-"""The graph in Graphviz's language, which its own ``dot`` reads where it is installed."""
+"""The graph for Graphviz; read by ``dot`` if it is installed."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ VIEW = View(
 )
 
 
-def test_a_node_and_a_topic_may_have_one_name() -> None:
+def test_a_node_and_a_topic_may_have_the_same_name() -> None:
     lines = list(dot(VIEW))
     assert '  "node /talker" -> "topic /talker";' in lines
     assert '  "topic /talker" -> "node /listener";' in lines
@@ -29,13 +29,13 @@ def test_a_node_and_a_topic_may_have_one_name() -> None:
     assert lines[-1] == "}"
 
 
-def test_services_and_actions_lead_to_their_providers() -> None:
+def test_services_and_actions_lead_to_their_servers() -> None:
     lines = list(dot(VIEW))
     assert '  "service /add" -> "node /adder" [style=dashed];' in lines
     assert '  "node /client" -> "action /do" [style=dashed];' in lines
 
 
-def test_no_name_ends_its_quotes() -> None:
+def test_quotes_in_names_are_escaped() -> None:
     view = View([ODD], [Topic(ODD, ODD, False, [ODD], [])], [], [])
     text = "\n".join(dot(view))
     assert '"node a \\"quoted\\" \\\\N \\\\ <b>\\n' in text

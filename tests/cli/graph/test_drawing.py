@@ -1,4 +1,4 @@
-"""The graph drawn with characters."""
+"""The drawing of the graph in characters."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ CHATTER = topic("/talker", "/chatter", "/listener")
 MANY = topic("/a /bb /ccc", "/chatter", "/x /y")
 
 
-def test_one_leads_to_one() -> None:
+def test_a_publisher_and_a_subscriber() -> None:
     assert text(CHATTER) == "/talker ───> [/chatter std_msgs/String] ───> /listener"
 
 
-def test_several_are_joined() -> None:
+def test_lines_of_several_nodes_are_joined() -> None:
     assert text(MANY) == (
         "/a ───┬─> [/chatter std_msgs/String] ─┬─> /x\n"
         "/bb ──┤                               └─> /y\n"
@@ -40,7 +40,7 @@ def test_more_subscribers_than_publishers() -> None:
     )
 
 
-def test_ascii_will_do() -> None:
+def test_lines_in_ascii() -> None:
     assert text(MANY, pen=ASCII) == (
         "/a ---+-> [/chatter std_msgs/String] -+-> /x\n"
         "/bb --+                               +-> /y\n"
@@ -48,7 +48,7 @@ def test_ascii_will_do() -> None:
     )
 
 
-def test_topics_stand_in_columns() -> None:
+def test_topics_are_in_columns() -> None:
     lines = text(CHATTER, topic("/n", "/numbers", "/s", "std_msgs/Int32")).split("\n")
     assert lines == [
         "/talker ───> [/chatter std_msgs/String] ───> /listener",
@@ -63,16 +63,16 @@ def test_topics_stand_in_columns() -> None:
         ("/p", "", "/p ───> [/t std_msgs/String] ───> (no subscriber)"),
     ],
 )
-def test_who_is_missing_is_named(publishers: str, subscribers: str, expected: str) -> None:
+def test_missing_ends_are_shown(publishers: str, subscribers: str, expected: str) -> None:
     assert text(topic(publishers, "/t", subscribers)) == expected
 
 
-def test_types_that_nobody_knows_are_marked() -> None:
+def test_unknown_types_are_marked() -> None:
     assert "[/t type unknown]" in text(Topic("/t", "", False, ["/p"], []))
     assert "[/t my/Type, unchecked]" in text(Topic("/t", "my/Type", False, ["/p"], []))
 
 
-def test_where_columns_do_not_fit_each_topic_is_as_wide_as_it_has_to_be() -> None:
+def test_topics_have_their_own_widths_if_columns_do_not_fit() -> None:
     long = topic("/a_publisher_of_a_long_name", "/t", "/s", "a/B")
     lines = text(CHATTER, long, width=58).split("\n")
     assert lines == [
@@ -81,13 +81,13 @@ def test_where_columns_do_not_fit_each_topic_is_as_wide_as_it_has_to_be() -> Non
     ]
 
 
-def test_a_narrow_terminal_has_one_name_a_line() -> None:
+def test_a_narrow_terminal_has_a_name_per_line() -> None:
     assert text(MANY, width=40) == (
         "[/chatter std_msgs/String]\n  <── /a\n  <── /bb\n  <── /ccc\n  ──> /x\n  ──> /y"
     )
 
 
-def test_services_actions_and_idle_nodes_stand_below() -> None:
+def test_services_actions_and_other_nodes_follow() -> None:
     view = View(
         nodes=["/adder", "/client", "/idle"],
         topics=[],
@@ -104,14 +104,14 @@ def test_services_actions_and_idle_nodes_stand_below() -> None:
         ("Actions", True),
         ("  /do  [type unknown]  by /adder, goals from /client", False),
         ("", False),
-        ("Nodes with none of these", True),
+        ("Other nodes", True),
         ("  /idle", False),
         ("", False),
         ("3 nodes, 0 topics, 2 services, 1 action.", False),
-        ("Left out: 1 topic and 2 services of ROS itself; --all shows them.", False),
+        ("Hidden: 1 topic, 2 services of the hub and its tools; --all shows them.", False),
     ]
 
 
-def test_no_name_makes_lines_of_its_own() -> None:
+def test_line_breaks_in_names_are_escaped() -> None:
     view = View(["/a\n/forged"], [], [], [])
     assert list(drawing(view, LINES, 80))[1] == ("  /a\\n/forged", False)

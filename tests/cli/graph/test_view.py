@@ -1,18 +1,21 @@
-"""What a drawing shows of what /rosapi/graph tells."""
+"""The part of the graph that is drawn and checked."""
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
 from typing import Any
 
 import pytest
 
-from fibws.cli.graph.view import Topic, View, in_order_of_flow
+from fibws.cli.graph.view import Topic, View, in_order_of_flow, is_hidden
 
 ME = "/fibws_graph_1_2"
+WEB_TEST = Path(__file__).parents[3] / "web" / "src" / "hidden_names.test.ts"
 
 
 def topic(name: str, publishers: str = "", subscribers: str = "", **others: Any) -> dict[str, Any]:
-    """As the hub tells of it; nodes are divided by spaces."""
+    """Return a topic as the hub reports it; nodes are separated by spaces."""
     return {
         "name": name,
         "type": "std_msgs/String",
@@ -32,7 +35,7 @@ def graph(
     services: tuple[tuple[str, str], ...] = (),
     actions: tuple[tuple[str, str, bool], ...] = (),
 ) -> dict[str, Any]:
-    """As the hub tells of it: its own node, these, and the one that asks."""
+    """Return a graph as the hub reports it: its own node, these, and the requesting one."""
     return {
         "revision": 1,
         "nodes": [
@@ -51,97 +54,122 @@ def graph(
     }
 
 
-def view(told: dict[str, Any], **others: Any) -> View:
-    return View.of(told, but=ME, **others)
+def view(response: dict[str, Any], **others: Any) -> View:
+    return View.of(response, exclude=ME, **others)
 
 
 def names(topics: list[Topic]) -> list[str]:
     return [topic.name for topic in topics]
 
 
-def test_both_ends_of_a_topic_are_there_and_who_asks_is_not() -> None:
+def test_a_topic_has_its_publishers_and_subscribers_without_the_tool() -> None:
     shown = view(graph(topic("/chatter", f"/b /a {ME}", f"/c /c {ME}"), nodes="/a /b /c"))
     assert shown.nodes == ["/a", "/b", "/c"]
     assert shown.topics == [Topic("/chatter", "std_msgs/String", True, ["/a", "/b"], ["/c"])]
 
 
-def test_what_every_graph_has_is_left_out_and_counted() -> None:
-    told = graph(
+def test_names_of_the_hub_are_hidden_and_counted() -> None:
+    response = graph(
         topic("/rosout", "/a"),
         topic("/rosout_agg"),
         topic("/chatter", "/a"),
         nodes="/a",
         services=(("/a/get_loggers", "/a"), ("/rosapi/topics", "/rosapi"), ("/a/reset", "/a")),
     )
-    shown = view(told)
+    shown = view(response)
     assert names(shown.topics) == ["/chatter"]
     assert [each.name for each in shown.services] == ["/a/reset"]
     assert shown.nodes == ["/a"]
-    assert (shown.hidden_topics, shown.hidden_services) == (2, 2)
+    assert (shown.hidden_nodes, shown.hidden_topics, shown.hidden_services) == (1, 2, 2)
 
 
-def test_everything_can_be_shown() -> None:
-    told = graph(topic("/rosout", "/a"), nodes="/a", services=(("/rosapi/topics", "/rosapi"),))
-    shown = view(told, everything=True)
+def test_pages_and_commands_are_hidden() -> None:
+    page, tool, publisher = "/page_0a1b2c3d", "/fibws_top_4_5", "/fibws_pub_4_5"
+    response = graph(
+        topic("/chatter", publisher, f"/a {page}"),
+        topic("/viewed", "", page),
+        nodes=f"/a {page} {tool} {publisher}",
+        services=(("/x", tool),),
+        actions=(("/do", "/a", True),),
+    )
+    response["topics"].append(topic("/do/goal", f"{page} /a", "/a"))
+    shown = view(response)
+    assert shown.nodes == ["/a", publisher]
+    assert shown.topics == [Topic("/chatter", "std_msgs/String", True, [publisher], ["/a"])]
+    assert (shown.services, shown.actions[0].clients) == ([], ["/a"])
+    assert (shown.hidden_nodes, shown.hidden_topics, shown.hidden_services) == (3, 2, 1)
+    assert {page, tool} <= set(view(response, everything=True).nodes)
+
+
+def test_the_same_names_are_hidden_as_by_the_page() -> None:
+    cases = WEB_TEST.read_text("utf-8").split("test.each(")[1:]
+    for case, expected in zip(cases, (True, False), strict=True):
+        names = re.findall(r'"(/[^"]+)"', case)
+        assert names and {name: is_hidden(name) for name in names} == dict.fromkeys(names, expected)
+
+
+def test_everything_includes_hidden_names() -> None:
+    response = graph(topic("/rosout", "/a"), nodes="/a", services=(("/rosapi/topics", "/rosapi"),))
+    shown = view(response, everything=True)
     assert names(shown.topics) == ["/rosout"]
     assert [each.name for each in shown.services] == ["/rosapi/topics"]
     assert shown.nodes == ["/a", "/rosapi"]
-    assert (shown.hidden_topics, shown.hidden_services) == (0, 0)
+    assert (shown.hidden_nodes, shown.hidden_topics, shown.hidden_services) == (0, 0, 0)
 
 
-def test_an_action_stands_for_its_topics_and_tells_who_sends_goals() -> None:
+def test_an_action_replaces_its_topics_and_has_clients() -> None:
     topics = [topic(f"/do/{each}", "/server", "/client") for each in ("status", "result")]
-    told = graph(
+    response = graph(
         topic("/do/goal", "/client", "/server"),
         *topics,
         nodes="/client /server",
         actions=(("/do", "/server", True), ("/own", "/server", False)),
     )
-    shown = view(told)
+    shown = view(response)
     assert shown.topics == []
     assert [(each.name, each.clients) for each in shown.actions] == [
         ("/do", ["/client"]),
         ("/own", []),
     ]
-    assert names(view(told, everything=True).topics) == ["/do/goal", "/do/result", "/do/status"]
+    assert names(view(response, everything=True).topics) == ["/do/goal", "/do/result", "/do/status"]
 
 
-def test_a_topic_that_is_called_as_one_of_an_action_is_still_shown() -> None:
+def test_a_topic_named_goal_without_an_action_is_shown() -> None:
     assert names(view(graph(topic("/soccer/goal", "/a"))).topics) == ["/soccer/goal"]
 
 
-def test_a_namespace_has_its_topics_and_those_of_its_nodes() -> None:
-    told = graph(
+def test_a_namespace_includes_its_topics_and_those_of_its_nodes() -> None:
+    response = graph(
         topic("/robot/scan", "/laser"),
         topic("/scan", "/robot/driver"),
         topic("/robots", "/laser"),
         nodes="/robot/driver /laser /robot",
         services=(("/robot/stop", "/other"), ("/stop", "/other")),
     )
-    shown = view(told, namespace="/robot")
+    shown = view(response, namespace="/robot")
     assert names(shown.topics) == ["/robot/scan", "/scan"]
     assert [each.name for each in shown.services] == ["/robot/stop"]
     assert shown.nodes == ["/robot", "/robot/driver"]
 
 
-def test_nodes_that_nothing_names_are_idle() -> None:
-    told = graph(
+def test_nodes_without_connections_are_idle() -> None:
+    response = graph(
         topic("/a", "/p", "/s"), nodes="/p /s /idle /provider", services=(("/x", "/provider"),)
     )
-    assert view(told).idle() == ["/idle"]
+    assert view(response).idle() == ["/idle"]
 
 
-def test_topics_follow_the_flow() -> None:
-    told = graph(
+def test_topics_are_in_the_order_of_the_flow() -> None:
+    response = graph(
         topic("/a_last", "/planner", "/motor"),
         topic("/m_objects", "/detector", "/planner"),
         topic("/z_image", "/camera", "/detector"),
     )
-    assert names(view(told).topics) == ["/z_image", "/m_objects", "/a_last"]
+    assert names(view(response).topics) == ["/z_image", "/m_objects", "/a_last"]
 
 
 @pytest.mark.parametrize("length", [2, 5000])
-def test_circles_end(length: int) -> None:
+def test_cycles_are_ordered(length: int) -> None:
     circle = [
         Topic(f"/t{number}", "", True, [f"/n{number}"], [f"/n{(number + 1) % length}"])
         for number in range(length)
@@ -149,7 +177,7 @@ def test_circles_end(length: int) -> None:
     assert sorted(names(in_order_of_flow(circle))) == sorted(names(circle))
 
 
-def test_json_has_what_is_shown() -> None:
+def test_json_has_the_names_of_the_view() -> None:
     shown = view(graph(topic("/chatter", "/a"), nodes="/a", services=(("/x", "/a"),)))
     assert shown.as_json() == {
         "nodes": ["/a"],
