@@ -1,4 +1,4 @@
-"""`fibws top` on a terminal: two tables that stay where they are, and keys."""
+"""The screen and the keyboard of a terminal on which `fibws top` runs."""
 
 from __future__ import annotations
 
@@ -10,23 +10,23 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from fibws.cli import output
-from fibws.cli.top.keyboard import Keyboard
-from fibws.cli.top.measure import Measure
+from fibws.cli.arguments import is_stdin_terminal
+from fibws.cli.top.measurement import Measurement
 from fibws.cli.top.tables import tables
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
 
 KEYS = {"r": "rate", "b": "bw", "n": "name"}
-"""What a key has the topics sorted by."""
-KEYS_SHOWN = "q: quit, r: rate, b: bw, n: name"
-"""What the keys do, in as few characters as there is room for in a line of 80."""
-SLICE = 0.5
-"""Seconds between two looks at the connection: a hub ends one that answers no ping."""
+"""The keys that sort topics."""
+KEYS_TEXT = "q: quit, r: rate, b: bw, n: name"
+"""The keys' help, which fits a line of 80 characters with the rest of the heading."""
+MAX_WAIT = 0.5
+"""Seconds to wait for a key before processing messages: the hub disconnects unresponsive tools."""
 
 
 class Screen:
-    """The screen of a terminal while it is this tool's: ``with Screen.taken() as screen``."""
+    """The screen of a terminal: ``with Screen.open() as screen``."""
 
     def __init__(self, console: Console, show: Callable[[RenderableType], None]) -> None:
         self._console = console
@@ -35,8 +35,8 @@ class Screen:
 
     @classmethod
     @contextmanager
-    def taken(cls) -> Iterator[Screen]:
-        """Take the screen, and give it back as it was, also when SIGTERM ends the tool."""
+    def open(cls) -> Iterator[Screen]:
+        """Switch to an own screen, and restore the previous one, on SIGTERM, too."""
         from rich.console import Console
         from rich.live import Live
 
@@ -50,16 +50,60 @@ class Screen:
         finally:
             signal.signal(signal.SIGTERM, before)
 
-    def show(self, measure: Measure, url: str, sort: str) -> None:
-        """Show a measure, as much of it as there is room for."""
-        head = f"{url}  {time.strftime('%X')}  by {sort}  {KEYS_SHOWN}"
-        self._show(tables(measure, head, self._console.width, self._console.height))
+    def show(self, measurement: Measurement, url: str, sort: str) -> None:
+        """Show a measurement, as much of it as fits."""
+        heading = f"{url}  {time.strftime('%X')}  by {sort}  {KEYS_TEXT}"
+        self._show(tables(measurement, heading, self._console.width, self._console.height))
 
-    def wait(self, seconds: float, meanwhile: Callable[[], None]) -> str:
-        """Wait for so long or until a key is pressed, which is returned; empty if none was."""
+    def wait_for_key(self, seconds: float, process: Callable[[], None]) -> str:
+        """Wait for a key, and return it, or an empty string after ``seconds``.
+
+        Args:
+            process: called while waiting.
+        """
         deadline = time.monotonic() + seconds
         while (rest := deadline - time.monotonic()) > 0:
-            if key := self._keyboard.pressed(min(rest, SLICE)):
+            if key := self._keyboard.pressed(min(rest, MAX_WAIT)):
                 return key
-            meanwhile()
+            process()
         return ""
+
+
+class Keyboard:
+    """The keyboard, if standard input is one."""
+
+    @contextmanager
+    def read(self) -> Iterator[None]:
+        """Read keys without Enter, and do not echo them."""
+        if sys.platform == "win32" or not is_stdin_terminal():
+            yield
+            return
+        import termios
+        import tty
+
+        before = termios.tcgetattr(sys.stdin)
+        try:
+            tty.setcbreak(sys.stdin)
+            yield
+        finally:
+            termios.tcsetattr(sys.stdin, termios.TCSADRAIN, before)
+
+    def pressed(self, seconds: float) -> str:
+        """Return the key that is pressed within ``seconds``, or an empty string."""
+        if not is_stdin_terminal():
+            time.sleep(seconds)
+            return ""
+        if sys.platform == "win32":
+            import msvcrt
+
+            deadline = time.monotonic() + seconds
+            while not msvcrt.kbhit():
+                if time.monotonic() >= deadline:
+                    return ""
+                time.sleep(0.05)
+            return msvcrt.getwch()
+        import os
+        import select
+
+        ready, _, _ = select.select([sys.stdin], [], [], seconds)
+        return os.read(sys.stdin.fileno(), 1).decode(errors="replace") if ready else ""

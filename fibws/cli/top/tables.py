@@ -1,4 +1,4 @@
-"""A measure as the tables of a terminal that is so wide and so high."""
+"""The tables of `fibws top`: plain text for pipes, and rich tables that fit a terminal."""
 
 from __future__ import annotations
 
@@ -6,30 +6,68 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from fibws.cli import output
-from fibws.cli.top.measure import Measure
-from fibws.cli.top.text import CLIENT_HEADS, TOPIC_HEADS, client_cells, topic_cells
+from fibws.cli.top.measurement import Client, Measurement, Topic
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
+TOPIC_HEADS = ("TOPIC", "RATE", "BANDWIDTH", "PUBS", "SUBS", "DROPS")
+CLIENT_HEADS = ("NODE", "ADDRESS", "KEPT", "DROPS", "STATE")
+
+
+def topic_cells(topic: Topic, *, is_measured: bool = True) -> tuple[str, ...]:
+    """Return the cells of a topic's row, under `TOPIC_HEADS`; rates only if ``is_measured``."""
+    grown = f" (+{topic.dropped})" if topic.dropped else ""
+    return (
+        topic.topic,
+        f"{topic.rate:.2f}Hz" if is_measured else "-",
+        f"{amount(topic.bandwidth)}/s" if is_measured else "-",
+        str(topic.publishers),
+        str(topic.subscribers),
+        f"{topic.dropped_in_all}{grown}",
+    )
+
+
+def client_cells(client: Client) -> tuple[str, ...]:
+    """Return the cells of a client's row, under `CLIENT_HEADS`."""
+    state = "slow" if client.slow else "ok"
+    return client.node, client.address, amount(client.kept_bytes), str(client.dropped), state
+
+
+def amount(number: float) -> str:
+    """Return a number of bytes as in rostopic bw: ``12.34KB`` are 12 340."""
+    for unit, size in (("GB", 1e9), ("MB", 1e6), ("KB", 1e3)):
+        if number >= size:
+            return f"{number / size:.2f}{unit}"
+    return f"{number:.2f}B" if number % 1 else f"{number:.0f}B"
+
+
+def print_tables(measurement: Measurement) -> None:
+    """Print a measurement as two plain tables, each followed by an empty line."""
+    output.table(TOPIC_HEADS, map(topic_cells, measurement.topics))
+    output.line()
+    output.table(CLIENT_HEADS, map(client_cells, measurement.clients))
+    output.line()
+
+
 FRAME = 8
-"""Lines that are no row: the headline and a gap; heads, a rule, what was left out, twice."""
-FIRST_TO_GO = {"PUBS": 64, "SUBS": 64, "ADDRESS": 64, "BANDWIDTH": 40, "KEPT": 40}
-"""The columns that lines of fewer characters than these have no room for."""
-TO_THE_LEFT = {"TOPIC", "NODE", "ADDRESS", "STATE"}
+"""Lines without rows: the heading and an empty line; twice heads, a rule and a remainder."""
+MIN_WIDTHS = {"PUBS": 64, "SUBS": 64, "ADDRESS": 64, "BANDWIDTH": 40, "KEPT": 40}
+"""Columns that are left out on narrower terminals."""
+LEFT_ALIGNED = {"TOPIC", "NODE", "ADDRESS", "STATE"}
 
 
-def tables(measure: Measure, head: str, width: int, height: int) -> RenderableType:
-    """A measure below a headline, cut to so many characters and lines."""
+def tables(measurement: Measurement, heading: str, width: int, height: int) -> RenderableType:
+    """Return a measurement below a heading, cut to a terminal's width and height."""
     from rich.console import Group
     from rich.text import Text
 
     room = max(2, height - FRAME)
-    clients = measure.clients[: max(1, room - len(measure.topics), room // 3)]
-    topics = measure.topics[: max(1, room - len(clients))]
-    is_measured = measure.seconds > 0
+    clients = measurement.clients[: max(1, room - len(measurement.topics), room // 3)]
+    topics = measurement.topics[: max(1, room - len(clients))]
+    is_measured = measurement.seconds > 0
     return Group(
-        Text(head, style="dim", no_wrap=True, overflow="ellipsis"),
+        Text(heading, style="dim", no_wrap=True, overflow="ellipsis"),
         Text(),
         _table(
             TOPIC_HEADS,
@@ -37,14 +75,14 @@ def tables(measure: Measure, head: str, width: int, height: int) -> RenderableTy
             [bool(each.dropped) for each in topics],
             width,
         ),
-        _left_out(len(measure.topics) - len(topics), "topic"),
+        _remainder(len(measurement.topics) - len(topics), "topic"),
         _table(
             CLIENT_HEADS,
             [client_cells(each) for each in clients],
             [each.slow for each in clients],
             width,
         ),
-        _left_out(len(measure.clients) - len(clients), "client"),
+        _remainder(len(measurement.clients) - len(clients), "client"),
     )
 
 
@@ -56,25 +94,25 @@ def _table(
     from rich.text import Text
 
     table = Table(box=box.SIMPLE_HEAD, expand=True, show_edge=False, padding=(0, 1, 0, 0))
-    shown = [width >= FIRST_TO_GO.get(head, 0) for head in heads]
+    shown = [width >= MIN_WIDTHS.get(head, 0) for head in heads]
     for number, head in enumerate(heads):
         if shown[number]:
             table.add_column(
                 head,
-                justify="left" if head in TO_THE_LEFT else "right",
-                ratio=1 if number == 0 else None,  # All the room that the others leave is names'.
+                justify="left" if head in LEFT_ALIGNED else "right",
+                ratio=1 if number == 0 else None,  # Names have the remaining width.
                 no_wrap=True,
                 overflow="ellipsis",
             )
     for cells, is_marked in zip(rows, marked, strict=True):
-        # Text is taken as it is: no name becomes markup.
+        # Text does not interpret markup in names.
         texts = (Text(output.visible(cell, keep="")) for cell in cells)
         row = (text for text, is_shown in zip(texts, shown, strict=True) if is_shown)
         table.add_row(*row, style="bold yellow" if is_marked else None)
     return table
 
 
-def _left_out(number: int, noun: str) -> RenderableType:
+def _remainder(number: int, noun: str) -> RenderableType:
     from rich.text import Text
 
     return Text(f"and {output.counted(number, f'more {noun}')}" if number else "")

@@ -1,4 +1,4 @@
-"""What goes on, by two answers of /rosapi/statistics."""
+"""Differences between two responses of /rosapi/statistics."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from fibws.cli.top.measure import Client, Measure, Topic
+from fibws.cli.top.measurement import Client, Measurement, Topic
 
 ME = "/fibws_top_1_2"
 
@@ -14,7 +14,7 @@ ME = "/fibws_top_1_2"
 def topic(
     name: str, *, published: dict[str, tuple[int, int]] | None = None, **dropped: int
 ) -> dict[str, Any]:
-    """As the hub tells of it: publishers with messages and bytes, subscribers with drops."""
+    """Return a topic as the hub reports it, with messages and bytes of publishers, and drops."""
     return {
         "topic": name,
         "publishers": [
@@ -50,8 +50,8 @@ def client(node: str, **others: Any) -> dict[str, Any]:
     }
 
 
-def between(before: dict[str, Any], now: dict[str, Any], sort: str = "rate") -> Measure:
-    return Measure.between(before, now, but=ME, sort=sort)
+def between(before: dict[str, Any], now: dict[str, Any], sort: str = "rate") -> Measurement:
+    return Measurement.between(before, now, exclude=ME, sort=sort)
 
 
 def one(before: dict[str, Any], now: dict[str, Any], seconds: float = 2) -> Topic:
@@ -59,7 +59,7 @@ def one(before: dict[str, Any], now: dict[str, Any], seconds: float = 2) -> Topi
     return topic
 
 
-def test_rates_are_differences_by_the_hubs_own_clock() -> None:
+def test_rates_are_differences_by_the_hubs_clock() -> None:
     measured = one(
         topic("/t", published={"/a": (100, 1000), "/b": (5, 50)}, x=3, y=0),
         topic("/t", published={"/a": (120, 1400), "/b": (6, 60)}, x=7, y=1),
@@ -69,7 +69,7 @@ def test_rates_are_differences_by_the_hubs_own_clock() -> None:
     )
 
 
-def test_who_came_meanwhile_counts_from_nothing() -> None:
+def test_new_nodes_count_from_0() -> None:
     measured = one(
         topic("/t", published={"/a": (100, 0)}),
         topic("/t", published={"/a": (100, 0), "/b": (8, 0)}, x=2),
@@ -77,7 +77,7 @@ def test_who_came_meanwhile_counts_from_nothing() -> None:
     assert (measured.rate, measured.dropped) == (4, 2)
 
 
-def test_who_left_meanwhile_counts_no_more() -> None:
+def test_nodes_that_left_do_not_count() -> None:
     measured = one(
         topic("/t", published={"/a": (100, 0), "/b": (7, 0)}, x=5),
         topic("/t", published={"/a": (102, 0)}),
@@ -85,27 +85,27 @@ def test_who_left_meanwhile_counts_no_more() -> None:
     assert (measured.rate, measured.dropped, measured.publishers) == (1, 0, 1)
 
 
-def test_who_came_back_meanwhile_has_begun_anew() -> None:
+def test_restarted_nodes_count_from_0() -> None:
     measured = one(topic("/t", published={"/a": (100, 0)}), topic("/t", published={"/a": (4, 0)}))
     assert measured.rate == 2
 
 
-def test_a_new_topic_counts_from_nothing() -> None:
+def test_new_topics_count_from_0() -> None:
     now = statistics(1, topic("/t", published={"/a": (3, 0)}))
     assert between(statistics(0), now).topics[0].rate == 3
 
 
 def test_two_subscriptions_of_a_node_are_one_subscriber() -> None:
-    told = topic("/t", x=1)
-    told["subscriptions"] *= 2
-    assert one(topic("/t", x=1), told).subscribers == 1
+    now = topic("/t", x=1)
+    now["subscriptions"] *= 2
+    assert one(topic("/t", x=1), now).subscribers == 1
 
 
-def test_at_the_first_look_nothing_went_on() -> None:
-    look = statistics(1, topic("/t", published={"/a": (3, 9)}, x=4))
-    measure = between(look, look)
-    assert measure.seconds == 0
-    assert (measure.topics[0].rate, measure.topics[0].dropped_in_all) == (0, 4)
+def test_the_first_measurement_has_no_rates() -> None:
+    response = statistics(1, topic("/t", published={"/a": (3, 9)}, x=4))
+    measurement = between(response, response)
+    assert measurement.seconds == 0
+    assert (measurement.topics[0].rate, measurement.topics[0].dropped_in_all) == (0, 4)
 
 
 @pytest.mark.parametrize(
@@ -126,18 +126,18 @@ def test_topics_are_sorted(sort: str, names: list[str]) -> None:
     assert [each.topic for each in between(statistics(0), now, sort).topics] == names
 
 
-def test_slow_clients_come_first_and_who_asks_is_none() -> None:
+def test_slow_clients_come_first_without_the_tool() -> None:
     now = statistics(
         1, clients=(client("/a"), client(ME), client("/b", slow=True), client("/c", kept_bytes=1))
     )
-    measure = between(statistics(0), now)
-    assert [each.node for each in measure.clients] == ["/b", "/c", "/a"]
-    assert measure.clients[0] == Client("/b", "127.0.0.1:5", 0, 0, True)
+    measurement = between(statistics(0), now)
+    assert [each.node for each in measurement.clients] == ["/b", "/c", "/a"]
+    assert measurement.clients[0] == Client("/b", "127.0.0.1:5", 0, 0, True)
 
 
-def test_json_has_all_of_it() -> None:
-    look = statistics(1.5, topic("/t"), clients=(client("/a"),))
-    assert between(statistics(1), look).as_json() == {
+def test_a_measurement_as_json() -> None:
+    response = statistics(1.5, topic("/t"), clients=(client("/a"),))
+    assert between(statistics(1), response).as_json() == {
         "stamp": 1700000001.5,
         "seconds": 0.5,
         "topics": [

@@ -1,4 +1,4 @@
-"""What goes on in the graph: the differences of two answers of /rosapi/statistics."""
+"""Rates and drops: the difference between two responses of /rosapi/statistics."""
 
 from __future__ import annotations
 
@@ -11,24 +11,24 @@ SORTS = ("rate", "bw", "name")
 
 @dataclass(frozen=True, slots=True)
 class Topic:
-    """What went over a topic in the time that was measured."""
+    """The messages of a topic between two responses."""
 
     topic: str
     rate: float
-    """Messages a second, of all publishers."""
+    """Messages per second from all publishers."""
     bandwidth: float
-    """Bytes a second, as they came to the hub."""
+    """Bytes per second that the hub received."""
     publishers: int
     subscribers: int
     dropped: int
-    """Messages that subscribers were too slow for."""
+    """Messages dropped because subscribers were too slow."""
     dropped_in_all: int
-    """The same, since those who subscribe now do."""
+    """The same since the current subscriptions began."""
 
 
 @dataclass(frozen=True, slots=True)
 class Client:
-    """How a client keeps up; ``dropped`` counts from its coming on."""
+    """A client's send queue; ``dropped`` counts since it connected."""
 
     node: str
     address: str
@@ -38,30 +38,32 @@ class Client:
 
 
 @dataclass(frozen=True, slots=True)
-class Measure:
-    """What went on within some seconds."""
+class Measurement:
+    """The topics and clients between two responses."""
 
     stamp: float
-    """When it was measured, by the hub's clock, in seconds since 1970."""
+    """The time of the newer response by the hub's clock, in seconds since 1970."""
     seconds: float
     topics: list[Topic]
     clients: list[Client]
 
     @classmethod
-    def between(cls, before: dict[str, Any], now: dict[str, Any], *, but: str, sort: str) -> Self:
-        """What went on between two answers of /rosapi/statistics.
+    def between(
+        cls, before: dict[str, Any], now: dict[str, Any], *, exclude: str, sort: str
+    ) -> Self:
+        """Compare two responses of /rosapi/statistics.
 
         Args:
-            before: the older one; if it is the newer one itself, nothing went on.
+            before: the older one; if both are the same, rates are 0.
             now: the newer one.
-            but: the node that asks, which is no part of it.
-            sort: what comes first: one of `SORTS`.
+            exclude: the node that requested them.
+            sort: the order of topics: one of `SORTS`.
         """
         stamp = _seconds(now["stamp"])
         seconds = stamp - _seconds(before["stamp"])
         older = {each["topic"]: each for each in before["topics"]}
         topics = [_topic(older.get(each["topic"], {}), each, seconds) for each in now["topics"]]
-        clients = [Client(**each) for each in now["clients"] if each["node"] != but]
+        clients = [Client(**each) for each in now["clients"] if each["node"] != exclude]
         return cls(
             stamp,
             max(0.0, seconds),
@@ -70,7 +72,7 @@ class Measure:
         )
 
     def as_json(self) -> dict[str, Any]:
-        """All of it, fit for JSON."""
+        """Return all of it for JSON."""
         return asdict(self)
 
 
@@ -80,21 +82,21 @@ def _rank(topic: Topic, sort: str) -> tuple[float, str]:
 
 def _topic(before: dict[str, Any], now: dict[str, Any], seconds: float) -> Topic:
     older, newer = before.get("publishers", []), now["publishers"]
-    heard, hear = before.get("subscriptions", []), now["subscriptions"]
+    old_subscriptions, subscriptions = before.get("subscriptions", []), now["subscriptions"]
     per_second = 1 / seconds if seconds > 0 else 0.0
     return Topic(
         topic=now["topic"],
-        rate=_more(older, newer, "messages") * per_second,
-        bandwidth=_more(older, newer, "bytes") * per_second,
+        rate=_increase(older, newer, "messages") * per_second,
+        bandwidth=_increase(older, newer, "bytes") * per_second,
         publishers=len(newer),
-        subscribers=len({each["node"] for each in hear}),
-        dropped=_more(heard, hear, "dropped"),
-        dropped_in_all=sum(each["dropped"] for each in hear),
+        subscribers=len({each["node"] for each in subscriptions}),
+        dropped=_increase(old_subscriptions, subscriptions, "dropped"),
+        dropped_in_all=sum(each["dropped"] for each in subscriptions),
     )
 
 
-def _more(before: Iterable[dict[str, Any]], now: Iterable[dict[str, Any]], number: str) -> int:
-    """By how much a total of some nodes grew; who begins anew within the time begins at 0."""
+def _increase(before: Iterable[dict[str, Any]], now: Iterable[dict[str, Any]], number: str) -> int:
+    """Return the increase of a total of nodes; one that was restarted began at 0."""
     older, newer = _totals(before, number), _totals(now, number)
     return sum(
         total - older.get(node, 0) if total >= older.get(node, 0) else total
