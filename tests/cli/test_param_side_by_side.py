@@ -44,6 +44,7 @@ def rosparam(tmp_path: Path) -> Iterator[Rosparam]:
         port = probe.getsockname()[1]
     environment = {
         **os.environ,
+        "PYTHONPATH": "",
         "ROS_MASTER_URI": f"http://127.0.0.1:{port}",
         "ROS_HOSTNAME": "127.0.0.1",
         "ROS_LOG_DIR": str(tmp_path / "log"),

@@ -162,7 +162,7 @@ def theirs(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[Any]]:
     """The folder of the files, and the content of each as ROS's roslaunch reads it."""
     if (
         not Path(PYTHON).exists()
-        or subprocess.run([PYTHON, "-c", "import roslaunch"], capture_output=True).returncode
+        or subprocess.run([PYTHON, "-I", "-c", "import roslaunch"], capture_output=True).returncode
     ):
         pytest.skip("ROS's own roslaunch is not installed")
     folder = tmp_path_factory.mktemp("launch")

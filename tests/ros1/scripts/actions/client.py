@@ -1,10 +1,25 @@
 #!/usr/bin/env python
 import sys
+import threading
 
 import actionlib
 import rospy
 from actionlib.msg import TestAction, TestFeedback, TestGoal, TestResult
 from actionlib_msgs.msg import GoalStatus
+
+
+class Client(actionlib.SimpleActionClient):
+    """The real one loses a goal's first transition if that comes before send_goal() returns."""
+
+    sending = threading.RLock()
+
+    def send_goal(self, *args, **kwargs):
+        with self.sending:
+            actionlib.SimpleActionClient.send_goal(self, *args, **kwargs)
+
+    def _handle_transition(self, goal):
+        with self.sending:
+            actionlib.SimpleActionClient._handle_transition(self, goal)
 
 
 def done(state, result):
@@ -43,13 +58,13 @@ heard = []
 
 if __name__ == '__main__':
     rospy.init_node('test_client')
-    nobody = actionlib.SimpleActionClient('nobody', TestAction)
+    nobody = Client('nobody', TestAction)
     print(nobody.wait_for_server(rospy.Duration(0.3)))
     print(nobody.wait_for_result(), nobody.get_result(), nobody.get_state())
     print(nobody.get_goal_status_text())
     nobody.cancel_goal()
 
-    client = actionlib.SimpleActionClient('test_server', TestAction)
+    client = Client('test_server', TestAction)
     print(client.wait_for_server())
 
     for number in (3, -5, 100, 101, 102):
@@ -71,7 +86,7 @@ if __name__ == '__main__':
     show(client, state)
 
     print('a later goal')
-    other = actionlib.SimpleActionClient('test_server', TestAction)
+    other = Client('test_server', TestAction)
     other.wait_for_server()
     until_it_counts(client)
     other.send_goal(TestGoal(1))
