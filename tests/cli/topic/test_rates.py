@@ -63,6 +63,7 @@ def test_missed_reports_are_skipped(
         nonlocal now
         now += next(stops, seconds)
 
+    monkeypatch.setattr(rates, "PERIOD", 1.0)
     monkeypatch.setattr(rates, "time", SimpleNamespace(monotonic=lambda: now))
     client = cast(HubClient, SimpleNamespace(process=process))
     rates.report(client, lambda: shown.append(now), 3)
@@ -84,6 +85,7 @@ def test_slow_report_does_not_delay_the_next(
         shown.append(now)
         now += 0.25
 
+    monkeypatch.setattr(rates, "PERIOD", 1.0)
     monkeypatch.setattr(rates, "time", SimpleNamespace(monotonic=lambda: now))
     rates.report(cast(HubClient, SimpleNamespace(process=process)), show, 3)
     assert shown == [1.0, 2.0, 3.0]
