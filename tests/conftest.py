@@ -25,6 +25,11 @@ settings.load_profile("ci" if os.environ.get("CI") else "dev")
 
 LoopFactory = Callable[[], asyncio.AbstractEventLoop]
 StartHub = Callable[..., Awaitable[Hub]]
+UVLOOP: LoopFactory | None
+try:
+    from uvloop import new_event_loop as UVLOOP
+except ImportError:
+    UVLOOP = None
 
 SWEEP_INTERVAL = 0.02
 """Seconds between two sweeps in tests, so that nobody waits for the second's end."""
@@ -43,14 +48,20 @@ def pytest_asyncio_loop_factories(
 ) -> Mapping[str, LoopFactory]:
     """The event loops that a test runs on: uvloop's too, if it is installed and asked for."""
     factories: dict[str, LoopFactory] = {"asyncio": asyncio.new_event_loop}
-    if item.get_closest_marker("both_loops"):
-        try:
-            import uvloop
-        except ImportError:
-            pass
-        else:
-            factories["uvloop"] = uvloop.new_event_loop
+    if item.get_closest_marker("both_loops") and UVLOOP is not None:
+        factories["uvloop"] = UVLOOP
     return factories
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark the tests that run on uvloop's event loop."""
+    if UVLOOP is None:
+        return
+    for item in items:
+        parameters = item.callspec.params.values() if hasattr(item, "callspec") else ()
+        if any(each is UVLOOP for each in parameters):
+            item.add_marker(pytest.mark.uvloop)
 
 
 class Faults:
