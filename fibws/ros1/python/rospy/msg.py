@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, BinaryIO, ClassVar, Self, TypeVar
+from typing import TYPE_CHECKING, Any, BinaryIO, ClassVar, Self, TypeVar
 
+from genpy.classes import message_class
 from genpy.message import Message
 
 from fibws.interfaces import Interfaces
@@ -13,7 +14,12 @@ from fibws.interfaces.serialization import Buffer, ClassCodec
 from rospy.arguments import args_kwds_to_message
 from rospy.exceptions import ROSException
 
-__all__ = ["AnyMsg", "args_kwds_to_message"]
+if TYPE_CHECKING:
+    from fibws.msg.std_msgs import Header
+else:
+    Header = message_class("std_msgs/Header")
+
+__all__ = ["AnyMsg", "Header", "Message", "args_kwds_to_message"]
 
 
 class AnyMsg(Message):

@@ -1,0 +1,54 @@
+"""The public names, each loaded when it is first used; a new one is added here alone."""
+
+from .errors import (
+    ActionError as ActionError,
+    AlreadyOffered as AlreadyOffered,
+    FibwsError as FibwsError,
+    HubUnreachable as HubUnreachable,
+    InterfaceError as InterfaceError,
+    InvalidAddress as InvalidAddress,
+    InvalidMessage as InvalidMessage,
+    InvalidName as InvalidName,
+    NodeClosed as NodeClosed,
+    NodeError as NodeError,
+    NodeKilled as NodeKilled,
+    NodeReplaced as NodeReplaced,
+    OperationRejected as OperationRejected,
+    ParameterNotSet as ParameterNotSet,
+    ServiceError as ServiceError,
+    ServiceLost as ServiceLost,
+    ServiceTimeout as ServiceTimeout,
+    UnknownService as UnknownService,
+    WaitTimeout as WaitTimeout,
+)
+from .interfaces import (
+    Action as Action,
+    Duration as Duration,
+    Message as Message,
+    Service as Service,
+    Time as Time,
+)
+from .names import Remapping as Remapping, parse_remappings as parse_remappings
+from .node.actions.actions import Over as Over
+from .node.actions.client import ActionClient as ActionClient, ClientGoal as ClientGoal
+from .node.actions.server import (
+    ActionServer as ActionServer,
+    Execute as Execute,
+    ServerGoal as ServerGoal,
+)
+from .node.graph import Graph as Graph, NodeDetails as NodeDetails
+from .node.node import Node as Node
+from .node.params import Params as Params
+from .node.peers import Peers as Peers
+from .node.publisher import Publisher as Publisher
+from .node.rate import Rate as Rate
+from .node.services import (
+    Handler as Handler,
+    HeaderHandler as HeaderHandler,
+    ServiceServer as ServiceServer,
+)
+from .node.subscription import Subscription as Subscription
+from .protocol.goals import GoalStatus as GoalStatus
+
+__all__: list[str]
+__version__: str
