@@ -113,7 +113,7 @@ class OutgoingQueue:
         """Write or queue a frame.
 
         Call it in the loop's thread, or in another one that acts for the loop while that sleeps
-        (`rospy.loop_lock`).
+        (`rospy.background`).
 
         Args:
             lane: the publisher's; None for an operation, which is void once the hub is lost.

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 from typing import Any, cast
 
 import pytest
-from rospy import core, shared
+from rospy import core
 from rospy.background import Background
 from websockets.asyncio.server import ServerConnection, serve
 
@@ -84,4 +84,4 @@ def test_default_is_returned_when_the_hub_does_not_respond(monkeypatch: pytest.M
         return ["/talker"]
 
     monkeypatch.setattr(core, "background", Background())
-    assert shared.ask(question(), []) == []
+    assert core.ask(question(), []) == []

@@ -1,10 +1,18 @@
 """The public names, each loaded when it is first used; a new one is added here alone."""
 
 from .client import (
+    delete_param as delete_param,
+    get_master as get_master,
+    get_param as get_param,
+    get_param_cached as get_param_cached,
+    get_param_names as get_param_names,
     get_published_topics as get_published_topics,
+    has_param as has_param,
     init_node as init_node,
     myargv as myargv,
     on_shutdown as on_shutdown,
+    search_param as search_param,
+    set_param as set_param,
     spin as spin,
 )
 from .core import (
@@ -59,16 +67,6 @@ from .names import (
     get_namespace as get_namespace,
     remap_name as remap_name,
     resolve_name as resolve_name,
-)
-from .params import (
-    delete_param as delete_param,
-    get_master as get_master,
-    get_param as get_param,
-    get_param_cached as get_param_cached,
-    get_param_names as get_param_names,
-    has_param as has_param,
-    search_param as search_param,
-    set_param as set_param,
 )
 from .rostime import (
     Duration as Duration,

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Coroutine
-from typing import TYPE_CHECKING, Any, TypeVar
+from time import monotonic
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 from rospy.exceptions import ROSException, ROSInterruptException
-from rospy.loop_lock import LoopLock
-from rospy.response import Response
+from rospy.wakeup import UNINTERRUPTED
 
 if TYPE_CHECKING:
     import asyncio
@@ -211,3 +211,172 @@ async def _cancel_all() -> None:
     for task in others:
         task.cancel()
     await asyncio.gather(*others, return_exceptions=True)
+
+
+class Response(Generic[T]):
+    """The outcome of a coroutine, for one thread outside of its loop.
+
+    Unlike a `concurrent.futures.Future` it has no lock that two threads wait for: a signal handler
+    may interrupt the waiting thread at any point, and wait for other responses.
+    """
+
+    def __init__(self) -> None:
+        self._waiting = threading.Lock()
+        self._waiting.acquire()
+        self._task: asyncio.Task[None] | None = None
+        self._error: BaseException | None = None
+        self._result: T
+        self.done = False
+
+    def execute(self, coroutine: Coroutine[Any, Any, T]) -> None:
+        """Run the coroutine; call this in its loop."""
+        import asyncio
+
+        def end(task: asyncio.Task[None]) -> None:
+            coroutine.close()
+            if not self.done:  # It was cancelled before it began.
+                self.fail(ROSInterruptException("rospy shutdown"))
+
+        self._task = asyncio.get_running_loop().create_task(self._run(coroutine))
+        self._task.add_done_callback(end)
+
+    def cancel(self) -> None:
+        """Cancel the coroutine; call this in its loop."""
+        if self._task is not None:
+            self._task.cancel()
+
+    def succeed(self, result: T) -> None:
+        """Set the result; call this in the loop, and once."""
+        self._result = result
+        self.done = True
+        self._waiting.release()
+
+    def fail(self, error: BaseException) -> None:
+        """Set the error; call this in the loop, and once."""
+        self._error = error
+        self.done = True
+        self._waiting.release()
+
+    def result(self, alive: Callable[[], bool], timeout: float | None = None) -> T:
+        """Wait for the result.
+
+        Args:
+            alive: returns whether the loop still runs.
+            timeout: most seconds to wait.
+
+        Raises:
+            ROSInterruptException: the node ends, so that there will be no result.
+            TimeoutError: there was no result in time.
+        """
+        end = None if timeout is None else monotonic() + timeout
+        while not self.done:
+            left = UNINTERRUPTED if end is None else min(UNINTERRUPTED, end - monotonic())
+            if left <= 0:
+                raise TimeoutError
+            if not alive():
+                break
+            self._waiting.acquire(timeout=left)
+        if not self.done:
+            raise ROSInterruptException("rospy shutdown")
+        if self._error is not None:
+            raise self._error
+        return self._result
+
+    async def _run(self, coroutine: Coroutine[Any, Any, T]) -> None:
+        from asyncio import CancelledError
+
+        from fibws.errors import NodeClosed
+
+        try:
+            self.succeed(await coroutine)
+        except (CancelledError, NodeClosed):
+            self.fail(ROSInterruptException("rospy shutdown"))
+        except BaseException as error:  # A KeyboardInterrupt must not end the loop.
+            self.fail(error)
+
+
+class LoopLock:
+    """A lock that an event loop holds while it runs callbacks; it is free while the loop sleeps.
+
+    A thread that gets the lock may use the loop's objects itself. Waking the loop for each message
+    that a script publishes would cost a system call, two switches of threads, and waits for the
+    interpreter's lock: about a quarter of the latency and of the CPU time of small messages.
+
+    A signal handler must not run in a thread that holds the lock: it may wait for the loop, which
+    waits for the lock.
+    """
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._main_has_it = False
+        self.allows_main_thread = False
+        """Whether the main thread may take the lock, too. It may if all signal handlers use
+        `defer`: an exception raised by a handler could leave the lock held for ever."""
+        self._deferred: list[Callable[[], object]] = []
+
+    def new_loop(self) -> asyncio.AbstractEventLoop:
+        """Return a new event loop, and hold the lock for it until `close`."""
+        import asyncio
+        import selectors
+
+        lock = self._lock
+
+        class Selector(selectors.DefaultSelector):
+            """Releases the lock while it waits."""
+
+            def select(self, timeout: float | None = None) -> Any:
+                lock.release()
+                try:
+                    return super().select(timeout)
+                finally:
+                    lock.acquire()
+
+        lock.acquire()
+        self._loop = asyncio.SelectorEventLoop(Selector())
+        return self._loop
+
+    def close(self) -> None:
+        """Give the lock to nobody any more: the loop has ended."""
+        self._loop = None
+        self._lock.release()
+
+    def try_acquire(self) -> bool:
+        """Take the lock until `release` if the loop sleeps; return whether it does.
+
+        Callbacks that are scheduled meanwhile run when the loop wakes up next: wake it if they must
+        not wait.
+        """
+        main = threading.current_thread() is threading.main_thread()
+        if main:
+            if self._main_has_it or not self.allows_main_thread:
+                return False
+            self._main_has_it = True
+        if self._lock.acquire(blocking=False):
+            # A loop in debug mode refuses calls from other threads.
+            if self._loop is not None and not self._loop.get_debug():
+                return True
+            self._lock.release()
+        if main:
+            self._released_by_main()
+        return False
+
+    def release(self) -> None:
+        """Release the lock after `try_acquire`."""
+        self._lock.release()
+        if threading.current_thread() is threading.main_thread():
+            self._released_by_main()
+
+    def defer(self, function: Callable[[], object]) -> bool:
+        """Call a function once the main thread has released the lock; for signal handlers.
+
+        Return False, and do nothing, if the main thread does not hold it.
+        """
+        if self._main_has_it:
+            self._deferred.append(function)
+        return self._main_has_it
+
+    def _released_by_main(self) -> None:
+        self._main_has_it = False
+        while self._deferred:
+            self._deferred.pop(0)()

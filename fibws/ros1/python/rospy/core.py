@@ -10,18 +10,23 @@ from collections.abc import Callable, Coroutine
 from functools import partial
 from importlib import import_module
 from types import FrameType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from rospy.background import Background
 from rospy.exceptions import ROSInterruptException
 from rospy.names import get_caller_id
 from rospy.wakeup import Wakeup
 
+if TYPE_CHECKING:
+    from fibws.node.peers import Peers
+
 __all__ = [
     "add_client_shutdown_hook",
     "add_preshutdown_hook",
     "add_shutdown_hook",
+    "ask",
     "background",
+    "count_peers",
     "get_caller_id",
     "get_node_uri",
     "is_initialized",
@@ -35,6 +40,11 @@ __all__ = [
     "wait_for_shutdown",
     "wakeup",
 ]
+
+PATIENCE = 1.0
+"""Most seconds to wait for a response of the hub, for example while there is none."""
+
+T = TypeVar("T")
 
 background = Background()
 """The node, on its loop."""
@@ -124,6 +134,34 @@ def register(kind: str, name: str, registering: Coroutine[Any, Any, None]) -> No
         from rospy import logfatal
 
         logfatal(f"unable to register {kind} [{name}] with master: {error}")
+
+
+def ask(question: Coroutine[Any, Any, T], default: T) -> T:
+    """Return the hub's response, or the default if it does not respond in time, or refuses.
+
+    Args:
+        question: asks the hub.
+        default: the default.
+    """
+    from fibws.errors import FibwsError
+
+    try:
+        return background.call(question, PATIENCE)
+    except (FibwsError, TimeoutError, ROSInterruptException):
+        return default
+
+
+def count_peers(peers: Peers, question: Coroutine[Any, Any, list[str]]) -> int:
+    """Return how many nodes are at the other side of a topic.
+
+    Args:
+        peers: the nodes as the hub reports them.
+        question: asks a rosbridge_suite server for them, which does not report them.
+    """
+    if peers.told:
+        question.close()
+        return len(peers.names)
+    return len(ask(question, []))
 
 
 def add_client_shutdown_hook(hook: Callable[[], object]) -> None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from io import BytesIO
 from typing import TYPE_CHECKING, Any, BinaryIO, ClassVar, Self, TypeVar
 
 from genpy.classes import message_class
@@ -11,7 +12,6 @@ from genpy.message import Message
 from fibws.interfaces import Interfaces
 from fibws.interfaces.message import ObjectStyle
 from fibws.interfaces.serialization import Buffer, ClassCodec
-from rospy.arguments import args_kwds_to_message
 from rospy.exceptions import ROSException
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 else:
     Header = message_class("std_msgs/Header")
 
-__all__ = ["AnyMsg", "Header", "Message", "args_kwds_to_message"]
+__all__ = ["AnyMsg", "Header", "Message", "args_kwds_to_message", "serialized"]
 
 
 class AnyMsg(Message):
@@ -79,3 +79,40 @@ class _RawCodec(ClassCodec[A]):
 
     def deserialize(self, data: Buffer) -> A:
         return self.message_class().deserialize(bytes(data))
+
+
+def args_kwds_to_message(
+    data_class: type[Message], args: tuple[Any, ...], kwds: Mapping[str, Any]
+) -> Message:
+    """The message that is given, or one that is made of the given fields.
+
+    Args:
+        data_class: the class of the message to make.
+        args: one message of that class, or of `AnyMsg`; or all the fields in order.
+        kwds: some of the fields by name.
+
+    Raises:
+        TypeError: both, or a message of another class, or not all fields.
+        AttributeError: there is no field of that name.
+    """
+    if args and kwds:
+        raise TypeError("publish() can be called with arguments or keywords, but not both.")
+    if kwds or len(args) != 1:
+        return data_class(*args, **kwds)
+    given = args[0]
+    if not hasattr(given, "_md5sum"):
+        return data_class(given)
+    if given._md5sum in (data_class._md5sum, "*"):
+        message: Message = given
+        return message
+    expected = data_class._slot_types[0] if data_class._slot_types else ""
+    if given._type != expected:
+        raise TypeError(f"expected [{expected}] but got [{given._type}]")
+    return data_class(given)
+
+
+def serialized(message: Message) -> bytes:
+    """A message in ROS 1's bytes; it raises `genpy.SerializationError` as the message does."""
+    buffer = BytesIO()
+    message.serialize(buffer)
+    return buffer.getvalue()

@@ -8,17 +8,17 @@ from contextlib import suppress
 from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
+from genpy.message import SerializationError, get_message_class
+
 from rospy import core
 from rospy.callback_queue import CallbackQueue, call
 from rospy.exceptions import ROSException, ROSInterruptException, ROSSerializationException
+from rospy.msg import Message
 from rospy.names import ANYTYPE
 from rospy.outgoing_queue import OutgoingQueue
-from rospy.shared import ask, count_peers
 
 if TYPE_CHECKING:
     import asyncio
-
-    from genpy import Message
 
     import fibws
 
@@ -96,7 +96,7 @@ class Publication:
         if self._publisher is None:
             return 0
         question = core.background.node.graph.subscribers(self.resolved_name)
-        return count_peers(self._publisher.peers, question)
+        return core.count_peers(self._publisher.peers, question)
 
     def publish(self, message: Message, peer: str | None = None) -> None:
         """Publish a message, in any thread but the loop's.
@@ -144,7 +144,7 @@ class Publication:
         type_ = header.get("type", ANYTYPE)
         if type_ != ANYTYPE:
             return RawType(type_, header.get("md5sum"), header.get("message_definition"))
-        type_ = ask(core.background.node.graph.topic_type(self.resolved_name), "")
+        type_ = core.ask(core.background.node.graph.topic_type(self.resolved_name), "")
         if not type_:
             raise ROSException(
                 f"unknown type of the messages for {self.resolved_name}: "
@@ -247,14 +247,10 @@ class Publication:
 
 def _plain_class(type_: str) -> type[Message] | None:
     """Return the class of a type without numpy's arrays; None for `AnyMsg`."""
-    from genpy.message import get_message_class
-
     return get_message_class(type_) if type_ != ANYTYPE else None
 
 
 def _encode(publisher: fibws.Publisher[Any, ...], message: Message, peer: str | None) -> bytes:
-    from genpy import SerializationError
-
     try:
         if peer is not None:
             return publisher.encode_to(peer, message)

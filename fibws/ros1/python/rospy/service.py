@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 from rospy import core, names
 from rospy.impl.tcpros_base import DEFAULT_BUFF_SIZE
+from rospy.msg import Message
 
 if TYPE_CHECKING:
     import asyncio
-
-    from genpy import Message
 
     import fibws
 
@@ -172,8 +171,6 @@ def convert_return_to_response(response: Any, response_class: type[Message]) -> 
     Raises:
         ServiceException: it cannot be converted.
     """
-    from genpy import Message
-
     if isinstance(response, Message) and response._type == response_class._type:
         return response
     if response is None:

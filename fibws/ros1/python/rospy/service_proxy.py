@@ -6,14 +6,12 @@ from time import monotonic, sleep
 from typing import TYPE_CHECKING, Any
 
 from rospy import core, names
-from rospy.arguments import args_kwds_to_message, serialized
 from rospy.exceptions import ROSException, ROSInterruptException
+from rospy.msg import Message, args_kwds_to_message, serialized
 from rospy.rostime import seconds_of
 from rospy.service import ServiceEnd, ServiceException
 
 if TYPE_CHECKING:
-    from genpy import Message
-
     from rospy.rostime import Duration
 
 LOOK = 0.3
@@ -64,8 +62,6 @@ class ServiceProxy(ServiceEnd):
             genpy.SerializationError: a field does not fit the type.
             ROSInterruptException: the node ends.
         """
-        from genpy import Message
-
         request = args_kwds_to_message(self.request_class, args, kwds)
         if not isinstance(request, Message):
             raise TypeError("request object is not a valid request message instance")

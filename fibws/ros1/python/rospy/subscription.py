@@ -6,17 +6,16 @@ import threading
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+from genpy.message import get_message_class
+
 from rospy import core
-from rospy.arguments import serialized
 from rospy.callback_queue import CallbackQueue, call
 from rospy.exceptions import ROSException
+from rospy.msg import Message, serialized
 from rospy.names import ANYTYPE
-from rospy.shared import ask, count_peers
 
 if TYPE_CHECKING:
     import asyncio
-
-    from genpy import Message
 
     import fibws
     from fibws.node.subscription import Received
@@ -95,7 +94,7 @@ class Subscription:
         if self._source is None:
             return 0
         question = core.background.node.graph.publishers(self.resolved_name)
-        return count_peers(self._source.peers, question)
+        return core.count_peers(self._source.peers, question)
 
     def add_callback(self, callback: Callable[..., object], callback_args: Any) -> None:
         """Call a function with each message, and with ``callback_args`` if that is not None.
@@ -167,8 +166,6 @@ class Subscription:
     async def _find_class(self, node: fibws.Node) -> type[Message]:
         """Wait until the topic has a type, and return the class of that."""
         import asyncio
-
-        from genpy.message import get_message_class
 
         from fibws.errors import UnknownPackage
 
@@ -267,7 +264,7 @@ def _definition(topic: str, type_: str, md5sum: str) -> str:
             return interfaces.full_text(type_)
     except InterfaceError:
         pass
-    return ask(_definition_at_hub(topic), "")
+    return core.ask(_definition_at_hub(topic), "")
 
 
 async def _definition_at_hub(topic: str) -> str:

@@ -2,23 +2,75 @@
 
 from __future__ import annotations
 
+import threading
 import warnings
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
 from rospy import core, names
-from rospy.arguments import args_kwds_to_message
 from rospy.exceptions import ROSException, ROSInterruptException
 from rospy.impl.tcpros_base import DEFAULT_BUFF_SIZE
+from rospy.msg import Message, args_kwds_to_message
 from rospy.publication import Publication
 from rospy.rostime import seconds_of
-from rospy.shared import Shared
 from rospy.subscription import Subscription
 
 if TYPE_CHECKING:
-    from genpy import Message
-
     from rospy.rostime import Duration
+
+
+class _Impl(Protocol):
+    resolved_name: str
+    data_class: type[Message]
+
+    def close(self) -> None: ...
+
+
+Impl = TypeVar("Impl", bound=_Impl)
+
+
+class Shared(Generic[Impl]):
+    """Keeps one object for each topic and message class while it is used.
+
+    Args:
+        make: creates an object from the topic's global name and the class.
+    """
+
+    def __init__(self, make: Callable[[str, type[Message]], Impl]) -> None:
+        self._make = make
+        self._lock = threading.RLock()
+        self._users: dict[Impl, int] = {}
+
+    def acquire(self, resolved_name: str, data_class: type[Message]) -> Impl:
+        """Return the topic's object; `release` it once."""
+        with self._lock:
+            for impl in self._users:
+                if impl.resolved_name == resolved_name and impl.data_class is data_class:
+                    break
+            else:
+                impl = self._make(resolved_name, data_class)
+            self._users[impl] = self._users.get(impl, 0) + 1
+            return impl
+
+    def release(self, impl: Impl) -> None:
+        """Stop using an object; the last user's release closes it."""
+        with self._lock:
+            self._users[impl] -= 1
+            if self._users[impl]:
+                return
+            del self._users[impl]
+        impl.close()
+
+    def close_all(self, reason: str) -> None:
+        """Close the objects of all topics: the node has ended.
+
+        They release the program's callbacks, so that ``__del__`` methods run while modules exist.
+        """
+        with self._lock:
+            impls = list(self._users)
+        for impl in impls:
+            impl.close()
+
 
 S = TypeVar("S", Publication, Subscription)
 
@@ -244,8 +296,6 @@ def wait_for_message(
 
 def _check(name: object, data_class: object) -> None:
     """Raise ValueError unless these are a topic's name and a message class."""
-    from genpy import Message
-
     if not isinstance(name, str) or not name:
         raise ValueError("topic name is not a non-empty string")
     if data_class is None:
