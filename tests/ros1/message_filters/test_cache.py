@@ -1,4 +1,4 @@
-"""The latest messages of a filter."""
+"""Caches."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def filled(source: SimpleFilter, *seconds: float, size: int = 3) -> tuple[Cache,
     return cache, messages
 
 
-def test_the_latest_messages_are_kept(source: SimpleFilter) -> None:
+def test_latest_messages_are_kept(source: SimpleFilter) -> None:
     cache, messages = filled(source, 1, 2, 3, 4)
     assert cache.cache_msgs == messages[1:]
     assert cache.cache_times == [rospy.Time(2), rospy.Time(3), rospy.Time(4)]
@@ -40,7 +40,7 @@ def test_the_latest_messages_are_kept(source: SimpleFilter) -> None:
     assert cache.getLast() is messages[-1]
 
 
-def test_messages_are_found_by_their_time(source: SimpleFilter) -> None:
+def test_messages_are_found_by_time(source: SimpleFilter) -> None:
     cache, (_, two, three) = filled(source, 1, 2, 3)
     assert cache.getInterval(rospy.Time(2), rospy.Time(3)) == [two, three]
     assert cache.getElemBeforeTime(rospy.Time.from_sec(2.5)) is two
@@ -51,12 +51,12 @@ def test_messages_are_found_by_their_time(source: SimpleFilter) -> None:
         cache.getInterval(rospy.Time(3), rospy.Time(2))
 
 
-def test_an_empty_one_has_nothing(source: SimpleFilter) -> None:
+def test_empty_cache_returns_none(source: SimpleFilter) -> None:
     cache = Cache(source)
     assert cache.getLast() is cache.getLatestTime() is cache.getOldestTime() is None
 
 
-def test_messages_come_through(source: SimpleFilter) -> None:
+def test_messages_are_output(source: SimpleFilter) -> None:
     cache, seen = Cache(source), list[Any]()
     cache.registerCallback(seen.append)
     message = Stamped(1)
@@ -64,7 +64,7 @@ def test_messages_come_through(source: SimpleFilter) -> None:
     assert seen == [message]
 
 
-def test_messages_without_a_header_are_of_now_if_that_is_wanted(
+def test_headerless_messages_get_the_current_time_if_allowed(
     source: SimpleFilter, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(rospy.Time, "now", lambda: rospy.Time(7))
@@ -73,7 +73,7 @@ def test_messages_without_a_header_are_of_now_if_that_is_wanted(
     assert cache.getLatestTime() == rospy.Time(7)
 
 
-def test_else_they_are_left_out_with_a_warning(
+def test_headerless_messages_are_dropped_with_a_warning(
     source: SimpleFilter, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     warnings: list[str] = []

@@ -1,11 +1,11 @@
-"""What all filters do with callbacks."""
+"""Callbacks of filters."""
 
 from __future__ import annotations
 
 from message_filters import SimpleFilter
 
 
-def test_callbacks_are_called_in_their_order_with_their_arguments() -> None:
+def test_callbacks_are_called_in_order_with_their_arguments() -> None:
     seen: list[tuple[object, ...]] = []
     source = SimpleFilter()
     assert source.registerCallback(lambda *args: seen.append(args)) == 0
@@ -14,7 +14,7 @@ def test_callbacks_are_called_in_their_order_with_their_arguments() -> None:
     assert seen == [("a", "b"), ("a", "b", "more", 8)]
 
 
-def test_a_callback_may_register_another() -> None:
+def test_callback_can_register_another() -> None:
     source = SimpleFilter()
     source.registerCallback(lambda message: source.registerCallback(print))
     source.signalMessage("a")

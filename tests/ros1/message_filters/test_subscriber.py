@@ -1,11 +1,11 @@
-"""Topics as the source of filters, in a script."""
+"""Filters of topics in a script."""
 
 from __future__ import annotations
 
 from ros1.side_by_side import Part, our_ros
 
 
-async def test_messages_of_two_topics_are_put_together() -> None:
+async def test_messages_of_two_topics_are_matched() -> None:
     async with our_ros() as ros:
         (said,) = await ros.play(Part("filters/synchronized.py", interrupted=False))
     assert said.out == [

@@ -1,4 +1,4 @@
-"""Messages that belong together."""
+"""Synchronizers."""
 
 from __future__ import annotations
 
@@ -24,58 +24,58 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
 
 
 class Fed:
-    """A synchronizer, and the stamps in seconds that came through, a set at a time."""
+    """A synchronizer, and the stamps of its output in seconds."""
 
     def __init__(self, kind: Any, count: int, *args: Any, **named: Any) -> None:
         self.sources = [SimpleFilter() for _ in range(count)]
         self.synchronizer = kind(self.sources, *args, **named)
-        self.through: list[list[float]] = []
-        self.synchronizer.registerCallback(self._take)
+        self.output: list[list[float]] = []
+        self.synchronizer.registerCallback(self._receive)
 
     def feed(self, source: int, *seconds: float) -> None:
         for each in seconds:
             message = type("Stamped", (), {"header": Header(stamp=rospy.Time.from_sec(each))})()
             self.sources[source].signalMessage(message)
 
-    def _take(self, *messages: Any) -> None:
-        self.through.append([message.header.stamp.to_sec() for message in messages])
+    def _receive(self, *messages: Any) -> None:
+        self.output.append([message.header.stamp.to_sec() for message in messages])
 
 
-def test_equal_stamps_belong_together() -> None:
+def test_messages_with_equal_stamps_are_matched() -> None:
     fed = Fed(TimeSynchronizer, 3, 10)
     fed.feed(0, 1, 2, 3)
     fed.feed(1, 2, 3, 4)
     fed.feed(2, 3, 2)
-    assert fed.through == [[3, 3, 3], [2, 2, 2]]
+    assert fed.output == [[3, 3, 3], [2, 2, 2]]
 
 
-def test_the_oldest_message_goes() -> None:
+def test_oldest_message_is_dropped() -> None:
     fed = Fed(TimeSynchronizer, 2, 2)
     fed.feed(0, 1, 2, 3)
     fed.feed(1, 1, 2)
-    assert fed.through == [[2, 2]]
+    assert fed.output == [[2, 2]]
 
 
-def test_near_stamps_belong_together() -> None:
+def test_messages_with_similar_stamps_are_matched() -> None:
     fed = Fed(ApproximateTimeSynchronizer, 2, 10, 0.1)
     fed.feed(0, 1.0, 1.06, 2.0)
     fed.feed(1, 1.05, 1.5, 2.2)
-    assert fed.through == [[1.06, 1.05]]
+    assert fed.output == [[1.06, 1.05]]
     fed.feed(1, 1.01)
-    assert fed.through[1:] == [[1.0, 1.01]]
+    assert fed.output[1:] == [[1.0, 1.01]]
 
 
-def test_all_of_a_set_are_near_each_other() -> None:
+def test_all_stamps_of_a_match_are_within_the_slop() -> None:
     fed = Fed(ApproximateTimeSynchronizer, 3, 10, 0.1)
     fed.feed(0, 1.0)
     fed.feed(1, 1.15)
     fed.feed(2, 1.07)
-    assert fed.through == []
+    assert fed.output == []
     fed.feed(1, 1.09)
-    assert fed.through == [[1.0, 1.09, 1.07]]
+    assert fed.output == [[1.0, 1.09, 1.07]]
 
 
-def test_a_message_without_a_header_is_of_now_if_that_is_wanted(clock: Clock) -> None:
+def test_headerless_message_gets_the_current_time_if_allowed(clock: Clock) -> None:
     seen: list[Any] = []
     one, other = SimpleFilter(), SimpleFilter()
     synchronizer = ApproximateTimeSynchronizer([one, other], 10, 0.1, allow_headerless=True)
@@ -87,7 +87,7 @@ def test_a_message_without_a_header_is_of_now_if_that_is_wanted(clock: Clock) ->
     assert seen == [["c", "b"]]
 
 
-def test_else_it_is_left_out_with_a_warning(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_headerless_message_is_dropped_with_a_warning(monkeypatch: pytest.MonkeyPatch) -> None:
     warnings: list[str] = []
     monkeypatch.setattr(rospy, "logwarn", warnings.append)
     fed = Fed(ApproximateTimeSynchronizer, 2, 10, 0.1)
@@ -96,7 +96,7 @@ def test_else_it_is_left_out_with_a_warning(monkeypatch: pytest.MonkeyPatch) -> 
     assert fed.synchronizer.queues == [{}, {}]
 
 
-def test_a_callback_that_raises_harms_nothing_else() -> None:
+def test_error_of_a_callback_does_not_affect_later_messages() -> None:
     fed = Fed(TimeSynchronizer, 2, 10)
     fed.synchronizer.registerCallback(lambda *messages: 1 / 0)
     fed.feed(0, 1, 2)
@@ -104,11 +104,11 @@ def test_a_callback_that_raises_harms_nothing_else() -> None:
         fed.feed(1, 1)
     with pytest.raises(ZeroDivisionError):
         fed.feed(1, 2)
-    assert fed.through == [[1, 1], [2, 2]]
+    assert fed.output == [[1, 1], [2, 2]]
 
 
 @pytest.mark.parametrize("kind", [TimeSynchronizer, ApproximateTimeSynchronizer])
-def test_what_waits_goes_when_simulated_time_goes_back(clock: Clock, kind: Any) -> None:
+def test_queues_are_reset_when_simulated_time_goes_back(clock: Clock, kind: Any) -> None:
     slop = () if kind is TimeSynchronizer else (0.1,)
     fed = Fed(kind, 2, 10, *slop, reset=True)
     clock.simulated = True
@@ -116,17 +116,17 @@ def test_what_waits_goes_when_simulated_time_goes_back(clock: Clock, kind: Any) 
     clock.seconds = 500
     fed.feed(0, 2)
     fed.feed(1, 1, 2)
-    assert [1, 1] not in fed.through
+    assert [1, 1] not in fed.output
 
 
-def test_time_that_goes_back_empties_what_is_near(
+def test_approximate_queues_are_cleared_when_time_goes_back(
     clock: Clock, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    told: list[str] = []
-    monkeypatch.setattr(rospy, "loginfo", told.append)
+    logged: list[str] = []
+    monkeypatch.setattr(rospy, "loginfo", logged.append)
     fed = Fed(ApproximateTimeSynchronizer, 2, 10, 0.1)
     fed.feed(0, 1)
     clock.seconds = 500
     fed.feed(1, 1)
-    assert fed.through == []
-    assert "Detected jump back in time. Clearing buffer." in told[0]
+    assert fed.output == []
+    assert "Detected jump back in time. Clearing buffer." in logged[0]

@@ -1,4 +1,4 @@
-"""What was once in roslib is found there still."""
+"""Former names in roslib still exist."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ def test_load_manifest_changes_nothing() -> None:
     assert sys.path == before
 
 
-def test_a_script_may_say_that_it_runs_in_a_shell() -> None:
+def test_script_can_be_interactive() -> None:
     assert not roslib.is_interactive()
     roslib.set_interactive(True)
     assert roslib.is_interactive()
     roslib.set_interactive(False)
 
 
-def test_other_names_are_not_there() -> None:
+def test_unknown_name_is_an_error() -> None:
     with pytest.raises(AttributeError, match="module 'roslib' has no attribute 'rosenv'"):
         _ = roslib.rosenv

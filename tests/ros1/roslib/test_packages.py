@@ -24,20 +24,20 @@ def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return folder
 
 
-def test_the_folder_of_a_package(package: Path) -> None:
+def test_package_folder_is_found(package: Path) -> None:
     assert roslib.packages.get_pkg_dir("fibonacci") == str(package)
     paths = str(package.parent)
     assert roslib.packages.get_pkg_dir("fibonacci", ros_package_path=paths) == str(package)
 
 
-def test_a_folder_in_it_is_made_if_need_be(package: Path) -> None:
+def test_missing_subfolder_is_created(package: Path) -> None:
     assert roslib.packages.get_pkg_subdir("fibonacci", "config") == str(package / "config")
     assert (package / "config").is_dir()
     path = roslib.packages.resource_file("fibonacci", "config", "a.yaml")
     assert path == str(package / "config" / "a.yaml")
 
 
-def test_a_package_that_is_not_there(package: Path) -> None:
+def test_unknown_package_is_an_error(package: Path) -> None:
     assert roslib.packages.get_pkg_dir("fibonaci", required=False) is None
     assert roslib.packages.get_pkg_subdir("fibonaci", "config", required=False) is None
     with pytest.raises(

@@ -12,7 +12,7 @@ from fibws.hub import Hub, Settings
 from fibws.msg.std_msgs import String
 
 
-async def test_who_publishes_and_subscribes(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_publishers_and_subscribers_are_recognized(monkeypatch: pytest.MonkeyPatch) -> None:
     async with Hub(Settings(port=0)) as hub, fibws.Node("talker", hub=hub.url) as node:
         monkeypatch.setenv("FIBWS_HUB", hub.url)
         await node.advertise("chatter", String)

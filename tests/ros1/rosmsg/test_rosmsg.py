@@ -28,12 +28,12 @@ def test_definitions_are_shown(define: Define) -> None:
 
 
 @pytest.mark.parametrize("type_", ["robot/Leg", "std_msgs/Strng", "String"])
-def test_other_types_are_unknown(type_: str) -> None:
+def test_unknown_types_are_errors(type_: str) -> None:
     with pytest.raises(rosmsg.ROSMsgException, match=f"Unable to load msg .{type_}"):
         rosmsg.get_msg_text(type_)
 
 
-def test_packages_with_types_have_folders() -> None:
+def test_packages_are_listed_with_their_folders() -> None:
     found = dict(rosmsg.iterate_packages(None, rosmsg.MODE_SRV))
     assert found["std_srvs"].endswith("/srv")
     assert "std_msgs" not in found

@@ -1,4 +1,4 @@
-"""What scripts ask about nodes."""
+"""rosnode's functions for scripts."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ async def test_nodes_are_listed() -> None:
     assert await asyncio.to_thread(rosnode.get_node_names, "/rob") == []
 
 
-async def test_a_node_answers(capsys: pytest.CaptureFixture[str]) -> None:
+async def test_node_answers_a_ping(capsys: pytest.CaptureFixture[str]) -> None:
     assert await asyncio.to_thread(rosnode.rosnode_ping, "/robot/talker", 2, verbose=True)
     first, *replies, average = capsys.readouterr().out.splitlines()
     assert first == "pinging /robot/talker with a timeout of 3.0s"
@@ -38,28 +38,28 @@ async def test_a_node_answers(capsys: pytest.CaptureFixture[str]) -> None:
     assert average.startswith("ping average: ")
 
 
-async def test_nobody_answers_for_one_that_is_not_there(
+async def test_unknown_node_does_not_answer_a_ping(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     assert not await asyncio.to_thread(rosnode.rosnode_ping, "nobody", 1)
     assert capsys.readouterr().err == "cannot ping [/nobody]: unknown node\n"
 
 
-async def test_all_answer(capsys: pytest.CaptureFixture[str]) -> None:
+async def test_all_nodes_answer_a_ping(capsys: pytest.CaptureFixture[str]) -> None:
     answered, silent = await asyncio.to_thread(rosnode.rosnode_ping_all, verbose=True)
     assert "/robot/talker" in answered
     assert silent == []
     assert " * /robot/talker\n" in capsys.readouterr().out
 
 
-async def test_a_node_is_ended(talker: fibws.Node) -> None:
+async def test_node_is_killed(talker: fibws.Node) -> None:
     killed = await asyncio.to_thread(rosnode.kill_nodes, ["/robot/talker", "/nobody"])
     assert killed == (["/robot/talker"], ["/nobody"])
     with pytest.raises(fibws.NodeKilled):
         await talker.spin()
 
 
-async def test_a_node_is_described() -> None:
+async def test_node_is_described() -> None:
     text = await asyncio.to_thread(rosnode.get_node_info_description, "/robot/talker")
     assert text.startswith("Node [/robot/talker]\nPublications: \n * /robot/chatter [std_msgs/Str")
     assert "\nSubscriptions: \n * /robot/words [std_msgs/String]\n" in text
@@ -77,9 +77,7 @@ async def test_a_node_is_described() -> None:
         lambda: rosnode.get_node_info_description("/talker"),
     ],
 )
-async def test_without_a_hub_there_is_an_error(
-    ask: object, monkeypatch: pytest.MonkeyPatch
-) -> None:
+async def test_missing_hub_is_an_error(ask: object, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("FIBWS_HUB", "ws://127.0.0.1:1")
     assert callable(ask)
     with pytest.raises(rosnode.ROSNodeIOException, match=r"master! .*127\.0\.0\.1:1"):

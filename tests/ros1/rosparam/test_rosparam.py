@@ -28,7 +28,7 @@ async def ask(function: Callable[..., Any], *arguments: Any, **named: Any) -> An
     return await asyncio.to_thread(function, *arguments, **named)
 
 
-def test_a_file_is_read(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_file_is_read(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "robot.yaml"
     path.write_text("size: 3\nangle: deg(180)\nturn: rad(2*pi)\n---\n_ns: arm\njoints: [1, a]\n")
     assert rosparam.load_file(str(path), "/robot", verbose=True) == [
@@ -45,22 +45,22 @@ def test_names_are_relative_to_the_programs_namespace(monkeypatch: pytest.Monkey
     assert rosparam.load_str("size: 3", "text") == [({"size": 3}, "/robot/")]
 
 
-def test_the_standard_input_is_read(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_standard_input_is_read(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("sys.stdin", io.StringIO("size: 3"))
     assert rosparam.load_file("-", "/", verbose=True) == [({"size": 3}, "/")]
 
 
 @pytest.mark.parametrize(
-    ("text", "fault"), [("a: [1", "no YAML"), ("a: rad(x)", "no YAML"), ("\x07", "no YAML")]
+    ("text", "fault"), [("a: [1", "YAML"), ("a: rad(x)", "YAML"), ("\x07", "YAML")]
 )
-def test_what_is_no_yaml_is_an_error(tmp_path: Path, text: str, fault: str) -> None:
+def test_invalid_yaml_is_an_error(tmp_path: Path, text: str, fault: str) -> None:
     path = tmp_path / "robot.yaml"
     path.write_text(text)
     with pytest.raises(rosparam.RosParamException, match=f"robot.yaml.*{fault}"):
         rosparam.load_file(str(path))
 
 
-def test_a_file_that_cannot_be_read_is_an_error(tmp_path: Path) -> None:
+def test_unreadable_file_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(rosparam.RosParamException, match="does not exist"):
         rosparam.load_file(str(tmp_path / "nothing.yaml"))
     with pytest.raises(rosparam.RosParamException, match="cannot be read"):
@@ -101,7 +101,7 @@ async def test_parameters_are_listed_and_deleted(capsys: pytest.CaptureFixture[s
     )
 
 
-async def test_parameters_are_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+async def test_parameters_are_dumped(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     await ask(rosparam.upload_params, "/robot", {"size": 3})
     path = tmp_path / "robot.yaml"
     await ask(rosparam.dump_params, str(path), "/robot", verbose=True)
@@ -119,14 +119,14 @@ async def test_parameters_are_written(tmp_path: Path, capsys: pytest.CaptureFixt
         ("/robot", b"bytes", "bytes"),
     ],
 )
-async def test_what_is_no_value_is_refused(name: str, value: object, fault: str) -> None:
+async def test_invalid_value_is_refused(name: str, value: object, fault: str) -> None:
     with pytest.raises(rosparam.RosParamException, match=fault):
         await ask(rosparam.upload_params, name, value)
-    with pytest.raises(rosparam.RosParamException, match="no YAML"):
+    with pytest.raises(rosparam.RosParamException, match="YAML"):
         await ask(rosparam.set_param, "/robot", "[")
 
 
-async def test_without_a_hub_there_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_missing_hub_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("FIBWS_HUB", "ws://127.0.0.1:1")
     for function in (rosparam.list_params, rosparam.get_param, rosparam.delete_param):
         with pytest.raises(rosparam.RosParamIOException, match=r"master! .*127\.0\.0\.1:1"):

@@ -1,4 +1,4 @@
-"""What the environment says about ROS."""
+"""Environment variables of ROS."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import rospkg
 from rospkg.environment import get_ros_paths
 
 
-def test_folders_are_where_variables_say() -> None:
+def test_folders_come_from_the_environment() -> None:
     env = {"ROS_HOME": "/h", "ROS_ROOT": "/r", "ROS_PACKAGE_PATH": f"/a{os.pathsep}/b"}
     assert rospkg.get_ros_home(env) == "/h"
     assert rospkg.get_log_dir(env) == str(Path("/h/log"))
@@ -19,7 +19,7 @@ def test_folders_are_where_variables_say() -> None:
     assert get_ros_paths(env) == ["/a", "/b"]
 
 
-def test_else_they_are_in_the_users_own() -> None:
+def test_folders_default_to_the_home_folder() -> None:
     assert rospkg.get_ros_home({}) == str(Path.home() / ".ros")
     assert rospkg.get_ros_root({}) is None
     assert get_ros_paths({}) == []

@@ -1,4 +1,4 @@
-"""Where packages are, and what they need."""
+"""Packages, their folders and their dependencies."""
 
 from __future__ import annotations
 
@@ -45,13 +45,13 @@ def test_packages_are_found(src: Path) -> None:
     assert packages.get_manifest("arm").version == "0.1.0"
 
 
-def test_another_path_may_be_given(src: Path) -> None:
+def test_search_path_can_be_given(src: Path) -> None:
     packages = rospkg.RosPack.get_instance([str(src / "parts")])
     assert "robot" not in packages.list()
     assert packages.get_path("hand") == str(src / "parts" / "hand")
 
 
-def test_one_that_is_not_there_is_said_to_be_missing(src: Path) -> None:
+def test_unknown_package_is_an_error(src: Path) -> None:
     with pytest.raises(rospkg.ResourceNotFound, match=r"robots.*robot") as raised:
         rospkg.RosPack().get_path("robots")
     assert raised.value.ros_paths == [str(src)]
@@ -59,7 +59,7 @@ def test_one_that_is_not_there_is_said_to_be_missing(src: Path) -> None:
         rospkg.RosPack().get_depends("robots")
 
 
-def test_what_a_package_needs(src: Path) -> None:
+def test_dependencies_are_found(src: Path) -> None:
     packages = rospkg.RosPack()
     assert packages.get_depends("robot", implicit=False) == ["arm", "std_msgs"]
     assert packages.get_depends("robot") == ["arm", "std_msgs", "hand", "arm_tools"]
@@ -67,7 +67,7 @@ def test_what_a_package_needs(src: Path) -> None:
     assert packages.get_depends_on("hand", implicit=False) == ["arm"]
 
 
-def test_a_manifest_that_is_wrong_is_named(src: Path) -> None:
+def test_error_names_the_invalid_manifest(src: Path) -> None:
     (src / "parts" / "hand" / "package.xml").write_text("<package><name>hand</name>")
     packages = rospkg.RosPack()
     with pytest.raises(rospkg.InvalidManifest, match=r"package\.xml"):
@@ -75,6 +75,6 @@ def test_a_manifest_that_is_wrong_is_named(src: Path) -> None:
     assert packages.get_depends_on("std_msgs", implicit=False) == ["robot"]
 
 
-def test_a_file_is_in_a_package(src: Path, tmp_path: Path) -> None:
+def test_package_of_a_file_is_found(src: Path, tmp_path: Path) -> None:
     assert rospkg.get_package_name(str(src / "parts" / "arm" / "scripts" / "node.py")) == "arm"
     assert rospkg.get_package_name(os.sep) is None

@@ -195,20 +195,6 @@ def test_a_queue_has_a_size(size: Any) -> None:
         Subscriber("chatter", String, queue_size=size)
 
 
-def test_subscribe_listener_needs_only_one_callback() -> None:
-    class Listener(SubscribeListener):
-        def __init__(self) -> None:
-            self.left: list[tuple[str, int]] = []
-
-        def peer_unsubscribe(self, topic_name: str, num_peers: int) -> None:
-            self.left.append((topic_name, num_peers))
-
-    listener = Listener()
-    listener.peer_subscribe("/chatter", print, print)
-    listener.peer_unsubscribe("/chatter", 0)
-    assert listener.left == [("/chatter", 0)]
-
-
 async def test_the_programs_objects_live_no_longer_than_it() -> None:
     async with world() as it:
         said = await it.run("""

@@ -1,4 +1,4 @@
-"""What scripts ask about services."""
+"""rosservice's functions for scripts."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ async def ask(function: Callable[..., Any], *arguments: Any, **named: Any) -> An
     return await asyncio.to_thread(function, *arguments, **named)
 
 
-async def test_a_service_is_known_by_its_name() -> None:
+async def test_service_is_found_by_name() -> None:
     assert await ask(rosservice.get_service_type, "/robot/light/switch") == "std_srvs/SetBool"
     assert await ask(rosservice.get_service_node, "robot/light/switch") == "/robot/light"
     uri = await ask(rosservice.get_service_uri, "/robot/light/switch")
@@ -45,7 +45,7 @@ async def test_a_service_is_known_by_its_name() -> None:
     assert await ask(rosservice.has_service_args, "/robot/light/switch")
 
 
-async def test_of_one_that_is_not_there_nothing_is_known() -> None:
+async def test_unknown_service_gives_none() -> None:
     for function in (
         rosservice.get_service_type,
         rosservice.get_service_node,
@@ -65,7 +65,7 @@ async def test_services_are_listed() -> None:
     assert await ask(rosservice.rosservice_find, "std_srvs/SetBool") == ["/robot/light/switch"]
 
 
-async def test_a_type_that_is_not_known_here_is_an_error(
+async def test_undefined_type_is_an_error(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("genpy.message.get_service_class", lambda type_: None)
@@ -90,7 +90,7 @@ attempt([1, 2])
 """
 
 
-async def test_a_service_is_called_by_values(hub: Hub, tmp_path: Path) -> None:
+async def test_service_is_called_with_values(hub: Hub, tmp_path: Path) -> None:
     script = tmp_path / "script.py"
     script.write_text(CALLS)
     program = await Program.start("fibws.rospy", str(script), FIBWS_HUB=hub.url)
@@ -103,7 +103,7 @@ async def test_a_service_is_called_by_values(hub: Hub, tmp_path: Path) -> None:
     assert lines[-4:] == [" * 1 (type int)", " * 2 (type int)", "", "Service arguments are: [data]"]
 
 
-async def test_without_a_hub_there_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_missing_hub_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("FIBWS_HUB", "ws://127.0.0.1:1")
     with pytest.raises(rosservice.ROSServiceIOException, match=r"master! .*127\.0\.0\.1:1"):
         await ask(rosservice.get_service_list)

@@ -37,7 +37,7 @@ print("after", rospy.is_shutdown())
 @pytest.mark.parametrize(
     ("argument", "code", "end"), [("good", 0, ["hook", "after True"]), ("bad", 1, ["hook"])]
 )
-async def test_the_node_ends_after_its_tests(
+async def test_node_ends_after_its_tests(
     hub: Hub, tmp_path: Path, argument: str, code: int, end: list[str]
 ) -> None:
     script = tmp_path / "script.py"
@@ -49,7 +49,7 @@ async def test_the_node_ends_after_its_tests(
     assert "[Testcase: test_talking] ... ok" in out
 
 
-def test_without_a_hub_nothing_is_known(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_hub_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("FIBWS_HUB", "ws://127.0.0.1:1")
     with pytest.raises(OSError, match=r"127\.0\.0\.1:1"):
         rostest.is_publisher("/chatter", "/talking")

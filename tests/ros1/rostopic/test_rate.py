@@ -1,4 +1,4 @@
-"""How often messages come."""
+"""Rates of topics."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
     return clock
 
 
-def test_a_rate_is_of_the_time_between_messages(clock: Clock) -> None:
+def test_rate_is_computed_from_intervals(clock: Clock) -> None:
     rate = ROSTopicHz(-1)
     assert rate.get_hz() is None
     for clock.seconds in (0.0, 1.0, 1.5, 2.5, 3.0):
@@ -30,7 +30,7 @@ def test_a_rate_is_of_the_time_between_messages(clock: Clock) -> None:
     assert rate.get_hz() is None
 
 
-def test_each_topic_has_its_own(clock: Clock, capsys: pytest.CaptureFixture[str]) -> None:
+def test_topics_have_separate_rates(clock: Clock, capsys: pytest.CaptureFixture[str]) -> None:
     rate = ROSTopicHz(10)
     for clock.seconds in (1.0, 2.0):
         rate.callback_hz(None, "/a")
@@ -42,7 +42,7 @@ def test_each_topic_has_its_own(clock: Clock, capsys: pytest.CaptureFixture[str]
     )
 
 
-def test_some_messages_may_not_count(clock: Clock) -> None:
+def test_filtered_messages_are_not_counted(clock: Clock) -> None:
     rate = ROSTopicHz(10, filter_expr=lambda message: message != "b")
     for clock.seconds, message in ((1.0, "a"), (2.0, "b"), (3.0, "a")):
         rate.callback_hz(message)
@@ -51,7 +51,7 @@ def test_some_messages_may_not_count(clock: Clock) -> None:
     assert found[4] == 2
 
 
-def test_time_may_be_the_machines(clock: Clock) -> None:
+def test_wall_time_can_be_used(clock: Clock) -> None:
     rate = ROSTopicHz(10, use_wtime=True)
     rate.callback_hz(None)
     rate.callback_hz(None)

@@ -1,4 +1,4 @@
-"""What scripts ask about topics."""
+"""rostopic's functions for scripts."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ async def ask(function: Callable[..., Any], *arguments: Any, **named: Any) -> An
     return await asyncio.to_thread(function, *arguments, **named)
 
 
-async def test_a_topic_is_known_by_its_name() -> None:
+async def test_topic_is_found_by_name() -> None:
     assert await ask(rostopic.get_topic_type, "/header") == ("std_msgs/Header", "/header", None)
     class_, name, evaluate = await ask(rostopic.get_topic_class, "header")
     assert (class_._type, name, evaluate) == ("std_msgs/Header", "/header", None)
 
 
-async def test_a_field_belongs_to_the_topic_that_has_it() -> None:
+async def test_field_is_found_in_its_topic() -> None:
     class_, name, evaluate = await ask(rostopic.get_topic_class, "/header/stamp/secs")
     assert (class_._type, name) == ("std_msgs/Header", "/header")
     assert evaluate(class_()) == 0
@@ -43,18 +43,16 @@ async def test_a_field_belongs_to_the_topic_that_has_it() -> None:
 
 
 @pytest.mark.parametrize("name", ["/nothing", "/header/colour", "/head"])
-async def test_of_one_that_is_not_there_nothing_is_known(name: str) -> None:
+async def test_unknown_topic_gives_none(name: str) -> None:
     assert await ask(rostopic.get_topic_type, name) == (None, None, None)
     assert await ask(rostopic.get_topic_class, name) == (None, None, None)
 
 
-async def test_one_may_wait_for_a_topic(
+async def test_blocking_call_waits_for_the_topic(
     node: fibws.Node, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     loop, looked = asyncio.get_running_loop(), asyncio.Event()
-    monkeypatch.setattr(
-        "rostopic.topics.sleep", lambda seconds: loop.call_soon_threadsafe(looked.set)
-    )
+    monkeypatch.setattr("rostopic.sleep", lambda seconds: loop.call_soon_threadsafe(looked.set))
     waiting = asyncio.create_task(ask(rostopic.get_topic_type, "/later", blocking=True))
     await looked.wait()
     await node.advertise("later", "std_msgs/Int32")
@@ -62,7 +60,7 @@ async def test_one_may_wait_for_a_topic(
     assert "topic [/later] does not appear to be published yet" in capsys.readouterr().err
 
 
-async def test_a_type_that_is_not_known_here_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_undefined_type_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("genpy.message.get_message_class", lambda type_: None)
     with pytest.raises(rostopic.ROSTopicException, match=r"Cannot load message class for \[std"):
         await ask(rostopic.get_topic_class, "/header")
@@ -75,7 +73,7 @@ async def test_topics_are_listed() -> None:
     assert await ask(rostopic.find_by_type, "std_msgs/Header") == ["/header"]
 
 
-async def test_without_a_hub_there_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+async def test_missing_hub_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("FIBWS_HUB", "ws://127.0.0.1:1")
     with pytest.raises(rostopic.ROSTopicIOException, match=r"master! .*127\.0\.0\.1:1"):
         await ask(rostopic.get_topic_list)

@@ -1,4 +1,4 @@
-"""What became of tests."""
+"""Results of tests."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def report_of(case: type[unittest.TestCase]) -> Report:
     return report
 
 
-def test_each_test_has_its_line(capsys: pytest.CaptureFixture[str]) -> None:
+def test_each_test_has_a_line(capsys: pytest.CaptureFixture[str]) -> None:
     report_of(Some).print()
     lines = [line for line in capsys.readouterr().out.splitlines() if not line.startswith("  ")]
     assert lines == [
@@ -55,7 +55,7 @@ def test_each_test_has_its_line(capsys: pytest.CaptureFixture[str]) -> None:
     ]
 
 
-def test_what_is_around_tests_may_go_wrong_too(capsys: pytest.CaptureFixture[str]) -> None:
+def test_error_in_class_set_up_is_reported(capsys: pytest.CaptureFixture[str]) -> None:
     report = report_of(Unprepared)
     report.print()
     out = capsys.readouterr().out
@@ -63,7 +63,7 @@ def test_what_is_around_tests_may_go_wrong_too(capsys: pytest.CaptureFixture[str
     assert not report.wasSuccessful()
 
 
-def test_programs_read_it_as_junit() -> None:
+def test_results_are_junit_xml() -> None:
     root = ElementTree.fromstring(report_of(Some).xml("package.name", "out\x07", "err").encode())
     assert root.attrib["name"] == "package.name"
     assert [root.attrib[name] for name in ("tests", "errors", "failures")] == ["4", "1", "2"]

@@ -24,7 +24,7 @@ class Bad(unittest.TestCase):
         self.fail("bad")
 
 
-def test_a_summary_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
+def test_summary_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
     rosunit.unitrun("package", "name", Good, sysargs=[])
     assert capsys.readouterr().out.splitlines() == [
         "[Testcase: test_it] ... ok",
@@ -38,7 +38,7 @@ def test_a_summary_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
     ]
 
 
-def test_a_failure_ends_the_program(capsys: pytest.CaptureFixture[str]) -> None:
+def test_failure_exits_with_code_1(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as ended:
         rosunit.unitrun("package", "name", Bad, sysargs=[])
     assert ended.value.code == 1
@@ -47,16 +47,16 @@ def test_a_failure_ends_the_program(capsys: pytest.CaptureFixture[str]) -> None:
     assert " * FAILURES: 1 [test_it]\n" in out
 
 
-def test_tests_are_found_by_their_name(capsys: pytest.CaptureFixture[str]) -> None:
+def test_tests_are_found_by_name(capsys: pytest.CaptureFixture[str]) -> None:
     result = rosunit.run("package", "name", f"{__name__}.Good.test_it", sysargs=[])
     assert (result.testsRun, result.wasSuccessful()) == (1, True)
 
 
-def test_a_test_itself_will_do(capsys: pytest.CaptureFixture[str]) -> None:
+def test_test_instance_is_accepted(capsys: pytest.CaptureFixture[str]) -> None:
     assert rosunit.run("package", "name", Good("test_it"), sysargs=[]).testsRun == 1
 
 
-def test_their_own_output_is_printed_if_that_is_wanted(capsys: pytest.CaptureFixture[str]) -> None:
+def test_text_option_prints_the_output_of_tests(capsys: pytest.CaptureFixture[str]) -> None:
     rosunit.unitrun("package", "name", Good, sysargs=["script.py", "--text"])
     assert "printed\n" in capsys.readouterr().out
 

@@ -34,7 +34,7 @@ def coloured(*, is_bigendian: bool = False) -> Any:
     )
 
 
-def test_a_cloud_of_points() -> None:
+def test_cloud_is_created() -> None:
     cloud: Any = point_cloud2.create_cloud_xyz32(Header(frame_id="map"), POINTS)
     assert cloud.header.frame_id == "map"
     assert (cloud.height, cloud.width) == (1, 3)
@@ -44,7 +44,7 @@ def test_a_cloud_of_points() -> None:
     assert cloud.data == pack("<9f", *(number for point in POINTS for number in point))
 
 
-def test_points_are_read_as_they_were_written() -> None:
+def test_points_are_read_as_written() -> None:
     cloud = point_cloud2.create_cloud_xyz32(Header(), POINTS)
     points = list(point_cloud2.read_points(cloud))
     assert points[0] == POINTS[0]
@@ -62,38 +62,38 @@ def test_points_have_names() -> None:
     assert (point.x, point.z) == (1.0, 3.0)
 
 
-def test_an_array_of_numpy_is_a_list_of_points() -> None:
+def test_points_can_be_a_numpy_array() -> None:
     points = numpy.arange(6, dtype=numpy.float32).reshape(2, 3)
     cloud = point_cloud2.create_cloud_xyz32(Header(), points)  # type: ignore[arg-type]
     assert numpy.array_equal(list(point_cloud2.read_points(cloud)), points)
 
 
 @pytest.mark.parametrize("is_bigendian", [False, True])
-def test_gaps_and_the_ends_of_rows_are_skipped(is_bigendian: bool) -> None:
+def test_gaps_and_row_padding_are_skipped(is_bigendian: bool) -> None:
     cloud = coloured(is_bigendian=is_bigendian)
     assert list(point_cloud2.read_points(cloud)) == [(0.5, 0), (1.5, 1), (1.5, 0), (2.5, 1)]
     assert list(point_cloud2.read_points(cloud, ["rgb"], uvs=[(1, 1)])) == [(1,)]
 
 
-def test_fields_may_have_several_numbers() -> None:
+def test_fields_can_have_several_numbers() -> None:
     fields = [PointField("xyz", 0, 7, 3), PointField("ring", 12, 4, 1)]
     cloud = point_cloud2.create_cloud(Header(), fields, [(1, 2, 3, 4)])
     assert cloud.point_step == 14
     assert list(point_cloud2.read_points(cloud)) == [(1.0, 2.0, 3.0, 4)]
 
 
-def test_a_field_of_an_unknown_type_is_left_out(capsys: pytest.CaptureFixture[str]) -> None:
+def test_field_of_unknown_type_is_skipped(capsys: pytest.CaptureFixture[str]) -> None:
     cloud = coloured()
     cloud.fields[0].datatype = 99
     assert next(point_cloud2.read_points(cloud)) == (0.5,)
     assert capsys.readouterr().err == "Skipping unknown PointField datatype [99]\n"
 
 
-def test_only_clouds_have_points() -> None:
+def test_other_messages_are_refused() -> None:
     with pytest.raises(AssertionError, match=r"cloud is not a sensor_msgs.msg.PointCloud2"):
         next(point_cloud2.read_points(Image()))
 
 
-def test_the_module_stands_beside_the_messages() -> None:
+def test_module_can_be_imported_beside_the_messages() -> None:
     messages = importlib.import_module("sensor_msgs.msg")
     assert messages.PointCloud2 is point_cloud2.PointCloud2

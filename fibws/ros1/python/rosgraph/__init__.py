@@ -1,12 +1,13 @@
-"""The graph as programs see it that are no nodes: names, and what ROS's master is asked."""
+"""rosgraph's functions for programs that are not nodes: names, and requests to the master."""
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
 
 from rosgraph import names
+from rosgraph.masterapi import Master, MasterError, MasterException, MasterFailure
+from rosgraph.masterapi import is_online as is_master_online
 from rosgraph.rosenv import (
     ROS_HOSTNAME,
     ROS_IP,
@@ -15,10 +16,6 @@ from rosgraph.rosenv import (
     ROS_NAMESPACE,
     get_master_uri,
 )
-
-if TYPE_CHECKING:
-    from rosgraph.masterapi import Master, MasterError, MasterException, MasterFailure
-    from rosgraph.masterapi import is_online as is_master_online
 
 __all__ = [
     "ROS_HOSTNAME",
@@ -38,16 +35,5 @@ __all__ = [
 
 
 def myargv(argv: Sequence[str] | None = None) -> list[str]:
-    """The command line without what is ROS's."""
+    """Return the command line without ROS's own arguments."""
     return [each for each in (sys.argv if argv is None else argv) if names.REMAP not in each]
-
-
-if not TYPE_CHECKING:
-
-    def __getattr__(name: str) -> Any:
-        """Load what asks the hub when it is first used."""
-        if name not in __all__:
-            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-        from rosgraph import masterapi
-
-        return getattr(masterapi, {"is_master_online": "is_online"}.get(name, name))

@@ -1,7 +1,9 @@
-"""What ROS's master is asked, asked of the hub."""
+"""The requests that programs send to ROS's master, sent to the hub."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from fibws.client.parameters import Parameters
@@ -10,15 +12,15 @@ from rosgraph.names import GLOBALNS, get_ros_namespace, ns_join, resolve_name
 
 
 class MasterException(Exception):
-    """The base of what the master answers in vain."""
+    """The base of the master's errors."""
 
 
 class MasterFailure(MasterException):
-    """It could not do what it was asked for."""
+    """The hub could not handle a request."""
 
 
 class MasterError(MasterException):
-    """It was asked for what is not there, or wrongly."""
+    """The request was invalid, or named something that does not exist."""
 
 
 Error = MasterError
@@ -27,31 +29,41 @@ ROSMasterException = MasterException
 
 
 def is_online(master_uri: str | None = None) -> bool:
-    """Whether there is a hub."""
+    """Return whether the hub can be reached."""
     return Master("rosgraph", master_uri).is_online()
 
 
-class Master:
-    """Asks the hub, over a connection that is made for each question.
+@contextmanager
+def reporting_no_master(error_class: type[Exception]) -> Iterator[None]:
+    """Raise a tool's own error if the hub cannot be reached."""
+    try:
+        yield
+    except (OSError, HubUnreachable) as error:
+        raise error_class(f"Unable to communicate with master! {error}") from None
 
-    Names are global, or else relative to the namespace of ``caller_id``.
+
+class Master:
+    """Sends requests to the hub, each over a connection of its own.
+
+    Names are global, or relative to the namespace of ``caller_id``.
 
     Args:
-        caller_id: the name of who asks.
+        caller_id: the name of the program.
         master_uri: has no effect: the hub is where $FIBWS_HUB says.
 
     Raises:
-        OSError: there is no hub.
-        MasterError: what is asked about is not there.
+        OSError: the hub cannot be reached.
+        MasterError: a name is unknown.
         MasterFailure: the hub refuses.
     """
 
     def __init__(self, caller_id: str, master_uri: str | None = None) -> None:
         self.caller_id = ns_join(get_ros_namespace(), caller_id)
         self.master_uri = master_uri
+        self._parameters = Parameters(self.call)
 
     def is_online(self) -> bool:
-        """Whether there is a hub."""
+        """Return whether the hub can be reached."""
         from fibws.client.hub_client import is_hub_running
 
         try:
@@ -60,62 +72,63 @@ class Master:
             return False
 
     def getPid(self) -> int:
-        """0: the hub does not tell; but it answers."""
+        """Return 0 if the hub can be reached; it does not report its process ID."""
         self.ask("get_time")
         return 0
 
     def getUri(self) -> str:
-        """The hub's address."""
-        from fibws.client.hub_client import (
-            HubClient,  # It takes its time to load, and nodes never ask so.
-        )
+        """Return the hub's address."""
+        from fibws.client.hub_client import HubClient  # Slow to load, and nodes do not need it.
 
         try:
-            with HubClient("rosgraph") as link:
-                return link.url
+            with HubClient("rosgraph") as client:
+                return client.url
         except FibwsError as error:
             raise ConnectionRefusedError(str(error)) from None
 
     def getParam(self, key: str) -> Any:
-        """The value of a parameter, or of a namespace as a dict."""
+        """Return the value of a parameter, or a namespace as a dict."""
+        name = self._global(key)
         try:
-            return self._parameters().get(self._global(key))
-        except ParameterNotSet as error:
-            raise MasterError(str(error)) from None
+            return self._parameters.get(name)
+        except ParameterNotSet:
+            raise MasterError(f"Parameter [{name}] is not set") from None
+        except ServiceError as error:
+            raise MasterFailure(error.text) from None
 
     def setParam(self, key: str, value: Any) -> int:
-        """Set a parameter; 0."""
-        self._parameters().set(self._global(key), value)
+        """Set a parameter; return 0."""
+        self._parameters.set(self._global(key), value)
         return 0
 
     def hasParam(self, key: str) -> bool:
-        """Whether there is such a parameter."""
-        return self._parameters().has(self._global(key))
+        """Return whether a parameter or a namespace exists."""
+        return self._parameters.has(self._global(key))
 
     def deleteParam(self, key: str) -> int:
-        """Delete a parameter; 0."""
+        """Delete a parameter; return 0."""
         name = self._global(key)
         if name == GLOBALNS:
             raise MasterError("cannot delete root of parameter tree")
         try:
-            self._parameters().delete(name)
+            self._parameters.delete(name)
         except ParameterNotSet:
             raise MasterError(f"parameter [{name}] is not set") from None
         return 0
 
     def searchParam(self, key: str) -> str:
-        """The global name of the parameter of that name that is nearest to who asks."""
-        name = self._parameters().search(key)
+        """Return the global name of the nearest parameter of this name."""
+        name = self._parameters.search(key)
         if name is None:
             raise MasterError(f"Cannot find parameter [{key}] in an upwards search")
         return name
 
     def getParamNames(self) -> list[str]:
-        """The names of all parameters."""
-        return self._parameters().names()
+        """Return the names of all parameters."""
+        return self._parameters.names()
 
     def lookupNode(self, node_name: str) -> str:
-        """The URI of a node."""
+        """Return the URI of a node."""
         name = self._global(node_name)
         for node in self.ask("graph")["nodes"]:
             if node["name"] == name:
@@ -123,7 +136,7 @@ class Master:
         raise MasterError(f"unknown node [{name}]")
 
     def lookupService(self, service: str) -> str:
-        """The URI of the node that offers a service."""
+        """Return the URI of the node that provides a service."""
         name = self._global(service)
         graph = self.ask("graph")
         nodes = {each["name"]: each for each in graph["nodes"]}
@@ -133,7 +146,7 @@ class Master:
         raise MasterError("no provider")
 
     def getPublishedTopics(self, subgraph: str) -> list[list[str]]:
-        """The topics in a namespace that somebody publishes, as pairs of name and type."""
+        """Return the published topics in a namespace as pairs of name and type."""
         above = f"{subgraph.rstrip('/')}/"
         return [
             [topic["name"], topic["type"]]
@@ -142,28 +155,32 @@ class Master:
         ]
 
     def getTopicTypes(self) -> list[list[str]]:
-        """All topics whose type is known, as pairs of name and type."""
+        """Return all topics of known types as pairs of name and type."""
         return [[topic["name"], topic["type"]] for topic in self._topics() if topic["type"]]
 
     def getSystemState(self) -> list[list[list[Any]]]:
-        """Who publishes, who subscribes, who offers services: each as pairs of name and nodes."""
+        """Return publishers, subscribers and service providers as pairs of name and nodes."""
         graph = self.ask("graph")
         services = [[each["name"], [each["node"]]] for each in graph["services"]]
         topics = graph["topics"]
         return [_nodes(topics, "publishers"), _nodes(topics, "subscriptions"), services]
 
     def ask(self, service: str, /, **request: Any) -> dict[str, Any]:
-        """Call ``/rosapi/<service>`` with a request of these fields.
+        """Call ``/rosapi/<service>`` with a request of these fields; see `call`."""
+        return self.call(f"/rosapi/{service}", request)
+
+    def call(self, service: str, request: dict[str, Any]) -> dict[str, Any]:
+        """Call a service of the hub and return the response.
 
         Raises:
-            OSError: there is no hub.
-            MasterFailure: it refuses.
+            OSError: the hub cannot be reached.
+            MasterFailure: the hub refuses.
         """
-        from fibws.client.hub_client import HubClient  # As for the URI.
+        from fibws.client.hub_client import HubClient
 
         try:
-            with HubClient("rosgraph") as link:
-                return link.call(f"/rosapi/{service}", request)
+            with HubClient("rosgraph") as client:
+                return client.call(service, request)
         except HubUnreachable as error:
             raise ConnectionRefusedError(str(error)) from None
         except ServiceError as error:
@@ -171,11 +188,8 @@ class Master:
         except FibwsError as error:
             raise MasterFailure(str(error)) from None
 
-    def _parameters(self) -> Parameters:
-        return Parameters(lambda service, request: self.ask(service.rpartition("/")[2], **request))
-
     def _topics(self) -> list[dict[str, Any]]:
-        """The topics, with who publishes them unless the hub is a rosbridge of ROS's own."""
+        """Return the topics, with their publishers unless the server is a rosbridge_suite."""
         try:
             return list(self.ask("graph")["topics"])
         except MasterFailure:
@@ -190,7 +204,7 @@ class Master:
 
 
 def _nodes(topics: list[dict[str, Any]], key: str) -> list[list[Any]]:
-    """The nodes of each topic that has some."""
+    """Return the nodes of each topic that has nodes in this role."""
     return [
         [topic["name"], list(dict.fromkeys(each["node"] for each in topic[key]))]
         for topic in topics

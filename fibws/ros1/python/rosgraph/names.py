@@ -1,4 +1,4 @@
-"""Graph names as ROS's Python libraries read them, which is more leniently than the hub does."""
+"""Graph names by the rules of ROS's Python libraries, which are laxer than the hub's."""
 
 from __future__ import annotations
 
@@ -25,36 +25,36 @@ _REMAPPING = re.compile(r"([~/A-Za-z]|__?)[\w/]*:=.*")
 
 
 def is_global(name: str) -> bool:
-    """Whether a name begins at the root."""
+    """Return whether a name is global: it begins with ``/``."""
     return name.startswith(SEP)
 
 
 def is_private(name: str) -> bool:
-    """Whether a name belongs to one node alone."""
+    """Return whether a name is private to a node: it begins with ``~``."""
     return name.startswith(PRIV_NAME)
 
 
 def is_legal_name(name: str | None) -> bool:
-    """Whether a name can stand for something on the graph; the empty one can."""
+    """Return whether a name is legal; an empty one is."""
     if name is None:
         return False
     return not name or (_NAME.fullmatch(name) is not None and "//" not in name)
 
 
 def is_legal_base_name(name: str | None) -> bool:
-    """Whether a name is legal with no namespace in it, as a node's is."""
+    """Return whether a name is legal for a node: it has no namespace."""
     return name is not None and _BASE_NAME.fullmatch(name) is not None
 
 
 def is_legal_remap(arg: str | None) -> bool:
-    """Whether an argument of the command line is ROS's: ``from:=to``."""
+    """Return whether a command-line argument is a remapping: ``from:=to``."""
     return arg is not None and _REMAPPING.fullmatch(arg) is not None
 
 
 def get_ros_namespace(
     env: Mapping[str, str] | None = None, argv: Sequence[str] | None = None
 ) -> str:
-    """The program's namespace, by ``__ns:=`` or else $ROS_NAMESPACE; it ends in ``/``."""
+    """Return the namespace in ``__ns:=`` or $ROS_NAMESPACE; it ends with ``/``."""
     for argument in sys.argv if argv is None else argv:
         name, mark, value = argument.partition(REMAP)
         if mark and name == "__ns":
@@ -63,7 +63,7 @@ def get_ros_namespace(
 
 
 def make_global_ns(name: str) -> str:
-    """``robot`` is the namespace ``/robot/``.
+    """Return a name as a global namespace: ``/robot/`` for ``robot``.
 
     Raises:
         ValueError: the name is private.
@@ -75,19 +75,19 @@ def make_global_ns(name: str) -> str:
 
 
 def make_caller_id(name: str) -> str:
-    """The global name of a node that is called ``name`` in this program's namespace."""
+    """Return the global name of a node in this program's namespace."""
     return make_global_ns(ns_join(get_ros_namespace(), name))
 
 
 def namespace(name: str) -> str:
-    """The namespace that a name is in: ``/robot/`` for ``/robot/arm``."""
+    """Return the namespace of a name: ``/robot/`` for ``/robot/arm``."""
     if not isinstance(name, str):
         raise TypeError("name")
     return name.removesuffix(SEP).rpartition(SEP)[0] + SEP
 
 
 def ns_join(ns: str, name: str) -> str:
-    """A name in a namespace; it is left as it is if it is global or private."""
+    """Return a name in a namespace; global and private names are returned unchanged."""
     if is_private(name) or is_global(name) or not ns:
         return name
     if ns == PRIV_NAME or ns.endswith(SEP):
@@ -96,7 +96,7 @@ def ns_join(ns: str, name: str) -> str:
 
 
 def canonicalize_name(name: str) -> str:
-    """A name without the slashes that say nothing: ``/a//b/`` is ``/a/b``."""
+    """Return a name without redundant slashes: ``/a/b`` for ``/a//b/``."""
     if not name or name == SEP:
         return name
     inside = SEP.join(part for part in name.split(SEP) if part)
@@ -104,12 +104,12 @@ def canonicalize_name(name: str) -> str:
 
 
 def resolve_name(name: str, namespace_: str, remappings: Mapping[str, str] | None = None) -> str:
-    """The global name that a name stands for.
+    """Return the global name for a name.
 
     Args:
         name: the name.
         namespace_: the global name of the node that uses it.
-        remappings: what replaces global names.
+        remappings: the replacements of global names.
     """
     if not name:
         return namespace(namespace_)
@@ -122,7 +122,7 @@ def resolve_name(name: str, namespace_: str, remappings: Mapping[str, str] | Non
 
 
 def script_resolve_name(script_name: str, name: str) -> str:
-    """The global name that a name stands for in a program that is no node."""
+    """Return the global name for a name in a program that is not a node."""
     if not name:
         return get_ros_namespace()
     if is_global(name):
@@ -133,7 +133,7 @@ def script_resolve_name(script_name: str, name: str) -> str:
 
 
 def load_mappings(argv: Iterable[str]) -> dict[str, str]:
-    """What the command line renames; parameters of the node (``_x:=1``) are not among it."""
+    """Return the remappings on a command line, without the node's parameters (``_x:=1``)."""
     mappings = {}
     for argument in argv:
         if not is_legal_remap(argument):
@@ -147,6 +147,6 @@ def load_mappings(argv: Iterable[str]) -> dict[str, str]:
 
 
 def anonymous_name(id: str) -> str:
-    """A name that nobody else has."""
+    """Return a unique name."""
     host, number = socket.gethostname(), random.randint(0, sys.maxsize)
     return re.sub("[.:-]", "_", f"{id}_{host}_{os.getpid()}_{number}")

@@ -17,10 +17,10 @@ DEFAULT_MASTER_URI = f"http://localhost:{DEFAULT_MASTER_PORT}/"
 
 
 def get_master_uri(env: Mapping[str, str] | None = None, argv: Sequence[str] | None = None) -> str:
-    """What ``__master:=`` or $ROS_MASTER_URI says. The hub is not there: that is $FIBWS_HUB.
+    """Return the URI in ``__master:=`` or $ROS_MASTER_URI; the hub's address is $FIBWS_HUB.
 
     Raises:
-        ValueError: ``__master:=`` is followed by nothing.
+        ValueError: ``__master:=`` has no value.
     """
     for argument in sys.argv if argv is None else argv:
         name, mark, value = argument.partition(":=")

@@ -1,4 +1,4 @@
-"""What is left of ROS's oldest Python module: what the first line of many a script asks for."""
+"""The parts of roslib that scripts still use, such as ``roslib.load_manifest``."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ _interactive = False
 
 
 def set_interactive(interactive: bool) -> None:
-    """Say whether the script runs in a Python shell."""
+    """Set whether the script runs in a Python shell."""
     global _interactive
     _interactive = interactive
 
 
 def is_interactive() -> bool:
-    """Whether the script has said that it runs in a Python shell."""
+    """Return whether the script runs in a Python shell."""
     return _interactive
 
 
 def __getattr__(name: str) -> Any:
-    """A module of roslib: scripts use ``roslib.message`` after ``import roslib`` alone."""
+    """Import a module of roslib: scripts use ``roslib.message`` after ``import roslib``."""
     if name not in _MODULES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     return import_module(f"roslib.{name}")

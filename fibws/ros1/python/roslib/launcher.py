@@ -1,7 +1,7 @@
-"""What scripts began with before there was catkin."""
+"""The start of scripts from before catkin."""
 
 from __future__ import annotations
 
 
 def load_manifest(package_name: str, bootstrap_version: str = "0.7") -> None:
-    """Do nothing: what a package needs is on the path already."""
+    """Do nothing: the packages are on the path already."""

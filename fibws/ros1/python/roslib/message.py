@@ -1,4 +1,4 @@
-"""The old place of what genpy has for messages."""
+"""Former module of genpy's messages."""
 
 from genpy.message import (
     DeserializationError,

@@ -1,4 +1,4 @@
-"""The old way to ask where packages are; `rospkg` has the new one."""
+"""Former functions for finding packages; use `rospkg` in new scripts."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from pathlib import Path
 
 
 class ROSPkgException(Exception):
-    """The base of what goes wrong with packages."""
+    """The base of errors about packages."""
 
 
 class InvalidROSPkgException(ROSPkgException):
-    """There is no such package."""
+    """The package is unknown."""
 
 
 def get_pkg_dir(
@@ -20,16 +20,16 @@ def get_pkg_dir(
     ros_root: str | None = None,
     ros_package_path: str | None = None,
 ) -> str | None:
-    """The package's folder.
+    """Return the folder of a package.
 
     Args:
         package: its name.
-        required: whether it is an error if there is none; else None is returned.
-        ros_root: is there for scripts that give it.
-        ros_package_path: the folders to look in, if not those of $ROS_PACKAGE_PATH.
+        required: raise an error if the package is unknown; otherwise return None.
+        ros_root: has no effect.
+        ros_package_path: the folders to search; by default $ROS_PACKAGE_PATH.
 
     Raises:
-        InvalidROSPkgException: there is none.
+        InvalidROSPkgException: the package is unknown.
     """
     from rospkg import ResourceNotFound, RosPack
 
@@ -43,15 +43,15 @@ def get_pkg_dir(
 
 
 def get_pkg_subdir(package: str, subdir: str, required: bool = True) -> str | None:
-    """A folder in the package's, which is made if need be.
+    """Return a folder in that of a package; create it if it is missing.
 
     Args:
         package: the package's name.
-        subdir: the folder's.
-        required: whether it is an error if there is no such package; else None is returned.
+        subdir: the folder's path in it.
+        required: raise an error if the package is unknown; otherwise return None.
 
     Raises:
-        InvalidROSPkgException: there is no such package.
+        InvalidROSPkgException: the package is unknown.
     """
     folder = get_pkg_dir(package, required)
     if folder is None:
@@ -62,9 +62,9 @@ def get_pkg_subdir(package: str, subdir: str, required: bool = True) -> str | No
 
 
 def resource_file(package: str, subdir: str, resource_name: str) -> str:
-    """The path of a file in a folder of a package.
+    """Return the path of a file in a folder of a package.
 
     Raises:
-        InvalidROSPkgException: there is no such package.
+        InvalidROSPkgException: the package is unknown.
     """
     return str(Path(get_pkg_subdir(package, subdir) or "") / resource_name)

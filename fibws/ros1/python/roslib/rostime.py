@@ -1,4 +1,4 @@
-"""The old place of genpy's times."""
+"""Former module of genpy's times."""
 
 from genpy.rostime import Duration, Time, TVal
 

@@ -1,4 +1,4 @@
-"""What scripts ask about types: which a package has, and what is in each."""
+"""rosmsg's functions for scripts: the types of packages and their definitions."""
 
 from __future__ import annotations
 
@@ -27,40 +27,40 @@ MODE_SRV = ".srv"
 
 
 class ROSMsgException(Exception):
-    """There is no such type, or its definition is wrong."""
+    """The type is unknown, or its definition is invalid."""
 
 
 def get_msg_text(type_: str, raw: bool = False, rospack: object = None) -> str:
-    """What is in a message type, in the lines of ``rosmsg show``.
+    """Return the fields of a message type in the format of ``rosmsg show``.
 
     Args:
         type_: such as ``std_msgs/String``.
-        raw: whether it is the text of its file, comments and all.
+        raw: return the text of its file instead, with comments.
         rospack: has no effect.
 
     Raises:
-        ROSMsgException: there is no such type, or its definition is wrong.
+        ROSMsgException: the type is unknown, or its definition is invalid.
     """
     return _text(MODE_MSG, type_, raw)
 
 
 def get_srv_text(type_: str, raw: bool = False, rospack: object = None) -> str:
-    """What is in a service type, in the lines of ``rossrv show``; else as `get_msg_text`."""
+    """Return the fields of a service type; otherwise like `get_msg_text`."""
     return _text(MODE_SRV, type_, raw)
 
 
 def list_msgs(package: str, rospack: object = None) -> list[str]:
-    """The message types of a package, such as ``std_msgs/String``; none of one that is unknown."""
+    """Return the message types of a package, ``std_msgs/String``; none if it is unknown."""
     return list_types(package, MODE_MSG)
 
 
 def list_srvs(package: str, rospack: object = None) -> list[str]:
-    """The service types of a package; none of one that is unknown."""
+    """Return the service types of a package; none if it is unknown."""
     return list_types(package, MODE_SRV)
 
 
 def list_types(package: str, mode: str = MODE_MSG, rospack: object = None) -> list[str]:
-    """The types of a package, of messages or of services; none of one that is unknown."""
+    """Return the message or service types of a package; none if it is unknown."""
     try:
         return _installed(mode).names(package)
     except InterfaceError:
@@ -68,7 +68,7 @@ def list_types(package: str, mode: str = MODE_MSG, rospack: object = None) -> li
 
 
 def iterate_packages(rospack: object, mode: str) -> Iterator[tuple[str, str]]:
-    """The packages that have types, each with the folder where they are."""
+    """Yield the packages that have types, each with the folder of its definitions."""
     import rospkg
 
     known: Any = rospkg.RosPack() if rospack is None else rospack

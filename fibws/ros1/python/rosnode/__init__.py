@@ -1,14 +1,14 @@
-"""What scripts ask about nodes: who is there, who answers; and who is to end."""
+"""rosnode's functions for scripts: list, ping, describe and kill nodes."""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
 from time import sleep
 from typing import Any
 
 import rosgraph
+from rosgraph.masterapi import reporting_no_master
 from rosgraph.names import make_global_ns, script_resolve_name
 
 __all__ = [
@@ -26,29 +26,29 @@ __all__ = [
 ID = "/rosnode"
 
 PATIENCE = 3.0
-"""Seconds in which a node must answer a ping: the hub waits for no longer."""
+"""Seconds that the hub waits for a node to answer a ping."""
 
 
 class ROSNodeException(Exception):
-    """The base of what goes wrong here."""
+    """The base of rosnode's errors."""
 
 
 class ROSNodeIOException(ROSNodeException):
-    """There is no hub."""
+    """The hub cannot be reached."""
 
 
 def get_node_names(namespace: str | None = None) -> list[str]:
-    """The global names of all nodes, sorted; those without a topic and a service are left out.
+    """Return the global names of the nodes that have topics or services, sorted.
 
     Args:
-        namespace: the global namespace that is asked about; else all are.
+        namespace: a global namespace; None for all nodes.
 
     Raises:
-        ROSNodeIOException: there is no hub.
+        ROSNodeIOException: the hub cannot be reached.
     """
-    with _communicating():
+    with reporting_no_master(ROSNodeIOException):
         state = rosgraph.Master(ID).getSystemState()
-    found = {node for ends in state for _, nodes in ends for node in nodes}
+    found = {node for role in state for _, nodes in role for node in nodes}
     if namespace:
         above = make_global_ns(namespace)
         found = {node for node in found if node.startswith(above) or node == namespace}
@@ -62,19 +62,19 @@ def rosnode_ping(
 
     Args:
         node_name: the node.
-        max_count: how often; else until Ctrl-C.
-        verbose: whether what comes of each is printed. That none came always is.
-        skip_cache: has no effect: nothing is kept.
+        max_count: number of pings; None to ping until Ctrl-C.
+        verbose: print each answer; failures are always printed.
+        skip_cache: has no effect: there is no cache.
 
     Returns:
-        Whether it has answered each time.
+        Whether the node answered each time.
 
     Raises:
-        ROSNodeIOException: there is no hub.
+        ROSNodeIOException: the hub cannot be reached.
     """
     name = script_resolve_name("rosnode", node_name)
     master = rosgraph.Master(ID)
-    with _communicating():
+    with reporting_no_master(ROSNodeIOException):
         uri = get_api_uri(master, name)
     if uri is None:
         print(f"cannot ping [{name}]: unknown node", file=sys.stderr)
@@ -84,7 +84,7 @@ def rosnode_ping(
     took: list[float] = []
     try:
         while True:
-            with _communicating():
+            with reporting_no_master(ROSNodeIOException):
                 answer = master.ask("ping_node", node=name)
             if not answer["success"]:
                 print(f"connection to [{name}] failed: {answer['message']}", file=sys.stderr)
@@ -108,10 +108,10 @@ def rosnode_ping_all(
     """Ping all nodes, once.
 
     Returns:
-        The names of those that have answered, and of those that have not.
+        The names of the nodes that answered, and of the others.
 
     Raises:
-        ROSNodeIOException: there is no hub.
+        ROSNodeIOException: the hub cannot be reached.
     """
     nodes = get_node_names()
     if verbose:
@@ -124,30 +124,30 @@ def rosnode_ping_all(
 
 
 def kill_nodes(node_names: Iterable[str]) -> tuple[list[str], list[str]]:
-    """End nodes; those of other libraries, such as web pages, may come back.
+    """Kill nodes; those of other libraries, such as web pages, may connect again.
 
     Returns:
-        The names of those that were told to end, and of those that were not.
+        The names of the nodes that were killed, and of the others.
 
     Raises:
-        ROSNodeIOException: there is no hub.
+        ROSNodeIOException: the hub cannot be reached.
     """
     killed: list[str] = []
     left: list[str] = []
     for name in node_names:
-        with _communicating():
+        with reporting_no_master(ROSNodeIOException):
             answer = rosgraph.Master(ID).ask("kill_node", node=script_resolve_name("rosnode", name))
         (killed if answer["success"] else left).append(name)
     return killed, left
 
 
 def get_api_uri(master: rosgraph.Master, caller_id: str, skip_cache: bool = False) -> str | None:
-    """The URI of a node, by which nobody can talk to it here; None if there is no such node.
+    """Return a node's URI, which cannot be used for calls; None if the node is unknown.
 
     Raises:
-        ROSNodeIOException: there is no hub.
+        ROSNodeIOException: the hub cannot be reached.
     """
-    with _communicating():
+    with reporting_no_master(ROSNodeIOException):
         try:
             return master.lookupNode(caller_id)
         except rosgraph.MasterError:
@@ -155,13 +155,13 @@ def get_api_uri(master: rosgraph.Master, caller_id: str, skip_cache: bool = Fals
 
 
 def get_node_info_description(node_name: str) -> str:
-    """What a node publishes, hears and provides, in the lines of ``rosnode info``.
+    """Return a node's topics and services, in the format of ``rosnode info``.
 
     Raises:
-        ROSNodeIOException: there is no hub.
+        ROSNodeIOException: the hub cannot be reached.
     """
     master = rosgraph.Master(ID)
-    with _communicating():
+    with reporting_no_master(ROSNodeIOException):
         publications, subscriptions, services = master.getSystemState()
         types: dict[str, str] = dict(master.getTopicTypes())
     sections = (
@@ -172,9 +172,9 @@ def get_node_info_description(node_name: str) -> str:
     return f"Node [{node_name}]" + "".join(_section(*section) for section in sections)
 
 
-def _typed(ends: list[Any], node: str, types: dict[str, str]) -> list[str]:
-    topics = sorted(name for name, nodes in ends if node in nodes)
-    return [f"{name} [{types.get(name, 'unknown type')}]" for name in topics]
+def _typed(topics: list[Any], node: str, types: dict[str, str]) -> list[str]:
+    names = sorted(name for name, nodes in topics if node in nodes)
+    return [f"{name} [{types.get(name, 'unknown type')}]" for name in names]
 
 
 def _section(head: str, lines: list[str]) -> str:
@@ -182,11 +182,3 @@ def _section(head: str, lines: list[str]) -> str:
         return f"\n{head}: None\n"
     listed = "\n".join(f" * {line}" for line in lines)
     return f"\n{head}: \n{listed}\n"
-
-
-@contextmanager
-def _communicating() -> Iterator[None]:
-    try:
-        yield
-    except OSError as error:
-        raise ROSNodeIOException(f"Unable to communicate with master! {error}") from None

@@ -1,4 +1,4 @@
-"""What scripts do with parameters by files: ``rosparam.load_file`` and ``rosparam.upload_params``.
+"""rosparam's functions for scripts: get, set, load and dump parameters.
 
 Numbers may be written as angles: ``rad(pi/2)``, ``deg(90)``.
 """
@@ -7,14 +7,14 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import Any
 
 import rosgraph
+from rosgraph.masterapi import reporting_no_master
 from rosgraph.names import get_ros_namespace, make_global_ns, ns_join, script_resolve_name
 
-from fibws.errors import HubUnreachable, ParameterError, ServiceError
+from fibws.client.parameters import Parameters
+from fibws.errors import ParameterError, ServiceError
 
 __all__ = [
     "RosParamException",
@@ -33,24 +33,24 @@ __all__ = [
 ]
 
 NAMESPACE = "_ns"
-"""The key by which a document names the namespace of its parameters."""
+"""The key for the namespace of a document's parameters."""
 
 
 class RosParamException(Exception):
-    """The base of what goes wrong here."""
+    """The base of rosparam's errors."""
 
 
 class RosParamIOException(RosParamException):
-    """There is no hub."""
+    """The hub cannot be reached."""
 
 
 def load_file(
     filename: str | None, default_namespace: str | None = None, verbose: bool = False
 ) -> list[tuple[Any, str]]:
-    """The parameters in a YAML file, as `load_str` gives them; ``-`` is the standard input.
+    """Return the parameters in a YAML file as `load_str` does; ``-`` is standard input.
 
     Raises:
-        RosParamException: there is no such file, or it is no YAML.
+        RosParamException: the file cannot be read, or its YAML is invalid.
     """
     if not filename or filename == "-":
         if verbose:
@@ -71,16 +71,16 @@ def load_file(
 def load_str(
     str: str, filename: str, default_namespace: str | None = None, verbose: bool = False
 ) -> list[tuple[Any, str]]:
-    """The parameters in a text: each document in it, with the namespace that it belongs in.
+    """Return the documents in a YAML text, each with the namespace of its parameters.
 
     Args:
-        str: the text, in YAML.
-        filename: where it is from, for errors.
-        default_namespace: the namespace of documents that name none by ``_ns``; else the program's.
-        verbose: whether namespaces are printed.
+        str: the text.
+        filename: the text's source, for errors.
+        default_namespace: the namespace of documents without ``_ns``; by default the program's.
+        verbose: print namespaces.
 
     Raises:
-        RosParamException: it is no YAML.
+        RosParamException: the YAML is invalid.
     """
     import yaml
 
@@ -95,22 +95,22 @@ def load_str(
                     print(f"reading parameters into namespace [{namespace}]")
             found.append((document, namespace))
     except (yaml.YAMLError, ValueError) as error:
-        raise RosParamException(f"[{filename}] is no YAML: {error}") from None
+        raise RosParamException(f"[{filename}]: invalid YAML: {error}") from None
     return found
 
 
 def upload_params(ns: str, values: Any, verbose: bool = False) -> None:
-    """Set parameters; what else there is in the namespace stays.
+    """Set parameters; others in the namespace are kept.
 
     Args:
         ns: their namespace, or the name of one parameter.
-        values: a dict of them, or the value of the one.
-        verbose: whether they are printed.
+        values: a dict of the parameters, or the value of one.
+        verbose: print the parameters.
 
     Raises:
-        RosParamException: what is in / is no dict, a key is no text, or a value is none that a
-            parameter can have.
-        RosParamIOException: there is no hub.
+        RosParamException: the value for / is not a dict, a key is not a string, or a value is
+            invalid.
+        RosParamIOException: the hub cannot be reached.
     """
     if ns == "/" and not isinstance(values, dict):
         raise RosParamException("global / can only be set to a dictionary")
@@ -120,64 +120,66 @@ def upload_params(ns: str, values: Any, verbose: bool = False) -> None:
 
 
 def get_param_server() -> rosgraph.Master:
-    """What parameters are asked of."""
+    """Return the parameter server."""
     return rosgraph.Master("/rosparam")
 
 
 def get_param(param: str) -> Any:
-    """The value of a parameter, or all of a namespace as a dict.
+    """Return the value of a parameter, or a namespace as a dict.
 
     Raises:
-        MasterError: there is none.
-        RosParamIOException: there is no hub.
+        MasterError: the parameter is not set.
+        RosParamIOException: the hub cannot be reached.
     """
-    with _communicating():
+    with reporting_no_master(RosParamIOException):
         return get_param_server().getParam(param)
 
 
 def set_param(param: str, value: str, verbose: bool = False) -> None:
-    """Set a parameter to a value in YAML; else as `set_param_raw`."""
+    """Set a parameter to a value in YAML; otherwise like `set_param_raw`."""
     import yaml
 
     try:
         read = yaml.load(value, _loader())
     except (yaml.YAMLError, ValueError) as error:
-        raise RosParamException(f"{value!r} is no YAML: {error}") from None
+        raise RosParamException(f"invalid YAML {value!r}: {error}") from None
     set_param_raw(param, read, verbose)
 
 
 def set_param_raw(param: str, value: Any, verbose: bool = False) -> None:
-    """Set a parameter, or all that a dict has in a namespace.
+    """Set a parameter, or the parameters of a namespace from a dict.
 
     Args:
-        verbose: whether that is printed.
+        verbose: print what is set.
 
     Raises:
-        RosParamException: a key is no text, or a value is none that a parameter can have.
-        RosParamIOException: there is no hub.
+        RosParamException: a key is not a string, or a value is invalid.
+        RosParamIOException: the hub cannot be reached.
     """
     from fibws.client.hub_client import HubClient
     from fibws.values.parameter_files import leaves
 
     try:
         found = leaves(script_resolve_name("rosparam", param), value)
+        with reporting_no_master(RosParamIOException), HubClient("rosparam") as client:
+            for name, text in found:
+                Parameters(client.call).set_json(name, text)
+                if verbose:
+                    print(f"set parameter [{name}] to [{json.loads(text)}]")
+    except ServiceError as error:
+        raise RosParamException(error.text) from None
     except ParameterError as error:
         raise RosParamException(str(error)) from None
-    with _communicating(), HubClient("rosparam") as link:
-        for name, text in found:
-            link.call("/rosapi/set_param", {"name": name, "value": text})
-            if verbose:
-                print(f"set parameter [{name}] to [{json.loads(text)}]")
 
 
 def delete_param(param: str, verbose: bool = False) -> None:
-    """Delete a parameter, or all of a namespace.
+    """Delete a parameter or a namespace.
 
     Raises:
-        MasterError: there is none.
-        RosParamIOException: there is no hub.
+        MasterError: the parameter is not set.
+        RosParamIOException: the hub cannot be reached.
     """
-    with _communicating():
+    with reporting_no_master(RosParamIOException):
         if param == "/":
             get_param_server().setParam(param, {})
         else:
@@ -187,23 +189,23 @@ def delete_param(param: str, verbose: bool = False) -> None:
 
 
 def list_params(ns: str) -> list[str]:
-    """The names of all parameters in a namespace, sorted.
+    """Return the names of all parameters in a namespace, sorted.
 
     Raises:
-        RosParamIOException: there is no hub.
+        RosParamIOException: the hub cannot be reached.
     """
     above = make_global_ns(ns)
-    with _communicating():
+    with reporting_no_master(RosParamIOException):
         names = get_param_server().getParamNames()
     return sorted(name for name in names if name.startswith(above))
 
 
 def dump_params(filename: str | None, param: str, verbose: bool = False) -> None:
-    """Write a parameter, or all of a namespace, to a file; else to the standard output.
+    """Write a parameter or a namespace to a file, or to standard output for None.
 
     Raises:
-        MasterError: there is none.
-        RosParamIOException: there is no hub.
+        MasterError: the parameter is not set.
+        RosParamIOException: the hub cannot be reached.
     """
     import yaml
 
@@ -218,7 +220,7 @@ def dump_params(filename: str | None, param: str, verbose: bool = False) -> None
 
 
 def print_params(params: Any, ns: str) -> None:
-    """Print the values of parameters, one in a line."""
+    """Print the values of parameters, one on each line."""
     if isinstance(params, dict):
         for key, value in params.items():
             print_params(value, ns_join(ns, key))
@@ -227,17 +229,7 @@ def print_params(params: Any, ns: str) -> None:
 
 
 def _loader() -> Any:
-    """How YAML is read, angles too; numbers are what ``rosparam load`` takes them for."""
+    """Return the YAML loader of ``rosparam load``, which reads angles, too."""
     from fibws.values.parameter_files import loader
 
     return loader()
-
-
-@contextmanager
-def _communicating() -> Iterator[None]:
-    try:
-        yield
-    except (OSError, HubUnreachable) as error:
-        raise RosParamIOException(f"Unable to communicate with master! {error}") from None
-    except ServiceError as error:
-        raise RosParamException(error.text) from None

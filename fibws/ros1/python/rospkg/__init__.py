@@ -1,4 +1,4 @@
-"""Where packages are: ``rospkg.RosPack().get_path("fibonacci")``."""
+"""Finding packages: ``rospkg.RosPack().get_path("fibonacci")``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What all of rospkg has in common."""
+"""Names that all modules of rospkg use."""
 
 from __future__ import annotations
 
@@ -6,11 +6,11 @@ MANIFEST_FILE = "package.xml"
 
 
 class ResourceNotFound(Exception):
-    """There is no such package; the text begins with its name.
+    """The package is unknown; the text begins with its name.
 
     Args:
-        msg: the name, and what may have been missed.
-        ros_paths: where it was looked for.
+        msg: the name, and hints.
+        ros_paths: the folders that were searched.
     """
 
     def __init__(self, msg: str, ros_paths: list[str] | None = None) -> None:

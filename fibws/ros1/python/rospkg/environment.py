@@ -1,4 +1,4 @@
-"""What the environment says about ROS."""
+"""ROS's environment variables."""
 
 from __future__ import annotations
 
@@ -8,27 +8,27 @@ from pathlib import Path
 
 
 def get_ros_root(env: Mapping[str, str] | None = None) -> str | None:
-    """Where ROS is, by $ROS_ROOT: nowhere, most likely."""
+    """Return $ROS_ROOT, which is rarely set."""
     return _environment(env).get("ROS_ROOT")
 
 
 def get_ros_package_path(env: Mapping[str, str] | None = None) -> str | None:
-    """The folders with packages in them, as $ROS_PACKAGE_PATH has them."""
+    """Return $ROS_PACKAGE_PATH: folders that contain packages."""
     return _environment(env).get("ROS_PACKAGE_PATH")
 
 
 def get_ros_home(env: Mapping[str, str] | None = None) -> str:
-    """The folder for what programs keep: $ROS_HOME, or else ``.ros`` in the user's own."""
+    """Return the folder for data of programs: $ROS_HOME, by default ``~/.ros``."""
     return _environment(env).get("ROS_HOME") or str(Path.home() / ".ros")
 
 
 def get_log_dir(env: Mapping[str, str] | None = None) -> str:
-    """The folder for logs: $ROS_LOG_DIR, or else ``log`` in `get_ros_home`."""
+    """Return the folder for logs: $ROS_LOG_DIR, by default ``log`` in `get_ros_home`."""
     return _environment(env).get("ROS_LOG_DIR") or str(Path(get_ros_home(env)) / "log")
 
 
 def get_ros_paths(env: Mapping[str, str] | None = None) -> list[str]:
-    """The folders of `get_ros_package_path`, one by one."""
+    """Return the folders of `get_ros_package_path` as a list."""
     return [path for path in (get_ros_package_path(env) or "").split(os.pathsep) if path]
 
 

@@ -1,4 +1,4 @@
-"""Finds packages, and tells what each needs."""
+"""Packages, their folders and their dependencies."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from rospkg.environment import get_ros_paths
 from rospkg.manifest import InvalidManifest
 
 Names: TypeAlias = list[str]
-"""The class below has a function of the name ``list``."""
+"""Needed because `RosPack` has a method named ``list``."""
 
 
 class RosPack:
-    """The packages that $ROS_PACKAGE_PATH leads to, and those that fibws brings.
+    """The packages in $ROS_PACKAGE_PATH, and those of fibws.
 
     Args:
-        ros_paths: folders with packages in them, in the place of $ROS_PACKAGE_PATH.
+        ros_paths: folders that contain packages, instead of $ROS_PACKAGE_PATH.
     """
 
     def __init__(self, ros_paths: Sequence[str] | None = None) -> None:
@@ -32,41 +32,41 @@ class RosPack:
 
     @classmethod
     def get_instance(cls, ros_paths: Sequence[str] | None = None) -> RosPack:
-        """The same as the class itself."""
+        """Return a new instance; here nothing is cached."""
         return cls(ros_paths)
 
     def list(self) -> Names:
-        """The names of all packages."""
+        """Return the names of all packages."""
         return self._packages.names()
 
     def get_path(self, name: str) -> str:
-        """The folder of a package.
+        """Return the folder of a package.
 
         Raises:
-            ResourceNotFound: there is no such package.
+            ResourceNotFound: the package is unknown.
         """
         return str(self._find(name).folder)
 
     def get_manifest(self, name: str) -> Manifest:
-        """What the package.xml of a package says.
+        """Return the contents of a package's package.xml.
 
         Raises:
-            ResourceNotFound: there is no such package.
-            InvalidManifest: the file is wrong.
+            ResourceNotFound: the package is unknown.
+            InvalidManifest: the file is invalid.
         """
         with _read():
             return self._find(name).manifest
 
     def get_depends(self, name: str, implicit: bool = True) -> Names:
-        """The names of the packages that a package needs.
+        """Return the names of the packages that a package depends on.
 
         Args:
             name: the package.
-            implicit: whether what those need is among them; what is unknown here needs nothing.
+            implicit: include the dependencies of dependencies, as far as they are known here.
 
         Raises:
-            ResourceNotFound: there is no such package.
-            InvalidManifest: its package.xml is wrong, or that of one that it needs.
+            ResourceNotFound: the package is unknown.
+            InvalidManifest: its package.xml is invalid, or that of a dependency.
         """
         found: dict[str, None] = {}
         waiting = _needs(self.get_manifest(name))
@@ -80,7 +80,7 @@ class RosPack:
         return [*found]
 
     def get_depends_on(self, name: str, implicit: bool = True) -> Names:
-        """The names of the packages that need a package; one with a wrong package.xml is none."""
+        """Return the packages that depend on a package; skip those with an invalid package.xml."""
         found = []
         for each in self._packages.names():
             try:
@@ -98,10 +98,10 @@ class RosPack:
 
 
 def get_package_name(path: str) -> str | None:
-    """The name of the package that a file or a folder is in; None if it is in none.
+    """Return the name of the package that contains a file or a folder, or None.
 
     Raises:
-        InvalidManifest: the package.xml there is wrong.
+        InvalidManifest: the package.xml is invalid.
     """
     inside = Path(os.path.abspath(path))
     for folder in (inside, *inside.parents):

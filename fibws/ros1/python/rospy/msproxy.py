@@ -1,4 +1,4 @@
-"""The hub in the place of ROS's master, as `rospy.get_master` gives it."""
+"""The hub as a substitute for ROS's master, which `rospy.get_master` returns."""
 
 from __future__ import annotations
 
@@ -11,26 +11,26 @@ from rospy import core, names
 from rospy.exceptions import ROSException
 
 TYPES = {
-    "delete_param": "rosapi/DeleteParam",
-    "get_param": "rosapi/GetParam",
-    "get_param_names": "rosapi/GetParamNames",
-    "get_time": "rosapi/GetTime",
-    "graph": "fibws_msgs/GetGraph",
-    "has_param": "rosapi/HasParam",
-    "search_param": "rosapi/SearchParam",
-    "set_param": "rosapi/SetParam",
-    "topics": "rosapi/Topics",
+    "/rosapi/delete_param": "rosapi/DeleteParam",
+    "/rosapi/get_param": "rosapi/GetParam",
+    "/rosapi/get_param_names": "rosapi/GetParamNames",
+    "/rosapi/get_time": "rosapi/GetTime",
+    "/rosapi/graph": "fibws_msgs/GetGraph",
+    "/rosapi/has_param": "rosapi/HasParam",
+    "/rosapi/search_param": "rosapi/SearchParam",
+    "/rosapi/set_param": "rosapi/SetParam",
+    "/rosapi/topics": "rosapi/Topics",
 }
-"""The services of the hub that are called here, with their types."""
+"""The types of the hub's services that are called here."""
 
 _CODES = {MasterError: -1, MasterFailure: 0}
 
 
 class MasterProxy:
-    """Asks the hub, and is the parameters as a dict.
+    """Sends requests to the hub; a mapping of all parameters.
 
-    What `rosgraph.Master` has is here, too, but with names that are resolved as the node's, and it
-    returns as the master did: 1, a text and the value; or -1 or 0, what is wrong, and 0.
+    The methods of `rosgraph.Master` are available, too. They resolve names as the node does, and
+    return what ROS's master did: 1, a text and the value; or -1 or 0, an error text and 0.
 
     Args:
         uri: has no effect: the hub is where $FIBWS_HUB says.
@@ -79,10 +79,10 @@ class MasterProxy:
         return iter(self.target.getParamNames())
 
     def search_param(self, key: str) -> str | None:
-        """The global name of the nearest parameter of that name, if there is one.
+        """Return the global name of the nearest parameter of this name, or None.
 
         Raises:
-            ROSException: that is no name to look for.
+            ROSException: the name is invalid.
         """
         try:
             return self.target.searchParam(names.get_mappings().get(key, key))
@@ -93,20 +93,20 @@ class MasterProxy:
 
 
 class _Master(Master):
-    """Asks by way of the process's node while there is one."""
+    """Sends requests through the process's node while it runs."""
 
-    def ask(self, service: str, /, **request: Any) -> dict[str, Any]:
+    def call(self, service: str, request: dict[str, Any]) -> dict[str, Any]:
         if not core.background.running or core.is_shutdown():
-            return super().ask(service, **request)
+            return super().call(service, request)
         from fibws.errors import ServiceError, ServiceLost
 
         node = core.background.node
         while True:
-            call = node.call(f"/rosapi/{service}", TYPES[service], request)
+            call = node.call(service, TYPES[service], request)
             try:
                 response = core.background.call(call)
             except ServiceLost:
-                continue  # The next call waits until the hub is back; to ask twice does no harm.
+                continue  # The next call waits until the hub is back; these may be repeated.
             except ServiceError as error:
                 raise MasterFailure(error.text) from None
             fields: dict[str, Any] = response.to_dict()
@@ -114,13 +114,13 @@ class _Master(Master):
 
 
 def _check(value: Any) -> None:
-    """Raise TypeError if a parameter cannot have a value that Python's JSON can write."""
+    """Raise TypeError for values that `json` can write although parameters cannot have them."""
     if value is None:
         raise TypeError("a parameter cannot be None; delete_param() makes it unset")
     if isinstance(value, dict):
         for key, each in value.items():
             if not isinstance(key, str):
-                raise TypeError(f"a key in a parameter's dict is a string, not {key!r}")
+                raise TypeError(f"keys of a parameter's dict must be strings, got {key!r}")
             _check(each)
     elif isinstance(value, list | tuple):
         for each in value:

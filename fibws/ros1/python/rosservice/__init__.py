@@ -1,12 +1,11 @@
-"""What scripts ask about services: which there are, of which types; and calls by values alone."""
+"""rosservice's functions for scripts: list, describe and call services."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import Any
 
 import rosgraph
+from rosgraph.masterapi import reporting_no_master
 from rosgraph.names import make_global_ns, script_resolve_name
 
 __all__ = [
@@ -25,31 +24,31 @@ __all__ = [
 
 
 class ROSServiceException(Exception):
-    """The base of what goes wrong here."""
+    """The base of rosservice's errors."""
 
 
 class ROSServiceIOException(ROSServiceException):
-    """There is no hub."""
+    """The hub cannot be reached."""
 
 
 def get_service_type(service_name: str) -> str | None:
-    """The type of a service, such as ``std_srvs/Trigger``; None if nobody offers it.
+    """Return the type of a service, such as ``std_srvs/Trigger``; None if it is unknown.
 
     Raises:
-        ROSServiceIOException: there is no hub.
+        ROSServiceIOException: the hub cannot be reached.
     """
-    with _communicating():
-        answer = _master().ask("service_type", service=_global(service_name))
-    return answer["type"] or None
+    with reporting_no_master(ROSServiceIOException):
+        response = _master().ask("service_type", service=_global(service_name))
+    return response["type"] or None
 
 
 def get_service_uri(service_name: str) -> str | None:
-    """The URI of a service, by which nobody can call it here; None if nobody offers it.
+    """Return a service's URI, which cannot be used for calls; None if it is unknown.
 
     Raises:
-        ROSServiceIOException: there is no hub.
+        ROSServiceIOException: the hub cannot be reached.
     """
-    with _communicating():
+    with reporting_no_master(ROSServiceIOException):
         try:
             return _master().lookupService(_global(service_name))
         except rosgraph.MasterError:
@@ -57,29 +56,29 @@ def get_service_uri(service_name: str) -> str | None:
 
 
 def get_service_node(service_name: str) -> str | None:
-    """The name of the node that offers a service; None if nobody does.
+    """Return the name of the node that provides a service; None if it is unknown.
 
     Raises:
-        ROSServiceIOException: there is no hub.
+        ROSServiceIOException: the hub cannot be reached.
     """
-    with _communicating():
+    with reporting_no_master(ROSServiceIOException):
         return _master().ask("service_node", service=_global(service_name))["node"] or None
 
 
 def get_service_list(
     node: str | None = None, namespace: str | None = None, include_nodes: bool = False
 ) -> list[Any]:
-    """The names of all services.
+    """Return the names of services.
 
     Args:
-        node: the global name of the node that they are asked of; else all are.
-        namespace: the global namespace that they are asked of; else all are.
-        include_nodes: whether each name is in a pair with a list of the node that offers it.
+        node: the global name of their node; None for all nodes.
+        namespace: their global namespace; None for all namespaces.
+        include_nodes: return pairs of the name and a list of the node that provides it.
 
     Raises:
-        ROSServiceIOException: there is no hub.
+        ROSServiceIOException: the hub cannot be reached.
     """
-    with _communicating():
+    with reporting_no_master(ROSServiceIOException):
         services = _master().getSystemState()[2]
     if namespace:
         above = make_global_ns(namespace)
@@ -90,21 +89,21 @@ def get_service_list(
 
 
 def rosservice_find(service_type: str) -> list[str]:
-    """The names of the services of a type.
+    """Return the names of the services of a type.
 
     Raises:
-        ROSServiceIOException: there is no hub.
+        ROSServiceIOException: the hub cannot be reached.
     """
-    with _communicating():
+    with reporting_no_master(ROSServiceIOException):
         return list(_master().ask("services_for_type", type=service_type)["services"])
 
 
 def get_service_class_by_name(service_name: str) -> Any:
-    """The class of a service that somebody offers.
+    """Return the class of a service that exists.
 
     Raises:
-        ROSServiceException: nobody does, or its type is not known here.
-        ROSServiceIOException: there is no hub.
+        ROSServiceException: the service is unknown, or its type is not defined here.
+        ROSServiceIOException: the hub cannot be reached.
     """
     import genpy.message
 
@@ -124,21 +123,21 @@ def get_service_class_by_name(service_name: str) -> Any:
 def call_service(
     service_name: str, service_args: list[Any], service_class: Any = None
 ) -> tuple[Any, Any]:
-    """Call a service by the values of its request's fields.
+    """Call a service with the values of its request's fields.
 
-    The program becomes a node by it, if it is none.
+    This makes the program a node if it is not one yet.
 
     Args:
         service_name: the service.
         service_args: the values in order, or one dict of them.
-        service_class: its class, if it is known.
+        service_class: its class; found by the service's name if it is None.
 
     Returns:
         The request and the response.
 
     Raises:
         ROSServiceException: the call failed.
-        ROSServiceIOException: there is no hub.
+        ROSServiceIOException: the hub cannot be reached.
     """
     import genpy
     import genpy.message
@@ -171,14 +170,14 @@ def call_service(
 
 
 def has_service_args(service_name: str, service_class: Any = None) -> bool:
-    """Whether a service's request has fields; raises as `get_service_class_by_name`."""
+    """Return whether a service's request has fields; raises as `get_service_class_by_name`."""
     if service_class is None:
         service_class = get_service_class_by_name(service_name)
     return len(service_class._request_class.__slots__) > 0
 
 
 def get_service_args(service_name: str) -> str:
-    """The names of the fields of a service's request; raises as `get_service_class_by_name`."""
+    """Return the names of a request's fields; raises as `get_service_class_by_name`."""
     import genpy.message
 
     service_class = get_service_class_by_name(service_name)
@@ -196,11 +195,3 @@ def _global(name: str) -> str:
 
 def _master() -> rosgraph.Master:
     return rosgraph.Master("/rosservice")
-
-
-@contextmanager
-def _communicating() -> Iterator[None]:
-    try:
-        yield
-    except OSError as error:
-        raise ROSServiceIOException(f"Unable to communicate with master! {error}") from None

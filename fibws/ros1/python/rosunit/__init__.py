@@ -1,4 +1,4 @@
-"""Runs the unit tests that a script ends with: ``rosunit.unitrun(package, name, TestCase)``."""
+"""Runs a script's unit tests: ``rosunit.unitrun(package, name, TestCase)``."""
 
 from __future__ import annotations
 

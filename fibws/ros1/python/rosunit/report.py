@@ -1,4 +1,4 @@
-"""What became of tests, for people and, as JUnit has it, for programs."""
+"""The results of tests: as text, and as JUnit's XML."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from xml.etree import ElementTree
 Fault: TypeAlias = (
     tuple[type[BaseException], BaseException, TracebackType] | tuple[None, None, None]
 )
-"""What `sys.exc_info` gives."""
+"""The type of `sys.exc_info`."""
 
 _UNPRINTABLE = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-"""What XML cannot hold."""
+"""Characters that XML does not allow."""
 
 
 class Case(NamedTuple):
-    """What became of one test."""
+    """The result of one test."""
 
     test: unittest.TestCase
     seconds: float
     kind: str
-    """``failure`` or ``error``; empty if it went well."""
+    """``failure`` or ``error``; empty if the test passed."""
     type: str
     text: str
-    """Why, and where."""
+    """The error and its traceback."""
 
     @property
     def name(self) -> str:
@@ -37,7 +37,7 @@ class Case(NamedTuple):
 
 
 class Report(unittest.TestResult):
-    """Collects what becomes of tests."""
+    """Collects the results of tests."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -46,39 +46,39 @@ class Report(unittest.TestResult):
         self._fault: tuple[str, Fault] | None = None
 
     def startTest(self, test: unittest.TestCase) -> None:
-        """A test begins."""
+        """Note the start of a test."""
         super().startTest(test)
         self._begun = monotonic()
         self._fault = None
 
     def addError(self, test: Any, err: Fault) -> None:
-        """A test went wrong; or something around it, such as the set-up of its class."""
+        """Note an error in a test, or in the set-up of its class."""
         super().addError(test, err)
         self._fault = ("error", err)
         if not isinstance(test, unittest.TestCase):
             self._add(test)
 
     def addFailure(self, test: unittest.TestCase, err: Fault) -> None:
-        """What a test asserts is not so."""
+        """Note a failed assertion."""
         super().addFailure(test, err)
         self._fault = ("failure", err)
 
     def addSubTest(
         self, test: unittest.TestCase, subtest: unittest.TestCase, err: Fault | None
     ) -> None:
-        """A part of a test is over."""
+        """Note the result of a part of a test."""
         super().addSubTest(test, subtest, err)
         if err is not None and err[0] is not None:
             failed = issubclass(err[0], test.failureException)
             self._fault = ("failure" if failed else "error", err)
 
     def stopTest(self, test: unittest.TestCase) -> None:
-        """A test is over."""
+        """Note the end of a test."""
         super().stopTest(test)
         self._add(test)
 
     def print(self) -> None:
-        """Print a line for each test, and why those that failed did so."""
+        """Print a line for each test, and the errors of those that failed."""
         for case in self.cases:
             if not case.kind:
                 print(f"[Testcase: {case.name}] ... ok")
@@ -89,12 +89,12 @@ class Report(unittest.TestResult):
             print("-" * 80)
 
     def xml(self, name: str, out: str, err: str) -> str:
-        """All of it as JUnit's XML.
+        """Return the results as JUnit's XML.
 
         Args:
-            name: what the tests are called together.
-            out: what they wrote to the standard output.
-            err: what they wrote to the standard error.
+            name: the name of the suite.
+            out: the tests' standard output.
+            err: the tests' standard error.
         """
         suite = ElementTree.Element(
             "testsuite",

@@ -1,4 +1,4 @@
-"""Runs tests as the command line says, and tells what became of them."""
+"""Runs tests with the options of the command line, and prints their results."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from typing import Any
 from rosunit.report import Report
 
 XML_OUTPUT_FLAG = "--gtest_output=xml:"
-"""Is followed by the file that the results are written to, for programs."""
+"""The option for the file of the results, which follows it."""
 
 
 class XMLTestRunner:
-    """Runs tests, and keeps what they print to themselves.
+    """Runs tests, and captures their output.
 
     Args:
-        name: what the tests are called together.
-        file: where the results, and what was printed, are written to as JUnit has it.
+        name: the name of the suite.
+        file: for the results and the captured output, as JUnit's XML.
     """
 
     def __init__(self, name: str, file: Path | None = None) -> None:
@@ -29,7 +29,7 @@ class XMLTestRunner:
         self._file = file
 
     def run(self, test: unittest.TestSuite | unittest.TestCase) -> Report:
-        """Run tests, and print what became of each."""
+        """Run tests, and print their results."""
         if self._file is not None:
             self._file.parent.mkdir(parents=True, exist_ok=True)
             print(f"[ROSUNIT] Outputting test results to {self._file}")
@@ -46,7 +46,7 @@ class XMLTestRunner:
 def create_xml_runner(
     test_pkg: str, test_name: str, results_file: str | None = None, is_rostest: bool = False
 ) -> XMLTestRunner:
-    """The runner of a script's tests; without a file it only prints."""
+    """Return a runner for a script's tests; without a file it only prints the results."""
     return XMLTestRunner(f"{test_pkg}.{test_name}", Path(results_file) if results_file else None)
 
 
@@ -57,10 +57,10 @@ def run(
 
     Args:
         package: the script's package.
-        test_name: what the tests are called.
-        test: a class of tests, or the name by which such are found.
-        sysargs: the command line: ``--text`` has the tests' own output printed, and
-            ``--gtest_output=xml:FILE`` the results written to a file.
+        test_name: the name of the tests.
+        test: a class of tests, or the name of one.
+        sysargs: the command line: ``--text`` prints the tests' own output,
+            ``--gtest_output=xml:FILE`` writes the results to a file.
     """
     arguments = sys.argv if sysargs is None else sysargs
     file = None
@@ -89,7 +89,7 @@ def unitrun(
     sysargs: Sequence[str] | None = None,
     coverage_packages: object = None,
 ) -> None:
-    """Run a script's tests as `run` does, and end the program with code 1 if one went wrong.
+    """Run a script's tests as `run` does, and exit with code 1 if a test failed.
 
     Args:
         coverage_packages: has no effect.
@@ -99,7 +99,7 @@ def unitrun(
 
 
 def print_unittest_summary(result: unittest.TestResult) -> None:
-    """Print how many tests there were, and which went wrong."""
+    """Print the number of tests, and which failed."""
     word = "\033[32m * RESULT: SUCCESS\033[0m" if result.wasSuccessful() else " * RESULT: FAIL"
     print("-" * 61, "SUMMARY:", word, f" * TESTS: {result.testsRun}", sep="\n")
     print(f" * ERRORS: {len(result.errors)} [{_names(result.errors)}]")

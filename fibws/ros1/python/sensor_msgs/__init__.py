@@ -1,1 +1,1 @@
-"""What sensor_msgs has besides its messages, which the import finder brings."""
+"""The modules of sensor_msgs besides its messages, which the import finder provides."""

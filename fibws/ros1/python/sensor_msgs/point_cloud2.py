@@ -1,4 +1,4 @@
-"""Point clouds made of points, and points read from them."""
+"""Reading and creating point clouds."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ PointCloud2 = message_class("sensor_msgs/PointCloud2")
 PointField = message_class("sensor_msgs/PointField")
 
 _LETTERS = {1: "b", 2: "B", 3: "h", 4: "H", 5: "i", 6: "I", 7: "f", 8: "d"}
-"""What `struct` calls the types of a PointField."""
+"""The format characters of `struct` for the types of a PointField."""
 
 
 def read_points(
@@ -24,13 +24,13 @@ def read_points(
     skip_nans: bool = False,
     uvs: Iterable[tuple[int, int]] = (),
 ) -> Iterator[tuple[Any, ...]]:
-    """The points of a cloud, one after the other, each with its fields in the order of their bytes.
+    """Yield the points of a cloud, each with its fields in the order of their bytes.
 
     Args:
         cloud: a sensor_msgs/PointCloud2.
-        field_names: the fields to read, if not all.
-        skip_nans: leave out points with NaN in one of these.
-        uvs: columns and rows of the points to read, if not all.
+        field_names: the fields to read; None for all.
+        skip_nans: skip points with NaN in one of these fields.
+        uvs: columns and rows of the points to read; empty for all.
     """
     assert getattr(cloud, "_type", None) == "sensor_msgs/PointCloud2", (
         "cloud is not a sensor_msgs.msg.PointCloud2"
@@ -51,15 +51,15 @@ def read_points_list(
     skip_nans: bool = False,
     uvs: Iterable[tuple[int, int]] = (),
 ) -> list[Any]:
-    """The points of a cloud as a list of named tuples; its arguments are those of `read_points`."""
+    """Return the points of a cloud as named tuples; the arguments are those of `read_points`."""
     points = list(read_points(cloud, field_names, skip_nans, uvs))
     names = [field.name for field in _in_order(cloud.fields, field_names)]
-    make: Any = namedtuple  # Type checkers want to see the names.
+    make: Any = namedtuple  # Type checkers require literal names.
     return list(map(make("Point", names)._make, points))
 
 
 def create_cloud(header: Any, fields: Sequence[Any], points: Sequence[Sequence[float]]) -> Any:
-    """A cloud of one row.
+    """Create a cloud of one row.
 
     Args:
         header: its std_msgs/Header.
@@ -86,19 +86,19 @@ def create_cloud(header: Any, fields: Sequence[Any], points: Sequence[Sequence[f
 
 
 def create_cloud_xyz32(header: Any, points: Sequence[Sequence[float]]) -> Any:
-    """A cloud of one row, whose points have x, y and z as float32; as `create_cloud`."""
+    """Create a cloud of one row whose points are x, y and z as float32; see `create_cloud`."""
     fields = [PointField(name, 4 * index, 7, 1) for index, name in enumerate("xyz")]
     return create_cloud(header, fields, points)
 
 
 def _in_order(fields: Iterable[Any], names: Sequence[str] | None) -> list[Any]:
-    """The fields of those names, or all, in the order of their bytes."""
+    """Return the fields with these names, or all, in the order of their bytes."""
     wanted = [field for field in fields if names is None or field.name in names]
     return sorted(wanted, key=lambda field: field.offset)
 
 
 def _layout(is_bigendian: bool, fields: Iterable[Any]) -> Struct:
-    """What packs the fields of one point; what lies between them is skipped."""
+    """Return the struct of one point; bytes between its fields are skipped."""
     pieces, offset = [">" if is_bigendian else "<"], 0
     for field in fields:
         if field.datatype not in _LETTERS:
