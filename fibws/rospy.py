@@ -1,4 +1,4 @@
-"""``python -m fibws.rospy SCRIPT``: runs a rospy script where no ROS is installed."""
+"""``python -m fibws.rospy SCRIPT``: runs a rospy script without ROS."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from fibws.ros1.script import run_script
 HELP = """\
 Usage: python -m fibws.rospy SCRIPT [ARGUMENTS]...
 
-Runs a rospy script as it is: it imports rospy and <package>.msg from fibws, and meets others at a
-hub, which $FIBWS_HUB tells of, else ws://127.0.0.1:9090.
+Runs an unmodified rospy script: it imports rospy and <package>.msg from fibws, and connects to the
+hub at $FIBWS_HUB, by default ws://127.0.0.1:9090.
 
-In a shell where `source <(fibws setup)` was typed, plain `python SCRIPT` does so, too.
+After `source <(fibws setup)`, plain `python SCRIPT` works, too.
 """
 
 
 def main() -> None:
-    """Run the script that the first argument names, with the rest of them."""
+    """Run the script in the first argument with the other arguments."""
     match sys.argv[1:]:
         case ["-h" | "--help", *_]:
             print(HELP, end="")

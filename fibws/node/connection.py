@@ -30,7 +30,7 @@ from websockets.frames import Frame, Opcode
 from websockets.protocol import Event, State
 from websockets.typing import Subprotocol
 
-from fibws.errors import HubUnreachable, NodeError, NodeKilled, NodeReplaced
+from fibws.errors import HubUnreachable, NodeError, NodeKilled, NodeReplaced, NoHub
 from fibws.hub_address import node_url
 from fibws.node.log import ROSOUT
 from fibws.node.outgoing_queue import TURN, PublisherLane
@@ -443,9 +443,10 @@ class Connection:
             self._log.warning("Lost the hub at %s (%s); trying again.", self._hub, reason)
         else:
             self._log.warning(
-                "Waiting for a hub at %s (%s). Start one with: python -m fibws.hub",
+                "Waiting for a hub at %s (%s). Start one with: %s",
                 self._hub,
                 reason,
+                NoHub(self._hub, reason).remedy,
             )
 
     def _on_found(self) -> None:

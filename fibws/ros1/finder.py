@@ -1,7 +1,7 @@
-"""Imports ``<package>.msg`` and ``<package>.srv`` from definitions, as a script of ROS 1 does.
+"""Imports ``<package>.msg`` and ``<package>.srv`` from definitions, for scripts of ROS 1.
 
-A package whose definitions are known goes before a folder of its name that holds no Python. A
-Python package of its name is imported as ever, but for its ``msg`` and ``srv``.
+A package with known definitions hides a folder of its name that has no Python files. A Python
+package of its name is imported as usual, except its ``msg`` and ``srv``.
 """
 
 from __future__ import annotations
@@ -25,25 +25,25 @@ _KINDS: dict[str, Kind] = {"msg": "msg", "srv": "srv"}
 
 
 def install() -> None:
-    """Have the imports of this process find the definitions; called again, it does nothing."""
+    """Make this process import definitions; further calls do nothing."""
     if PackageFinder not in sys.meta_path:
         sys.meta_path.insert(0, PackageFinder)
         sys.meta_path.append(AdviceFinder)
 
 
 class PackageFinder:
-    """Finds the packages whose definitions are known, and the classes in them."""
+    """Finds packages with known definitions, and their classes."""
 
-    # Nothing of fibws is loaded for the imports of others, of which there are hundreds.
+    # No other module of fibws is loaded for the many imports of other packages.
 
     @staticmethod
     def find_spec(
         fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        """The module's spec, if it is one of ours; Python calls this for every import.
+        """Return the spec of a module from definitions, or None; Python calls this for each import.
 
         Raises:
-            ImportError: it is one of ours and cannot be there.
+            ImportError: the package has definitions, but not of this name.
         """
         package, _, rest = fullname.partition(".")
         kind, _, name = rest.partition(".")
@@ -54,45 +54,45 @@ class PackageFinder:
                 return _package_spec(package)
             return _module_spec(fullname, package, _KINDS[kind], name)
         if rest and not name and are_bare(path or [], kind):
-            advise(fullname)  # Python would take the folder for a module, in which nothing is.
+            advise(fullname)  # Python would import the folder as an empty package.
         return None
 
 
 class AdviceFinder:
-    """Comes after all others: says what is needed to import messages that nobody has found."""
+    """The last finder: explains how to import messages that no other finder found."""
 
     @staticmethod
     def find_spec(
         fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> None:
-        """Raise ModuleNotFoundError if ``<package>.msg`` or ``<package>.srv`` is being imported."""
+        """Raise ModuleNotFoundError if ``<package>.msg`` or ``<package>.srv`` is imported."""
         advise(fullname)
 
 
 class _PackageLoader:
-    """Loads a package, in which there is nothing but its modules."""
+    """Loads a package that contains only modules."""
 
     @staticmethod
     def create_module(spec: ModuleSpec) -> None:
-        """Python's own kind of module will do."""
+        """Let Python create the module."""
 
     @staticmethod
     def exec_module(module: ModuleType) -> None:
-        """There is nothing to be run."""
+        """Run nothing."""
 
 
 class _ClassesLoader(_PackageLoader):
-    """Loads ``<package>.msg`` or ``<package>.srv``, whose classes are made when they are used."""
+    """Loads ``<package>.msg`` or ``<package>.srv``, whose classes are created when first used."""
 
     @staticmethod
     def exec_module(module: ModuleType) -> None:
-        """Give the module its names."""
+        """Set the functions that find the module's names."""
         package, _, kind = module.__name__.partition(".")
         owners = _owners(package, cast("Kind", kind))
 
         def find(name: str) -> Any:
             if name == "__all__":
-                value: Any = _sound(package, kind, owners)
+                value: Any = _importable(package, kind, owners)
             elif name in owners:
                 value = _class(package, kind, name, owners[name])
             else:
@@ -105,11 +105,11 @@ class _ClassesLoader(_PackageLoader):
 
 
 class _ClassLoader(_PackageLoader):
-    """Loads ``<package>.msg._Type``, where a class says that it is."""
+    """Loads ``<package>.msg._Type``, which classes have as their ``__module__``."""
 
     @staticmethod
     def exec_module(module: ModuleType) -> None:
-        """Make the class, or the three of a service."""
+        """Create the class, or the three classes of a service."""
         package, kind, type_ = module.__name__.split(".")
         for name, owner in _owners(package, cast("Kind", kind)).items():
             if owner == type_[1:]:
@@ -117,33 +117,33 @@ class _ClassLoader(_PackageLoader):
 
 
 def _package_spec(package: str) -> ModuleSpec | None:
-    """The spec of the package itself, if Python does not find one."""
+    """Return the spec of the package itself, or None if Python finds one."""
     if package in sys.builtin_module_names:
         return None
-    found = PathFinder.find_spec(package)
+    python_spec = PathFinder.find_spec(package)
     spec = ModuleSpec(package, cast("Loader", _PackageLoader), is_package=True)
-    if found is None:
+    if python_spec is None:
         return spec
-    places = found.submodule_search_locations
-    if found.origin is None:  # A folder without Python of its own; there may be some deeper in it.
-        spec.submodule_search_locations = None if places is None else list(places)
+    folders = python_spec.submodule_search_locations
+    if python_spec.origin is None:  # A folder without an __init__.py; there may be modules in it.
+        spec.submodule_search_locations = None if folders is None else list(folders)
         return spec
-    if places is not None:
+    if folders is not None:
         return None
-    if _is_running(found.origin):  # A node named as its package; as a module it would run again.
+    if _is_running(python_spec.origin):  # A node with its package's name would run again.
         return spec
-    found.submodule_search_locations = []
-    return found
+    python_spec.submodule_search_locations = []
+    return python_spec
 
 
 def _is_running(path: str) -> bool:
-    """Whether this is the script that Python was started with."""
+    """Return whether this is the script that Python was started with."""
     script = getattr(sys.modules.get("__main__"), "__file__", None)
     return script is not None and os.path.realpath(script) == os.path.realpath(path)
 
 
 def _module_spec(fullname: str, package: str, kind: Kind, name: str) -> ModuleSpec | None:
-    """The spec of ``package.msg``, or of what is imported from it as a module."""
+    """Return the spec of ``package.msg``, or of a module in it."""
     owners = _owners(package, kind)
     if not owners:
         return None
@@ -160,7 +160,7 @@ def _module_spec(fullname: str, package: str, kind: Kind, name: str) -> ModuleSp
 
 
 def _owners(package: str, kind: Kind) -> dict[str, str]:
-    """What ``package.msg`` holds, each with the name of the type that defines it."""
+    """Return the names in ``package.msg``, each with the type that defines it."""
     from fibws.errors import InterfaceError, UnknownPackage
     from fibws.msg import default_interfaces
 
@@ -178,7 +178,7 @@ def _owners(package: str, kind: Kind) -> dict[str, str]:
 
 
 def _class(package: str, kind: str, name: str, owner: str) -> Any:
-    """The class of that name, which the type ``owner`` defines."""
+    """Return the class of this name, which the type ``owner`` defines."""
     from genpy.classes import message_class, service_class
 
     from fibws.errors import InterfaceError
@@ -195,16 +195,16 @@ def _class(package: str, kind: str, name: str, owner: str) -> Any:
     return service.Request if name.endswith("Request") else service.Response
 
 
-def _sound(package: str, kind: str, owners: dict[str, str]) -> list[str]:
-    """The names of which classes can be made: what is wrong with one is no other's fault."""
+def _importable(package: str, kind: str, owners: dict[str, str]) -> list[str]:
+    """Return the names of all classes that can be created; warn about the others."""
     import warnings
 
-    sound = []
+    names = []
     for name, owner in owners.items():
         try:
             _class(package, kind, name, owner)
         except ImportError as error:
             warnings.warn(str(error), stacklevel=3)
         else:
-            sound.append(name)
-    return sound
+            names.append(name)
+    return names

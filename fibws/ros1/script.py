@@ -1,4 +1,4 @@
-"""Runs a rospy script as Python would run it, in a process where rospy can be imported."""
+"""Runs a rospy script as Python does, in a process in which rospy can be imported."""
 
 from __future__ import annotations
 
@@ -14,23 +14,22 @@ from typing import Any
 from fibws.ros1 import finder
 from fibws.ros1.shell import environment
 
-_ours = sys.modules["__main__"]
-"""Is kept: a module that nobody knows any more loses its variables."""
+_original_main = sys.modules["__main__"]
+"""Kept alive: a module without references loses its variables."""
 
 
 def run_script(path: str | Path, arguments: Sequence[str] = ()) -> None:
-    """Run a script as the program ``__main__``, and return when it has come to its end.
+    """Run a script as the module ``__main__``.
 
-    What it raises is raised, and then told by Python as if nothing of ours had been between. Ctrl-C
-    ends it without a traceback.
+    Its errors are raised; their tracebacks begin in the script. Ctrl-C prints no traceback.
 
     Args:
         path: the script's file.
-        arguments: what it finds in ``sys.argv``, behind its path.
+        arguments: its arguments in ``sys.argv``, after its path.
 
     Raises:
-        SystemExit: the file cannot be read, which has been told then; the code is Python's own, 2.
-        BaseException: what the script raises.
+        SystemExit: the file cannot be read; the code is 2, as in Python. The reason is printed.
+        BaseException: the script's error.
     """
     file = os.path.abspath(path)
     try:
@@ -45,7 +44,7 @@ def run_script(path: str | Path, arguments: Sequence[str] = ()) -> None:
         code = compile(source, file, "exec", dont_inherit=True)
         exec(code, sys.modules["__main__"].__dict__)
     except BaseException:
-        sys.excepthook = _Telling(code, sys.excepthook)
+        sys.excepthook = _ScriptExcepthook(code, sys.excepthook)
         raise
 
 
@@ -64,40 +63,39 @@ def _prepare(file: str, argv: list[str]) -> None:
     modules = os.fspath(environment.PYTHON_FOLDER)
     if modules not in sys.path:
         sys.path.insert(1, modules)
-        # Other Pythons that it starts have their rospy there, too.
+        # For the Python processes that it starts.
         inherited = os.environ.get("PYTHONPATH")
         os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, [modules, inherited]))
     finder.install()
 
 
-class _Telling:
-    """Tells of what has ended the script, with the traceback from the script on.
+class _ScriptExcepthook:
+    """A `sys.excepthook` that omits fibws's functions from the script's traceback."""
 
-    It stands for `sys.excepthook` at the very end, when Python has left our functions.
-    """
-
-    def __init__(self, code: CodeType | None, tell: Any) -> None:
+    def __init__(self, code: CodeType | None, excepthook: Any) -> None:
         self._code = code
-        self._tell = tell
+        self._excepthook = excepthook
 
     def __call__(
         self, kind: type[BaseException], error: BaseException, traceback: TracebackType | None
     ) -> None:
-        if kind is KeyboardInterrupt and self._tell is sys.__excepthook__:
+        if kind is KeyboardInterrupt and self._excepthook is sys.__excepthook__:
             if sys.stderr is not None and sys.stderr.isatty():
-                print(file=sys.stderr)  # The shell's prompt must not stand behind the ^C.
+                print(file=sys.stderr)  # The shell's prompt belongs on the line after ^C.
             return
-        traceback = self._own(error, traceback)
-        self._tell(kind, error.with_traceback(traceback), traceback)
+        traceback = self._script_part(error, traceback)
+        self._excepthook(kind, error.with_traceback(traceback), traceback)
 
-    def _own(self, error: BaseException, traceback: TracebackType | None) -> TracebackType | None:
-        """The part of a traceback that is the script's own."""
-        # What catkin_make has put into devel/ runs another file, and says so.
+    def _script_part(
+        self, error: BaseException, traceback: TracebackType | None
+    ) -> TracebackType | None:
+        """Return the part of a traceback from the script on."""
+        # Programs that catkin_make writes to devel/ run another file, and set __file__ to it.
         file = getattr(sys.modules["__main__"], "__file__", None)
-        own = _from(traceback, lambda code: code.co_filename == file)
-        if own is None and getattr(error, "filename", None) != file:
-            own = _from(traceback, lambda code: code is self._code)
-        return own
+        part = _from(traceback, lambda code: code.co_filename == file)
+        if part is None and getattr(error, "filename", None) != file:
+            part = _from(traceback, lambda code: code is self._code)
+        return part
 
 
 def _from(

@@ -1,4 +1,4 @@
-"""XML as a tree that knows its lines; no document in it can reach beyond itself."""
+"""XML trees with line numbers; DOCTYPEs, which could refer to other files, are refused."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from xml.parsers import expat
 from fibws.errors import FibwsError
 
 MOST_LEVELS = 100
-"""Of elements in each other: a document that a person wrote has a handful."""
+"""Limit of nested elements; documents that people write have a few."""
 
 
 @dataclass
 class Element(ABC):
-    """One element; each kind of document has a subclass, which knows the error that tells of it.
+    """An element; each kind of document has a subclass, which creates the errors.
 
     Attributes:
-        line: the number of the line that it begins in.
-        text: what stands in it and in its children, as it is written.
+        line: the number of its first line.
+        text: its text and that of its children.
     """
 
     name: str
@@ -30,28 +30,28 @@ class Element(ABC):
     text: str = ""
 
     def all(self, name: str) -> list[Self]:
-        """The children of that name."""
+        """Return the children of this name."""
         return [child for child in self.children if child.name == name]
 
     @abstractmethod
     def fault(self, text: str) -> FibwsError:
-        """An error that tells where this element stands."""
+        """Return an error that names the file and the line of this element."""
 
 
 _Kind = TypeVar("_Kind", bound=Element)
 
 
 def read(document: bytes, file: str, kind: type[_Kind]) -> _Kind:
-    """The root of a document.
+    """Parse a document and return its root.
 
     Args:
-        document: the text, in the encoding that it says it has, else UTF-8.
-        file: what it is called in errors.
+        document: the text, in its declared encoding, by default UTF-8.
+        file: its name in errors.
         kind: the class of its elements.
 
     Raises:
-        FibwsError: what ``kind.fault`` makes. It is no XML, its elements are too deep in each
-            other, or it has a DOCTYPE, which could name entities and other files.
+        FibwsError: the error of ``kind.fault``: the XML is invalid, its elements are nested too
+            deeply, or it has a DOCTYPE.
     """
     reader = _Reader(file, kind)
     try:
@@ -59,17 +59,17 @@ def read(document: bytes, file: str, kind: type[_Kind]) -> _Kind:
     except FibwsError:
         raise
     except expat.ExpatError as error:
-        text = f"this is no XML: {expat.ErrorString(error.code)}{_shown(document, error.lineno)}"
+        text = f"invalid XML: {expat.ErrorString(error.code)}{_shown(document, error.lineno)}"
         raise reader.fault(error.lineno, text) from None
     except (ValueError, LookupError) as error:
-        # Python reads encodings of which every character is one byte, and UTF-8 and 16.
-        raise reader.fault(1, f"write this file in UTF-8: {error}") from None
-    assert reader.root is not None, "expat has found no fault"
+        # Python's expat supports UTF-8, UTF-16 and single-byte encodings.
+        raise reader.fault(1, f"unsupported encoding, write this file in UTF-8: {error}") from None
+    assert reader.root is not None, "expat reports an error for an empty document"
     return reader.root
 
 
 def _shown(document: bytes, line: int) -> str:
-    """The line in question, which says more than the parser's words."""
+    """Return the invalid line for the end of an error."""
     lines = document.decode(errors="replace").splitlines()
     return f": {lines[line - 1].strip()[:80]}" if 0 < line <= len(lines) else ""
 
@@ -83,7 +83,7 @@ class _Reader(Generic[_Kind]):
         self._open: list[_Kind] = []
         self.root: _Kind | None = None
         self.parser = expat.ParserCreate()
-        self.parser.buffer_text = True  # A text comes whole, not in thousands of pieces.
+        self.parser.buffer_text = True  # Otherwise a text arrives in many pieces.
         self.parser.buffer_size = 2**20
         self.parser.StartElementHandler = self._start
         self.parser.EndElementHandler = self._end
@@ -96,7 +96,7 @@ class _Reader(Generic[_Kind]):
     def _start(self, name: str, attributes: dict[str, str]) -> None:
         element = self._kind(name, attributes, self._file, self.parser.CurrentLineNumber)
         if len(self._open) >= MOST_LEVELS:
-            raise element.fault(f"there are more than {MOST_LEVELS} tags in each other")
+            raise element.fault(f"tags are nested too deeply (limit {MOST_LEVELS})")
         if self._open:
             self._open[-1].children.append(element)
         else:
@@ -113,4 +113,4 @@ class _Reader(Generic[_Kind]):
 
     def _doctype(self, *_: object) -> None:
         line = self.parser.CurrentLineNumber
-        raise self.fault(line, "a DOCTYPE is not read here: leave it out")
+        raise self.fault(line, "DOCTYPE is not supported: remove it")

@@ -1,4 +1,4 @@
-"""What scripts of ROS 1 import is found in these tests, too."""
+"""Makes imports of ROS 1's packages work in these tests."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Scripts import messages and services of ROS 1 as they are used to, from definitions."""
+"""Imports of messages and services from definitions."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 
 import fibws
+from fibws.command_names import command_name
 from fibws.ros1 import finder
 
 from .conftest import Define
@@ -23,7 +24,7 @@ START = "from fibws.ros1 import finder; finder.install()\n"
 
 
 def names_after(statement: str) -> dict[str, Any]:
-    """What is defined once a statement has run."""
+    """Return the names that a statement defines."""
     names: dict[str, Any] = {}
     exec(statement, names)
     return names
@@ -32,7 +33,7 @@ def names_after(statement: str) -> dict[str, Any]:
 def run(
     code: str, cwd: Path, python: list[str] | None = None, **environment: str
 ) -> subprocess.CompletedProcess[str]:
-    """Run code in a Python of its own, in which sitecustomize has been read."""
+    """Run code in a Python process with fibws's sitecustomize."""
     return subprocess.run(
         [*(python or [sys.executable]), "-c", code],
         cwd=cwd,
@@ -55,7 +56,7 @@ def run(
         ("from std_msgs.msg._Int32 import *", "Int32"),
     ],
 )
-def test_a_message_is_imported(statement: str, name: str) -> None:
+def test_message_is_imported(statement: str, name: str) -> None:
     message_class = names_after(statement)[name]
     assert message_class._type == "std_msgs/Int32"
     assert message_class is names_after("from std_msgs.msg import Int32")["Int32"]
@@ -69,43 +70,41 @@ def test_a_message_is_imported(statement: str, name: str) -> None:
         "from rospy_tutorials.srv._AddTwoInts import *",
     ],
 )
-def test_a_service_is_imported_with_its_request_and_response(statement: str) -> None:
+def test_service_is_imported_with_request_and_response(statement: str) -> None:
     names = names_after(statement)
     assert names["AddTwoInts"]._request_class is names["AddTwoIntsRequest"]
     assert names["AddTwoInts"]._response_class is names["AddTwoIntsResponse"]
     assert names["AddTwoIntsRequest"](1, 2).b == 2
 
 
-def test_the_messages_of_an_action_are_imported() -> None:
+def test_messages_of_an_action_are_imported() -> None:
     names = names_after("from actionlib_tutorials.msg import *")
     action = names["FibonacciAction"]()
     assert isinstance(action.action_goal.goal, names["FibonacciGoal"])
     assert action.action_result.result.sequence == []
 
 
-def test_a_message_of_ones_own_is_imported(define: Define) -> None:
+def test_user_message_is_imported(define: Define) -> None:
     define("fibonacci/Num", "int64 num\nPair[] pairs")
     define("fibonacci/Pair", "std_msgs/Header header\nint8 LEFT=1\nint8 side")
     names = names_after("from fibonacci.msg import Num, Pair")
     assert names["Num"](pairs=[names["Pair"](side=1)]).pairs[0].side == names["Pair"].LEFT
 
 
-def test_a_folder_may_be_the_package_itself(
-    define: Define, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_folder_can_be_the_package_itself(define: Define, monkeypatch: pytest.MonkeyPatch) -> None:
     path = define("fibonacci/Num", "int64 num")
     monkeypatch.setenv("FIBWS_INTERFACES", str(path.parents[1]))
     assert names_after("from fibonacci.msg import Num")["Num"]._slot_types == ["int64"]
 
 
-def test_a_package_says_what_is_in_it() -> None:
+def test_package_lists_its_names() -> None:
     module = importlib.import_module("rospy_tutorials.srv")
     assert {"AddTwoInts", "AddTwoIntsRequest", "BadTwoInts"} <= set(dir(module))
     assert set(module.__all__) <= set(dir(module))
     assert "_AddTwoInts" not in module.__all__
 
 
-def test_folders_of_definitions_do_not_hide_the_messages(
+def test_folders_without_python_do_not_hide_messages(
     define: Define, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     define("fibonacci/Num", "int64 num")
@@ -117,7 +116,7 @@ def test_folders_of_definitions_do_not_hide_the_messages(
     assert names_after("from fibonacci.tools.numbers import ONE")["ONE"] == 1
 
 
-def test_a_python_package_of_the_name_keeps_its_modules(
+def test_python_package_of_the_same_name_keeps_its_modules(
     define: Define, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     define("fibonacci/Num", "int64 num")
@@ -131,7 +130,7 @@ def test_a_python_package_of_the_name_keeps_its_modules(
     assert names_after("from fibonacci.numbers import ONE")["ONE"].num == 1
 
 
-def test_a_module_of_the_name_can_be_imported_beside_the_messages(
+def test_module_of_the_same_name_can_be_imported_beside_messages(
     define: Define, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     define("fibonacci/Num", "int64 num")
@@ -143,9 +142,7 @@ def test_a_module_of_the_name_can_be_imported_beside_the_messages(
     assert names["Num"]._type == "fibonacci/Num"
 
 
-def test_a_script_that_is_named_as_its_package_is_not_run_twice(
-    define: Define, tmp_path: Path
-) -> None:
+def test_script_with_the_name_of_its_package_runs_once(define: Define, tmp_path: Path) -> None:
     define("fibonacci/Num", "int64 num")
     script = tmp_path / "fibonacci.py"
     script.write_text("from fibonacci.msg import Num\nprint(Num(5).num)")
@@ -164,48 +161,46 @@ def test_a_script_that_is_named_as_its_package_is_not_run_twice(
     [
         (
             "from std_msgs.msg import Int23",
-            "cannot import name 'Int23' from 'std_msgs.msg': std_msgs has no message of this "
-            "name; did you mean Int32?",
+            "did you mean Int32?",
         ),
         (
             "from rospy_tutorials.srv import AddTwoIntz",
-            "cannot import name 'AddTwoIntz' from 'rospy_tutorials.srv': rospy_tutorials has no "
-            "service of this name; did you mean AddTwoInts?",
+            "did you mean AddTwoInts?",
         ),
         (
             "from std_msgs.msg import Zzz",
-            "cannot import name 'Zzz' from 'std_msgs.msg': std_msgs has no message of this name",
+            "cannot import name 'Zzz' from 'std_msgs.msg'",
         ),
-        ("import std_msgs.srv", "No module named 'std_msgs.srv': std_msgs has no .srv files"),
-        ("import std_msg.msg", "No module named 'std_msg': did you mean std_msgs? Or is it in"),
-        ("from my_robot.msg import A", "No module named 'my_robot': is it in a workspace?"),
-        ("from my_robot.srv import *", "source its devel/setup.bash (FIBWS_INTERFACES, which"),
-        ("import logging.msg", "No module named 'logging.msg': is it in a"),
+        ("import std_msgs.srv", "No module named 'std_msgs.srv'"),
+        ("import std_msg.msg", "did you mean std_msgs?"),
+        ("from my_robot.msg import A", "No module named 'my_robot'"),
+        ("from my_robot.srv import *", "FIBWS_INTERFACES"),
+        ("import logging.msg", "No module named 'logging.msg'"),
         ("import my_robot", "No module named 'my_robot'"),
         ("import std_msgs.robot", "No module named 'std_msgs.robot'"),
         ("from std_msgs.msg import _Int23", "cannot import name '_Int23' from 'std_msgs.msg'"),
     ],
 )
-def test_what_cannot_be_imported_is_said_with_what_is_near(statement: str, text: str) -> None:
+def test_import_error_suggests_a_similar_name(statement: str, text: str) -> None:
     with pytest.raises(ImportError) as caught:
         exec(statement)
     assert text in str(caught.value)
 
 
-def test_a_field_of_a_module_that_is_not_there_is_an_attribute_error() -> None:
+def test_missing_attribute_of_a_module_is_an_attribute_error() -> None:
     module = importlib.import_module("std_msgs.msg")
     with pytest.raises(AttributeError, match=r"module 'std_msgs.msg' has no attribute 'Int23'"):
         _ = module.Int23
     assert not hasattr(module, "Int23")
 
 
-def test_whoever_only_looks_for_a_module_is_told_that_there_is_none() -> None:
+def test_find_spec_returns_none_for_unknown_modules() -> None:
     assert importlib.util.find_spec("my_robot") is None
     assert importlib.util.find_spec("std_msgs.srv") is None
     assert importlib.util.find_spec("logging.msg") is None
 
 
-def test_definitions_near_the_script_that_nobody_has_named_are_pointed_out(
+def test_import_error_names_the_workspace_to_build(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     messages = tmp_path / "ws" / "src" / "my_robot" / "msg"
@@ -218,9 +213,10 @@ def test_definitions_near_the_script_that_nobody_has_named_are_pointed_out(
         exec("from my_robot.msg import Num")
     workspace = tmp_path / "ws"
     setup = workspace / "devel" / "setup.bash"
-    assert str(caught.value) == (
-        f"No module named 'my_robot': run catkin_make in {workspace}, then source {setup}"
-    )
+    text = str(caught.value)
+    assert "No module named 'my_robot'" in text
+    assert f"{command_name('workspace make')} in {workspace}" in text
+    assert f"source {setup}" in text
     monkeypatch.chdir(workspace / "src")
     monkeypatch.setattr(sys, "path", sys.path[1:])
     setup.parent.mkdir()
@@ -229,7 +225,7 @@ def test_definitions_near_the_script_that_nobody_has_named_are_pointed_out(
         exec("from my_robot.msg import Num")
 
 
-def test_a_folder_of_definitions_that_nobody_has_named_is_no_module(
+def test_import_error_names_the_folder_for_the_variable(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     messages = tmp_path / "my_robot" / "msg"
@@ -238,17 +234,17 @@ def test_a_folder_of_definitions_that_nobody_has_named_is_no_module(
     monkeypatch.setattr(sys, "path", [str(tmp_path), *sys.path])
     with pytest.raises(ModuleNotFoundError) as caught:
         exec("from my_robot.msg import Num")
-    text = f"No module named 'my_robot.msg': name its folder first, FIBWS_INTERFACES={tmp_path}"
-    assert str(caught.value) == text
+    assert "No module named 'my_robot.msg'" in str(caught.value)
+    assert f"FIBWS_INTERFACES={tmp_path}" in str(caught.value)
     del sys.modules["my_robot"]
 
 
-def test_a_module_of_pythons_own_is_never_hidden(define: Define) -> None:
+def test_builtin_module_is_never_hidden(define: Define) -> None:
     define("time/Num", "int64 num")
     assert finder.PackageFinder.find_spec("time") is None
 
 
-def test_a_wrong_definition_is_no_other_types_fault(define: Define) -> None:
+def test_invalid_definition_does_not_affect_other_types(define: Define) -> None:
     define("fibonacci/Good", "int64 num")
     path = define("fibonacci/Bad", "int64 num\nint33 more")
     define("fibonacci/Worse", "Bad[] bad")
@@ -261,7 +257,7 @@ def test_a_wrong_definition_is_no_other_types_fault(define: Define) -> None:
         )
 
 
-def test_all_but_the_wrong_definitions_are_imported_by_a_star(define: Define) -> None:
+def test_star_import_skips_invalid_definitions_with_a_warning(define: Define) -> None:
     define("fibonacci/Good", "int64 num")
     define("fibonacci/Bad", "int33 num")
     define("fibonacci/Add", "int64 a\n---\nint65 sum", "srv")
@@ -274,20 +270,20 @@ def test_all_but_the_wrong_definitions_are_imported_by_a_star(define: Define) ->
     assert "OtherRequest" in names and "AddRequest" not in names
 
 
-def test_a_field_that_is_named_as_a_method_is_refused(define: Define) -> None:
+def test_field_with_the_name_of_a_method_is_refused(define: Define) -> None:
     define("fibonacci/Num", "int64 to_dict")
-    with pytest.raises(ImportError, match="a constant to_dict, which is the name of a method"):
+    with pytest.raises(ImportError, match=r"to_dict .*fibonacci/Num"):
         exec("from fibonacci.msg import Num")
 
 
-def test_a_field_that_is_a_word_of_python_gets_an_underscore(define: Define) -> None:
+def test_field_that_is_a_python_keyword_gets_an_underscore(define: Define) -> None:
     define("fibonacci/Num", "int64 from\nint64 self")
     message = names_after("from fibonacci.msg import Num")["Num"](from_=1, self_=2)
     assert message.to_dict() == {"from": 1, "self": 2}
     assert type(message).from_dict({"from": 3, "self": 4}).from_ == 3
 
 
-def test_a_folder_that_is_not_there_is_named(
+def test_missing_folder_is_an_import_error(
     define: Define, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     define("fibonacci/Num", "int64 num")
@@ -297,19 +293,19 @@ def test_a_folder_that_is_not_there_is_named(
         exec("from fibonacci.msg import Num")
 
 
-def test_installing_it_twice_changes_nothing() -> None:
+def test_second_install_does_nothing() -> None:
     before = list(sys.meta_path)
     finder.install()
     assert sys.meta_path == before
 
 
-def test_nothing_of_fibws_is_loaded_before_it_is_needed(tmp_path: Path) -> None:
+def test_fibws_is_not_loaded_before_it_is_needed(tmp_path: Path) -> None:
     code = "import sys, json, logging; print([n for n in sys.modules if n.startswith('fibws')])"
     done = run(code, tmp_path)
     assert (done.stdout, done.stderr) == ("[]\n", "")
 
 
-def test_sitecustomize_makes_scripts_find_messages(define: Define, tmp_path: Path) -> None:
+def test_sitecustomize_installs_the_finder(define: Define, tmp_path: Path) -> None:
     define("fibonacci/Num", "int64 num")
     done = run("from fibonacci.msg import Num; print(Num(5))", tmp_path)
     assert (done.stdout, done.stderr) == ("num: 5\n", "")
@@ -317,25 +313,25 @@ def test_sitecustomize_makes_scripts_find_messages(define: Define, tmp_path: Pat
     assert (done.stdout, done.stderr) == ("data: 5\n", "")
 
 
-def test_sitecustomize_runs_the_one_that_it_hides(tmp_path: Path) -> None:
+def test_sitecustomize_runs_the_hidden_one(tmp_path: Path) -> None:
     (tmp_path / "sitecustomize.py").write_text("print('hidden')")
     path = f"{PYTHON}{os.pathsep}{tmp_path}"
     done = run("from std_msgs.msg import Int32; print(Int32(5))", tmp_path, PYTHONPATH=path)
     assert (done.stdout, done.stderr) == ("hidden\ndata: 5\n", "")
 
 
-def test_a_python_without_fibws_works_and_says_so_when_it_matters(tmp_path: Path) -> None:
+def test_python_without_fibws_works_and_explains_import_errors(tmp_path: Path) -> None:
     bare = [sys.executable, "-S"]  # where pip has installed nothing
     code = "import sitecustomize, json; print('works')"
     done = run(code, tmp_path, bare)
     assert (done.stdout, done.stderr) == ("works\n", "")
     for wanted in ("import rospy", "import std_msgs.msg"):
         done = run(f"import sitecustomize\n{wanted}", tmp_path, bare, FIBWS_PYTHON="/opt/python")
-        assert f"this Python, {sys.executable}, has no fibws. Start the script" in done.stderr
-        assert "by rosrun, or with /opt/python" in done.stderr
+        for fact in (sys.executable, "rosrun", "/opt/python"):
+            assert fact in done.stderr
 
 
-def test_the_module_that_holds_a_class_is_where_the_class_says(define: Define) -> None:
+def test_module_of_a_class_contains_it(define: Define) -> None:
     define("fibonacci/Num", "int64 num")
     message_class = names_after("from fibonacci.msg import Num")["Num"]
     module: ModuleType = importlib.import_module(message_class.__module__)

@@ -29,7 +29,7 @@ def run(command: list[str], folder: Path) -> Said:
 
 
 def by_both(folder: Path, source: str, *arguments: str) -> Said:
-    """What a script says, which must be the same by plain Python and by ours."""
+    """Return a script's output, which must be the same in plain Python and in fibws."""
     (folder / "script.py").write_text(source)
     plain = run([sys.executable, "script.py", *arguments], folder)
     ours = run([*OURS, "script.py", *arguments], folder)
@@ -37,7 +37,7 @@ def by_both(folder: Path, source: str, *arguments: str) -> Said:
     return ours
 
 
-def test_a_script_sees_itself_as_python_shows_it(tmp_path: Path) -> None:
+def test_script_sees_itself_as_in_python(tmp_path: Path) -> None:
     source = '''\
 """What this is."""
 import sys, inspect, beside
@@ -72,11 +72,11 @@ print(sys.modules["__main__"].Thing is Thing, inspect.getsource(Thing), beside.e
         ),
     ],
 )
-def test_a_script_ends_as_it_does_in_python(tmp_path: Path, source: str, code: int) -> None:
+def test_script_ends_as_in_python(tmp_path: Path, source: str, code: int) -> None:
     assert by_both(tmp_path, source).code == code
 
 
-def test_an_object_of_the_scripts_own_class_can_be_pickled(tmp_path: Path) -> None:
+def test_object_of_a_script_class_can_be_pickled(tmp_path: Path) -> None:
     source = (
         "import pickle\n\nclass Thing:\n    pass\n\n"
         "print(type(pickle.loads(pickle.dumps(Thing()))))\n"
@@ -84,13 +84,13 @@ def test_an_object_of_the_scripts_own_class_can_be_pickled(tmp_path: Path) -> No
     assert by_both(tmp_path, source).out == "<class '__main__.Thing'>\n"
 
 
-def test_the_encoding_that_a_script_declares_is_heeded(tmp_path: Path) -> None:
+def test_declared_encoding_of_a_script_is_used(tmp_path: Path) -> None:
     script = tmp_path / "latin.py"
     script.write_bytes("# -*- coding: latin-1 -*-\nprint(len('é'))\n".encode("latin-1"))
     assert run([*OURS, str(script)], tmp_path) == (0, "1\n", "")
 
 
-def test_a_script_imports_from_the_folder_that_it_is_in_and_not_from_where_one_is(
+def test_script_imports_from_its_own_folder(
     tmp_path: Path,
 ) -> None:
     nodes, here = tmp_path / "nodes", tmp_path / "here"
@@ -112,7 +112,7 @@ def test_rospy_and_messages_can_be_imported(tmp_path: Path) -> None:
     assert said.out == f"{PYTHON_FOLDER / 'rospy' / '__init__.py'}\ndata: 8\n"
 
 
-def test_pythons_that_a_script_starts_find_rospy_too(tmp_path: Path) -> None:
+def test_python_processes_of_a_script_find_rospy(tmp_path: Path) -> None:
     (tmp_path / "script.py").write_text(
         "import subprocess, sys\n"
         "code = 'import rospy; from std_msgs.msg import Int32; print(Int32(8))'\n"
@@ -121,7 +121,7 @@ def test_pythons_that_a_script_starts_find_rospy_too(tmp_path: Path) -> None:
     assert run([*OURS, "script.py"], tmp_path) == (0, "data: 8\n", "")
 
 
-def test_a_script_that_is_not_there_is_told_in_a_line(tmp_path: Path) -> None:
+def test_missing_script_is_reported_in_one_line(tmp_path: Path) -> None:
     said = run([*OURS, "script.py"], tmp_path)
     assert (said.code, said.out) == (2, "")
     where = tmp_path.resolve() / "script.py"
@@ -129,7 +129,7 @@ def test_a_script_that_is_not_there_is_told_in_a_line(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGINT for others")
-def test_ctrl_c_ends_a_script_quietly_and_is_what_ended_it(tmp_path: Path) -> None:
+def test_ctrl_c_ends_a_script_without_a_traceback(tmp_path: Path) -> None:
     (tmp_path / "script.py").write_text(
         "import time\nprint('waiting', flush=True)\ntime.sleep(60)\n"
     )
@@ -147,7 +147,7 @@ def test_ctrl_c_ends_a_script_quietly_and_is_what_ended_it(tmp_path: Path) -> No
     assert (process.returncode, out, err) == (-signal.SIGINT, "", "")
 
 
-def test_the_root_of_fibws_is_not_on_the_path_of_modules(tmp_path: Path) -> None:
+def test_folder_of_fibws_is_not_on_the_module_path(tmp_path: Path) -> None:
     (tmp_path / "script.py").write_text("import sys; print(*sys.path, sep='\\n')")
     folders = run([*OURS, "script.py"], tmp_path).out.splitlines()
     assert str(Path(fibws.__file__).parent) not in folders

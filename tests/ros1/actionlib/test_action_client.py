@@ -40,7 +40,7 @@ client.stop()
 """
 
 
-async def test_goals_are_followed_side_by_side(
+async def test_several_goals_are_followed(
     hub: Hub, start_script: StartScript, script: Callable[[str], Path]
 ) -> None:
     """Feedback may be overtaken by the result, as in ROS: each topic has its own thread."""

@@ -16,7 +16,7 @@ from ros1.side_by_side import Part, our_ros
 from .conftest import StartScript
 
 
-async def test_each_goal_is_followed_by_its_client() -> None:
+async def test_client_follows_its_goal() -> None:
     async with our_ros() as ros:
         server, client = await ros.play(
             Part("actions/handles_server.py", until="ready"),
@@ -83,7 +83,7 @@ class Client:
         return status.goal_id.id, status.status, status.text
 
     async def listed(self, *names: str) -> None:
-        """Wait until just these goals are told about."""
+        """Wait until the status lists exactly these goals."""
         async for message in self.statuses:
             if [status.goal_id.id for status in message.status_list] == list(names):
                 return
@@ -97,7 +97,7 @@ async def client(hub: Hub) -> AsyncIterator[Client]:
         yield client
 
 
-async def test_what_a_goal_lacks_is_made_up(
+async def test_missing_id_and_time_are_generated(
     client: Client, start_script: StartScript, script: Callable[[str], Path]
 ) -> None:
     server = await start_script(script(SERVER))
@@ -109,7 +109,7 @@ async def test_what_a_goal_lacks_is_made_up(
     assert (status, text) == (3, "at once")
 
 
-async def test_a_goal_is_taken_once(
+async def test_repeated_goal_is_ignored(
     client: Client, start_script: StartScript, script: Callable[[str], Path]
 ) -> None:
     server = await start_script(script(SERVER))
@@ -120,7 +120,7 @@ async def test_a_goal_is_taken_once(
     assert [(await client.result())[0], (await client.result())[0]] == ["a-1", "b-1"]
 
 
-async def test_a_goal_may_be_canceled_before_it_comes(
+async def test_goal_can_be_canceled_before_it_arrives(
     client: Client, start_script: StartScript, script: Callable[[str], Path]
 ) -> None:
     server = await start_script(script(SERVER))
@@ -139,7 +139,7 @@ async def test_a_goal_may_be_canceled_before_it_comes(
     assert await server.line() == "goal 1 c\n"
 
 
-async def test_its_owner_hears_of_a_cancel_once(
+async def test_cancel_callback_is_called_once_for_each_goal(
     client: Client, start_script: StartScript, script: Callable[[str], Path]
 ) -> None:
     server = await start_script(script(SERVER))
@@ -153,7 +153,7 @@ async def test_its_owner_hears_of_a_cancel_once(
     assert [await server.line(), await server.line()] == ["cancel 0\n", "goal 1 b\n"]
 
 
-async def test_parameters_say_how_often_and_how_long_goals_are_told_about(
+async def test_parameters_set_status_rate_and_timeout(
     client: Client, start_script: StartScript, script: Callable[[str], Path]
 ) -> None:
     await client.node.params.set("/actionlib_status_frequency", 50.0)
@@ -165,7 +165,7 @@ async def test_parameters_say_how_often_and_how_long_goals_are_told_about(
     await client.listed()
 
 
-async def test_a_server_that_was_stopped_takes_no_goals(
+async def test_stopped_server_ignores_goals(
     client: Client, start_script: StartScript, script: Callable[[str], Path]
 ) -> None:
     server = await start_script(script(SERVER))

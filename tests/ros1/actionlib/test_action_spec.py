@@ -15,7 +15,7 @@ from actionlib_tutorials.msg import (
 )
 
 
-def test_an_action_names_its_messages() -> None:
+def test_action_class_has_all_message_classes() -> None:
     assert read_spec(FibonacciAction) == (
         FibonacciActionGoal,
         FibonacciActionResult,
@@ -25,6 +25,6 @@ def test_an_action_names_its_messages() -> None:
 
 
 @pytest.mark.parametrize("wrong", [FibonacciGoal, FibonacciAction(), "Fibonacci", None])
-def test_another_class_is_no_action(wrong: object) -> None:
+def test_other_classes_are_refused(wrong: object) -> None:
     with pytest.raises(ActionException, match=r"(?s)Type is not an action spec: .*ends in Action"):
         read_spec(wrong)

@@ -1,4 +1,4 @@
-"""What a client hears of a goal."""
+"""A client's handle of a goal."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def goal() -> Followed:
     return Followed()
 
 
-def test_a_goal_is_followed_to_its_end(goal: Followed, errors: list[str]) -> None:
+def test_handle_follows_the_goal_to_its_end(goal: Followed, errors: list[str]) -> None:
     goal.hear(GoalStatus.PENDING)
     goal.hear(GoalStatus.ACTIVE, "begun")
     assert goal.handle.get_goal_status_text() == "begun"
@@ -69,7 +69,7 @@ def test_a_goal_is_followed_to_its_end(goal: Followed, errors: list[str]) -> Non
     assert errors == []
 
 
-def test_after_its_end_nothing_is_heard_of_it(goal: Followed, errors: list[str]) -> None:
+def test_updates_after_the_end_are_ignored(goal: Followed, errors: list[str]) -> None:
     goal.end(GoalStatus.SUCCEEDED, 8)
     goal.hear(GoalStatus.ACTIVE)
     goal.machine.update_feedback(FibonacciActionFeedback())
@@ -82,7 +82,7 @@ def test_after_its_end_nothing_is_heard_of_it(goal: Followed, errors: list[str])
     assert errors == ["Got a result when we were already in the DONE state"]
 
 
-def test_a_goal_is_canceled(goal: Followed) -> None:
+def test_goal_is_canceled(goal: Followed) -> None:
     goal.hear(GoalStatus.ACTIVE)
     goal.handle.cancel()
     assert goal.canceled == [GoalID(id="/client-1")]
@@ -97,7 +97,7 @@ def test_a_goal_is_canceled(goal: Followed) -> None:
     ]
 
 
-def test_a_goal_that_is_listed_no_more_is_lost(goal: Followed) -> None:
+def test_unlisted_goal_is_lost(goal: Followed) -> None:
     goal.machine.update_status(None)
     assert goal.handle.get_comm_state() == CommState.WAITING_FOR_GOAL_ACK
     goal.hear(GoalStatus.ACTIVE)
@@ -107,13 +107,13 @@ def test_a_goal_that_is_listed_no_more_is_lost(goal: Followed) -> None:
     assert goal.handle.get_result() is None
 
 
-def test_a_goal_that_waits_for_its_result_is_not_lost(goal: Followed) -> None:
+def test_unlisted_goal_that_waits_for_its_result_is_not_lost(goal: Followed) -> None:
     goal.hear(GoalStatus.SUCCEEDED)
     goal.machine.update_status(None)
     assert goal.handle.get_comm_state() == CommState.WAITING_FOR_RESULT
 
 
-def test_what_a_server_cannot_say_is_an_error(goal: Followed, errors: list[str]) -> None:
+def test_invalid_status_is_logged(goal: Followed, errors: list[str]) -> None:
     goal.hear(GoalStatus.ACTIVE)
     goal.hear(GoalStatus.PENDING)
     goal.hear(77)
@@ -124,7 +124,7 @@ def test_what_a_server_cannot_say_is_an_error(goal: Followed, errors: list[str])
     assert goal.handle.get_comm_state() == CommState.ACTIVE
 
 
-def test_asking_for_the_end_too_early_warns(goal: Followed, errors: list[str]) -> None:
+def test_terminal_state_before_the_end_is_logged(goal: Followed, errors: list[str]) -> None:
     assert goal.handle.get_terminal_state() == GoalStatus.LOST
     assert errors == [
         "Asking for the terminal state when we're in [WAITING_FOR_GOAL_ACK]",
@@ -132,7 +132,7 @@ def test_asking_for_the_end_too_early_warns(goal: Followed, errors: list[str]) -
     ]
 
 
-def test_two_are_equal_if_they_are_of_one_goal(goal: Followed) -> None:
+def test_handles_of_the_same_goal_are_equal(goal: Followed) -> None:
     same, other = Followed(), Followed("/client-2")
     assert goal.handle == same.handle
     assert goal.handle != other.handle
@@ -140,7 +140,7 @@ def test_two_are_equal_if_they_are_of_one_goal(goal: Followed) -> None:
     assert len({goal.handle, same.handle, other.handle}) == 2
 
 
-def test_nobody_needs_to_listen() -> None:
+def test_callbacks_are_optional() -> None:
     machine = CommStateMachine(FibonacciActionGoal(), None, None, print)
     machine.update_feedback(FibonacciActionFeedback())
     machine.update_status(GoalStatus(status=GoalStatus.ACTIVE))

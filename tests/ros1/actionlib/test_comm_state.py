@@ -1,4 +1,4 @@
-"""What a client concludes from its server's word."""
+"""The states of a goal for its client."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ STATUSES = [number for number in range(GoalStatus.LOST)]
 
 @pytest.mark.parametrize("state", STATES)
 @pytest.mark.parametrize("status", STATUSES)
-def test_every_word_leads_somewhere_or_nowhere(state: int, status: int) -> None:
+def test_each_status_has_a_route_in_each_state(state: int, status: int) -> None:
     route = following(state, status)
     assert route is None or set(route) <= set(STATES) - {CommState.WAITING_FOR_GOAL_ACK}
 
 
-def test_what_was_not_heard_of_is_made_up_for() -> None:
+def test_missed_states_are_passed_through() -> None:
     assert following(CommState.WAITING_FOR_GOAL_ACK, GoalStatus.SUCCEEDED) == (
         CommState.ACTIVE,
         CommState.WAITING_FOR_RESULT,
@@ -28,17 +28,17 @@ def test_what_was_not_heard_of_is_made_up_for() -> None:
     )
 
 
-def test_no_news_leads_nowhere() -> None:
+def test_unchanged_status_keeps_the_state() -> None:
     assert following(CommState.ACTIVE, GoalStatus.ACTIVE) == ()
     assert following(CommState.DONE, GoalStatus.SUCCEEDED) == ()
 
 
-def test_a_goal_does_not_go_back() -> None:
+def test_goal_does_not_go_back() -> None:
     assert following(CommState.ACTIVE, GoalStatus.PENDING) is None
     assert following(CommState.DONE, GoalStatus.ACTIVE) is None
 
 
-def test_there_are_no_other_words() -> None:
+def test_unknown_status_is_an_error() -> None:
     with pytest.raises(KeyError):
         following(CommState.ACTIVE, GoalStatus.LOST)
 

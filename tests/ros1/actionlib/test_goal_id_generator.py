@@ -14,7 +14,7 @@ def now(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rospy.Time, "now", lambda: rospy.Time(5, 7))
 
 
-def test_no_two_are_the_same() -> None:
+def test_ids_are_unique() -> None:
     generator = GoalIDGenerator("/server")
     first, second = generator.generate_ID(), generator.generate_ID()
     assert first.id != second.id
@@ -22,7 +22,7 @@ def test_no_two_are_the_same() -> None:
     assert first.stamp == rospy.Time(5, 7)
 
 
-def test_they_begin_with_the_name() -> None:
+def test_ids_begin_with_the_name() -> None:
     generator = GoalIDGenerator("/server")
     generator.set_name("/other")
     assert generator.generate_ID().id.startswith("/other-")

@@ -1,4 +1,4 @@
-"""What a server can do with a goal, and what it cannot."""
+"""A server's handle of a goal."""
 
 from __future__ import annotations
 
@@ -20,22 +20,22 @@ from fibws.node.actions.status import Record
 
 
 class Told:
-    """What a server would tell its clients."""
+    """Keeps what a server would publish."""
 
     ActionResultType = FibonacciResult
 
     def __init__(self) -> None:
         self.lock = threading.RLock()
-        self.told: list[Any] = []
+        self.published: list[Any] = []
 
     def publish_status(self) -> None:
-        self.told.append("status")
+        self.published.append("status")
 
     def publish_feedback(self, status: Any, feedback: Any) -> None:
-        self.told.append((status.status, feedback))
+        self.published.append((status.status, feedback))
 
     def goal_ended(self, record: Record, result: Any) -> None:
-        self.told.append((int(record.status), record.text, result))
+        self.published.append((int(record.status), record.text, result))
 
 
 @pytest.fixture
@@ -61,13 +61,13 @@ def handle_of(name: str, server: Told) -> ServerGoalHandle:
     return ServerGoalHandle(Record(name, 3_000_000_004), cast(ActionServer, server), goal)
 
 
-def test_a_goal_is_reached(handle: ServerGoalHandle, server: Told, errors: list[str]) -> None:
+def test_goal_succeeds(handle: ServerGoalHandle, server: Told, errors: list[str]) -> None:
     handle.set_accepted("begun")
     assert handle.get_goal_status().status == GoalStatus.ACTIVE
     assert handle.get_goal_status().text == "begun"
     handle.publish_feedback(FibonacciFeedback([2]))
     handle.set_succeeded(FibonacciResult([8]), "done")
-    assert server.told == [
+    assert server.published == [
         "status",
         (GoalStatus.ACTIVE, FibonacciFeedback([2])),
         (GoalStatus.SUCCEEDED, "done", FibonacciResult([8])),
@@ -75,7 +75,7 @@ def test_a_goal_is_reached(handle: ServerGoalHandle, server: Told, errors: list[
     assert errors == []
 
 
-def test_it_tells_what_it_is_of(handle: ServerGoalHandle) -> None:
+def test_handle_returns_goal_and_id(handle: ServerGoalHandle) -> None:
     assert handle.get_goal() == FibonacciGoal(5)
     assert handle.get_goal_id().id == "/client-1"
     assert handle.get_goal_id().stamp == rospy.Time(3, 4)
@@ -89,11 +89,11 @@ def test_it_tells_what_it_is_of(handle: ServerGoalHandle) -> None:
         ("set_rejected", GoalStatus.REJECTED),
     ],
 )
-def test_a_goal_ends_before_it_began(
+def test_goal_can_end_before_it_is_accepted(
     handle: ServerGoalHandle, server: Told, step: str, status: int
 ) -> None:
     getattr(handle, step)()
-    assert server.told == [(status, "", None)]
+    assert server.published == [(status, "", None)]
 
 
 @pytest.mark.parametrize(
@@ -104,18 +104,18 @@ def test_a_goal_ends_before_it_began(
         ("set_succeeded", GoalStatus.SUCCEEDED),
     ],
 )
-def test_a_goal_ends_after_it_began(
+def test_goal_can_end_after_it_is_accepted(
     handle: ServerGoalHandle, server: Told, step: str, status: int
 ) -> None:
     handle.set_accepted()
     getattr(handle, step)(None, "why")
-    assert server.told == ["status", (status, "why", None)]
+    assert server.published == ["status", (status, "why", None)]
 
 
-def test_a_cancel_is_news_once(handle: ServerGoalHandle, server: Told) -> None:
+def test_second_cancel_request_returns_false(handle: ServerGoalHandle, server: Told) -> None:
     assert handle.set_cancel_requested()
     assert not handle.set_cancel_requested()
-    assert server.told == ["status"]
+    assert server.published == ["status"]
     handle.set_accepted()
     assert handle.get_goal_status().status == GoalStatus.PREEMPTING
 
@@ -134,17 +134,17 @@ def test_a_cancel_is_news_once(handle: ServerGoalHandle, server: Told) -> None:
         ("set_aborted", "an aborted state, the goal must be in a preempting or active state"),
     ],
 )
-def test_after_its_end_nothing_becomes_of_it(
+def test_transitions_after_the_end_are_refused(
     handle: ServerGoalHandle, server: Told, errors: list[str], step: str, text: str
 ) -> None:
     handle.set_rejected()
-    server.told.clear()
+    server.published.clear()
     getattr(handle, step)()
     assert errors == [f"To transition to {text}, it is currently in state: 5"]
-    assert server.told == []
+    assert server.published == []
 
 
-def test_two_are_equal_if_they_are_of_one_goal(server: Told) -> None:
+def test_handles_of_the_same_goal_are_equal(server: Told) -> None:
     one, other = handle_of("/client-1", server), handle_of("/client-2", server)
     assert one == handle_of("/client-1", server)
     assert one != other
@@ -152,7 +152,7 @@ def test_two_are_equal_if_they_are_of_one_goal(server: Told) -> None:
     assert len({one, other, handle_of("/client-1", server)}) == 2
 
 
-def test_one_of_no_goal_does_nothing(errors: list[str]) -> None:
+def test_handle_without_goal_does_nothing(errors: list[str]) -> None:
     nothing = ServerGoalHandle()
     assert nothing.get_goal() is None
     assert nothing.get_default_result() is None

@@ -28,21 +28,21 @@ async def count(goal: Goal) -> FibonacciResult:
     return FibonacciResult(list(range(goal.request.order)))
 
 
-async def test_a_goal_is_reached(hub: Hub, start_script: StartScript) -> None:
+async def test_goal_succeeds(hub: Hub, start_script: StartScript) -> None:
     async with fibws.Node("server", hub=hub.url) as node:
         await node.action_server("fibonacci", Fibonacci, count)
         client = await start_script("fibonacci_client.py", "3", "20")
         assert await client.end() == (0, "feedback: [0, 1]\n3 \n[0, 1, 2]\n", "")
 
 
-async def test_a_goal_is_aborted(hub: Hub, start_script: StartScript) -> None:
+async def test_goal_is_aborted(hub: Hub, start_script: StartScript) -> None:
     async with fibws.Node("server", hub=hub.url) as node:
         await node.action_server("fibonacci", Fibonacci, count)
         client = await start_script("fibonacci_client.py", "-3", "20")
         assert await client.end() == (0, "4 there is no such order\n[]\n", "")
 
 
-async def test_a_goal_is_canceled(hub: Hub, start_script: StartScript) -> None:
+async def test_goal_is_canceled(hub: Hub, start_script: StartScript) -> None:
     async with fibws.Node("server", hub=hub.url) as node:
         await node.action_server("fibonacci", Fibonacci, count)
         client = await start_script("fibonacci_client.py", "11", "0.5")
@@ -51,7 +51,7 @@ async def test_a_goal_is_canceled(hub: Hub, start_script: StartScript) -> None:
         assert out == "feedback: [0, 1]\n2 enough\n[8]\n"
 
 
-async def test_a_goal_that_its_server_knows_no_more_is_lost(
+async def test_goal_that_its_server_forgot_is_lost(
     hub: Hub, start_script: StartScript, script: Callable[[str], Path]
 ) -> None:
     async with fibws.Node("server", hub=hub.url) as node:
@@ -75,7 +75,7 @@ async def test_a_goal_that_its_server_knows_no_more_is_lost(
         assert await client.end() == (0, "done 9 None\nTrue\n", "")
 
 
-async def test_ctrl_c_ends_one_that_waits_for_a_server(
+async def test_ctrl_c_interrupts_the_wait_for_a_server(
     hub: Hub, start_script: StartScript, script: Callable[[str], Path]
 ) -> None:
     async with fibws.Node("test", hub=hub.url) as node:
@@ -116,7 +116,7 @@ print(client.wait_for_result(), flush=True)
 """
 
 
-async def test_ctrl_c_ends_one_that_waits_for_its_result(
+async def test_ctrl_c_interrupts_the_wait_for_a_result(
     hub: Hub, start_script: StartScript, script: Callable[[str], Path]
 ) -> None:
     async with fibws.Node("server", hub=hub.url) as node:
@@ -152,7 +152,7 @@ print(client.get_state(), client.wait_for_result(), client.get_result(), flush=T
 """
 
 
-async def test_the_next_goal_may_be_sent_when_one_is_done(
+async def test_next_goal_can_be_sent_in_the_done_callback(
     hub: Hub, start_script: StartScript, script: Callable[[str], Path]
 ) -> None:
     async with fibws.Node("server", hub=hub.url) as node:

@@ -21,7 +21,7 @@ CLIENT = str(SCRIPTS / "actions" / "fibonacci_client.py")
 SUPERSEDED = "This goal was canceled because another goal was received by the simple action server"
 
 
-async def test_a_server_is_heard_by_its_client() -> None:
+async def test_server_executes_goals_of_a_client() -> None:
     async with our_ros() as ros:
         server, client = await ros.play(
             Part("actions/server.py", until="ready", hears=("preempted", 4)),
@@ -53,7 +53,7 @@ async def test_a_server_is_heard_by_its_client() -> None:
     assert "it is currently in state: 3" in server.err[-1]
 
 
-async def test_goals_are_accepted_in_callbacks() -> None:
+async def test_goals_can_be_accepted_in_callbacks() -> None:
     async with our_ros() as ros:
         server, client = await ros.play(
             Part("actions/polling_server.py", until="ready", hears=("accepted", 4)),
@@ -66,9 +66,7 @@ async def test_goals_are_accepted_in_callbacks() -> None:
     assert "when a new goal is not available" in server.err[0]
 
 
-async def test_ctrl_c_ends_a_server_in_the_midst_of_a_goal(
-    hub: Hub, start_script: StartScript
-) -> None:
+async def test_ctrl_c_ends_a_server_during_a_goal(hub: Hub, start_script: StartScript) -> None:
     server = await start_script("fibonacci_server.py")
     assert "ready" in await server.line()
     async with fibws.Node("test", hub=hub.url) as node:
@@ -83,7 +81,7 @@ async def test_ctrl_c_ends_a_server_in_the_midst_of_a_goal(
     assert out.count("\n") == 1, out
 
 
-async def test_fibws_own_clients_are_served(hub: Hub, start_script: StartScript) -> None:
+async def test_clients_of_fibws_can_send_goals(hub: Hub, start_script: StartScript) -> None:
     server = await start_script("fibonacci_server.py")
     assert "ready" in await server.line()
     async with fibws.Node("test", hub=hub.url) as node:
@@ -99,7 +97,7 @@ async def test_fibws_own_clients_are_served(hub: Hub, start_script: StartScript)
         assert goal.status is fibws.GoalStatus.PREEMPTED
 
 
-async def test_a_goal_outlives_its_hub() -> None:
+async def test_goal_survives_a_restart_of_the_hub() -> None:
     async with Hub(Settings(port=0, close_timeout=0.1)) as hub:
         server = await Program.start("fibws.rospy", SERVER, **_meeting_at(hub))
         assert "ready" in await server.line()
@@ -133,7 +131,7 @@ rospy.spin()
 """
 
 
-async def test_what_an_owner_does_wrong_is_logged(
+async def test_errors_of_the_program_are_logged(
     hub: Hub, start_script: StartScript, script: Callable[[str], Path]
 ) -> None:
     server = await start_script(script(WRONG))
@@ -148,7 +146,7 @@ async def test_what_an_owner_does_wrong_is_logged(
 
 
 def sections(lines: list[str]) -> dict[str, list[str]]:
-    """What was printed after each headline."""
+    """Return the lines after each headline."""
     heads = {"too long", "and wait", "a later goal", "all of them"}
     found: dict[str, list[str]] = {}
     current = found.setdefault("", [])

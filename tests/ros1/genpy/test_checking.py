@@ -1,4 +1,4 @@
-"""What does not fit its field is told in genpy's words."""
+"""Checks of values against the types of fields."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ FIELDS = [
 
 
 @pytest.mark.parametrize("field_type", FIELDS)
-def test_every_value_fits_or_does_not_as_with_genpy(agree: Agree, field_type: str) -> None:
+def test_values_are_checked_as_in_genpy(agree: Agree, field_type: str) -> None:
     for value in VALUES:
         agree(f"check_type('field', {field_type!r}, {value})", *TYPES)
 
@@ -42,11 +42,11 @@ def test_every_value_fits_or_does_not_as_with_genpy(agree: Agree, field_type: st
         ("uint8[]", memoryview(b"a")),
     ],
 )
-def test_what_is_sent_all_the_same_is_not_wrong(field_type: str, value: object) -> None:
+def test_values_that_can_be_sent_are_valid(field_type: str, value: object) -> None:
     check_type("field", field_type, value)
 
 
-def test_the_place_of_the_fault_is_named() -> None:
+def test_error_names_the_path_of_the_field() -> None:
     message = make("geometry_msgs/PoseArray", poses=[make("geometry_msgs/Pose")])
     message.poses[0].position.x = "far"
     with pytest.raises(SerializationError, match=r"^field poses\[\].position.x must be float type"):

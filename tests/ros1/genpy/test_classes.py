@@ -16,7 +16,7 @@ from fibws.errors import DefinitionError, UnknownType
 from ..conftest import Define
 
 
-def test_the_node_library_takes_them() -> None:
+def test_node_library_accepts_the_classes() -> None:
     assert issubclass(message_class("std_msgs/Int32"), fibws.Message)
     service: Any = service_class("rospy_tutorials/AddTwoInts")
     assert issubclass(service, fibws.Service)
@@ -24,18 +24,18 @@ def test_the_node_library_takes_them() -> None:
     assert service.Response is service._response_class
 
 
-def test_a_type_has_one_class_whatever_it_is_called() -> None:
+def test_type_has_the_same_class_under_all_its_names() -> None:
     assert message_class("std_msgs/msg/Int32") is message_class("std_msgs/Int32")
 
 
-def test_threads_that_ask_at_once_get_one_class() -> None:
+def test_threads_get_the_same_class() -> None:
     forget(["visualization_msgs"])
     with ThreadPoolExecutor(8) as pool:
         found = set(pool.map(message_class, ["visualization_msgs/MarkerArray"] * 8))
     assert len(found) == 1
 
 
-def test_a_service_says_what_it_is() -> None:
+def test_service_class_has_type_and_md5() -> None:
     service: Any = service_class("rospy_tutorials/AddTwoInts")
     assert service._type == "rospy_tutorials/AddTwoInts"
     assert service._md5sum == "6a2e34150c00229791cc89ff309fff21"
@@ -46,7 +46,7 @@ def test_a_service_says_what_it_is() -> None:
     assert request.__module__ == "rospy_tutorials.srv._AddTwoInts"
 
 
-def test_a_default_of_ros_2_is_one_here(define: Define) -> None:
+def test_defaults_of_ros_2_are_applied(define: Define) -> None:
     define("fibonacci/Num", "int64 num 5\nint64[] list [1, 2]\nuint8[2] data [3, 4]\nstring s 'a'")
     message: Any = message_class("fibonacci/Num")()
     assert (message.num, message.list, message.data, message.s) == (5, [1, 2], b"\3\4", "a")
@@ -55,7 +55,7 @@ def test_a_default_of_ros_2_is_one_here(define: Define) -> None:
     assert message_class("fibonacci/Num")().to_dict()["list"] == [1, 2]
 
 
-def test_a_definition_that_is_wrong_is_named(define: Define) -> None:
+def test_error_names_the_invalid_definition(define: Define) -> None:
     path = define("fibonacci/Num", "int33 num")
     with pytest.raises(DefinitionError, match=str(path)):
         message_class("fibonacci/Num")
@@ -63,7 +63,7 @@ def test_a_definition_that_is_wrong_is_named(define: Define) -> None:
         service_class("std_srvs/Emty")
 
 
-def test_classes_are_looked_up_by_the_names_of_types() -> None:
+def test_classes_are_found_by_type_names() -> None:
     assert get_message_class("std_msgs/Int32") is message_class("std_msgs/Int32")
     assert get_message_class("Header") is message_class("std_msgs/Header")
     assert get_message_class("time") is Time

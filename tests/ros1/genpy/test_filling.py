@@ -53,7 +53,7 @@ def test_messages_are_filled_as_by_genpy(agree: Agree, expression: str) -> None:
     agree(expression, *TYPES)
 
 
-def test_the_names_of_fields_can_be_written_to_a_file() -> None:
+def test_field_names_can_be_written_to_a_file() -> None:
     buffer = StringIO()
     message = make("geometry_msgs/Twist")
     names = "twist.linear.x twist.linear.y twist.linear.z "
@@ -62,7 +62,7 @@ def test_the_names_of_fields_can_be_written_to_a_file() -> None:
     assert buffer.getvalue() == names
 
 
-def test_words_stand_for_the_time() -> None:
+def test_words_are_replaced_by_times() -> None:
     message = make("std_msgs/Time")
     fill_message_args(message, ["now"], {"now": Time(5)})
     assert message.data == Time(5)

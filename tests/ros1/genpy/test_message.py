@@ -74,12 +74,12 @@ def sent(message: Message) -> Any:
         "M('geometry_msgs/Twist').linear is M('geometry_msgs/Twist').linear",
     ],
 )
-def test_messages_do_what_genpys_do(agree: Agree, expression: str) -> None:
+def test_messages_behave_like_those_of_genpy(agree: Agree, expression: str) -> None:
     agree(expression, *TYPES)
 
 
 @pytest.mark.parametrize("name", ["dta", "data_", "_data"])
-def test_a_field_that_is_not_there_cannot_be_set(name: str) -> None:
+def test_unknown_field_cannot_be_set(name: str) -> None:
     with pytest.raises(AttributeError, match=f"'Int32' object has no attribute '{name}'"):
         setattr(make("std_msgs/Int32"), name, 1)
 
@@ -136,7 +136,7 @@ def test_a_field_that_is_not_there_cannot_be_set(name: str) -> None:
         "M('std_msgs/Int32', 1)._check_types(ValueError('of this'))",
     ],
 )
-def test_values_are_packed_or_refused_as_with_genpy(agree: Agree, expression: str) -> None:
+def test_values_are_packed_or_refused_as_in_genpy(agree: Agree, expression: str) -> None:
     agree(expression, *TYPES)
 
 
@@ -154,12 +154,12 @@ def test_values_are_packed_or_refused_as_with_genpy(agree: Agree, expression: st
         make("sensor_msgs/LaserScan", ranges={1.0: 2.0}),
     ],
 )
-def test_what_json_could_mean_otherwise_is_refused(message: Message) -> None:
+def test_values_that_json_would_misread_are_refused(message: Message) -> None:
     with pytest.raises(fibws.InvalidMessage):
         sent(message)
 
 
-def test_a_field_of_a_wrong_class_is_named() -> None:
+def test_error_names_the_field_of_a_wrong_class() -> None:
     with pytest.raises(Exception, match=r"field header.stamp must be of type Time"):
         message = make("geometry_msgs/PoseStamped")
         message.header.stamp = 1.5
@@ -180,7 +180,7 @@ def test_a_field_of_a_wrong_class_is_named() -> None:
         ("rosgraph_msgs/Log", {"topics": ("/a", "/b")}, {"topics": ["/a", "/b"]}),
     ],
 )
-def test_a_message_is_heard_as_genpy_unpacks_it(
+def test_received_messages_are_like_those_unpacked_by_genpy(
     type_: str, given: dict[str, Any], heard: dict[str, Any]
 ) -> None:
     message = sent(make(type_, **given))
@@ -189,7 +189,7 @@ def test_a_message_is_heard_as_genpy_unpacks_it(
         assert type(getattr(message, name)) is type(value)
 
 
-def test_what_json_has_no_number_for_is_heard_as_nan() -> None:
+def test_null_is_received_as_nan() -> None:
     type_ = message_class("sensor_msgs/LaserScan")
     given = {"ranges": [1, None], "scan_time": None}
     message: Any = type_.from_dict(VALIDATORS.of(type_._type).validate(given))
@@ -198,7 +198,7 @@ def test_what_json_has_no_number_for_is_heard_as_nan() -> None:
     assert math.isnan(message.scan_time)
 
 
-def test_whole_seconds_in_what_is_heard_are_carried_over() -> None:
+def test_nanoseconds_of_received_times_are_carried_over() -> None:
     header = message_class("std_msgs/Header")
     message = header.from_dict({"seq": 0, "stamp": {"secs": 1, "nsecs": 2 * 10**9}, "frame_id": ""})
     assert message.stamp == Time(3, 0)
@@ -217,7 +217,7 @@ def test_invalid_bytes_are_refused() -> None:
         make("std_msgs/Int32").deserialize(b"\0\0\0")
 
 
-def test_unpacking_changes_the_message_itself() -> None:
+def test_deserialize_changes_the_message_itself() -> None:
     message = make("std_msgs/Int32")
     assert message.deserialize(b"\5\0\0\0") is message
     assert message.data == 5

@@ -18,7 +18,7 @@ OPERATORS = ["+", "-", "*", "/", "//", "%", "<", "<=", ">", ">=", "==", "!="]
 
 
 @pytest.mark.parametrize("operator", OPERATORS)
-def test_they_combine_as_genpys_do(agree: Agree, operator: str) -> None:
+def test_operators_give_the_same_as_in_genpy(agree: Agree, operator: str) -> None:
     for one in VALUES[:10]:
         for other in VALUES:
             agree(f"{one} {operator} {other}")
@@ -35,7 +35,7 @@ def test_they_combine_as_genpys_do(agree: Agree, operator: str) -> None:
         *("[t := {}, t.set(5, 2 * 10**9), t.secs, t.canon(), t.secs]", "{}.millis"),
     ],
 )
-def test_each_does_what_genpys_does(agree: Agree, what: str, value: str) -> None:
+def test_methods_return_the_same_as_in_genpy(agree: Agree, what: str, value: str) -> None:
     agree(what.format(value))
 
 
@@ -46,17 +46,17 @@ def test_each_does_what_genpys_does(agree: Agree, what: str, value: str) -> None
         *("Time.from_sec(-1.5)", "Time(1) - Duration(2)", "set(Time(), millis=1)"),
     ],
 )
-def test_what_is_wrong_is_said_in_genpys_words(agree: Agree, wrong: str) -> None:
+def test_errors_have_the_same_texts_as_in_genpy(agree: Agree, wrong: str) -> None:
     assert "Error: " in agree(wrong)
 
 
 @pytest.mark.parametrize("value", [Time(1, 2), Duration(-1, 2), TVal(3)])
-def test_they_can_be_pickled(value: TVal) -> None:
+def test_times_can_be_pickled(value: TVal) -> None:
     again = pickle.loads(pickle.dumps(value))
     assert (type(again), again.secs, again.nsecs) == (type(value), value.secs, value.nsecs)
 
 
-def test_a_class_derived_from_time_gives_its_own_kind() -> None:
+def test_operators_return_the_derived_class() -> None:
     class Stamp(Time):
         pass
 

@@ -20,7 +20,7 @@ FLOATS32 = ["0.0", "-1.5", "nan", "inf", "-inf", "3", "0.25"]
 ABOUT = "(C({t!r}).__slots__, C({t!r})._slot_types, C({t!r})._md5sum, C({t!r})._has_header)"
 
 
-def test_every_standard_type_is_the_same(agree: Agree) -> None:
+def test_standard_messages_are_the_same(agree: Agree) -> None:
     for type_ in TYPES:
         check_type(agree, type_)
 

@@ -88,7 +88,7 @@ def assigned(message: Any, **fields: Any) -> Any:
 
 
 def parts(value: Any) -> Any:
-    """What a message holds, in Python's own types, which tell lists from tuples."""
+    """Return a message as Python's own types, which distinguish lists from tuples."""
     if isinstance(value, (genpy.Time, genpy.Duration)):
         return (type(value).__name__, value.secs, value.nsecs)
     if isinstance(value, genpy.Message):

@@ -1,4 +1,4 @@
-"""The hub in the place of ROS's master, for programs that are no nodes."""
+"""The hub as a substitute for ROS's master, for programs that are not nodes."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import rosgraph
 from rosgraph import Master, MasterError, MasterFailure
 
 import fibws
-from ros1.rospy.programs import world
+from ros1.rospy.programs import running_hub
 
 T = TypeVar("T")
 
@@ -23,12 +23,12 @@ async def ask(function: Callable[..., T], *arguments: Any) -> T:
 
 @pytest.fixture
 def nobody(monkeypatch: pytest.MonkeyPatch) -> None:
-    """There is no hub."""
+    """No hub runs."""
     monkeypatch.setenv("FIBWS_HUB", "ws://127.0.0.1:1")
 
 
 @pytest.mark.usefixtures("nobody")
-def test_without_a_hub_nobody_is_online() -> None:
+def test_master_is_offline_without_a_hub() -> None:
     assert not rosgraph.is_master_online()
     with pytest.raises(OSError, match="No hub at"):
         Master("/tool").getUri()
@@ -36,12 +36,12 @@ def test_without_a_hub_nobody_is_online() -> None:
         Master("/tool").getSystemState()
 
 
-async def test_it_tells_of_parameters(monkeypatch: pytest.MonkeyPatch) -> None:
-    async with world() as it:
-        monkeypatch.setenv("FIBWS_HUB", it.hub.url)
+async def test_master_gets_and_sets_parameters(monkeypatch: pytest.MonkeyPatch) -> None:
+    async with running_hub() as programs:
+        monkeypatch.setenv("FIBWS_HUB", programs.hub.url)
         master = Master("/robot/tool")
         assert await ask(rosgraph.is_master_online)
-        assert await ask(master.getUri) == it.hub.url
+        assert await ask(master.getUri) == programs.hub.url
         assert await ask(master.setParam, "speed", 1.5) == 0
         assert await ask(master.getParam, "/robot/speed") == 1.5
         assert await ask(master.hasParam, "speed")
@@ -59,9 +59,9 @@ async def test_it_tells_of_parameters(monkeypatch: pytest.MonkeyPatch) -> None:
             await ask(master.searchParam, "~speed")
 
 
-async def test_it_tells_of_the_graph(monkeypatch: pytest.MonkeyPatch) -> None:
-    async with world() as it, fibws.Node("talker", hub=it.hub.url) as node:
-        monkeypatch.setenv("FIBWS_HUB", it.hub.url)
+async def test_master_reports_the_graph(monkeypatch: pytest.MonkeyPatch) -> None:
+    async with running_hub() as programs, fibws.Node("talker", hub=programs.hub.url) as node:
+        monkeypatch.setenv("FIBWS_HUB", programs.hub.url)
         await node.advertise("chatter", "std_msgs/String")
         node.subscribe("heard", "std_msgs/Int32")
         await node.params.has("x")  # The hub has heard of both now.

@@ -1,4 +1,4 @@
-"""Programs that use rospy, each a process of its own, on a hub of the test's."""
+"""Runs programs that use rospy as processes, with a hub of the test's own."""
 
 from __future__ import annotations
 
@@ -18,61 +18,61 @@ PYTHONPATH = Path(__file__).parents[3] / "fibws" / "ros1" / "python"
 
 
 class Program:
-    """One that runs."""
+    """A running program."""
 
     def __init__(self, process: asyncio.subprocess.Process) -> None:
         self._process = process
         self._lines: list[str] = []
-        self.complaints = ""
-        """What it has written on standard error, once it has ended well."""
+        self.errors = ""
+        """The text on standard error, after `finish`."""
 
-    async def says(self) -> str:
-        """The next line that it prints."""
+    async def read_line(self) -> str:
+        """Return the next line on standard output."""
         assert self._process.stdout is not None
         async with asyncio.timeout(PATIENCE):
             line = (await self._process.stdout.readline()).decode().rstrip("\n")
         self._lines.append(line)
-        assert line or not self._process.stdout.at_eof(), await self._last_words()
+        assert line or not self._process.stdout.at_eof(), await self._output()
         return line
 
     def interrupt(self) -> None:
-        """Ctrl-C."""
+        """Send SIGINT, as Ctrl-C does."""
         self._process.send_signal(signal.SIGINT)
 
-    async def ends(self) -> list[str]:
-        """What it prints until its end, which is a good one."""
+    async def finish(self) -> list[str]:
+        """Return the remaining lines on standard output; the exit code must be 0."""
         async with asyncio.timeout(PATIENCE):
             out, err = await self._process.communicate()
         assert self._process.returncode == 0, (self._lines, out.decode(), err.decode())
-        self.complaints = err.decode()
+        self.errors = err.decode()
         return out.decode().splitlines()
 
-    async def complains(self) -> str:
-        """What it writes on standard error until its end."""
+    async def read_errors(self) -> str:
+        """Return the text on standard error until its end."""
         async with asyncio.timeout(PATIENCE):
             _, err = await self._process.communicate()
         return err.decode()
 
-    async def end(self) -> None:
-        """End it, whatever it does."""
+    async def kill(self) -> None:
+        """Kill the program if it still runs."""
         if self._process.returncode is None:
             self._process.kill()
             await self._process.communicate()
 
-    async def _last_words(self) -> str:
+    async def _output(self) -> str:
         assert self._process.stderr is not None
-        return f"it said {self._lines} and {(await self._process.stderr.read()).decode()}"
+        return f"printed {self._lines} and {(await self._process.stderr.read()).decode()}"
 
 
-class World:
-    """A hub, and whom it serves."""
+class Programs:
+    """Programs on a hub."""
 
     def __init__(self, hub: Hub) -> None:
         self.hub = hub
         self._programs: list[Program] = []
 
     async def start(self, text: str, *arguments: str) -> Program:
-        """Start a program of this text."""
+        """Start a program with this text."""
         kept = {name: value for name, value in os.environ.items() if not name.startswith("ROS")}
         process = await asyncio.create_subprocess_exec(
             sys.executable,
@@ -92,21 +92,21 @@ class World:
         return self._programs[-1]
 
     async def run(self, text: str, *arguments: str) -> list[str]:
-        """What a program of this text prints."""
-        return await (await self.start(text, *arguments)).ends()
+        """Run a program with this text, and return its lines on standard output."""
+        return await (await self.start(text, *arguments)).finish()
 
-    async def end(self) -> None:
-        """End all programs that still run."""
+    async def kill(self) -> None:
+        """Kill all programs that still run."""
         for program in self._programs:
-            await program.end()
+            await program.kill()
 
 
 @asynccontextmanager
-async def world() -> AsyncIterator[World]:
-    """A hub on a free port; what still runs at the end is ended."""
+async def running_hub() -> AsyncIterator[Programs]:
+    """Run a hub on a free port; programs that still run at the end are killed."""
     async with Hub(Settings(port=0, close_timeout=0.1)) as hub:
-        found = World(hub)
+        programs = Programs(hub)
         try:
-            yield found
+            yield programs
         finally:
-            await found.end()
+            await programs.kill()

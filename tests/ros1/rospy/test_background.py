@@ -33,7 +33,7 @@ async def running(background: Background, hub: Hub) -> AsyncIterator[Background]
     await asyncio.to_thread(background.stop)
 
 
-def test_before_its_start_there_is_no_node(background: Background) -> None:
+def test_node_is_an_error_before_start(background: Background) -> None:
     assert not background.running
     with pytest.raises(ROSException, match="Please call init_node"):
         _ = background.node
@@ -43,7 +43,7 @@ def test_before_its_start_there_is_no_node(background: Background) -> None:
             give(asyncio.sleep(0))
 
 
-async def test_any_thread_can_ask_the_node(running: Background) -> None:
+async def test_threads_can_call_the_node(running: Background) -> None:
     node = running.node
     assert node.name == "/worker"
     await asyncio.to_thread(running.call, node.params.set("~x", 5))
@@ -54,7 +54,7 @@ async def test_any_thread_can_ask_the_node(running: Background) -> None:
     assert await asyncio.to_thread(called.wait, 10)
 
 
-async def test_what_the_coroutine_raises_is_raised(running: Background) -> None:
+async def test_error_of_a_call_is_raised(running: Background) -> None:
     async def fail() -> NoReturn:
         raise ZeroDivisionError
 
@@ -62,7 +62,7 @@ async def test_what_the_coroutine_raises_is_raised(running: Background) -> None:
         await asyncio.to_thread(running.call, fail())
 
 
-async def test_what_takes_too_long_is_cancelled(running: Background) -> None:
+async def test_call_is_cancelled_after_its_timeout(running: Background) -> None:
     cancelled = threading.Event()
 
     async def wait() -> None:
@@ -76,7 +76,7 @@ async def test_what_takes_too_long_is_cancelled(running: Background) -> None:
     assert await asyncio.to_thread(cancelled.wait, 10)
 
 
-async def test_its_end_ends_what_is_under_way(running: Background) -> None:
+async def test_stop_interrupts_calls(running: Background) -> None:
     begun = threading.Event()
 
     async def wait() -> None:
@@ -99,29 +99,29 @@ async def test_its_end_ends_what_is_under_way(running: Background) -> None:
     assert not running.soon(print)
 
 
-async def test_it_tells_what_has_ended_the_node(background: Background, hub: Hub) -> None:
-    told: asyncio.Queue[Exception] = asyncio.Queue()
+async def test_end_of_the_node_is_reported(background: Background, hub: Hub) -> None:
+    errors: asyncio.Queue[Exception] = asyncio.Queue()
     loop = asyncio.get_running_loop()
 
     def ended(fault: Exception) -> None:
-        loop.call_soon_threadsafe(told.put_nowait, fault)
+        loop.call_soon_threadsafe(errors.put_nowait, fault)
 
     def node() -> fibws.Node:
         return fibws.Node("worker", hub=hub.url)
 
     await asyncio.to_thread(background.start, node, ended)
     async with fibws.Node("worker", hub=hub.url):
-        assert isinstance(await told.get(), fibws.NodeReplaced)
+        assert isinstance(await errors.get(), fibws.NodeReplaced)
         await asyncio.to_thread(background.stop)
 
 
-def test_what_the_node_raises_at_first_is_raised(background: Background) -> None:
+def test_error_at_the_start_is_raised(background: Background) -> None:
     with pytest.raises(fibws.InvalidAddress):
         background.start(lambda: fibws.Node("worker", hub="http://x"), print)
     assert not background.running
 
 
-def test_it_can_be_stopped_while_it_waits_for_its_hub(background: Background) -> None:
+def test_start_can_be_stopped_while_it_waits_for_the_hub(background: Background) -> None:
     waiting = threading.Event()
 
     def node() -> fibws.Node:
@@ -141,13 +141,13 @@ def test_it_can_be_stopped_while_it_waits_for_its_hub(background: Background) ->
     assert time.monotonic() - began < 10
 
 
-def test_it_can_be_stopped_before_its_start(background: Background) -> None:
+def test_start_after_stop_is_interrupted(background: Background) -> None:
     background.stop()
     with pytest.raises(ROSInterruptException):
         background.start(lambda: fibws.Node("worker"), print)
 
 
-async def test_what_the_loops_end_has_forestalled_is_closed(running: Background) -> None:
+async def test_coroutine_is_closed_if_the_loop_has_ended(running: Background) -> None:
     await asyncio.to_thread(running.stop)
     loop = asyncio.new_event_loop()
     running._loop = loop  # It takes what it is given, but nobody runs it any more.
@@ -158,11 +158,11 @@ async def test_what_the_loops_end_has_forestalled_is_closed(running: Background)
     loop.close()
 
 
-async def test_who_gives_way_waits_for_a_node_that_runs_and_for_no_other(
+async def test_give_way_waits_only_for_a_running_node(
     running: Background, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     class Patience(Exception):
-        """It would wait."""
+        """Raised instead of a wait."""
 
     def join(timeout: float) -> None:
         raise Patience
@@ -188,7 +188,7 @@ def died() -> bool:
 
 
 async def error_of(response: Response[Any]) -> BaseException:
-    """What is raised to a thread; a KeyboardInterrupt would end the loop of a test as well."""
+    """Return the error that a thread gets; a KeyboardInterrupt would end the test's loop."""
 
     def wait() -> BaseException:
         try:

@@ -16,7 +16,7 @@ from rospy import console, rostime
 
 @pytest.fixture
 def simulated() -> Iterator[None]:
-    """It is five seconds past the beginning of a simulated time."""
+    """Time is simulated, and is 5 seconds."""
     rostime.set_rostime_initialized(True)
     rostime.set_rostime(genpy.Time(5))
     yield
@@ -25,7 +25,7 @@ def simulated() -> Iterator[None]:
 
 
 class Terminal(io.StringIO):
-    """A stream that is one."""
+    """A stream that is a terminal."""
 
     encoding = "ascii"
 
@@ -47,18 +47,18 @@ def record(level: int = logging.INFO, text: str = "hello %s", *args: object) -> 
         ("${time:then} ${walltime:now}", "then now"),
     ],
 )
-def test_a_template_has_tags(template: str, line: str) -> None:
+def test_tags_of_a_template_are_replaced(template: str, line: str) -> None:
     assert console.line_of(record(logging.INFO, "hello %s", "you"), template) == line
 
 
-def test_a_line_has_the_time() -> None:
+def test_line_has_the_time() -> None:
     line = console.line_of(record(), console.FORMAT)
     assert re.fullmatch(r"\[INFO\] \[\d{10}\.\d{6}\]: hello %s", line)
     assert console.line_of(record(), "${thread}").isdigit()
 
 
 @pytest.mark.usefixtures("simulated")
-def test_a_line_has_the_simulated_time_as_well() -> None:
+def test_line_has_the_simulated_time() -> None:
     assert re.fullmatch(r"\d{10}\.\d{6}, 5\.000000", console.line_of(record(), "${time}"))
     assert console.line_of(record(), "${time:then}") == "then, 5.000000"
     assert re.fullmatch(r"\d{10}\.\d{6}", console.line_of(record(), "${walltime}"))
@@ -68,11 +68,11 @@ def test_a_line_has_the_simulated_time_as_well() -> None:
     ("level", "severity"),
     [(10, "DEBUG"), (20, "INFO"), (30, "WARN"), (40, "ERROR"), (50, "FATAL"), (25, "Level 25")],
 )
-def test_a_level_has_ross_name(level: int, severity: str) -> None:
+def test_level_has_the_name_of_ros(level: int, severity: str) -> None:
     assert console.line_of(record(level), "${severity}") == severity
 
 
-def test_warnings_go_to_standard_error_and_the_rest_to_the_output(
+def test_warnings_are_printed_on_standard_error(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("ROSCONSOLE_FORMAT", "${message}")
@@ -93,7 +93,7 @@ def test_warnings_go_to_standard_error_and_the_rest_to_the_output(
         (logging.CRITICAL, "\033[31mx\033[0m\n"),
     ],
 )
-def test_a_terminal_shows_colours(level: int, line: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_terminal_shows_colours(level: int, line: str, monkeypatch: pytest.MonkeyPatch) -> None:
     terminal = Terminal()
     monkeypatch.setenv("ROSCONSOLE_FORMAT", "${message}")
     monkeypatch.delenv("NO_COLOR", raising=False)
@@ -103,7 +103,7 @@ def test_a_terminal_shows_colours(level: int, line: str, monkeypatch: pytest.Mon
     assert terminal.getvalue() == line
 
 
-def test_who_wants_no_colours_gets_none(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_color_disables_colours(monkeypatch: pytest.MonkeyPatch) -> None:
     terminal = Terminal()
     monkeypatch.setenv("ROSCONSOLE_FORMAT", "${message}")
     monkeypatch.setenv("NO_COLOR", "1")
@@ -112,7 +112,9 @@ def test_who_wants_no_colours_gets_none(monkeypatch: pytest.MonkeyPatch) -> None
     assert terminal.getvalue() == "x\n"
 
 
-def test_what_a_stream_cannot_write_is_told_otherwise(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_characters_that_a_stream_cannot_encode_are_escaped(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     terminal = Terminal()
     monkeypatch.setenv("ROSCONSOLE_FORMAT", "${message}")
     monkeypatch.setattr(sys, "stdout", terminal)
@@ -120,7 +122,7 @@ def test_what_a_stream_cannot_write_is_told_otherwise(monkeypatch: pytest.Monkey
     assert terminal.getvalue() == "\\xe4\n"
 
 
-def test_a_reader_who_has_left_is_for_the_program_to_know(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_broken_pipe_is_raised(monkeypatch: pytest.MonkeyPatch) -> None:
     class Closed(Terminal):
         def write(self, text: str, /) -> int:
             raise BrokenPipeError
@@ -130,12 +132,12 @@ def test_a_reader_who_has_left_is_for_the_program_to_know(monkeypatch: pytest.Mo
         console.Console().emit(record())
 
 
-def test_a_line_that_cannot_be_made_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+def test_formatting_error_is_printed(capsys: pytest.CaptureFixture[str]) -> None:
     console.Console().emit(record(logging.INFO, "%d", "no number"))
     assert "%d format" in capsys.readouterr().err
 
 
-def test_a_file_has_what_is_logged(tmp_path: Path) -> None:
+def test_log_is_appended_to_a_file(tmp_path: Path) -> None:
     path = tmp_path / "node.log"
     handler = console.log_file(str(path))
     assert not path.exists()

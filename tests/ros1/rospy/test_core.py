@@ -1,4 +1,4 @@
-"""How a node comes to its end, and what is done when it begins."""
+"""Start and shutdown of a node."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import rospy
 from rospy import core, exceptions
 from rospy.background import Background
 
-from ros1.rospy.programs import world
+from ros1.rospy.programs import running_hub
 
 
 @pytest.fixture(autouse=True)
@@ -26,7 +26,7 @@ def fresh(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     yield
 
 
-def test_hooks_come_before_the_end_and_at_it() -> None:
+def test_hooks_are_called_before_and_at_the_end() -> None:
     said: list[tuple[str, bool, bool]] = []
 
     def note(what: str) -> None:
@@ -46,7 +46,7 @@ def test_hooks_come_before_the_end_and_at_it() -> None:
     ]
 
 
-def test_a_hook_that_raises_keeps_none_from_its_turn(capsys: pytest.CaptureFixture[str]) -> None:
+def test_error_of_a_hook_does_not_stop_other_hooks(capsys: pytest.CaptureFixture[str]) -> None:
     said: list[str] = []
     core.add_client_shutdown_hook(lambda: [][0])
     core.add_client_shutdown_hook(lambda: said.append("second"))
@@ -55,14 +55,14 @@ def test_a_hook_that_raises_keeps_none_from_its_turn(capsys: pytest.CaptureFixtu
     assert "IndexError" in capsys.readouterr().err
 
 
-def test_a_hook_that_exits_keeps_no_node_from_its_end(capsys: pytest.CaptureFixture[str]) -> None:
+def test_exit_in_a_hook_does_not_stop_the_shutdown(capsys: pytest.CaptureFixture[str]) -> None:
     core.add_client_shutdown_hook(lambda: sys.exit(4))
     core.signal_shutdown("enough")
     assert core.is_shutdown()
     assert "SystemExit: 4" in capsys.readouterr().err
 
 
-def test_a_hook_that_comes_too_late_is_called_at_once() -> None:
+def test_hook_added_after_shutdown_is_called_at_once() -> None:
     core.signal_shutdown("enough")
     said: list[str] = []
     core.add_client_shutdown_hook(lambda: said.append("client's"))
@@ -71,13 +71,13 @@ def test_a_hook_that_comes_too_late_is_called_at_once() -> None:
     assert said == ["client's", "already shutdown", "already shutdown"]
 
 
-def test_a_hook_is_a_function() -> None:
+def test_hook_must_be_callable() -> None:
     for add in core.add_client_shutdown_hook, core.add_preshutdown_hook, core.add_shutdown_hook:
         with pytest.raises(TypeError, match=r"shutdown hook \[5\] must be a function"):
             add(5)  # type: ignore[arg-type]
 
 
-def test_who_waits_for_the_end_is_woken() -> None:
+def test_shutdown_wakes_waiting_threads() -> None:
     assert not core.wait_for_shutdown(timeout=0)
     waiting = threading.Thread(target=core.wait_for_shutdown)
     waiting.start()
@@ -87,7 +87,7 @@ def test_who_waits_for_the_end_is_woken() -> None:
     assert core.wait_for_shutdown()
 
 
-def test_what_is_to_be_done_at_the_start_is_done_in_order() -> None:
+def test_start_functions_are_called_in_order() -> None:
     done: list[str] = []
     core.on_start(lambda: done.append("first"))
     core.on_start(lambda: core.on_start(lambda: done.append("last")))
@@ -98,14 +98,16 @@ def test_what_is_to_be_done_at_the_start_is_done_in_order() -> None:
     assert core.is_initialized()
 
 
-def test_when_the_node_runs_it_is_done_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_start_function_is_called_at_once_while_the_node_runs(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setattr(Background, "running", True)
     done: list[str] = []
     core.on_start(lambda: done.append("now"))
     assert done == ["now"]
 
 
-def test_what_rospy_has_here_too_is_found_here() -> None:
+def test_names_that_rospy_has_in_core_exist() -> None:
     for name in "logwarn", "rospyinfo", "resolve_name", "ROSInitException":
         assert callable(getattr(core, name))
     assert core.loginfo is rospy.loginfo  # type: ignore[attr-defined]
@@ -114,11 +116,11 @@ def test_what_rospy_has_here_too_is_found_here() -> None:
             getattr(core, name)
 
 
-def test_without_a_node_there_is_no_uri() -> None:
+def test_uri_is_none_without_a_node() -> None:
     assert core.get_node_uri() is None
 
 
-def test_exceptions_are_caught_as_in_rospy() -> None:
+def test_exceptions_have_the_bases_of_rospy() -> None:
     assert issubclass(exceptions.ROSInterruptException, KeyboardInterrupt)
     assert issubclass(exceptions.ROSInterruptException, exceptions.ROSException)
     assert issubclass(exceptions.ROSTimeMovedBackwardsException, exceptions.ROSInterruptException)
@@ -139,9 +141,9 @@ WAITS = {
 
 @pytest.mark.skipif(sys.platform == "win32", reason="nobody can press Ctrl-C there")
 @pytest.mark.parametrize("what", WAITS)
-async def test_ctrl_c_ends_each_way_to_wait(what: str) -> None:
-    async with world() as it:
-        program = await it.start(f"""
+async def test_ctrl_c_interrupts_all_waits(what: str) -> None:
+    async with running_hub() as programs:
+        program = await programs.start(f"""
             import threading, rospy
             from std_msgs.msg import String
             from std_srvs.srv import Empty
@@ -161,16 +163,16 @@ async def test_ctrl_c_ends_each_way_to_wait(what: str) -> None:
             except rospy.ROSInterruptException:
                 print("interrupted")
         """)
-        assert await program.says() == "ready"
+        assert await program.read_line() == "ready"
         program.interrupt()
-        assert await program.ends() == ["hook False", "interrupted"]
+        assert await program.finish() == ["hook False", "interrupted"]
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="nobody can press Ctrl-C there")
 @pytest.mark.parametrize("turn", ["", "rospy.signal_shutdown('done')"])
-async def test_what_follows_a_loop_is_done_wherever_the_end_meets_it(turn: str) -> None:
-    async with world() as it:
-        program = await it.start(f"""
+async def test_code_after_a_loop_runs_after_ctrl_c(turn: str) -> None:
+    async with running_hub() as programs:
+        program = await programs.start(f"""
             import rospy
             rospy.init_node("looper")
             rate = rospy.Rate(0.01)
@@ -180,31 +182,31 @@ async def test_what_follows_a_loop_is_done_wherever_the_end_meets_it(turn: str) 
                 rate.sleep()
             print("cleaned up")
         """)
-        assert await program.says() == "turn"
+        assert await program.read_line() == "turn"
         if not turn:
             program.interrupt()
-        assert await program.ends() == ["cleaned up"]
+        assert await program.finish() == ["cleaned up"]
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="nobody can press Ctrl-C there")
-async def test_ctrl_c_ends_a_spin_in_silence() -> None:
-    async with world() as it:
-        program = await it.start("""
+async def test_ctrl_c_ends_spin_silently() -> None:
+    async with running_hub() as programs:
+        program = await programs.start("""
             import rospy
             rospy.init_node("spinner")
             print("ready")
             rospy.spin()
             print("end", rospy.is_shutdown())
         """)
-        assert await program.says() == "ready"
+        assert await program.read_line() == "ready"
         program.interrupt()
-        assert await program.ends() == ["end True"]
+        assert await program.finish() == ["end True"]
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="nobody can press Ctrl-C there")
-async def test_who_is_woken_from_sleep_shows_no_traceback() -> None:
-    async with world() as it:
-        program = await it.start("""
+async def test_interrupted_sleep_prints_no_traceback() -> None:
+    async with running_hub() as programs:
+        program = await programs.start("""
             import rospy, sys, threading
             sys.stderr = sys.stdout
             rospy.init_node("sleeper")
@@ -213,31 +215,31 @@ async def test_who_is_woken_from_sleep_shows_no_traceback() -> None:
             rospy.sleep(60)
             print("never")
         """)
-        assert await program.says() == "ready"
+        assert await program.read_line() == "ready"
         program.interrupt()
-        assert await program.ends() == []
+        assert await program.finish() == []
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="nobody can press Ctrl-C there")
-async def test_the_second_ctrl_c_ends_what_does_not_heed_the_first() -> None:
-    async with world() as it:
-        program = await it.start("""
+async def test_second_ctrl_c_ends_a_program_that_ignores_the_first() -> None:
+    async with running_hub() as programs:
+        program = await programs.start("""
             import rospy, threading
             rospy.init_node("deaf")
             rospy.on_shutdown(lambda: print("hook"))
             print("ready")
             threading.Event().wait()
         """)
-        assert await program.says() == "ready"
+        assert await program.read_line() == "ready"
         program.interrupt()
-        assert await program.says() == "hook"
+        assert await program.read_line() == "hook"
         program.interrupt()
-        assert (await program.complains()).endswith("KeyboardInterrupt\n")
+        assert (await program.read_errors()).endswith("KeyboardInterrupt\n")
 
 
-async def test_what_was_published_last_is_still_sent() -> None:
-    async with world() as it:
-        listener = await it.start("""
+async def test_last_message_is_sent_at_shutdown() -> None:
+    async with running_hub() as programs:
+        listener = await programs.start("""
             import rospy
             from std_msgs.msg import Int32
 
@@ -251,8 +253,8 @@ async def test_what_was_published_last_is_still_sent() -> None:
             print("ready")
             rospy.spin()
         """)
-        assert await listener.says() == "ready"
-        await it.run("""
+        assert await listener.read_line() == "ready"
+        await programs.run("""
             import rospy
             from std_msgs.msg import Int32
 
@@ -261,10 +263,10 @@ async def test_what_was_published_last_is_still_sent() -> None:
             for number in range(301):
                 numbers.publish(number)
         """)
-        assert await listener.ends() == ["all"]
+        assert await listener.finish() == ["all"]
 
 
-def test_signals_are_for_the_main_thread() -> None:
+def test_signals_need_the_main_thread() -> None:
     raised: list[Exception] = []
 
     def register() -> None:

@@ -1,4 +1,4 @@
-"""What a program logs, and how often."""
+"""The log functions."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Records(logging.Handler):
 
 @pytest.fixture
 def records(monkeypatch: pytest.MonkeyPatch) -> Iterator[Records]:
-    """What is logged in the test, which remembers no line of another one."""
+    """The records of this test; throttling starts from scratch."""
     monkeypatch.setattr(log, "_places", set())
     monkeypatch.setattr(log, "_times", {})
     monkeypatch.setattr(log, "_texts", {})
@@ -62,26 +62,26 @@ def clock() -> Iterator[Callable[[float], None]]:
 
 
 @pytest.mark.parametrize("name", LEVELS)
-def test_a_line_has_its_level_and_its_place(records: Records, name: str) -> None:
+def test_line_has_its_level_and_place(records: Records, name: str) -> None:
     getattr(rospy, f"log{name}")("%s and %d", "one", 2)
     (record,) = records.kept
     assert record.getMessage() == "one and 2"
     assert record.levelno == LEVELS[name]
     assert record.name == "rosout"
     assert Path(record.pathname) == Path(__file__)
-    assert record.funcName == "test_a_line_has_its_level_and_its_place"
+    assert record.funcName == "test_line_has_its_level_and_place"
 
 
 @pytest.mark.parametrize("kind", ["", "_throttle", "_throttle_identical", "_once"])
 @pytest.mark.parametrize("level", LEVELS)
-def test_each_function_knows_its_name(level: str, kind: str) -> None:
+def test_log_functions_have_their_names(level: str, kind: str) -> None:
     name = f"log{level}{kind}"
     function = getattr(rospy, name)
     assert (function.__name__, function.__qualname__) == (name, name)
     assert pickle.loads(pickle.dumps(function)) is function
 
 
-def test_a_method_is_told_with_its_class(records: Records) -> None:
+def test_method_is_logged_with_its_class(records: Records) -> None:
     class Talker:
         def talk(self) -> None:
             rospy.loginfo("hello")
@@ -90,19 +90,19 @@ def test_a_method_is_told_with_its_class(records: Records) -> None:
     assert records.kept[0].funcName == "Talker.talk"
 
 
-def test_a_line_may_be_anothers(records: Records) -> None:
+def test_line_can_go_to_another_logger(records: Records) -> None:
     rospy.loginfo("hello", logger_name="wheels")
     assert records.kept[0].name == "rosout.wheels"
 
 
-def test_a_line_may_be_anything(records: Records) -> None:
+def test_message_can_be_any_object(records: Records) -> None:
     rospy.loginfo({"a": 1})
     rospy.logout("100%")
     assert records.texts == ["{'a': 1}", "100%"]
 
 
 @pytest.mark.parametrize("how", ["it is handled", "it is given", "it is given in parts"])
-def test_a_line_may_show_an_exception(records: Records, how: str) -> None:
+def test_line_can_include_an_exception(records: Records, how: str) -> None:
     try:
         raise ValueError("no good")
     except ValueError as error:
@@ -113,7 +113,7 @@ def test_a_line_may_show_an_exception(records: Records, how: str) -> None:
     assert isinstance(records.kept[0].exc_info[1], ValueError)
 
 
-def test_below_the_level_nothing_is_logged(records: Records) -> None:
+def test_lines_below_the_level_are_not_logged(records: Records) -> None:
     logging.getLogger("rosout").setLevel(logging.WARNING)
     rospy.loginfo("hello")
     rospy.logwarn("careful")
@@ -121,7 +121,7 @@ def test_below_the_level_nothing_is_logged(records: Records) -> None:
 
 
 @pytest.mark.parametrize("name", LEVELS)
-def test_once_is_once_in_each_place(records: Records, name: str) -> None:
+def test_once_logs_once_in_each_place(records: Records, name: str) -> None:
     once = getattr(rospy, f"log{name}_once")
     for number in range(3):
         once("one %d", number)
@@ -131,7 +131,7 @@ def test_once_is_once_in_each_place(records: Records, name: str) -> None:
 
 
 @pytest.mark.parametrize("name", LEVELS)
-def test_a_throttled_line_waits_for_its_period(
+def test_throttled_line_is_logged_once_in_a_period(
     records: Records, clock: Callable[[float], None], name: str
 ) -> None:
     throttled = getattr(rospy, f"log{name}_throttle")
@@ -142,15 +142,13 @@ def test_a_throttled_line_waits_for_its_period(
     assert {record.levelno for record in records.kept} == {LEVELS[name]}
 
 
-def test_a_period_of_nothing_throttles_nothing(
-    records: Records, clock: Callable[[float], None]
-) -> None:
+def test_period_of_zero_does_not_throttle(records: Records, clock: Callable[[float], None]) -> None:
     for _ in range(3):
         rospy.loginfo_throttle(0, "again")
     assert len(records.kept) == 3
 
 
-def test_time_that_goes_back_ends_the_throttling(
+def test_throttling_is_reset_when_time_goes_back(
     records: Records, clock: Callable[[float], None]
 ) -> None:
     for seconds in 100, 5, 6:
@@ -160,7 +158,7 @@ def test_time_that_goes_back_ends_the_throttling(
 
 
 @pytest.mark.parametrize("name", LEVELS)
-def test_an_identical_line_waits_for_its_period(
+def test_identical_line_is_logged_once_in_a_period(
     records: Records, clock: Callable[[float], None], name: str
 ) -> None:
     throttled = getattr(rospy, f"log{name}_throttle_identical")
@@ -171,12 +169,12 @@ def test_an_identical_line_waits_for_its_period(
     assert {record.levelno for record in records.kept} == {LEVELS[name]}
 
 
-def test_the_levels_are_those_of_rosgraph_msgs() -> None:
+def test_levels_are_those_of_rosgraph_msgs() -> None:
     assert (rospy.DEBUG, rospy.INFO, rospy.WARN, rospy.ERROR, rospy.FATAL) == (1, 2, 4, 8, 16)
     assert list(log.PYTHON_LEVELS.values()) == list(LEVELS.values())
 
 
-def test_arguments_that_do_not_fit_are_an_error(records: Records) -> None:
+def test_invalid_arguments_are_an_error(records: Records) -> None:
     with pytest.raises(TypeError, match="a real number is required"):
         rospy.loginfo("%d", "five")
     with pytest.raises(TypeError, match="not all arguments"):
@@ -185,7 +183,7 @@ def test_arguments_that_do_not_fit_are_an_error(records: Records) -> None:
     assert records.texts == ["100%"]
 
 
-def test_what_the_library_says_of_itself_is_no_line_of_the_nodes(
+def test_log_of_the_library_is_not_the_log_of_the_node(
     records: Records, caplog: pytest.LogCaptureFixture
 ) -> None:
     with caplog.at_level(logging.DEBUG, "rospy"):

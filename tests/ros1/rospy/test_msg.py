@@ -1,4 +1,4 @@
-"""Messages of any type are taken as they are."""
+"""`AnyMsg`, and messages from arguments."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Pose: Any = get_message_class("geometry_msgs/Pose")
 Quaternion: Any = get_message_class("geometry_msgs/Quaternion")
 
 
-def test_a_message_of_any_type_holds_the_bytes() -> None:
+def test_any_msg_keeps_the_bytes() -> None:
     message = AnyMsg().deserialize(b"abc")
     assert message._buff == b"abc"
     buffer = BytesIO()
@@ -25,12 +25,12 @@ def test_a_message_of_any_type_holds_the_bytes() -> None:
     assert (AnyMsg._type, AnyMsg._md5sum, AnyMsg.__slots__) == ("*", "*", ["_buff"])
 
 
-def test_it_takes_no_fields() -> None:
+def test_any_msg_has_no_fields() -> None:
     with pytest.raises(ROSException, match="AnyMsg does not accept arguments"):
         AnyMsg(b"abc")
 
 
-def test_it_cannot_be_sent_before_it_has_bytes() -> None:
+def test_any_msg_without_bytes_cannot_be_serialized() -> None:
     with pytest.raises(ROSException, match="AnyMsg is not initialized"):
         AnyMsg().serialize(BytesIO())
 
@@ -39,20 +39,22 @@ def test_it_cannot_be_sent_before_it_has_bytes() -> None:
     ("args", "kwds"),
     [(("hello",), {}), ((), {"data": "hello"}), ((String("hello"),), {})],
 )
-def test_a_message_is_made(args: tuple[Any, ...], kwds: dict[str, Any]) -> None:
+def test_message_is_created_from_fields_or_returned(
+    args: tuple[Any, ...], kwds: dict[str, Any]
+) -> None:
     assert args_kwds_to_message(String, args, kwds) == String("hello")
 
 
-def test_what_is_whole_is_passed_on() -> None:
+def test_given_message_is_returned() -> None:
     for message in (String("hello"), AnyMsg()):
         assert args_kwds_to_message(String, (message,), {}) is message
 
 
-def test_no_fields_have_their_defaults() -> None:
+def test_omitted_fields_have_defaults() -> None:
     assert args_kwds_to_message(String, (), {}) == String("")
 
 
-def test_a_message_may_be_a_field() -> None:
+def test_message_can_be_the_value_of_a_field() -> None:
     point = Point(1, 2, 3)
     assert args_kwds_to_message(Pose, (point, Quaternion()), {}).position is point
 
@@ -71,7 +73,7 @@ def test_a_message_may_be_a_field() -> None:
         (Empty, (Int32(5),), {}, "expected [] but got [std_msgs/Int32]"),
     ],
 )
-def test_what_is_none_is_refused(
+def test_invalid_arguments_are_refused(
     data_class: Any, args: tuple[Any, ...], kwds: dict[str, Any], fault: str
 ) -> None:
     with pytest.raises(TypeError) as raised:
@@ -79,5 +81,5 @@ def test_what_is_none_is_refused(
     assert str(raised.value) == fault
 
 
-def test_a_message_has_bytes() -> None:
+def test_message_is_serialized() -> None:
     assert serialized(String("hi")) == b"\x02\0\0\0hi"

@@ -1,13 +1,13 @@
-"""The hub in the place of ROS's master."""
+"""The hub as a substitute for ROS's master."""
 
 from __future__ import annotations
 
-from ros1.rospy.programs import world
+from ros1.rospy.programs import running_hub
 
 
-async def test_it_answers_as_the_master_did() -> None:
-    async with world() as it:
-        said = await it.run(
+async def test_proxy_answers_like_the_master() -> None:
+    async with running_hub() as programs:
+        said = await programs.run(
             """
             import rospy
             master = rospy.get_master()
@@ -38,7 +38,7 @@ async def test_it_answers_as_the_master_did() -> None:
             "(-1, 'Parameter [/robot/nope] is not set', 0)",
             "(-1, 'Cannot find parameter [/robot/asker/x] in an upwards search', 0)",
             "(-1, 'unknown node [/robot/nobody]', 0)",
-            f"1 {it.hub.url}",
+            f"1 {programs.hub.url}",
             "1 True",
             "True",
             "{'a': 1} True True",
@@ -47,9 +47,9 @@ async def test_it_answers_as_the_master_did() -> None:
         ]
 
 
-async def test_it_answers_after_the_nodes_end_too() -> None:
-    async with world() as it:
-        said = await it.run("""
+async def test_proxy_answers_after_shutdown() -> None:
+    async with running_hub() as programs:
+        said = await programs.run("""
             import rospy
             rospy.init_node("asker")
             rospy.set_param("~x", 5)

@@ -1,4 +1,4 @@
-"""What names stand for in a process."""
+"""Resolving names in a process."""
 
 from __future__ import annotations
 
@@ -21,20 +21,20 @@ def robot() -> Iterator[None]:
     names._set_caller_id("/unnamed")
 
 
-def test_before_it_is_a_node_it_has_no_name() -> None:
+def test_name_is_unnamed_before_init_node() -> None:
     assert names.get_name() == names.get_caller_id() == "/unnamed"
     assert names.get_namespace() == "/"
     assert names.resolve_name("~x") == "/unnamed/x"
 
 
 @pytest.mark.usefixtures("robot")
-def test_a_node_has_a_name_in_a_namespace() -> None:
+def test_node_has_a_name_in_a_namespace() -> None:
     assert names.get_name() == "/robot/talker"
     assert names.get_namespace() == "/robot/"
 
 
 @pytest.mark.usefixtures("robot")
-def test_a_name_is_resolved_and_then_remapped() -> None:
+def test_name_is_resolved_and_then_remapped() -> None:
     assert names.resolve_name("chatter") == "/word"
     assert names.resolve_name("/robot/chatter") == "/word"
     assert names.resolve_name("/chatter") == "/chatter"
@@ -44,20 +44,20 @@ def test_a_name_is_resolved_and_then_remapped() -> None:
 
 
 @pytest.mark.usefixtures("robot")
-def test_a_name_can_be_remapped_as_it_is_spelled() -> None:
+def test_remap_name_compares_spellings() -> None:
     assert names.remap_name("chatter") == "/word"
     assert names.remap_name("~mine") == "/robot/yours"
     assert names.remap_name("other") == "other"
 
 
 @pytest.mark.usefixtures("robot")
-def test_what_is_renamed_can_be_asked() -> None:
+def test_mappings_can_be_read() -> None:
     assert names.get_mappings()["chatter"] == "/word"
     assert names.get_resolved_mappings()["/robot/chatter"] == "/word"
     assert names.get_resolved_mappings()["__name"] == "x"
 
 
-def test_a_topic_of_no_node_yet_is_remapped_as_well() -> None:
+def test_name_is_remapped_before_init_node() -> None:
     names.reload_mappings(["chatter:=word", "hidden:=~mine"])
     try:
         assert names.resolve_name_without_node_name("chatter") == "/word"
@@ -70,7 +70,7 @@ def test_a_topic_of_no_node_yet_is_remapped_as_well() -> None:
         names.reload_mappings([])
 
 
-def test_a_name_can_be_told_without_its_namespace() -> None:
+def test_scoped_name_has_no_namespace() -> None:
     assert names.scoped_name("/foo/node", "/foo/bar/name") == "bar/name"
     with pytest.raises(ROSException, match="must be global"):
         names.scoped_name("node", "/foo/bar")

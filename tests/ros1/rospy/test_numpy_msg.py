@@ -28,7 +28,7 @@ def packed(message: Any) -> bytes:
     return buffer.getvalue()
 
 
-def test_arrays_are_heard_as_numpys() -> None:
+def test_received_arrays_are_numpy_arrays() -> None:
     floats = numpy_msg(message_class("rospy_tutorials/Floats"))
     given = numpy.array([1.0, 2.1, numpy.nan], dtype=numpy.float32)
     heard = sent(floats(given))
@@ -37,7 +37,7 @@ def test_arrays_are_heard_as_numpys() -> None:
     numpy.testing.assert_array_equal(floats().deserialize(packed(heard)).data, given)
 
 
-def test_arrays_in_nested_messages_are_numpys_too() -> None:
+def test_arrays_in_nested_messages_are_numpy_arrays() -> None:
     odometry = numpy_msg(message_class("nav_msgs/Odometry"))
     heard = sent(odometry())
     assert isinstance(heard.pose.covariance, numpy.ndarray)
@@ -45,12 +45,12 @@ def test_arrays_in_nested_messages_are_numpys_too() -> None:
     assert heard.header.frame_id == ""
 
 
-def test_bytes_remain_bytes() -> None:
+def test_byte_arrays_are_bytes() -> None:
     image = numpy_msg(message_class("sensor_msgs/Image"))
     assert sent(image(data=b"abc")).data == b"abc"
 
 
-def test_such_a_class_is_one_of_its_type() -> None:
+def test_class_is_a_subclass_of_its_type() -> None:
     floats = message_class("rospy_tutorials/Floats")
     made = numpy_msg(floats)
     assert numpy_msg(floats) is made
@@ -83,7 +83,7 @@ def test_such_a_class_is_one_of_its_type() -> None:
         ("nav_msgs/OccupancyGrid", "data", numpy.array([-1, 100], dtype="i1"), (-1, 100)),
     ],
 )
-def test_numpys_values_can_be_sent(type_: str, field: str, value: Any, heard: Any) -> None:
+def test_numpy_values_can_be_sent(type_: str, field: str, value: Any, heard: Any) -> None:
     message = sent(message_class(type_)(**{field: value}))
     assert getattr(message, field) == heard
     assert type(getattr(message, field)) is type(heard)
@@ -100,6 +100,6 @@ def test_numpys_values_can_be_sent(type_: str, field: str, value: Any, heard: An
         ("std_msgs/UInt8MultiArray", numpy.array([1, 2], dtype="i8")),
     ],
 )
-def test_numpys_values_that_do_not_fit_are_refused(type_: str, value: Any) -> None:
+def test_numpy_values_that_do_not_fit_are_refused(type_: str, value: Any) -> None:
     with pytest.raises(fibws.InvalidMessage):
         sent(message_class(type_)(data=value))

@@ -1,4 +1,4 @@
-"""What `import rospy` gives."""
+"""The names in `rospy`."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ros1.rospy.programs import PYTHONPATH
 
 
 @pytest.mark.parametrize("name", rospy.__all__)
-def test_each_public_name_is_there(name: str) -> None:
+def test_public_name_exists(name: str) -> None:
     assert getattr(rospy, name) is not None
     assert name in dir(rospy)
 
@@ -21,17 +21,17 @@ def test_each_public_name_is_there(name: str) -> None:
 @pytest.mark.parametrize(
     "name", ["client", "core", "exceptions", "msg", "names", "rostime", "service", "topics"]
 )
-def test_its_modules_are_there_as_well(name: str) -> None:
+def test_modules_are_attributes(name: str) -> None:
     assert getattr(rospy, name) is import_module(f"rospy.{name}")
 
 
 @pytest.mark.parametrize("name", ["nothing", "_nothing"])
-def test_what_is_not_there_is_an_error(name: str) -> None:
+def test_unknown_name_is_an_error(name: str) -> None:
     with pytest.raises(AttributeError, match=f"module 'rospy' has no attribute '{name}'"):
         getattr(rospy, name)
 
 
-def test_it_loads_nothing_that_takes_its_time() -> None:
+def test_import_loads_no_slow_modules() -> None:
     text = "import rospy, sys; print([m for m in sys.modules if m.partition('.')[0] in %r])"
     slow = {"asyncio", "pydantic", "pydantic_core", "websockets", "yaml", "numpy", "click", "ssl"}
     loaded = subprocess.run(

@@ -1,4 +1,4 @@
-"""What all publishers of a topic share: its registration, numbers, checks and listeners."""
+"""The state that all publishers of a topic share: registration, numbering and listeners."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from rospy import core
 from rospy.publication import Publication
 
 import fibws
-from ros1.rospy.programs import world
+from ros1.rospy.programs import running_hub
 
 
-async def test_a_peer_is_told_alone() -> None:
-    async with world() as it:
-        program = await it.start("""
+async def test_message_can_be_published_to_one_peer() -> None:
+    async with running_hub() as programs:
+        program = await programs.start("""
             import rospy
             from std_msgs.msg import String
 
@@ -34,31 +34,31 @@ async def test_a_peer_is_told_alone() -> None:
             print("ready")
             rospy.spin()
         """)
-        assert await program.says() == "ready"
+        assert await program.read_line() == "ready"
         async with (
-            fibws.Node("first", hub=it.hub.url) as first,
-            fibws.Node("second", hub=it.hub.url) as second,
+            fibws.Node("first", hub=programs.hub.url) as first,
+            fibws.Node("second", hub=programs.hub.url) as second,
         ):
             early = first.subscribe("chatter", "std_msgs/String")
-            assert await program.says() == "came to /chatter"
+            assert await program.read_line() == "came to /chatter"
             async with asyncio.timeout(60):
                 said = [(await anext(early)).data for _ in range(2)]
                 assert said == ["welcome", "somebody came"]
                 late = second.subscribe("chatter", "std_msgs/String")
-                assert await program.says() == "came to /chatter"
+                assert await program.read_line() == "came to /chatter"
                 assert (await anext(early)).data == "somebody came"
                 assert [(await anext(late)).data for _ in range(2)] == ["welcome", "somebody came"]
             late.close()
-            assert await program.says() == "left /chatter 1"
+            assert await program.read_line() == "left /chatter 1"
             early.close()
-            assert await program.says() == "left /chatter 0"
+            assert await program.read_line() == "left /chatter 0"
         program.interrupt()
-        assert await program.ends() == []
+        assert await program.finish() == []
 
 
-async def test_a_fault_of_a_listener_is_logged() -> None:
-    async with world() as it:
-        program = await it.start("""
+async def test_error_of_a_listener_is_logged() -> None:
+    async with running_hub() as programs:
+        program = await programs.start("""
             import rospy
             from rosgraph_msgs.msg import Log
             from std_msgs.msg import String
@@ -75,16 +75,18 @@ async def test_a_fault_of_a_listener_is_logged() -> None:
             rospy.Subscriber("chatter", String, print)
             rospy.spin()
         """)
-        assert (await program.says()).startswith("bad callback: <bound method Listener.peer_subs")
-        while await program.says() != "ValueError: not you":
+        assert (await program.read_line()).startswith(
+            "bad callback: <bound method Listener.peer_subs"
+        )
+        while await program.read_line() != "ValueError: not you":
             pass
         program.interrupt()
-        await program.ends()
+        await program.finish()
 
 
-async def test_what_is_wrong_is_told_once_somebody_listens() -> None:
-    async with world() as it, fibws.Node("listener", hub=it.hub.url) as node:
-        program = await it.start("""
+async def test_invalid_message_raises_once_there_is_a_subscriber() -> None:
+    async with running_hub() as programs, fibws.Node("listener", hub=programs.hub.url) as node:
+        program = await programs.start("""
             import rospy
             from std_msgs.msg import Int8
 
@@ -101,9 +103,9 @@ async def test_what_is_wrong_is_told_once_somebody_listens() -> None:
                 except rospy.ROSSerializationException as fault:
                     print(fault)
         """)
-        assert await program.says() == "nobody minded"
+        assert await program.read_line() == "nobody minded"
         async with node.subscribe("number", "std_msgs/Int8"):
-            assert await program.ends() == [
+            assert await program.finish() == [
                 "field data exceeds specified width [int8]",
                 "field data must be an integer type",
                 "field data must be an integer type",
@@ -111,9 +113,9 @@ async def test_what_is_wrong_is_told_once_somebody_listens() -> None:
             ]
 
 
-async def test_headers_are_numbered_from_the_first_that_is_heard() -> None:
-    async with world() as it, fibws.Node("listener", hub=it.hub.url) as node:
-        program = await it.start("""
+async def test_headers_are_numbered_from_the_first_subscriber() -> None:
+    async with running_hub() as programs, fibws.Node("listener", hub=programs.hub.url) as node:
+        program = await programs.start("""
             import rospy
             from rospy_tutorials.msg import HeaderString
 
@@ -128,17 +130,17 @@ async def test_headers_are_numbered_from_the_first_that_is_heard() -> None:
                 publisher.publish(message)
             print("heard:", message.header.seq)
         """)
-        assert await program.says() == "not heard: 0"
+        assert await program.read_line() == "not heard: 0"
         async with node.subscribe("chatter", "rospy_tutorials/HeaderString") as chatter:
-            assert await program.ends() == ["heard: 3"]
+            assert await program.finish() == ["heard: 3"]
             async with asyncio.timeout(60):
                 first, second, third = [(await anext(chatter)).header.seq for _ in range(3)]
             assert [second - first, third - second] == [1, 1]
 
 
-async def test_a_later_publisher_may_latch_and_bring_headers() -> None:
-    async with world() as it, fibws.Node("listener", hub=it.hub.url) as node:
-        program = await it.start("""
+async def test_later_publisher_can_latch_and_set_headers() -> None:
+    async with running_hub() as programs, fibws.Node("listener", hub=programs.hub.url) as node:
+        program = await programs.start("""
             import rospy
             from std_msgs.msg import String
 
@@ -152,19 +154,19 @@ async def test_a_later_publisher_may_latch_and_bring_headers() -> None:
             print(heard.data, heard._connection_header["latching"])
             rospy.spin()
         """)
-        assert await program.says() == "kept 1"
+        assert await program.read_line() == "kept 1"
         async with node.subscribe("chatter", "std_msgs/String", headers=True) as chatter:
             async with asyncio.timeout(60):
                 assert (await anext(chatter)).data == "kept"
             assert chatter.connection_header == {"callerid": "/talker", "latching": "1", "a": "b"}
         assert await node.graph.publishers("chatter") == ["/talker"]
         program.interrupt()
-        assert await program.ends() == []
+        assert await program.finish() == []
 
 
-async def test_any_msg_is_relayed_as_it_is() -> None:
-    async with world() as it, fibws.Node("node", hub=it.hub.url) as node:
-        relay = await it.start("""
+async def test_any_msg_is_relayed_unchanged() -> None:
+    async with running_hub() as programs, fibws.Node("node", hub=programs.hub.url) as node:
+        relay = await programs.start("""
             import rospy
             from std_msgs.msg import String
 
@@ -184,22 +186,22 @@ async def test_any_msg_is_relayed_as_it_is() -> None:
                 print(fault)
             rospy.spin()
         """)
-        assert (await relay.says()).startswith("unknown type of the messages for /anything")
+        assert (await relay.read_line()).startswith("unknown type of the messages for /anything")
         chatter = await node.advertise("chatter", "std_msgs/String", latch=True, peers=True)
         typed = node.subscribe("typed", "std_msgs/String")
         await chatter.publish("hi")
-        assert await relay.says() == "020000006869 std_msgs/String"
+        assert await relay.read_line() == "020000006869 std_msgs/String"
         async with asyncio.timeout(60):
             assert (await anext(typed)).data == "hi"
         assert await node.graph.topic_type("anything") == "std_msgs/String"
         relay.interrupt()
-        assert await relay.ends() == []
+        assert await relay.finish() == []
 
 
 async def test_any_msg_of_an_unknown_type_is_relayed() -> None:
     definition = "Inner inner\n" + "=" * 80 + "\nMSG: made_up/Inner\nint32 number\n"
-    async with world() as it, fibws.Node("node", hub=it.hub.url) as node:
-        relay = await it.start("""
+    async with running_hub() as programs, fibws.Node("node", hub=programs.hub.url) as node:
+        relay = await programs.start("""
             import rospy
 
             rospy.init_node("relay")
@@ -217,7 +219,7 @@ async def test_any_msg_of_an_unknown_type_is_relayed() -> None:
             "chatter", "made_up/Outer", definition=definition, latch=True
         )
         await chatter.publish(b"\5\0\0\0")
-        type_, md5sum, text = (await relay.says()).split(maxsplit=2)
+        type_, md5sum, text = (await relay.read_line()).split(maxsplit=2)
         assert type_ == "made_up/Outer"
         assert len(md5sum) == 32
         assert "int32 number" in text
@@ -226,13 +228,13 @@ async def test_any_msg_of_an_unknown_type_is_relayed() -> None:
                 assert (await anext(anything))._buff == b"\5\0\0\0"
                 assert (anything.type, anything.md5sum) == (type_, md5sum)
         relay.interrupt()
-        assert await relay.ends() == []
+        assert await relay.finish() == []
 
 
 async def test_any_msg_without_a_header_has_the_type_of_the_topic() -> None:
-    async with world() as it, fibws.Node("node", hub=it.hub.url) as node:
+    async with running_hub() as programs, fibws.Node("node", hub=programs.hub.url) as node:
         chatter = node.subscribe("chatter", "std_msgs/String")
-        program = await it.start("""
+        program = await programs.start("""
             import rospy
 
             rospy.init_node("talker")
@@ -246,16 +248,16 @@ async def test_any_msg_without_a_header_has_the_type_of_the_topic() -> None:
             publisher.publish(message)
             rospy.spin()
         """)
-        assert await program.says() == "AnyMsg is not initialized"
+        assert await program.read_line() == "AnyMsg is not initialized"
         async with asyncio.timeout(60):
             assert (await anext(chatter)).data == "hi"
         program.interrupt()
-        assert await program.ends() == []
+        assert await program.finish() == []
 
 
-async def test_what_is_latched_stays_when_another_publisher_comes() -> None:
-    async with world() as it, fibws.Node("listener", hub=it.hub.url) as node:
-        program = await it.start("""
+async def test_latched_message_is_kept_with_another_publisher() -> None:
+    async with running_hub() as programs, fibws.Node("listener", hub=programs.hub.url) as node:
+        program = await programs.start("""
             import rospy
             from std_msgs.msg import String
 
@@ -269,7 +271,7 @@ async def test_what_is_latched_stays_when_another_publisher_comes() -> None:
             second.publish("next")
             rospy.spin()
         """)
-        assert await program.says() == "ready"
+        assert await program.read_line() == "ready"
         go = await node.advertise("go", "std_msgs/String", latch=True)
         async with node.subscribe("chatter", "std_msgs/String", headers=True) as chatter:
             async with asyncio.timeout(60):
@@ -278,13 +280,13 @@ async def test_what_is_latched_stays_when_another_publisher_comes() -> None:
                 assert (await anext(chatter)).data == "next"
             assert chatter.connection_header["who"] == "second"
         program.interrupt()
-        assert await program.ends() == []
+        assert await program.finish() == []
 
 
-async def test_a_topic_of_another_type_is_logged_once() -> None:
-    async with world() as it, fibws.Node("node", hub=it.hub.url) as node:
+async def test_topic_of_another_type_is_logged_once() -> None:
+    async with running_hub() as programs, fibws.Node("node", hub=programs.hub.url) as node:
         await (await node.advertise("chatter", "std_msgs/Int32")).publish(5)
-        program = await it.start("""
+        program = await programs.start("""
             import rospy
             from rosgraph_msgs.msg import Log
             from std_msgs.msg import String
@@ -298,14 +300,14 @@ async def test_a_topic_of_another_type_is_logged_once() -> None:
                 publisher.publish("hello")
             rospy.spin()
         """)
-        while not (text := await program.says()).startswith("The hub refused"):
+        while not (text := await program.read_line()).startswith("The hub refused"):
             pass
         assert "Tried to register topic /chatter with type std_msgs/String" in text
         program.interrupt()
-        assert not [line for line in await program.ends() if line.startswith("The hub")]
+        assert not [line for line in await program.finish() if line.startswith("The hub")]
 
 
-def test_who_publishes_after_the_end_leaves_the_node_time_for_it(
+def test_publish_after_shutdown_gives_way_to_the_node(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     gave_way: list[str] = []

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from ros1.rospy.programs import world
+from ros1.rospy.programs import running_hub
 
 
-async def test_a_name_that_is_not_legal_is_logged_and_the_program_goes_on() -> None:
-    async with world() as it:
-        program = await it.start("""
+async def test_illegal_name_is_logged_and_the_program_continues() -> None:
+    async with running_hub() as programs:
+        program = await programs.start("""
             import rospy
             from std_msgs.msg import String
             from std_srvs.srv import Empty
@@ -24,7 +24,7 @@ async def test_a_name_that_is_not_legal_is_logged_and_the_program_goes_on() -> N
             except rospy.ServiceException as fault:
                 print(fault)
         """)
-        assert await program.ends() == [
+        assert await program.finish() == [
             "/chit chat 0",
             "0",
             "0",
@@ -36,7 +36,7 @@ async def test_a_name_that_is_not_legal_is_logged_and_the_program_goes_on() -> N
             "subscription [/what ever]",
             "service [/go on]",
         ):
-            assert f"unable to register {thing} with master: '/" in program.complaints
-        assert program.complaints.count("[FATAL]") == 4
-        assert "[ERROR]" not in program.complaints
-        assert "Traceback" not in program.complaints
+            assert f"unable to register {thing} with master: '/" in program.errors
+        assert program.errors.count("[FATAL]") == 4
+        assert "[ERROR]" not in program.errors
+        assert "Traceback" not in program.errors

@@ -12,7 +12,7 @@ from rospy.background import Background
 from websockets.asyncio.server import ServerConnection, serve
 
 from fibws.hub import Hub
-from ros1.rospy.programs import World
+from ros1.rospy.programs import Programs
 
 RESPONSES: dict[str, dict[str, Any]] = {
     "/rosapi/get_param": {"value": "null"},
@@ -42,8 +42,8 @@ async def rosbridge(client: ServerConnection) -> None:
 async def test_script_runs_on_rosbridge_suite() -> None:
     async with serve(rosbridge, "127.0.0.1", 0) as server:
         port = server.sockets[0].getsockname()[1]
-        world = World(cast(Hub, SimpleNamespace(url=f"ws://127.0.0.1:{port}")))
-        program = await world.start(
+        running_hub = Programs(cast(Hub, SimpleNamespace(url=f"ws://127.0.0.1:{port}")))
+        program = await running_hub.start(
             """
             import rospy, threading
             from std_msgs.msg import String
@@ -68,7 +68,7 @@ async def test_script_runs_on_rosbridge_suite() -> None:
             """
         )
         try:
-            assert await program.ends() == [
+            assert await program.finish() == [
                 "hello ['md5sum', 'message_definition', 'topic', 'type']",
                 "1 2",
                 "[['/chatter', 'std_msgs/String']]",
@@ -76,7 +76,7 @@ async def test_script_runs_on_rosbridge_suite() -> None:
                 "hello",
             ]
         finally:
-            await world.end()
+            await running_hub.kill()
 
 
 def test_default_is_returned_when_the_hub_does_not_respond(monkeypatch: pytest.MonkeyPatch) -> None:

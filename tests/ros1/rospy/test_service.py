@@ -11,7 +11,7 @@ from rospy.service import Service, ServiceException, convert_return_to_response
 
 import fibws
 from fibws.errors import ServiceError
-from ros1.rospy.programs import world
+from ros1.rospy.programs import running_hub
 
 AddTwoInts: Any = get_service_class("rospy_tutorials/AddTwoInts")
 Trigger: Any = get_service_class("std_srvs/Trigger")
@@ -21,11 +21,11 @@ Empty: Any = get_service_class("std_srvs/Empty")
 @pytest.mark.parametrize(
     "returned", [Trigger._response_class(True, "x"), {"message": "x"}, (True, "x"), [True, "x"]]
 )
-def test_a_response_has_many_forms(returned: Any) -> None:
+def test_handler_can_return_a_response_in_many_forms(returned: Any) -> None:
     assert convert_return_to_response(returned, Trigger._response_class).message == "x"
 
 
-def test_the_only_field_may_stand_alone() -> None:
+def test_handler_can_return_the_only_field() -> None:
     assert convert_return_to_response(3, AddTwoInts._response_class).sum == 3
     empty = Empty._response_class
     assert convert_return_to_response([], empty) == convert_return_to_response({}, empty) == empty()
@@ -40,13 +40,13 @@ def test_the_only_field_may_stand_alone() -> None:
         ((True,), "handler returned wrong number of values: Invalid number of arguments, "),
     ],
 )
-def test_what_is_no_response_is_refused(returned: Any, fault: str) -> None:
+def test_invalid_response_is_refused(returned: Any, fault: str) -> None:
     with pytest.raises(ServiceException) as raised:
         convert_return_to_response(returned, Trigger._response_class)
     assert str(raised.value).startswith(fault)
 
 
-def test_a_node_offers_a_service_once() -> None:
+def test_service_can_be_provided_only_once_by_a_node() -> None:
     service = Service("twice", Empty, print)
     with pytest.raises(ServiceException) as raised:
         Service("twice", Empty, print)
@@ -55,16 +55,16 @@ def test_a_node_offers_a_service_once() -> None:
     Service("twice", Empty, print).shutdown("it is over")
 
 
-def test_a_service_needs_a_name() -> None:
+def test_service_needs_a_name() -> None:
     with pytest.raises(ValueError, match="service name is not a non-empty string"):
         Service("", Empty, print)
     with pytest.warns(UserWarning, match="'no name' is not a legal ROS graph resource name"):
         Service("no name", Empty, print).shutdown()
 
 
-async def test_calls_are_answered_at_the_same_time() -> None:
-    async with world() as it, fibws.Node("caller", hub=it.hub.url) as node:
-        program = await it.start("""
+async def test_calls_are_handled_concurrently() -> None:
+    async with running_hub() as programs, fibws.Node("caller", hub=programs.hub.url) as node:
+        program = await programs.start("""
             import rospy, sys, threading
             from rospy_tutorials.srv import AddTwoInts
 
@@ -82,7 +82,7 @@ async def test_calls_are_answered_at_the_same_time() -> None:
             print("ready")
             rospy.spin()
         """)
-        assert await program.says() == "ready"
+        assert await program.read_line() == "ready"
         first, second = await asyncio.gather(
             *(
                 node.call("add", "rospy_tutorials/AddTwoInts", request, headers={"cookies": "oreo"})
@@ -90,14 +90,14 @@ async def test_calls_are_answered_at_the_same_time() -> None:
             )
         )
         assert (first.sum, second.sum) == (3, 7)
-        assert [await program.says() for _ in range(2)] == ["/caller /add oreo"] * 2
+        assert [await program.read_line() for _ in range(2)] == ["/caller /add oreo"] * 2
         program.interrupt()
-        assert await program.ends() == []
+        assert await program.finish() == []
 
 
-async def test_callers_hear_what_goes_wrong() -> None:
-    async with world() as it, fibws.Node("caller", hub=it.hub.url) as node:
-        program = await it.start("""
+async def test_callers_get_the_errors_of_handlers() -> None:
+    async with running_hub() as programs, fibws.Node("caller", hub=programs.hub.url) as node:
+        program = await programs.start("""
             import rospy
             from rospy_tutorials.srv import AddTwoInts
 
@@ -120,7 +120,7 @@ async def test_callers_hear_what_goes_wrong() -> None:
             print("ready")
             rospy.spin()
         """)
-        assert await program.says() == "ready"
+        assert await program.read_line() == "ready"
         faults = []
         for number in range(1, 6):
             with pytest.raises(ServiceError) as raised:
@@ -134,15 +134,15 @@ async def test_callers_hear_what_goes_wrong() -> None:
             "error processing request: its thread has ended",
         ]
         program.interrupt()
-        assert await program.ends() == [
+        assert await program.finish() == [
             "told of not one ValueError True True",
             "told of field sum must be an integer type SerializationError True True",
         ]
 
 
-async def test_the_log_has_what_a_handler_raises() -> None:
-    async with world() as it, fibws.Node("caller", hub=it.hub.url) as node:
-        program = await it.start("""
+async def test_error_of_a_handler_is_logged() -> None:
+    async with running_hub() as programs, fibws.Node("caller", hub=programs.hub.url) as node:
+        program = await programs.start("""
             import rospy
             from std_srvs.srv import Empty
 
@@ -156,18 +156,18 @@ async def test_the_log_has_what_a_handler_raises() -> None:
             print("ready", flush=True)
             service.spin()
         """)
-        assert await program.says() == "ready"
+        assert await program.read_line() == "ready"
         with pytest.raises(ServiceError):
             await node.call("fail", "std_srvs/Empty")
         program.interrupt()
-        text = await program.complains()
+        text = await program.read_errors()
         assert "Error processing request: of no use\n['Traceback (most recent call last):" in text
         assert "Service /fail failed" not in text, "once is enough"
 
 
-async def test_a_service_that_is_shut_down_is_gone() -> None:
-    async with world() as it, fibws.Node("caller", hub=it.hub.url) as node:
-        program = await it.start("""
+async def test_service_is_gone_after_shutdown() -> None:
+    async with running_hub() as programs, fibws.Node("caller", hub=programs.hub.url) as node:
+        program = await programs.start("""
             import rospy, threading
             from std_srvs.srv import Empty
 
@@ -181,8 +181,8 @@ async def test_a_service_that_is_shut_down_is_gone() -> None:
             print(is_shutdown)
             rospy.spin()
         """)
-        assert await program.says() == "False"
+        assert await program.read_line() == "False"
         await node.wait_for_service("end", timeout=60)
         await node.call("end", "std_srvs/Empty")
         program.interrupt()
-        assert await program.ends() == []
+        assert await program.finish() == []

@@ -1,4 +1,4 @@
-"""Services are called by programs that are nodes, and by those that are none."""
+"""Service calls of nodes, and of programs that are not nodes."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from rospy.service_proxy import ServiceProxy, wait_for_service
 
 import fibws
 from fibws.errors import CallRefused, HubLost, ServiceError, ServiceLost
-from ros1.rospy.programs import world
+from ros1.rospy.programs import running_hub
 
 NODE = "import rospy; rospy.init_node('caller')\n"
 NO_NODE = "import rospy\n"
 
 ADD, EMPTY = "6a2e34150c00229791cc89ff309fff21", "d41d8cd98f00b204e9800998ecf8427e"
-"""What stands for rospy_tutorials/AddTwoInts and std_srvs/Empty in ROS."""
+"""Substitutes for rospy_tutorials/AddTwoInts and std_srvs/Empty of ROS."""
 
 
 async def serve(node: fibws.Node) -> None:
@@ -37,10 +37,10 @@ async def serve(node: fibws.Node) -> None:
 
 
 @pytest.mark.parametrize("beginning", [NODE, NO_NODE], ids=["a node", "no node"])
-async def test_a_service_is_called_in_all_ways(beginning: str) -> None:
-    async with world() as it, fibws.Node("server", hub=it.hub.url) as node:
+async def test_service_can_be_called_in_all_ways(beginning: str) -> None:
+    async with running_hub() as programs, fibws.Node("server", hub=programs.hub.url) as node:
         await serve(node)
-        assert await it.run(
+        assert await programs.run(
             beginning
             + """
 from rospy_tutorials.srv import AddTwoInts, AddTwoIntsRequest
@@ -80,10 +80,10 @@ for call in (lambda: rospy.ServiceProxy("none", AddTwoInts)(1, 2), lambda: add(1
 
 
 @pytest.mark.parametrize("beginning", [NODE, NO_NODE], ids=["a node", "no node"])
-async def test_a_service_of_another_type_is_refused(beginning: str) -> None:
-    async with world() as it, fibws.Node("server", hub=it.hub.url) as node:
+async def test_service_of_another_type_is_refused(beginning: str) -> None:
+    async with running_hub() as programs, fibws.Node("server", hub=programs.hub.url) as node:
         await serve(node)
-        said = await it.run(
+        said = await programs.run(
             beginning
             + """
 from std_srvs.srv import Empty
@@ -102,8 +102,8 @@ for persistent in (False, True):
 
 
 @pytest.mark.parametrize("beginning", [NODE, NO_NODE], ids=["a node", "no node"])
-async def test_the_handler_is_told_what_the_caller_says_of_itself(beginning: str) -> None:
-    async with world() as it, fibws.Node("server", hub=it.hub.url) as node:
+async def test_handler_gets_the_headers_of_the_caller(beginning: str) -> None:
+    async with running_hub() as programs, fibws.Node("server", hub=programs.hub.url) as node:
         headers: list[dict[str, str]] = []
 
         async def tell(request: Any, header: dict[str, str]) -> dict[str, Any]:
@@ -111,7 +111,7 @@ async def test_the_handler_is_told_what_the_caller_says_of_itself(beginning: str
             return {}
 
         await node.service("tell", "std_srvs/Empty", tell, headers=True)
-        await it.run(
+        await programs.run(
             beginning
             + """
 from std_srvs.srv import Empty
@@ -125,10 +125,10 @@ rospy.ServiceProxy("tell", Empty, headers={"number": 5})()
 
 
 @pytest.mark.parametrize("beginning", [NODE, NO_NODE], ids=["a node", "no node"])
-async def test_who_waits_in_vain_is_told(beginning: str) -> None:
-    async with world() as it:
+async def test_wait_for_service_times_out(beginning: str) -> None:
+    async with running_hub() as programs:
         assert (
-            await it.run(
+            await programs.run(
                 beginning
                 + """
 for name in ("never", "not legal"):
@@ -145,9 +145,9 @@ for name in ("never", "not legal"):
 
 
 @pytest.mark.parametrize("name", ["never", "not legal"])
-async def test_the_end_of_the_node_ends_a_wait(name: str) -> None:
-    async with world() as it:
-        program = await it.start(
+async def test_shutdown_interrupts_wait_for_service(name: str) -> None:
+    async with running_hub() as programs:
+        program = await programs.start(
             NODE
             + f"""
 print("waiting")
@@ -157,27 +157,27 @@ except rospy.ROSInterruptException as fault:
     print(fault)
 """
         )
-        assert await program.says() == "waiting"
+        assert await program.read_line() == "waiting"
         program.interrupt()
-        assert await program.ends() == ["rospy shutdown"]
+        assert await program.finish() == ["rospy shutdown"]
 
 
-def test_one_cannot_wait_for_no_time() -> None:
+def test_timeout_of_zero_is_an_error() -> None:
     with pytest.raises(ValueError, match="timeout must be non-zero"):
         wait_for_service("add", 0)
 
 
-async def test_a_service_may_come_later() -> None:
-    async with world() as it, fibws.Node("server", hub=it.hub.url) as node:
-        program = await it.start("""
+async def test_wait_for_service_ends_when_the_service_exists() -> None:
+    async with running_hub() as programs, fibws.Node("server", hub=programs.hub.url) as node:
+        program = await programs.start("""
             import rospy
             print("ready")
             rospy.wait_for_service("add")
             print("there it is")
         """)
-        assert await program.says() == "ready"
+        assert await program.read_line() == "ready"
         await serve(node)
-        assert await program.ends() == ["there it is"]
+        assert await program.finish() == ["there it is"]
 
 
 CALL = """
@@ -191,8 +191,8 @@ except (rospy.ServiceException, rospy.ROSInterruptException) as fault:
 """
 
 
-async def test_the_end_of_the_node_ends_a_call() -> None:
-    async with world() as it, fibws.Node("server", hub=it.hub.url) as node:
+async def test_shutdown_interrupts_a_call() -> None:
+    async with running_hub() as programs, fibws.Node("server", hub=programs.hub.url) as node:
         headers: asyncio.Queue[dict[str, str]] = asyncio.Queue()
 
         async def slow(request: Any, header: dict[str, str]) -> None:
@@ -200,14 +200,14 @@ async def test_the_end_of_the_node_ends_a_call() -> None:
             await asyncio.Event().wait()
 
         await node.service("slow", "std_srvs/Empty", slow, headers=True)
-        program = await it.start(NODE + CALL)
-        assert await program.says() == "calling"
+        program = await programs.start(NODE + CALL)
+        assert await program.read_line() == "calling"
         async with asyncio.timeout(60):
             header = await headers.get()
         assert header == {"callerid": "/caller", "number": "5", "md5sum": EMPTY}
         program.interrupt()
         fault = "node shutdown interrupted service call"
-        assert await program.ends() == [f"ROSInterruptException {fault}"]
+        assert await program.finish() == [f"ROSInterruptException {fault}"]
 
 
 FAILURES = [
@@ -218,7 +218,7 @@ FAILURES = [
 
 
 @pytest.mark.parametrize("failure", FAILURES, ids=repr)
-def test_a_failure_at_the_end_of_the_node_is_an_interruption(
+def test_failure_during_shutdown_is_an_interruption(
     failure: Exception, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def fail(*_: object) -> None:
@@ -234,29 +234,29 @@ def test_a_failure_at_the_end_of_the_node_is_an_interruption(
 
 
 @pytest.mark.parametrize("beginning", [NODE, NO_NODE], ids=["a node", "no node"])
-async def test_a_server_that_leaves_is_a_transport_error(beginning: str) -> None:
-    async with world() as it:
+async def test_lost_server_is_a_transport_error(beginning: str) -> None:
+    async with running_hub() as programs:
         called = asyncio.Event()
 
         async def slow(request: Any) -> None:
             called.set()
             await asyncio.Event().wait()
 
-        async with fibws.Node("server", hub=it.hub.url) as node:
+        async with fibws.Node("server", hub=programs.hub.url) as node:
             await node.service("slow", "std_srvs/Empty", slow)
-            program = await it.start(beginning + CALL)
+            program = await programs.start(beginning + CALL)
             async with asyncio.timeout(60):
                 await called.wait()
-        assert await program.ends() == [
+        assert await program.finish() == [
             "calling",
             "ServiceException transport error completing service call: "
             "service [/slow] unavailable: /server has left",
         ]
 
 
-async def test_without_a_hub_there_is_no_service() -> None:
-    async with world() as it:
-        assert await it.run("""
+async def test_call_without_a_hub_is_an_error() -> None:
+    async with running_hub() as programs:
+        assert await programs.run("""
             import os, rospy
             from std_srvs.srv import Empty
 

@@ -1,4 +1,4 @@
-"""What all subscribers of a topic share: its subscription, queue and callbacks."""
+"""The state that all subscribers of a topic share: subscription, queue and callbacks."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from std_msgs.msg import String
 
 import fibws
 from fibws.node.subscription import Received
-from ros1.rospy.programs import world
+from ros1.rospy.programs import running_hub
 
 
 async def test_messages_have_connection_headers() -> None:
-    async with world() as it, fibws.Node("talker", hub=it.hub.url) as node:
+    async with running_hub() as programs, fibws.Node("talker", hub=programs.hub.url) as node:
         chatter = await node.advertise(
             "chatter", "std_msgs/String", latch=True, headers={"cookies": "oreo"}
         )
         await chatter.publish("hello")
-        assert await it.run("""
+        assert await programs.run("""
             import rospy
             from std_msgs.msg import String
 
@@ -42,10 +42,10 @@ async def test_messages_have_connection_headers() -> None:
 
 
 async def test_slow_callback_gets_the_newest_messages() -> None:
-    async with world() as it, fibws.Node("talker", hub=it.hub.url) as node:
+    async with running_hub() as programs, fibws.Node("talker", hub=programs.hub.url) as node:
         chatter = await node.advertise("chatter", "std_msgs/Int32", queue_size=1000, peers=True)
         after = await node.advertise("after", "std_msgs/Int32", peers=True)
-        program = await it.start("""
+        program = await programs.start("""
             import rospy, threading
             from std_msgs.msg import Int32
 
@@ -65,19 +65,19 @@ async def test_slow_callback_gets_the_newest_messages() -> None:
                 if names:
                     break
         await chatter.publish(0)
-        assert await program.says() == "0"
+        assert await program.read_line() == "0"
         for number in range(1, 101):
             await chatter.publish(number)
         await after.publish(0)
-        assert [await program.says(), await program.says()] == ["99", "100"]
+        assert [await program.read_line(), await program.read_line()] == ["99", "100"]
         program.interrupt()
-        assert await program.ends() == []
+        assert await program.finish() == []
 
 
 async def test_error_of_a_callback_is_logged_and_the_next_message_is_passed() -> None:
-    async with world() as it, fibws.Node("talker", hub=it.hub.url) as node:
+    async with running_hub() as programs, fibws.Node("talker", hub=programs.hub.url) as node:
         chatter = await node.advertise("chatter", "std_msgs/Int32", peers=True)
-        program = await it.start("""
+        program = await programs.start("""
             import rospy
             from std_msgs.msg import Int32
 
@@ -96,15 +96,15 @@ async def test_error_of_a_callback_is_logged_and_the_next_message_is_passed() ->
                 break
         await chatter.publish(0)
         await chatter.publish(1)
-        text = await program.complains()
+        text = await program.read_errors()
         assert "bad callback: <function hear at 0x" in text
         assert text.rstrip().endswith("ValueError: nothing")
 
 
 async def test_refusal_of_the_hub_is_logged() -> None:
-    async with world() as it, fibws.Node("node", hub=it.hub.url) as node:
+    async with running_hub() as programs, fibws.Node("node", hub=programs.hub.url) as node:
         await (await node.advertise("chatter", "std_msgs/Int32")).publish(5)
-        program = await it.start("""
+        program = await programs.start("""
             import rospy
             from rosgraph_msgs.msg import Log
             from std_msgs.msg import String
@@ -116,11 +116,11 @@ async def test_refusal_of_the_hub_is_logged() -> None:
             rospy.Subscriber("chatter", String, print)
             rospy.spin()
         """)
-        assert (await program.says()).startswith(
+        assert (await program.read_line()).startswith(
             "unable to subscribe to /chatter: subscribe: Tried "
         )
         program.interrupt()
-        assert await program.ends() == []
+        assert await program.finish() == []
 
 
 def test_only_added_callbacks_can_be_removed() -> None:
@@ -160,11 +160,11 @@ def test_new_callback_is_not_passed_queued_messages_early() -> None:
     topic = Subscription("/chatter", String)
     topic._source = Source()  # type: ignore[assignment]
     heard: list[str] = []
-    begun, told, over = threading.Event(), threading.Event(), threading.Event()
+    begun, added, over = threading.Event(), threading.Event(), threading.Event()
 
     def slow(message: String) -> None:
         begun.set()
-        told.wait(60)
+        added.wait(60)
 
     def last(message: String) -> None:
         if message.data == "second":
@@ -177,7 +177,7 @@ def test_new_callback_is_not_passed_queued_messages_early() -> None:
     topic.add_callback(lambda message: heard.append(message.data), None)
     assert heard == ["first"]
     topic.add_callback(last, None)
-    told.set()
+    added.set()
     assert over.wait(60)
     assert heard == ["first", "second"]
     topic._queue.close()

@@ -1,4 +1,4 @@
-"""What happens again and again."""
+"""Rates and timers."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rospy.timer import Rate, Timer, TimerEvent
 
 @pytest.fixture
 def simulated() -> Iterator[None]:
-    """It is ten seconds past the beginning of a simulated time."""
+    """Time is simulated, and starts at 10 seconds."""
     rostime.set_rostime_initialized(True)
     rostime.set_rostime(genpy.Time(10))
     yield
@@ -25,7 +25,7 @@ def simulated() -> Iterator[None]:
 
 @pytest.fixture
 def sleeps(monkeypatch: pytest.MonkeyPatch) -> list[float]:
-    """Nobody sleeps really: simulated time goes on instead, and this is by how much."""
+    """The durations of all sleeps, which only advance simulated time."""
     slept: list[float] = []
 
     def sleep(duration: genpy.Duration) -> None:
@@ -38,17 +38,17 @@ def sleeps(monkeypatch: pytest.MonkeyPatch) -> list[float]:
 
 
 def works(seconds: float) -> None:
-    """Something else takes that long."""
+    """Advance simulated time, as for work that takes this long."""
     rostime.set_rostime(rostime.get_rostime() + genpy.Duration(seconds))
 
 
-def test_before_init_node_there_is_no_rate() -> None:
+def test_rate_is_an_error_before_init_node() -> None:
     with pytest.raises(ROSInitException, match="time is not initialized"):
         Rate(10)
 
 
 @pytest.mark.usefixtures("simulated")
-def test_a_rate_makes_up_for_the_work(sleeps: list[float]) -> None:
+def test_rate_subtracts_the_time_of_the_work(sleeps: list[float]) -> None:
     rate = Rate(2)
     works(0.1)
     rate.sleep()
@@ -59,7 +59,7 @@ def test_a_rate_makes_up_for_the_work(sleeps: list[float]) -> None:
 
 
 @pytest.mark.usefixtures("simulated")
-def test_who_is_a_little_late_catches_up_and_who_is_very_late_does_not(
+def test_rate_catches_up_only_if_it_is_a_little_late(
     sleeps: list[float],
 ) -> None:
     rate = Rate(1)
@@ -73,7 +73,7 @@ def test_who_is_a_little_late_catches_up_and_who_is_very_late_does_not(
 
 
 @pytest.mark.usefixtures("simulated")
-def test_a_rate_raises_when_time_goes_back_or_begins_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_rate_raises_or_restarts_when_time_goes_back(monkeypatch: pytest.MonkeyPatch) -> None:
     def sleep(duration: genpy.Duration) -> None:
         rostime.set_rostime(genpy.Time(3))
         raise ROSTimeMovedBackwardsException(7)
@@ -87,14 +87,14 @@ def test_a_rate_raises_when_time_goes_back_or_begins_anew(monkeypatch: pytest.Mo
 
 
 @pytest.mark.usefixtures("simulated")
-def test_a_rate_goes_on_from_where_time_went_back_to(sleeps: list[float]) -> None:
+def test_rate_continues_from_the_earlier_time(sleeps: list[float]) -> None:
     rate = Rate(1)
     rostime.set_rostime(genpy.Time(5))
     rate.sleep()
     assert sleeps == [1]
 
 
-def test_a_loop_that_goes_on_after_the_node_s_end_is_ended(
+def test_second_sleep_after_shutdown_raises(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(rostime, "_initialized", True)
@@ -108,7 +108,7 @@ def test_a_loop_that_goes_on_after_the_node_s_end_is_ended(
 
 
 @pytest.mark.usefixtures("simulated")
-def test_in_simulated_time_the_node_s_end_is_the_loop_s_at_once(
+def test_first_sleep_after_shutdown_raises_in_simulated_time(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     rate = Rate(1)
@@ -124,7 +124,7 @@ def by_hand(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("simulated", "sleeps", "by_hand")
-def test_a_timer_tells_when_it_was_due_and_when_it_was_called() -> None:
+def test_timer_event_has_expected_and_real_times() -> None:
     events: list[TimerEvent] = []
 
     def note(event: TimerEvent) -> None:
@@ -147,14 +147,14 @@ def test_a_timer_tells_when_it_was_due_and_when_it_was_called() -> None:
 
 
 @pytest.mark.usefixtures("simulated", "sleeps")
-def test_a_timer_may_go_off_once() -> None:
+def test_oneshot_timer_calls_once() -> None:
     events: queue.Queue[TimerEvent] = queue.Queue()
     Timer(genpy.Duration(1), events.put, oneshot=True).join(60)
     assert events.qsize() == 1
 
 
 @pytest.mark.usefixtures("simulated")
-def test_the_end_of_the_node_ends_a_timer(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_shutdown_ends_a_timer(monkeypatch: pytest.MonkeyPatch) -> None:
     asleep, over = threading.Event(), threading.Event()
 
     def sleep(duration: genpy.Duration) -> None:
@@ -172,7 +172,7 @@ def test_the_end_of_the_node_ends_a_timer(monkeypatch: pytest.MonkeyPatch) -> No
 
 
 @pytest.mark.usefixtures("simulated", "by_hand")
-def test_a_timer_that_is_shut_down_in_its_sleep_does_not_go_off(
+def test_timer_that_is_shut_down_during_its_sleep_does_not_call(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     called: list[TimerEvent] = []
@@ -183,7 +183,7 @@ def test_a_timer_that_is_shut_down_in_its_sleep_does_not_go_off(
 
 
 @pytest.mark.usefixtures("simulated", "by_hand")
-def test_time_that_goes_back_is_a_timers_end(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_time_that_goes_back_ends_a_timer(monkeypatch: pytest.MonkeyPatch) -> None:
     def sleep(duration: genpy.Duration) -> None:
         raise ROSTimeMovedBackwardsException(7)
 

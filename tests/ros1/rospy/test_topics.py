@@ -1,4 +1,4 @@
-"""What programs do with publishers and subscribers."""
+"""Publishers and subscribers in programs."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from rospy.topics import Publisher, Shared, Subscriber
 from std_msgs.msg import Int32, String
 
 import fibws
-from ros1.rospy.programs import world
+from ros1.rospy.programs import running_hub
 
 
-async def test_a_message_goes_from_one_program_to_another() -> None:
-    async with world() as it:
-        listener = await it.start("""
+async def test_message_is_received_by_another_program() -> None:
+    async with running_hub() as programs:
+        listener = await programs.start("""
             import rospy
             from std_msgs.msg import String
 
@@ -32,8 +32,8 @@ async def test_a_message_goes_from_one_program_to_another() -> None:
             print("ready")
             rospy.spin()
         """)
-        assert await listener.says() == "ready"
-        await it.run("""
+        assert await listener.read_line() == "ready"
+        await programs.run("""
             import rospy
             from std_msgs.msg import String
 
@@ -46,14 +46,14 @@ async def test_a_message_goes_from_one_program_to_another() -> None:
             rospy.Publisher("chatter", String, queue_size=10).publish(String("whole"))
             rospy.on_shutdown(lambda: early.publish("last"))
         """)
-        assert await listener.ends() == ["by order 7", "by name 7", "whole 7", "last 7"]
+        assert await listener.finish() == ["by order 7", "by name 7", "whole 7", "last 7"]
 
 
 async def test_subscribers_of_a_topic_share_a_connection_and_a_thread() -> None:
-    async with world() as it, fibws.Node("talker", hub=it.hub.url) as node:
+    async with running_hub() as programs, fibws.Node("talker", hub=programs.hub.url) as node:
         chatter = await node.advertise("chatter", "std_msgs/String", latch=True)
         await chatter.publish("kept")
-        program = await it.start("""
+        program = await programs.start("""
             import rospy, sys, threading
             from std_msgs.msg import String
 
@@ -69,21 +69,21 @@ async def test_subscribers_of_a_topic_share_a_connection_and_a_thread() -> None:
             rospy.spin()
         """)
         # What is latched comes at once, maybe before the first one's thread has printed it.
-        said = {await program.says(), await program.says()}
+        said = {await program.read_line(), await program.read_line()}
         assert said == {"first kept /chatter", "second kept MainThread"}
         assert await node.graph.subscribers("chatter") == ["/listener"]
         await chatter.publish("both")
-        assert [await program.says(), await program.says()] == [
+        assert [await program.read_line(), await program.read_line()] == [
             "first both /chatter",
             "second both /chatter",
         ]
         program.interrupt()
-        assert await program.ends() == []
+        assert await program.finish() == []
 
 
-async def test_what_is_unregistered_hears_no_more_and_publishes_no_more() -> None:
-    async with world() as it:
-        assert await it.run("""
+async def test_unregistered_handles_neither_receive_nor_publish() -> None:
+    async with running_hub() as programs:
+        assert await programs.run("""
             import rospy, threading
             from std_msgs.msg import String
 
@@ -112,10 +112,10 @@ async def test_what_is_unregistered_hears_no_more_and_publishes_no_more() -> Non
         """) == ["heard something", "None None /chatter", "publish() to an unregistered() handle"]
 
 
-async def test_who_waits_for_a_message_gets_one_or_is_told() -> None:
-    async with world() as it, fibws.Node("talker", hub=it.hub.url) as node:
+async def test_wait_for_message_returns_a_message_or_times_out() -> None:
+    async with running_hub() as programs, fibws.Node("talker", hub=programs.hub.url) as node:
         await (await node.advertise("chatter", "std_msgs/String", latch=True)).publish("hello")
-        assert await it.run("""
+        assert await programs.run("""
             import rospy
             from std_msgs.msg import String
 
@@ -128,9 +128,9 @@ async def test_who_waits_for_a_message_gets_one_or_is_told() -> None:
         """) == ["hello", "timeout exceeded while waiting for message on topic silence"]
 
 
-async def test_the_end_of_the_node_ends_the_wait_for_a_message() -> None:
-    async with world() as it:
-        program = await it.start("""
+async def test_shutdown_interrupts_wait_for_message() -> None:
+    async with running_hub() as programs:
+        program = await programs.start("""
             import rospy
             from std_msgs.msg import String
 
@@ -141,9 +141,9 @@ async def test_the_end_of_the_node_ends_the_wait_for_a_message() -> None:
             except rospy.ROSInterruptException as fault:
                 print(fault)
         """)
-        assert await program.says() == "ready"
+        assert await program.read_line() == "ready"
         program.interrupt()
-        assert await program.ends() == ["rospy shutdown"]
+        assert await program.finish() == ["rospy shutdown"]
 
 
 @pytest.mark.parametrize(
@@ -158,15 +158,13 @@ async def test_the_end_of_the_node_ends_the_wait_for_a_message() -> None:
     ],
 )
 @pytest.mark.parametrize("make", [Subscriber, partial(Publisher, queue_size=1)])
-def test_a_topic_needs_a_name_and_a_class(
-    make: Any, name: Any, data_class: Any, fault: str
-) -> None:
+def test_topic_needs_a_name_and_a_class(make: Any, name: Any, data_class: Any, fault: str) -> None:
     with pytest.raises(ValueError) as raised:
         make(name, data_class)
     assert str(raised.value) == fault
 
 
-def test_a_publisher_needs_a_queue_size_and_a_node() -> None:
+def test_publisher_without_queue_size_or_node_is_reported() -> None:
     with pytest.warns(SyntaxWarning, match="explicit keyword argument 'queue_size'") as warned:
         publisher = Publisher("chatter", String)
     assert warned[0].filename == __file__
@@ -180,7 +178,7 @@ def test_a_publisher_needs_a_queue_size_and_a_node() -> None:
         publisher.get_num_connections()
 
 
-def test_a_name_that_ros_does_not_allow_is_warned_of() -> None:
+def test_illegal_topic_name_gives_a_warning() -> None:
     with warnings.catch_warnings(record=True) as warned:
         warnings.simplefilter("always")
         Subscriber("no name", Int32).unregister()
@@ -190,14 +188,14 @@ def test_a_name_that_ros_does_not_allow_is_warned_of() -> None:
 
 
 @pytest.mark.parametrize("size", [0, 1.5, "1"])
-def test_a_queue_has_a_size(size: Any) -> None:
+def test_invalid_queue_size_is_an_error(size: Any) -> None:
     with pytest.raises(ROSException, match="queue size"):
         Subscriber("chatter", String, queue_size=size)
 
 
-async def test_the_programs_objects_live_no_longer_than_it() -> None:
-    async with world() as it:
-        said = await it.run("""
+async def test_objects_of_the_program_are_deleted_at_its_end() -> None:
+    async with running_hub() as programs:
+        said = await programs.run("""
             import rospy
             from std_msgs.msg import String
 
@@ -220,7 +218,7 @@ async def test_the_programs_objects_live_no_longer_than_it() -> None:
         assert said == ["deleted"]
 
 
-def test_a_class_is_no_message(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_class_instead_of_a_message_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(core, "_initialized", True)
     publisher = Publisher("chatter", String, queue_size=1)
     with pytest.raises(TypeError, match=r"got the class String: write String\(\)"):
@@ -228,9 +226,9 @@ def test_a_class_is_no_message(monkeypatch: pytest.MonkeyPatch) -> None:
     publisher.unregister()
 
 
-async def test_infinity_arrives_as_it_is_and_nan_as_nan() -> None:
-    async with world() as it:
-        listener = await it.start("""
+async def test_infinity_and_nan_are_received_unchanged() -> None:
+    async with running_hub() as programs:
+        listener = await programs.start("""
             import rospy
             from sensor_msgs.msg import LaserScan
 
@@ -239,8 +237,8 @@ async def test_infinity_arrives_as_it_is_and_nan_as_nan() -> None:
             scan = rospy.wait_for_message("scan", LaserScan)
             print(scan.range_max, scan.ranges)
         """)
-        assert await listener.says() == "ready"
-        laser = await it.start("""
+        assert await listener.read_line() == "ready"
+        laser = await programs.start("""
             import rospy
             from sensor_msgs.msg import LaserScan
 
@@ -250,9 +248,9 @@ async def test_infinity_arrives_as_it_is_and_nan_as_nan() -> None:
             scans.publish(LaserScan(range_max=inf, ranges=[1.5, inf, -inf, float("nan")]))
             rospy.spin()
         """)
-        assert await listener.ends() == ["inf (1.5, inf, -inf, nan)"]
+        assert await listener.finish() == ["inf (1.5, inf, -inf, nan)"]
         laser.interrupt()
-        assert await laser.ends() == []
+        assert await laser.finish() == []
 
 
 # Objects that publishers or subscribers share
@@ -268,7 +266,7 @@ class Impl:
         self.closings.append(self.resolved_name)
 
 
-def test_one_topic_and_class_have_one_object() -> None:
+def test_topic_and_class_have_one_shared_object() -> None:
     shared = Shared(Impl)
     first = shared.acquire("/a", String)
     assert shared.acquire("/a", String) is first
@@ -276,7 +274,7 @@ def test_one_topic_and_class_have_one_object() -> None:
     assert shared.acquire("/b", String) is not first
 
 
-def test_the_last_user_closes_it() -> None:
+def test_last_release_closes_the_shared_object() -> None:
     shared = Shared(Impl)
     impl = shared.acquire("/a", String)
     shared.acquire("/a", String)
@@ -287,7 +285,7 @@ def test_the_last_user_closes_it() -> None:
     assert shared.acquire("/a", String) is not impl
 
 
-def test_the_nodes_end_closes_all() -> None:
+def test_shutdown_closes_all_shared_objects() -> None:
     shared = Shared(Impl)
     one, other = shared.acquire("/a", String), shared.acquire("/b", String)
     shared.close_all("the end")

@@ -1,11 +1,11 @@
-"""Actions over topics, as ROS 1 has them: http://wiki.ros.org/actionlib.
+"""ROS 1's actions over topics: http://wiki.ros.org/actionlib.
 
     ActionServer ── ServerGoalHandle ── fibws.node.actions' Record
-      └─ SimpleActionServer, which pursues one goal at a time
+      └─ SimpleActionServer, which executes one goal at a time
     ActionClient ── ClientGoalHandle ── CommStateMachine ── comm_state
       └─ SimpleActionClient, which follows one goal at a time
 
-All of it is written on rospy's public names.
+It uses only public names of rospy.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The asking end of an action, whose owner follows each goal by its handle."""
+"""A client of an action, which follows each goal by its handle."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ __all__ = [
 ]
 
 QUEUE_SIZE = 10
-"""How many goals or cancels wait for a slow server, unless a parameter says otherwise."""
+"""Default number of goals and cancel requests to queue for a slow server."""
 
-LOOK_AFTER = 0.05
-"""Seconds after which one who waits looks again whether the server is connected."""
+INTERVAL = 0.05
+"""Seconds between two checks whether the server is connected."""
 
 _goals = count(1)
 
@@ -42,7 +42,7 @@ Feedback = Callable[[ClientGoalHandle, Any], object]
 
 
 class ActionClient:
-    """Sends goals to ``<ns>/goal``, as many at once as one likes.
+    """Sends goals to ``<ns>/goal``, any number at a time.
 
     Callbacks are called in the threads of the topics ``status``, ``result`` and ``feedback``.
 
@@ -51,7 +51,7 @@ class ActionClient:
         ActionSpec: the action's type, such as ``FibonacciAction``.
 
     Raises:
-        ActionException: ``ActionSpec`` is no action.
+        ActionException: ``ActionSpec`` is not an action.
     """
 
     def __init__(self, ns: str, ActionSpec: Any) -> None:
@@ -62,9 +62,9 @@ class ActionClient:
         self.ActionResult = spec.result
         self.ActionFeedback = spec.feedback
         self.last_status_msg: Any = None
-        self._heard = threading.Condition()
+        self._status_received = threading.Condition()
         self._goals: WeakValueDictionary[str, CommStateMachine] = WeakValueDictionary()
-        """Those that somebody still has a handle of."""
+        """The goals of which handles exist, by their ids."""
 
         name = rospy.remap_name(ns)
         self.pub_queue_size = rospy.get_param("actionlib_client_pub_queue_size", QUEUE_SIZE)
@@ -77,12 +77,14 @@ class ActionClient:
             f"{name}/goal", self.ActionGoal, queue_size=self.pub_queue_size
         )
         self.pub_cancel = rospy.Publisher(f"{name}/cancel", GoalID, queue_size=self.pub_queue_size)
-        self.status_sub = self._listen(f"{name}/status", GoalStatusArray, self._status_cb)
-        self.result_sub = self._listen(f"{name}/result", self.ActionResult, self._result_cb)
-        self.feedback_sub = self._listen(f"{name}/feedback", self.ActionFeedback, self._feedback_cb)
+        self.status_sub = self._subscribe(f"{name}/status", GoalStatusArray, self._status_cb)
+        self.result_sub = self._subscribe(f"{name}/result", self.ActionResult, self._result_cb)
+        self.feedback_sub = self._subscribe(
+            f"{name}/feedback", self.ActionFeedback, self._feedback_cb
+        )
 
     def stop(self) -> None:
-        """Send no more goals, and hear of none."""
+        """Unregister all topics."""
         self.pub_goal.unregister()
         self.pub_cancel.unregister()
         self.status_sub.unregister()
@@ -95,11 +97,11 @@ class ActionClient:
         transition_cb: Transition | None = None,
         feedback_cb: Feedback | None = None,
     ) -> ClientGoalHandle:
-        """Send a goal, such as a ``FibonacciGoal``, and follow it as long as there is a handle.
+        """Send a goal, such as a ``FibonacciGoal``, and follow it while a handle of it exists.
 
         Args:
-            transition_cb: is given a handle of the goal each time its state changes.
-            feedback_cb: is given a handle of the goal and each feedback.
+            transition_cb: called with a handle of the goal each time its state changes.
+            feedback_cb: called with a handle of the goal and each feedback.
         """
         handle = self.make_goal(goal, transition_cb, feedback_cb)
         self.pub_goal.publish(handle.comm_state_machine.action_goal)
@@ -108,7 +110,7 @@ class ActionClient:
     def make_goal(
         self, goal: Any, transition_cb: Transition | None, feedback_cb: Feedback | None
     ) -> ClientGoalHandle:
-        """What `send_goal` returns, for one who has to have it before anything is heard."""
+        """Return what `send_goal` does without sending the goal."""
         now = rospy.Time.now()
         name = f"{rospy.get_caller_id()}-{next(_goals)}-{now.to_sec():.3f}"
         message = self.ActionGoal(goal_id=GoalID(id=name, stamp=now), goal=goal)
@@ -118,54 +120,54 @@ class ActionClient:
         return ClientGoalHandle(machine)
 
     def cancel_all_goals(self) -> None:
-        """Tell the server that no goal is wanted any more, of whichever client."""
+        """Cancel the goals of all clients."""
         self.pub_cancel.publish(GoalID())
 
     def cancel_goals_at_and_before_time(self, time: Any) -> None:
-        """Tell the server that the goals sent up to a time are wanted no more."""
+        """Cancel the goals sent up to a time."""
         self.pub_cancel.publish(GoalID(stamp=time))
 
     def wait_for_server(self, timeout: Any = None) -> bool:
-        """Wait until the server is there and hears this client.
+        """Wait until the server is connected with this client.
 
         Args:
-            timeout: a ``Duration`` to wait at most; zero, or None, for ever.
+            timeout: maximum ``Duration`` to wait; zero or None for no limit.
 
         Returns:
-            Whether it is. It is not if the node ends meanwhile.
+            Whether it is connected; False if the node ends.
         """
         timeout = rospy.Duration() if timeout is None else timeout
         end = rospy.get_rostime() + timeout
-        with self._heard:
+        with self._status_received:
             while not rospy.is_shutdown():
                 if self._is_connected():
                     return True
                 if timeout != rospy.Duration() and rospy.get_rostime() >= end:
                     return False
-                self._heard.wait(LOOK_AFTER)
+                self._status_received.wait(INTERVAL)
         return False
 
     def wait_for_action_server_to_start(self, timeout: Any = None) -> bool:
-        """The old name of `wait_for_server`."""
+        """Call `wait_for_server`; its former name."""
         return self.wait_for_server(timeout)
 
     def _is_connected(self) -> bool:
-        """Whether the server has spoken, and there is somebody at the other end of each topic.
+        """Return whether a status was received, and each topic has a publisher or a subscriber.
 
-        A server speaks only after it has begun to listen.
+        A server publishes statuses only after it has subscribed to goals.
         """
         return self.last_status_msg is not None and all(
-            end.get_num_connections() > 0
-            for end in (self.pub_goal, self.pub_cancel, self.result_sub, self.feedback_sub)
+            topic.get_num_connections() > 0
+            for topic in (self.pub_goal, self.pub_cancel, self.result_sub, self.feedback_sub)
         )
 
-    def _listen(self, topic: str, type_: Any, callback: Callable[[Any], object]) -> Any:
+    def _subscribe(self, topic: str, type_: Any, callback: Callable[[Any], object]) -> Any:
         return rospy.Subscriber(topic, type_, callback=callback, queue_size=self.sub_queue_size)
 
     def _status_cb(self, message: Any) -> None:
-        with self._heard:
+        with self._status_received:
             self.last_status_msg = message
-            self._heard.notify_all()
+            self._status_received.notify_all()
         listed = {status.goal_id.id: status for status in message.status_list}
         for name, machine in list(self._goals.items()):
             machine.update_status(listed.get(name))

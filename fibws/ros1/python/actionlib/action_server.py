@@ -1,4 +1,4 @@
-"""The serving end of an action, whose owner decides on each goal by its handle."""
+"""A server of an action, which processes each goal by its handle."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from actionlib.server_goal_handle import ServerGoalHandle, goal_id, goal_status
 from fibws.node.actions.status import KEPT, Record, Records
 
 QUEUE_SIZE = 50
-"""How many messages of a topic wait for a slow client, unless a parameter says otherwise."""
+"""Default number of messages of a topic to queue for slow clients."""
 
 STATUS_FREQUENCY = 5.0
-"""How often in a second all goals are told about, unless a parameter says otherwise."""
+"""Default rate in Hz at which the status of all goals is published."""
 
 
 def nop_cb(goal_handle: ServerGoalHandle) -> None:
@@ -27,19 +27,19 @@ def nop_cb(goal_handle: ServerGoalHandle) -> None:
 
 
 class ActionServer:
-    """Takes goals from ``<ns>/goal``, and hands them to its owner.
+    """Receives goals from ``<ns>/goal``, and passes them to callbacks.
 
     Callbacks are called while ``lock`` is held, one at a time.
 
     Args:
         ns: the action's name.
         ActionSpec: the action's type, such as ``FibonacciAction``.
-        goal_cb: is given the handle of each goal that comes.
-        cancel_cb: is given the handle of each goal that is wanted no more.
-        auto_start: whether to begin at once. A goal may then come before the owner is ready.
+        goal_cb: called with the handle of each new goal.
+        cancel_cb: called with the handle of each goal to cancel.
+        auto_start: start at once. A goal may then arrive before the program is ready.
 
     Raises:
-        ActionException: ``ActionSpec`` is no action.
+        ActionException: ``ActionSpec`` is not an action.
     """
 
     def __init__(
@@ -66,7 +66,7 @@ class ActionServer:
         self.status_timer: Any = None
         self._records = Records()
         self._handles: dict[str, ServerGoalHandle] = {}
-        """Those of the goals that have not ended."""
+        """The handles of the goals that have not ended, by their ids."""
         if auto_start:
             rospy.logwarn(
                 "You've passed in true for auto_start to the python action server, you should "
@@ -75,22 +75,22 @@ class ActionServer:
             self.start()
 
     def register_goal_callback(self, cb: Callable[[ServerGoalHandle], object]) -> None:
-        """Have another function given the goals that come."""
+        """Replace the callback for new goals."""
         self.goal_callback = cb
 
     def register_cancel_callback(self, cancel_cb: Callable[[ServerGoalHandle], object]) -> None:
-        """Have another function given the goals that are wanted no more."""
+        """Replace the callback for goals to cancel."""
         self.cancel_callback = cancel_cb
 
     def start(self) -> None:
-        """Begin to take goals."""
+        """Start to receive goals."""
         with self.lock:
             self.initialize()
             self.started = True
             self.publish_status()
 
     def stop(self) -> None:
-        """Take no more goals; those that are pursued are heard of no more."""
+        """Unregister all topics; clients learn no more about unfinished goals."""
         with self.lock:
             self.started = False
             if self.status_timer is not None:
@@ -102,7 +102,7 @@ class ActionServer:
             self.result_pub.unregister()
 
     def initialize(self) -> None:
-        """Register the action's topics, as the parameters say."""
+        """Register the action's topics, with the settings in the parameters."""
         name = rospy.remap_name(self.ns)
         self.pub_queue_size = rospy.get_param("actionlib_server_pub_queue_size", QUEUE_SIZE)
         if self.pub_queue_size < 0:
@@ -138,22 +138,22 @@ class ActionServer:
             period = rospy.Duration(1.0 / self.status_frequency)
             self.status_timer = rospy.Timer(period, self.publish_status_async)
 
-    # What comes from clients
+    # Messages of clients
 
     def internal_goal_callback(self, goal: Any) -> None:
-        """Take an ``...ActionGoal`` off the wire; of its name and time, what is missing is made up.
+        """Process an ``...ActionGoal``; a missing id or time is generated.
 
-        A goal that came before is not taken again, and one that was canceled before is not begun.
+        A goal that is known already is ignored; one that was canceled before ends at once.
         """
         with self.lock:
             if not self.started:
                 return
             rospy.logdebug("The action server has received a new goal request")
-            wanted = goal.goal_id if goal.goal_id.id else self.id_generator.generate_ID()
-            stamp = wanted.stamp.to_nsec() or rospy.Time.now().to_nsec()
-            record = self._records.add(wanted.id, stamp, monotonic())
+            new_id = goal.goal_id if goal.goal_id.id else self.id_generator.generate_ID()
+            stamp = new_id.stamp.to_nsec() or rospy.Time.now().to_nsec()
+            record = self._records.add(new_id.id, stamp, monotonic())
             if record is None:
-                rospy.logdebug("Goal %s was already in the status list", wanted.id)
+                rospy.logdebug("Goal %s was already in the status list", new_id.id)
                 return
             if record.status.is_final:
                 self.goal_ended(record, None)
@@ -164,7 +164,7 @@ class ActionServer:
             self.goal_callback(handle)
 
     def internal_cancel_callback(self, goal_id: Any) -> None:
-        """Take a ``GoalID`` off the wire: of one goal, of those up to a time, or of all."""
+        """Process a ``GoalID`` to cancel: one goal, those up to a time, or all."""
         with self.lock:
             if not self.started:
                 return
@@ -174,10 +174,10 @@ class ActionServer:
                 if handle is not None and handle.set_cancel_requested():
                     self.cancel_callback(handle)
 
-    # What clients are told
+    # Messages to clients
 
     def goal_ended(self, record: Record, result: Any) -> None:
-        """Tell the result of a goal that has just ended, or an empty one for None."""
+        """Publish the result of a goal that has just ended; None for an empty result."""
         self._handles.pop(record.id, None)
         self._records.ended(record, monotonic())
         self.publish_result(
@@ -194,7 +194,7 @@ class ActionServer:
             self.publish_status()
 
     def publish_feedback(self, status: Any, feedback: Any) -> None:
-        """Publish how far a goal has come."""
+        """Publish feedback about a goal."""
         with self.lock:
             if not rospy.is_shutdown():
                 message = self.ActionFeedback(status=status, feedback=feedback)
@@ -202,7 +202,7 @@ class ActionServer:
                 self.feedback_pub.publish(message)
 
     def publish_status(self) -> None:
-        """Publish the status of all goals, and of those that ended a short while ago."""
+        """Publish the status of all goals, including those that ended a short time ago."""
         with self.lock:
             listed = self._records.listed(monotonic())
             if not rospy.is_shutdown():
@@ -211,13 +211,13 @@ class ActionServer:
                 self.status_pub.publish(message)
 
     def publish_status_async(self, event: Any) -> None:
-        """Publish the status of all goals once more, if the server still takes any."""
+        """Publish the status of all goals, unless the server has stopped."""
         with self.lock:
             if self.started:
                 self.publish_status()
 
     def _status_frequency(self, name: str) -> float:
-        """How often in a second all goals are told about; 0 or less for never."""
+        """Return the rate in Hz at which statuses are published; 0 or less for never."""
         own = f"{name}/status_frequency"
         if rospy.has_param(own):
             rospy.logwarn(

@@ -1,4 +1,4 @@
-"""The message classes of an action, read off its ``...Action`` class."""
+"""The message classes of an action, found through its ``...Action`` class."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from actionlib.exceptions import ActionException
 
 
 class ActionSpec(NamedTuple):
-    """What is said on an action's topics, and the result that a result message holds."""
+    """The classes of an action's topics, and of the result in a result message."""
 
     goal: Any
     result: Any
@@ -17,13 +17,13 @@ class ActionSpec(NamedTuple):
 
 
 def read_spec(action: Any) -> ActionSpec:
-    """The classes that belong to an action.
+    """Return the classes of an action.
 
     Args:
-        action: such as ``FibonacciAction`` of ``actionlib_tutorials.msg``.
+        action: its class, such as ``FibonacciAction`` of ``actionlib_tutorials.msg``.
 
     Raises:
-        ActionException: it is another class, such as ``FibonacciGoal``.
+        ActionException: the class is not an action, such as ``FibonacciGoal``.
     """
     try:
         example = action()

@@ -1,4 +1,4 @@
-"""A goal in its client's hands, and what is heard of it."""
+"""A client's handle of a goal, and the state of the goal."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from actionlib.comm_state import FINAL, CommState, following
 
 
 class CommStateMachine:
-    """What is heard of one goal.
+    """The state of one goal, as far as its client knows it.
 
     Args:
         action_goal: the goal's message, an ``...ActionGoal``.
-        transition_cb: is given a handle of the goal each time its state changes.
-        feedback_cb: is given a handle of the goal and each feedback.
-        send_cancel_fn: sends a ``GoalID`` to the server.
+        transition_cb: called with a handle of the goal each time its state changes.
+        feedback_cb: called with a handle of the goal and each feedback.
+        send_cancel_fn: sends a ``GoalID`` to the server to cancel the goal.
     """
 
     def __init__(
@@ -40,13 +40,13 @@ class CommStateMachine:
 
     @property
     def id(self) -> str:
-        """The goal's name."""
+        """The goal's id."""
         return str(self.action_goal.goal_id.id)
 
     def update_status(self, status: Any) -> None:
-        """Note what the server says in its list of goals, or None if it does not list this one.
+        """Process the goal's status in the server's list, or None if it is not in the list.
 
-        A goal that it has listed before, and that no result came of, is then lost.
+        A goal that was listed before and has no result is lost then.
         """
         with self.mutex:
             if self.state == CommState.DONE:
@@ -63,7 +63,7 @@ class CommStateMachine:
                 self.transition_to(CommState.DONE)
 
     def update_result(self, action_result: Any) -> None:
-        """Note the goal's end, from an ``...ActionResult``."""
+        """Process the goal's result, an ``...ActionResult``."""
         with self.mutex:
             if self.state == CommState.DONE:
                 rospy.logerr("Got a result when we were already in the DONE state")
@@ -73,12 +73,12 @@ class CommStateMachine:
             self.transition_to(CommState.DONE)
 
     def update_feedback(self, action_feedback: Any) -> None:
-        """Hand feedback on, from an ``...ActionFeedback``."""
+        """Process feedback, an ``...ActionFeedback``."""
         if self.feedback_cb is not None and self.state != CommState.DONE:
             self.feedback_cb(ClientGoalHandle(self), action_feedback.feedback)
 
     def transition_to(self, state: int) -> None:
-        """Go on to a state."""
+        """Change the state."""
         rospy.logdebug(
             "Transitioning to %s (from %s, goal: %s)",
             CommState.to_string(state),
@@ -107,9 +107,9 @@ class CommStateMachine:
 
 
 class ClientGoalHandle:
-    """By which a client asks about its goal; two are equal if they are of the same goal.
+    """A client's handle of a goal; two handles of the same goal are equal.
 
-    As long as there is one, its client listens for news of the goal.
+    The client follows the goal while a handle of it exists.
     """
 
     def __init__(self, comm_state_machine: CommStateMachine) -> None:
@@ -124,7 +124,7 @@ class ClientGoalHandle:
         return hash(self.comm_state_machine.id)
 
     def cancel(self) -> None:
-        """Tell the server that the goal is wanted no more; does nothing after its end."""
+        """Cancel the goal, unless it has ended."""
         machine = self.comm_state_machine
         with machine.mutex:
             if machine.state != CommState.DONE:
@@ -132,24 +132,24 @@ class ClientGoalHandle:
                 machine.transition_to(CommState.WAITING_FOR_CANCEL_ACK)
 
     def get_comm_state(self) -> int:
-        """How far it has come, of `CommState`."""
+        """Return the state of the communication with the server, one of `CommState`."""
         return self.comm_state_machine.state
 
     def get_goal_status(self) -> int:
-        """What the server said last, of ``actionlib_msgs/GoalStatus``."""
+        """Return the latest status from the server, one of ``actionlib_msgs/GoalStatus``."""
         return int(self.comm_state_machine.latest_goal_status.status)
 
     def get_goal_status_text(self) -> str:
-        """Why, in the server's words."""
+        """Return the server's text about the status."""
         return str(self.comm_state_machine.latest_goal_status.text)
 
     def get_result(self) -> Any:
-        """The goal's result, such as a ``FibonacciResult``; None if it has not come."""
+        """Return the goal's result, such as a ``FibonacciResult``; None before the result."""
         result = self.comm_state_machine.latest_result
         return None if result is None else result.result
 
     def get_terminal_state(self) -> int:
-        """How the goal has ended, of `TerminalState`; asked earlier, it warns in the log."""
+        """Return the goal's final status, one of `TerminalState`; log a warning before its end."""
         machine = self.comm_state_machine
         with machine.mutex:
             if machine.state != CommState.DONE:

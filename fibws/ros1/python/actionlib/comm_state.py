@@ -1,4 +1,4 @@
-"""What a client knows of its goal, and how the server's word changes that.
+"""The states of a goal for its client, and their changes by the server's statuses.
 
 Source: http://wiki.ros.org/actionlib/DetailedDescription, the client's state machine.
 """
@@ -11,16 +11,16 @@ from actionlib_msgs.msg import GoalStatus
 
 
 def get_name_of_constant(C: Any, n: int) -> str:
-    """The name that a class has for a number."""
+    """Return the name of a class's constant that has this value."""
     name: str
     for name, value in vars(C).items():
-        if type(value) is int and value == n:  # ``_has_header``, of messages, is a bool.
+        if type(value) is int and value == n:  # Not ``_has_header`` of messages, which is a bool.
             return name
     return f"NO_SUCH_STATE_{n}"
 
 
 class CommState:
-    """How far a goal has come between its client and its server."""
+    """The state of the communication about a goal between its client and its server."""
 
     WAITING_FOR_GOAL_ACK = 0
     PENDING = 1
@@ -36,7 +36,7 @@ class CommState:
 
 
 class TerminalState:
-    """How a goal can have ended."""
+    """The final statuses of a goal."""
 
     RECALLED = GoalStatus.RECALLED
     REJECTED = GoalStatus.REJECTED
@@ -50,17 +50,8 @@ class TerminalState:
 
 GoalStatus.to_string = classmethod(get_name_of_constant)
 
-FINAL = frozenset(
-    {
-        GoalStatus.PREEMPTED,
-        GoalStatus.SUCCEEDED,
-        GoalStatus.ABORTED,
-        GoalStatus.REJECTED,
-        GoalStatus.RECALLED,
-        GoalStatus.LOST,
-    }
-)
-"""The states of a goal that no other can follow."""
+FINAL = frozenset(value for name, value in vars(TerminalState).items() if name.isupper())
+"""The statuses that no other status can follow."""
 
 _STATUSES = (
     GoalStatus.PENDING,
@@ -82,8 +73,8 @@ _STEPS = {
     "x": CommState.PREEMPTING,
 }
 
-# The columns are of _STATUSES: pending active preempted succeeded aborted rejected preempting
-# recalling recalled. A "-" stays where it is; a "!" cannot be.
+# The columns are those of _STATUSES: pending active preempted succeeded aborted rejected preempting
+# recalling recalled. "-" keeps the state; "!" is invalid.
 _ROUTES = {
     CommState.WAITING_FOR_GOAL_ACK: "p a axw aw aw pw ax pr pw",
     CommState.PENDING: "- a axw aw aw w ax r rw",
@@ -107,16 +98,16 @@ _FOLLOWING: dict[int, dict[int, tuple[int, ...] | None]] = {
 
 
 def following(state: int, status: int) -> tuple[int, ...] | None:
-    """The states through which the server's word leads; none if it is no news.
+    """Return the states to go through when the server reports a status; empty for no change.
 
     Args:
-        state: of `CommState`, but for LOST.
-        status: of ``actionlib_msgs/GoalStatus``, but for LOST.
+        state: one of `CommState`, except LOST.
+        status: one of ``actionlib_msgs/GoalStatus``, except LOST.
 
     Returns:
-        None if the server cannot rightly say that now.
+        None if the status is invalid in this state.
 
     Raises:
-        KeyError: there is no such status.
+        KeyError: the status is unknown.
     """
     return _FOLLOWING[state][status]

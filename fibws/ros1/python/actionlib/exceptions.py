@@ -1,7 +1,7 @@
-"""What actionlib raises."""
+"""The errors of actionlib."""
 
 from __future__ import annotations
 
 
 class ActionException(Exception):
-    """A class was given that is no action."""
+    """A class is not an action."""

@@ -1,4 +1,4 @@
-"""Names for goals that came without one."""
+"""Ids for goals that have none."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ _numbers = count(1)
 
 
 class GoalIDGenerator:
-    """Makes up the names of goals.
+    """Generates ids of goals.
 
     Args:
-        name: what they begin with; the node's global name if it is not given.
+        name: the start of the ids; by default the node's global name.
     """
 
     def __init__(self, name: str | None = None) -> None:
         self.name = rospy.get_name() if name is None else name
 
     def set_name(self, name: str) -> None:
-        """Have names begin with another word."""
+        """Set the start of the ids."""
         self.name = name
 
     def generate_ID(self) -> Any:
-        """A ``GoalID`` that nobody else has, of now."""
+        """Return a unique ``GoalID`` with the current time."""
         now = rospy.Time.now()
         return GoalID(stamp=now, id=f"{self.name}-{next(_numbers)}-{now.secs}.{now.nsecs}")

@@ -1,4 +1,4 @@
-"""A goal in its server's hands."""
+"""A server's handle of a goal."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from actionlib.action_server import ActionServer
     from fibws.node.actions.status import Record
 
-_STEPS = {
+_TRANSITIONS = {
     Transition.ACCEPT: ("Accepting goal", "an active", "pending or recalling"),
     Transition.REJECT: ("Setting status to rejected on goal", "a rejected", "pending or recalling"),
     Transition.CANCEL: (
@@ -28,19 +28,19 @@ _STEPS = {
     ),
     Transition.ABORT: ("Setting status to aborted on goal", "an aborted", "preempting or active"),
 }
-"""What each step is called in the log, the state that it leads to, and those that it leads from."""
+"""For each transition: the text for the log, its new state, and the states that allow it."""
 
 
 class ServerGoalHandle:
-    """What a server knows of a goal, and by which it says what becomes of it.
+    """A server's handle of a goal, by which it sets the goal's state.
 
-    A step that the goal's state does not allow is logged as an error, and changes nothing. Two are
-    equal if they are of the same goal.
+    A transition that the goal's state does not allow is logged as an error, and ignored. Two
+    handles of the same goal are equal.
 
     Args:
-        record: the goal's state; a handle without one stands for no goal.
+        record: the goal's state; None for a handle without a goal.
         action_server: the goal's server.
-        goal: the message that brought it, an ``...ActionGoal``.
+        goal: the goal's message, an ``...ActionGoal``.
     """
 
     def __init__(
@@ -64,18 +64,18 @@ class ServerGoalHandle:
         return hash("" if self._record is None else self._record.id)
 
     def get_goal(self) -> Any:
-        """The goal itself, such as a ``FibonacciGoal``; None if there is none."""
+        """Return the goal, such as a ``FibonacciGoal``; None for a handle without a goal."""
         return None if self.goal is None else self.goal.goal
 
     def get_goal_id(self) -> Any:
-        """The goal's ``GoalID``."""
+        """Return the goal's ``GoalID``."""
         if self._record is None:
             rospy.logerr("Attempt to get a goal id on an uninitialized ServerGoalHandle")
             return GoalID()
         return goal_id(self._record)
 
     def get_goal_status(self) -> Any:
-        """The goal's state, an ``actionlib_msgs/GoalStatus``."""
+        """Return the goal's state, an ``actionlib_msgs/GoalStatus``."""
         if self._record is None or self._server is None:
             rospy.logerr("Attempt to get goal status on an uninitialized ServerGoalHandle")
             return GoalStatus()
@@ -83,31 +83,31 @@ class ServerGoalHandle:
             return goal_status(self._record)
 
     def get_default_result(self) -> Any:
-        """A result whose fields are all empty."""
+        """Return an empty result."""
         return None if self._server is None else self._server.ActionResultType()
 
     def set_accepted(self, text: str = "") -> None:
-        """Begin with the goal: it is ACTIVE, or PREEMPTING if it has been canceled already."""
+        """Accept the goal: it becomes ACTIVE, or PREEMPTING if it was canceled before."""
         self._go(Transition.ACCEPT, text)
 
     def set_canceled(self, result: Any = None, text: str = "") -> None:
-        """End the goal since it is wanted no more: RECALLED, or PREEMPTED if it had begun."""
+        """End a canceled goal: it becomes PREEMPTED, or RECALLED if it was not accepted."""
         self._end(Transition.CANCEL, result, text)
 
     def set_rejected(self, result: Any = None, text: str = "") -> None:
-        """Refuse the goal."""
+        """Reject the goal."""
         self._end(Transition.REJECT, result, text)
 
     def set_aborted(self, result: Any = None, text: str = "") -> None:
-        """Give the goal up."""
+        """Abort the goal."""
         self._end(Transition.ABORT, result, text)
 
     def set_succeeded(self, result: Any = None, text: str = "") -> None:
-        """Tell that the goal was reached."""
+        """End the goal successfully."""
         self._end(Transition.SUCCEED, result, text)
 
     def publish_feedback(self, feedback: Any) -> None:
-        """Tell the goal's client how far it has come."""
+        """Publish feedback for the goal's client."""
         if self._record is None or self._server is None:
             rospy.logerr("Attempt to publish feedback on an uninitialized ServerGoalHandle")
             return
@@ -115,7 +115,7 @@ class ServerGoalHandle:
             self._server.publish_feedback(goal_status(self._record), feedback)
 
     def set_cancel_requested(self) -> bool:
-        """Note that the client wants the goal no more; tell whether that is news."""
+        """Note that the goal is to be canceled; return False if its state does not allow it."""
         if self._record is None or self._server is None:
             return False
         with self._server.lock:
@@ -128,10 +128,10 @@ class ServerGoalHandle:
         if self._record is None or self._server is None:
             rospy.logerr("Attempt to set status on an uninitialized ServerGoalHandle")
             return False
-        step, state, allowed = _STEPS[transition]
+        description, state, allowed = _TRANSITIONS[transition]
         with self._server.lock:
             record = self._record
-            rospy.logdebug("%s, id: %s, stamp: %.2f", step, record.id, record.stamp / 1e9)
+            rospy.logdebug("%s, id: %s, stamp: %.2f", description, record.id, record.stamp / 1e9)
             if not record.go(transition, text):
                 rospy.logerr(
                     f"To transition to {state} state, the goal must be in a {allowed} state, "
@@ -152,10 +152,10 @@ class ServerGoalHandle:
 
 
 def goal_id(record: Record) -> Any:
-    """A goal's ``GoalID``."""
+    """Return a goal's ``GoalID``."""
     return GoalID(stamp=rospy.Time(*divmod(record.stamp, 1_000_000_000)), id=record.id)
 
 
 def goal_status(record: Record) -> Any:
-    """A goal's state as an ``actionlib_msgs/GoalStatus``."""
+    """Return a goal's state as an ``actionlib_msgs/GoalStatus``."""
     return GoalStatus(goal_id=goal_id(record), status=int(record.status), text=record.text)

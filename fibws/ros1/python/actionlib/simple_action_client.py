@@ -1,4 +1,4 @@
-"""The asking end of an action, for one goal at a time."""
+"""A client of an action that follows one goal at a time."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from actionlib.action_client import ActionClient
 from actionlib.client_goal_handle import ClientGoalHandle
 from actionlib.comm_state import CommState, get_name_of_constant
 
-LOOK_AFTER = 0.1
-"""Seconds after which one who waits looks whether the node has ended."""
+INTERVAL = 0.1
+"""Seconds between two checks whether the node has ended."""
 
 
 class SimpleGoalState:
-    """How far a goal has come, as far as a simple client cares."""
+    """The state of a goal for a simple client."""
 
     PENDING = 0
     ACTIVE = 1
@@ -28,7 +28,7 @@ class SimpleGoalState:
 
 
 class SimpleActionClient:
-    """Sends a goal, and follows it until it sends the next one.
+    """Sends goals, and follows the latest one.
 
     Callbacks are called in the threads of the topics ``status``, ``result`` and ``feedback``.
 
@@ -37,7 +37,7 @@ class SimpleActionClient:
         ActionSpec: the action's type, such as ``FibonacciAction``.
 
     Raises:
-        ActionException: ``ActionSpec`` is no action.
+        ActionException: ``ActionSpec`` is not an action.
     """
 
     def __init__(self, ns: str, ActionSpec: Any) -> None:
@@ -50,13 +50,13 @@ class SimpleActionClient:
         self.feedback_cb: Callable[[Any], object] | None = None
 
     def wait_for_server(self, timeout: Any = None) -> bool:
-        """Wait until the server is there and hears this client.
+        """Wait until the server is connected with this client.
 
         Args:
-            timeout: a ``Duration`` to wait at most; zero, or None, for ever.
+            timeout: maximum ``Duration`` to wait; zero or None for no limit.
 
         Returns:
-            Whether it is. It is not if the node ends meanwhile.
+            Whether it is connected; False if the node ends.
         """
         return self.action_client.wait_for_server(timeout)
 
@@ -67,12 +67,12 @@ class SimpleActionClient:
         active_cb: Callable[[], object] | None = None,
         feedback_cb: Callable[[Any], object] | None = None,
     ) -> None:
-        """Send a goal, such as a ``FibonacciGoal``; one before it is followed no more.
+        """Send a goal, such as a ``FibonacciGoal``, and stop following the previous one.
 
         Args:
-            done_cb: is given the goal's state at its end, of ``GoalStatus``, and its result.
-            active_cb: is called, without arguments, when the server begins.
-            feedback_cb: is given each feedback.
+            done_cb: called at the goal's end with its final ``GoalStatus`` and its result.
+            active_cb: called without arguments when the server accepts the goal.
+            feedback_cb: called with each feedback.
         """
         self.stop_tracking_goal()
         self.done_cb = done_cb
@@ -85,14 +85,14 @@ class SimpleActionClient:
     def send_goal_and_wait(
         self, goal: Any, execute_timeout: Any = None, preempt_timeout: Any = None
     ) -> int:
-        """Send a goal and wait for its end; cancel it if that takes too long.
+        """Send a goal and wait for its end; cancel it after a timeout.
 
         Args:
-            execute_timeout: a ``Duration`` to wait for the end; zero, or None, for ever.
-            preempt_timeout: a ``Duration`` to wait for the end after the goal was canceled.
+            execute_timeout: maximum ``Duration`` to wait; zero or None for no limit.
+            preempt_timeout: maximum ``Duration`` to wait after the goal was canceled.
 
         Returns:
-            The goal's state, of ``GoalStatus``.
+            The goal's state, see `get_state`.
         """
         self.send_goal(goal)
         if not self.wait_for_result(execute_timeout):
@@ -109,10 +109,10 @@ class SimpleActionClient:
         """Wait until the goal ends.
 
         Args:
-            timeout: a ``Duration`` to wait at most; zero, or None, for ever.
+            timeout: maximum ``Duration`` to wait; zero or None for no limit.
 
         Returns:
-            Whether it has ended. It may not have if the node does.
+            Whether it has ended; False if the node ends before.
         """
         if self.gh is None:
             rospy.logerr("Called wait_for_result when no goal exists")
@@ -121,7 +121,7 @@ class SimpleActionClient:
         end = rospy.get_rostime() + timeout
         with self.done_condition:
             while not rospy.is_shutdown() and self.simple_state != SimpleGoalState.DONE:
-                left = LOOK_AFTER
+                left = INTERVAL
                 if timeout > rospy.Duration():
                     left = min(left, (end - rospy.get_rostime()).to_sec())
                     if left <= 0:
@@ -130,14 +130,14 @@ class SimpleActionClient:
         return self.simple_state == SimpleGoalState.DONE
 
     def get_result(self) -> Any:
-        """The goal's result, such as a ``FibonacciResult``; None if it has not come."""
+        """Return the goal's result, such as a ``FibonacciResult``; None before the result."""
         if self.gh is None:
             rospy.logerr("Called get_result when no goal is running")
             return None
         return self.gh.get_result()
 
     def get_state(self) -> int:
-        """The goal's state, of ``GoalStatus``: LOST if there is none.
+        """Return the goal's ``GoalStatus``, or LOST without a goal.
 
         RECALLING counts as PENDING, and PREEMPTING as ACTIVE.
         """
@@ -151,30 +151,30 @@ class SimpleActionClient:
         return status
 
     def get_goal_status_text(self) -> str:
-        """Why the goal is in this state, in the server's words."""
+        """Return the server's text about the goal's status."""
         if self.gh is None:
             rospy.logerr("Called get_goal_status_text when no goal is running")
             return "ERROR: Called get_goal_status_text when no goal is running"
         return self.gh.get_goal_status_text()
 
     def cancel_all_goals(self) -> None:
-        """Tell the server that no goal is wanted any more, of whichever client."""
+        """Cancel the goals of all clients."""
         self.action_client.cancel_all_goals()
 
     def cancel_goals_at_and_before_time(self, time: Any) -> None:
-        """Tell the server that the goals sent up to a time are wanted no more."""
+        """Cancel the goals sent up to a time."""
         self.action_client.cancel_goals_at_and_before_time(time)
 
     def cancel_goal(self) -> None:
-        """Tell the server that the goal is wanted no more; does nothing after its end."""
+        """Cancel the goal, unless it has ended."""
         if self.gh is not None:
             self.gh.cancel()
 
     def stop_tracking_goal(self) -> None:
-        """Hear no more of the goal, which goes on."""
+        """Stop following the goal, which is not canceled."""
         self.gh = None
 
-    # What is heard of the goal
+    # Messages about the goal
 
     def _handle_transition(self, gh: ClientGoalHandle) -> None:
         if gh != self.gh:
@@ -191,13 +191,13 @@ class SimpleActionClient:
                 self._finish(gh)
 
     def _finish(self, gh: ClientGoalHandle) -> None:
-        """Let the owner know that the goal has ended, and those who wait for it thereafter."""
+        """Call ``done_cb``, and then wake the threads that wait for the goal's end."""
         try:
             if self.done_cb is not None:
                 self.done_cb(gh.get_goal_status(), gh.get_result())
         finally:
             with self.done_condition:
-                if gh == self.gh:  # Else the callback has sent another one.
+                if gh == self.gh:  # Otherwise the callback has sent another goal.
                     self.simple_state = SimpleGoalState.DONE
                     self.done_condition.notify_all()
 

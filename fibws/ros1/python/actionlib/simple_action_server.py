@@ -1,4 +1,4 @@
-"""The serving end of an action that pursues one goal at a time: the latest."""
+"""A server of an action that executes one goal at a time: the latest."""
 
 from __future__ import annotations
 
@@ -15,27 +15,27 @@ from actionlib.server_goal_handle import ServerGoalHandle
 
 SUPERSEDED = "This goal was canceled because another goal was received by the simple action server"
 
-LOOK_AFTER = 0.1
-"""Seconds after which the thread that executes goals looks whether the node has ended."""
+INTERVAL = 0.1
+"""Seconds between two checks by the thread that executes goals whether the node has ended."""
 
 
 class SimpleActionServer:
-    """Pursues the latest goal; one that comes meanwhile has the one before it preempted.
+    """Executes the latest goal; a new goal preempts the previous one.
 
-    It is used in one of two ways. Either ``execute_cb`` is called in a thread of its own for each
-    goal, and looks at `is_preempt_requested` now and then. Or the owner takes goals by
-    `accept_new_goal` when it likes, for instance in the callback of `register_goal_callback`. Both
-    say what became of a goal by `set_succeeded`, `set_aborted` or `set_preempted`.
+    There are two ways to use it. With ``execute_cb``, this function is called for each goal in a
+    thread of its own, and should check `is_preempt_requested` regularly. Without it, the program
+    calls `accept_new_goal`, for example in the callback of `register_goal_callback`. Both end a
+    goal by `set_succeeded`, `set_aborted` or `set_preempted`.
 
     Args:
         name: the action's name.
         ActionSpec: the action's type, such as ``FibonacciAction``.
-        execute_cb: is given each goal, such as a ``FibonacciGoal``. An exception in it aborts the
-            goal, with its text.
-        auto_start: whether to begin at once. A goal may then come before the owner is ready.
+        execute_cb: called with each goal, such as a ``FibonacciGoal``. An exception aborts the goal
+            with its text.
+        auto_start: start at once. A goal may then arrive before the program is ready.
 
     Raises:
-        ActionException: ``ActionSpec`` is no action.
+        ActionException: ``ActionSpec`` is not an action.
     """
 
     def __init__(
@@ -52,7 +52,7 @@ class SimpleActionServer:
         self.goal_callback: Callable[[], object] | None = None
         self.preempt_callback: Callable[[], object] | None = None
         self.lock = threading.RLock()
-        """Is taken after the action server's own, never before it."""
+        """Always acquired after the action server's lock."""
         self.execute_condition = threading.Condition(self.lock)
         self.current_goal = ServerGoalHandle()
         self.next_goal = ServerGoalHandle()
@@ -69,11 +69,11 @@ class SimpleActionServer:
             self.execute_thread.start()
 
     def start(self) -> None:
-        """Begin to take goals."""
+        """Start to receive goals."""
         self.action_server.start()
 
     def register_goal_callback(self, cb: Callable[[], object] | None) -> None:
-        """Have a function called, without arguments, when a goal can be accepted."""
+        """Call a function without arguments when a goal can be accepted."""
         if self.execute_callback is not None:
             rospy.logwarn(
                 "Cannot call SimpleActionServer.register_goal_callback() because an "
@@ -83,39 +83,39 @@ class SimpleActionServer:
             self.goal_callback = cb
 
     def register_preempt_callback(self, cb: Callable[[], object] | None) -> None:
-        """Have a function called, without arguments, when the current goal is to be preempted."""
+        """Call a function without arguments when the current goal is to be preempted."""
         self.preempt_callback = cb
 
-    # What the owner asks
+    # State
 
     def is_new_goal_available(self) -> bool:
-        """Whether there is a goal to accept."""
+        """Return whether a goal can be accepted."""
         return self.new_goal
 
     def is_preempt_requested(self) -> bool:
-        """Whether the current goal is wanted no more, or a later one waits for its end."""
+        """Return whether the current goal was canceled, or a newer goal waits for its end."""
         return self.preempt_request
 
     def is_active(self) -> bool:
-        """Whether there is a current goal that has not ended."""
+        """Return whether the current goal has not ended."""
         if self.current_goal.get_goal() is None:
             return False
         status = self.current_goal.get_goal_status().status
         return status in (GoalStatus.ACTIVE, GoalStatus.PREEMPTING)
 
     def get_default_result(self) -> Any:
-        """A result whose fields are all empty."""
+        """Return an empty result."""
         return self.action_server.ActionResultType()
 
-    # What the owner decides
+    # Transitions of the current goal
 
     def accept_new_goal(self) -> Any:
-        """Begin with the latest goal, and preempt the current one if it has not ended.
+        """Accept the latest goal, and preempt the current one if it has not ended.
 
-        The new goal may be wanted no more already, which `is_preempt_requested` tells.
+        The new goal may have been canceled already: check `is_preempt_requested`.
 
         Returns:
-            The goal, or None, with an error in the log, if there is none to accept.
+            The goal; None, after an error in the log, if there is no goal to accept.
         """
         with self.action_server.lock, self.lock:
             if not self.new_goal or self.next_goal.get_goal() is None:
@@ -134,41 +134,41 @@ class SimpleActionServer:
             return self.current_goal.get_goal()
 
     def set_succeeded(self, result: Any = None, text: str = "") -> None:
-        """Tell that the current goal was reached."""
+        """End the current goal successfully."""
         with self.action_server.lock, self.lock:
             self.current_goal.set_succeeded(result, text)
 
     def set_aborted(self, result: Any = None, text: str = "") -> None:
-        """Give the current goal up."""
+        """Abort the current goal."""
         with self.action_server.lock, self.lock:
             self.current_goal.set_aborted(result, text)
 
     def set_preempted(self, result: Any = None, text: str = "") -> None:
-        """End the current goal since it is wanted no more."""
+        """End the current goal after a request to preempt it."""
         with self.action_server.lock, self.lock:
             rospy.logdebug("Setting the current goal as canceled")
             self.current_goal.set_canceled(result, text)
 
     def publish_feedback(self, feedback: Any) -> None:
-        """Tell the client of the current goal how far it has come."""
+        """Publish feedback about the current goal."""
         self.current_goal.publish_feedback(feedback)
 
-    # What comes from the action server, which holds its lock
+    # Callbacks of the action server, which holds its lock
 
     def internal_goal_callback(self, goal: ServerGoalHandle) -> None:
-        """Have a goal wait to be accepted, unless one that was sent later came before it."""
+        """Keep a goal to be accepted, unless a goal with a later stamp is known."""
         with self.execute_condition:
             rospy.logdebug(
                 "A new goal %s has been received by the single goal action server",
                 goal.get_goal_id().id,
             )
             try:
-                self._line_up(goal)
+                self._add(goal)
             except Exception as error:
                 rospy.logerr(f"SimpleActionServer.internal_goal_callback - exception {error}")
 
     def internal_preempt_callback(self, preempt: ServerGoalHandle) -> None:
-        """Note that a goal is wanted no more: the current one, or the one that waits."""
+        """Note that the current or the next goal was canceled."""
         with self.lock:
             rospy.logdebug("A preempt has been received by the SimpleActionServer")
             if preempt == self.current_goal:
@@ -177,7 +177,7 @@ class SimpleActionServer:
                 rospy.logdebug("Setting preempt request bit for the next goal to TRUE")
                 self.new_goal_preempt_request = True
 
-    def _line_up(self, goal: ServerGoalHandle) -> None:
+    def _add(self, goal: ServerGoalHandle) -> None:
         if self._is_outdated(goal):
             goal.set_canceled(None, SUPERSEDED)
             return
@@ -208,10 +208,10 @@ class SimpleActionServer:
         if self.preempt_callback is not None:
             self.preempt_callback()
 
-    # What the thread does that executes goals
+    # In the thread that executes goals
 
     def executeLoop(self) -> None:
-        """Call ``execute_cb`` for one goal after the other until the node ends."""
+        """Call ``execute_cb`` for each goal until the node ends."""
         assert self.execute_callback is not None
         while not rospy.is_shutdown():
             if self.is_new_goal_available():
@@ -221,17 +221,17 @@ class SimpleActionServer:
                     self._check_ended()
                 except Exception as error:
                     if rospy.core.is_shutdown_requested():
-                        return  # What it raises then is of no interest to anybody.
+                        return  # Errors during shutdown are not reported.
                     rospy.logerr(
                         f"Exception in your execute callback: {error}\n{traceback.format_exc()}"
                     )
                     self.set_aborted(None, f"Exception in execute callback: {error}")
             with self.execute_condition:
                 if not self.new_goal:
-                    self.execute_condition.wait(LOOK_AFTER)
+                    self.execute_condition.wait(INTERVAL)
 
     def _check_ended(self) -> None:
-        """Abort a goal that ``execute_cb`` has said nothing about."""
+        """Abort a goal that ``execute_cb`` has not ended."""
         if self.is_active():
             rospy.logwarn(
                 "Your executeCallback did not set the goal to a terminal status.  "

@@ -1,4 +1,4 @@
-"""Message classes as in ROS 1's genpy, made from definitions when they are first needed.
+"""Message classes like those of ROS 1's genpy, created from definitions when first used.
 
     finder ─> classes ─> Message, with a Member for each field ─> JSON, ROS 1's bytes, YAML
 

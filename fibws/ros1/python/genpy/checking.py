@@ -1,4 +1,4 @@
-"""Says which field holds what does not fit, in genpy's words."""
+"""Finds the field with an invalid value; the error texts are genpy's."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ _TIMES: dict[str, type[TVal]] = {"time": Time, "duration": Duration}
 
 
 def check_type(field_name: str, field_type: str, field_val: Any) -> None:
-    """Check one value against the type of its field, part by part.
+    """Check a value against the type of its field, recursively.
 
-    What is sent all the same is not wrong, unlike with genpy: numpy's numbers and arrays, bools for
-    numbers, texts that are not in ASCII.
+    Unlike in genpy, values that can be sent are valid: numpy's numbers and arrays, bools for
+    numbers, and texts that are not in ASCII.
 
     Args:
         field_name: the field's name.
@@ -26,7 +26,7 @@ def check_type(field_name: str, field_type: str, field_val: Any) -> None:
         field_val: the value.
 
     Raises:
-        SerializationError: it does not fit.
+        SerializationError: the value does not fit.
     """
     fault = _fault(field_name, field_type, field_val)
     if fault:

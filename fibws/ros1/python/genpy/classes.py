@@ -1,4 +1,4 @@
-"""Makes message and service classes from definitions, one for each type in a process."""
+"""Creates message and service classes from definitions, one for each type in a process."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from genpy.message import Message
 _messages: dict[str, type[Message]] = {}
 _services: dict[str, type[Service[Any, Any]]] = {}
 _lock = RLock()
-"""Held while classes are made: callbacks may ask for some at the same time."""
+"""Held while classes are created: callbacks in several threads may request them."""
 
 
 def message_class(name: str) -> type[Message]:
-    """The class of a message type, ``std_msgs/Int32``.
+    """Return the class of a message type, ``std_msgs/Int32``.
 
     Raises:
-        InterfaceError: there is no such type, or its definition is wrong.
+        InterfaceError: the type is unknown, or its definition is invalid.
     """
     with _lock:
         if name not in _messages:
@@ -37,15 +37,17 @@ def message_class(name: str) -> type[Message]:
 
 
 def service_class(name: str) -> type[Service[Any, Any]]:
-    """The class of a service type, ``std_srvs/SetBool``; it raises as `message_class` does."""
+    """Return the class of a service type, ``std_srvs/SetBool``; raise as `message_class`."""
     with _lock:
         if name not in _services:
             interfaces = default_interfaces()
             definition = interfaces.service(name)
-            asked = definition.request
-            if asked.text:
-                asked = replace(asked, text=f"{asked.text}\n")  # which parts it from the response
-            request = _make(asked, "srv", definition.name)
+            request_definition = definition.request
+            if request_definition.text:  # Its line break separates it from the response.
+                request_definition = replace(
+                    request_definition, text=f"{request_definition.text}\n"
+                )
+            request = _make(request_definition, "srv", definition.name)
             response = _make(definition.response, "srv", definition.name)
             _services[name] = type(
                 definition.name,
@@ -72,12 +74,12 @@ def forget(packages: Collection[str]) -> None:
 
 
 def _make(definition: MessageDefinition, kind: str, module: str) -> type[Message]:
-    """A new class.
+    """Create a class.
 
     Args:
-        definition: the message's.
-        kind: ``msg`` or ``srv``, after which its package's module is named.
-        module: the type whose module holds it.
+        definition: the message's definition.
+        kind: ``msg`` or ``srv``, the name of its module in the package.
+        module: the type whose module contains it.
     """
     interfaces = default_interfaces()
     members = tuple(
@@ -88,7 +90,8 @@ def _make(definition: MessageDefinition, kind: str, module: str) -> type[Message
     for name in (*constants, *(member.attribute for member in members)):
         if hasattr(Message, name):
             raise InterfaceError(
-                f"{definition.type} has a field or a constant {name}, which is the name of a method"
+                f"invalid name {name} of a field or a constant in {definition.type}: "
+                "message classes have a method of this name"
             )
     namespace: dict[str, Any] = {
         **constants,

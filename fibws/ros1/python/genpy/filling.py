@@ -1,4 +1,4 @@
-"""Fills messages from lists and dicts, as they are typed in a terminal (YAMLCommandLine)."""
+"""Fills messages from lists and dicts, such as the YAML of a command line (YAMLCommandLine)."""
 
 from __future__ import annotations
 
@@ -21,22 +21,21 @@ def fill_message_args(
 
     Args:
         msg: the message.
-        msg_args: the values of all fields in order, or a dict of some of them, which may be alone
-            in a list.
-        keys: what words stand for where a message or a time belongs, such as ``now``.
+        msg_args: the values of all fields in order; or a dict of some of them, or a list of that.
+        keys: the values of words that may stand for a message or a time, such as ``now``.
 
     Raises:
-        MessageException: too many or too few values, or one that does not fit.
-        ValueError: neither a list nor a dict, or no message to fill.
+        MessageException: too many or too few values, or one that does not fit its field.
+        ValueError: ``msg_args`` is not a list or a dict, or ``msg`` is not a message.
     """
     args = [] if msg_args is None else msg_args
     if len(args) == 1 and isinstance(args, list) and isinstance(args[0], dict):
         args = args[0]
-    _Filling(keys).fill(msg, args, "")
+    _Filler(keys).fill(msg, args, "")
 
 
 def get_printable_message_args(msg: Any, buff: Any = None, prefix: str = "") -> str:
-    """The names of all fields with spaces between, those of nested messages as ``pose.x``."""
+    """Return the names of all fields, separated by spaces; nested ones as ``pose.x``."""
     text = " ".join(_names(msg, prefix))
     if buff is not None:
         buff.write(text)
@@ -45,16 +44,16 @@ def get_printable_message_args(msg: Any, buff: Any = None, prefix: str = "") -> 
 
 
 def _names(msg: Any, prefix: str) -> list[str]:
-    found: list[str] = []
+    names: list[str] = []
     for name in msg.__slots__:
         value = getattr(msg, name)
         is_nested = isinstance(value, GraphMessage)
-        found += _names(value, f"{prefix}{name}.") if is_nested else [f"{prefix}{name}"]
-    return found
+        names += _names(value, f"{prefix}{name}.") if is_nested else [f"{prefix}{name}"]
+    return names
 
 
-class _Filling:
-    """Fills messages where some words stand for others."""
+class _Filler:
+    """Fills messages; ``keys`` are the values of words."""
 
     def __init__(self, keys: Mapping[str, Any]) -> None:
         self._keys = keys
@@ -89,7 +88,7 @@ class _Filling:
             setattr(msg, name, value)
 
     def _filled(self, now: Any, value: Any, prefix: str) -> Any:
-        """The message or the time that a field holds, once it is filled."""
+        """Return the message or the time of a field, filled with a value."""
         if isinstance(value, str):
             if value not in self._keys:
                 raise MessageException(f"No key named [{value}]")
@@ -100,7 +99,7 @@ class _Filling:
         return now
 
     def _elements(self, msg: Any, name: str, values: Any, path: str) -> Any:
-        """The array that is to be in a field."""
+        """Return the array for a field."""
         if not isinstance(values, (list, tuple)):
             kind = type(values).__name__
             raise MessageException(f"Field [{path}] must be a list or tuple instead of: {kind}")

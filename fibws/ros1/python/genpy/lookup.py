@@ -10,17 +10,17 @@ from genpy.rostime import Duration, Time, TVal
 
 
 def get_message_class(message_type: str, reload_on_error: bool = False) -> Any:
-    """The class of a message type, or None if there is no such type.
+    """Return the class of a message type, or None if the type is unknown.
 
     Args:
         message_type: ``std_msgs/Int32``, ``Header``, ``time`` or ``duration``.
-        reload_on_error: is there for scripts that give it.
+        reload_on_error: has no effect.
 
     Raises:
-        ValueError: the type is named without its package.
-        InterfaceError: its definition is wrong.
+        ValueError: the name has no package.
+        InterfaceError: the definition is invalid.
     """
-    from genpy import classes  # It needs the base of the classes, where this is found, too.
+    from genpy import classes  # It imports genpy.message, which imports this.
 
     times: dict[str, type[TVal]] = {"time": Time, "duration": Duration}
     if message_type in times:
@@ -36,7 +36,7 @@ def get_message_class(message_type: str, reload_on_error: bool = False) -> Any:
 def get_service_class(
     service_type: str, reload_on_error: bool = False
 ) -> type[Service[Any, Any]] | None:
-    """The class of a service type, or None if there is none; it does as `get_message_class`."""
+    """Return the class of a service type, or None; otherwise like `get_message_class`."""
     from genpy import classes
 
     try:

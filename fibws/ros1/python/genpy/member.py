@@ -1,8 +1,8 @@
 """One field of a message class: its default, and how its value is converted to JSON and back.
 
-Scripts may assign whatever genpy packs: numpy's numbers for ints, ints for floats, lists, tuples
-and arrays. It is converted for `MessageValidator.validate`; other values are converted to something
-that validation refuses.
+Scripts may assign all values that genpy packs: numpy's numbers for ints, ints for floats, lists,
+tuples and arrays. They are converted for `MessageValidator.validate`; other values are converted to
+something that validation refuses.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 Convert: TypeAlias = Callable[[Any], Any]
 
 RESERVED = frozenset({*keyword.kwlist, "self"})
-"""Names that a field cannot have in Python: a ``_`` is appended."""
+"""Names that fields cannot have in Python; these get a ``_`` at the end."""
 
 _CODES = {
     **{"int8": "b", "uint8": "B", "int16": "h", "uint16": "H", "int32": "i", "uint32": "I"},
@@ -57,11 +57,11 @@ class Member(NamedTuple):
 
 
 def make_member(field: Field, nested: type[Message] | None) -> Member:
-    """The member that stands for a field.
+    """Return the member for a field.
 
     Args:
         field: its definition.
-        nested: the class of the messages in it, if it holds any.
+        nested: the class of the messages in it, if there are any.
     """
     write, read = _element(field.type, nested)
     read_numpy = nested.from_dict_numpy if nested else read
@@ -82,7 +82,7 @@ def make_member(field: Field, nested: type[Message] | None) -> Member:
 
 
 def attribute(name: str) -> str:
-    """The name of a field or a constant in Python."""
+    """Return the name of a field or a constant in Python."""
     return f"{name}_" if name in RESERVED else name
 
 
@@ -91,7 +91,7 @@ def _class_of(field: Field, nested: type[Message] | None) -> Callable[[], Any]:
 
 
 def _new(field: Field, nested: type[Message] | None) -> Any:
-    """The default of a field, unless it is a single message or time."""
+    """Return the default of a field that is not a single message or time."""
     if field.array is None:
         return field.default_value
     if field.is_bytes:
@@ -113,7 +113,7 @@ def _same(value: Any) -> Any:
 
 
 def refused(value: Any) -> Any:
-    """A placeholder for a value that validation would accept although genpy does not.
+    """Return a placeholder for a value that validation would accept although genpy does not.
 
     Validation shows the name of its class in the error.
     """
@@ -177,7 +177,7 @@ def _read_time(kind: type[Time | Duration], value: dict[str, int]) -> Time | Dur
 
 
 def _write_bytes(value: Any) -> Any:
-    """Bytes as base64; also those of a list, a tuple or an array of small integers."""
+    """Return bytes as base64; also those in a list, a tuple or an array of small integers."""
     try:
         data = bytes(value if isinstance(value, (list, tuple)) else _view(value))
     except (TypeError, ValueError):
@@ -193,7 +193,7 @@ def _view(value: Any) -> memoryview:
 
 
 def _write_numbers(code: str, values: Any) -> Any:
-    """An array of numbers, whatever holds them."""
+    """Return an array of numbers as a list."""
     if hasattr(values, "tolist"):
         values = values.tolist()
     if isinstance(values, (str, bytes, bytearray, dict)):

@@ -43,13 +43,13 @@ struct_I = struct.Struct("<I")
 
 
 class Message(GraphMessage):
-    """A message; its classes are called ``Int32(5)`` or ``Int32(data=5)``.
+    """A message: ``Int32(5)`` or ``Int32(data=5)`` creates one of its subclass ``Int32``.
 
-    A field that is not given, or given as None, has its default.
+    Fields that are omitted, or None, have their defaults.
 
     Raises:
         TypeError: both positional and named fields, or some positional ones but not all.
-        AttributeError: there is no such field.
+        AttributeError: a field is unknown.
     """
 
     __slots__ = ["_connection_header"]
@@ -63,7 +63,7 @@ class Message(GraphMessage):
 
     _connection_header: dict[str, str]
 
-    if TYPE_CHECKING:  # The fields are known from the definition alone.
+    if TYPE_CHECKING:  # The fields are unknown to type checkers.
 
         def __getattr__(self, name: str) -> Any: ...
         def __setattr__(self, name: str, value: Any) -> None: ...
@@ -99,7 +99,7 @@ class Message(GraphMessage):
 
     @classmethod
     def dict_of(cls, value: Any) -> Any:
-        """As `to_dict`, for any object that has all fields of this class."""
+        """Do the same as `to_dict` for any object that has all fields of this class."""
         try:
             return {
                 name: write(getattr(value, attribute))
@@ -118,14 +118,14 @@ class Message(GraphMessage):
 
     @classmethod
     def from_dict_numpy(cls, values: dict[str, Any]) -> Self:
-        """As `from_dict`, with numpy's arrays for arrays of numbers."""
+        """Do the same as `from_dict`, with numpy's arrays for arrays of numbers."""
         message = cls.__new__(cls)
         for attribute, name, _, _, _, read, _ in cls._members:
             setattr(message, attribute, read(values[name]))
         return message
 
     def serialize(self, buff: BinaryIO) -> None:
-        """Write the message to a file in ROS 1's bytes.
+        """Write the message to a file in ROS 1's serialization.
 
         Raises:
             SerializationError: a value does not fit its field.
@@ -138,7 +138,7 @@ class Message(GraphMessage):
         buff.write(data)
 
     def deserialize(self, str: bytes) -> Self:
-        """Set all fields from ROS 1's bytes; return the message itself.
+        """Set all fields from ROS 1's serialization; return the message itself.
 
         Raises:
             DeserializationError: the bytes are invalid for the type.
@@ -146,11 +146,11 @@ class Message(GraphMessage):
         return self._take(str, self._style)
 
     def serialize_numpy(self, buff: BinaryIO, numpy: Any) -> None:
-        """As `serialize`, which accepts numpy's arrays."""
+        """Do the same as `serialize`, which accepts numpy's arrays."""
         self.serialize(buff)
 
     def deserialize_numpy(self, str: bytes, numpy: Any) -> Self:
-        """As `deserialize`, with numpy's arrays for arrays of numbers."""
+        """Do the same as `deserialize`, with numpy's arrays for arrays of numbers."""
         return self._take(str, NUMPY_STYLE)
 
     def _take(self, data: bytes, style: ObjectStyle) -> Self:
@@ -179,10 +179,10 @@ class Message(GraphMessage):
         """Find the field whose value does not fit.
 
         Args:
-            exc: what shows that there is one.
+            exc: the error that shows that there is one.
 
         Raises:
-            SerializationError: about that field; about ``exc`` if there is no such field.
+            SerializationError: with the field; with the text of ``exc`` if no field is found.
         """
         for name, type_ in zip(self.__slots__, self._get_types(), strict=False):
             check_type(name, type_, getattr(self, name))
@@ -214,7 +214,7 @@ class Message(GraphMessage):
 
 
 def _are_equal(one: Any, other: Any) -> bool:
-    """Whether two values are equal; a list and a tuple may be."""
+    """Return whether two values are equal; a list may equal a tuple."""
     if isinstance(one, (list, tuple)) and isinstance(other, (list, tuple)):
         return tuple(one) == tuple(other)
     return bool(one == other)

@@ -1,4 +1,4 @@
-"""ROS's times, with what genpy's can do: a moment and a length of time, in whole nanoseconds."""
+"""genpy's Time and Duration, in whole nanoseconds."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ SECOND = 1_000_000_000
 
 
 class TVal:
-    """Seconds and nanoseconds; whole seconds among the latter are carried over.
+    """Seconds and nanoseconds; nanoseconds beyond a second are carried over.
 
     Args:
         secs: seconds; a float if ``nsecs`` is 0.
         nsecs: nanoseconds.
 
     Raises:
-        ValueError: both a float and nanoseconds.
+        ValueError: ``secs`` is a float, and ``nsecs`` is not 0.
     """
 
     __slots__ = ["secs", "nsecs"]  # noqa: RUF023 (the order on the wire)
@@ -36,15 +36,15 @@ class TVal:
 
     @classmethod
     def from_sec(cls, float_secs: SupportsFloat) -> Self:
-        """That many seconds, as ``time.time()`` tells them; less than a nanosecond is cut off."""
+        """Create it from seconds, such as ``time.time()``; fractions of nanoseconds are cut off."""
         return cls(*_split(float_secs))
 
     def is_zero(self) -> bool:
-        """Whether it is 0, as a time is that nobody has set."""
+        """Return whether it is 0, which means unset for a time."""
         return self.secs == 0 and self.nsecs == 0
 
     def set(self, secs: int, nsecs: int) -> None:
-        """Set both parts, as they are."""
+        """Set both parts without carrying over."""
         self.secs = secs
         self.nsecs = nsecs
 
@@ -54,11 +54,11 @@ class TVal:
         self.secs += carry
 
     def to_sec(self) -> float:
-        """The seconds as a float."""
+        """Return the seconds as a float."""
         return float(self.secs) + float(self.nsecs) / 1e9
 
     def to_nsec(self) -> int:
-        """The nanoseconds, exactly."""
+        """Return the nanoseconds as an int."""
         return self.secs * SECOND + self.nsecs
 
     def __getstate__(self) -> list[int]:
@@ -83,27 +83,27 @@ class TVal:
         return isinstance(other, TVal) and self.to_nsec() == other.to_nsec()
 
     def __lt__(self, other: TVal) -> bool:
-        return self.to_nsec() < other.to_nsec() if self._is_kin(other) else NotImplemented
+        return self.to_nsec() < other.to_nsec() if self._is_comparable(other) else NotImplemented
 
     def __le__(self, other: TVal) -> bool:
-        return self.to_nsec() <= other.to_nsec() if self._is_kin(other) else NotImplemented
+        return self.to_nsec() <= other.to_nsec() if self._is_comparable(other) else NotImplemented
 
     def __gt__(self, other: TVal) -> bool:
-        return self.to_nsec() > other.to_nsec() if self._is_kin(other) else NotImplemented
+        return self.to_nsec() > other.to_nsec() if self._is_comparable(other) else NotImplemented
 
     def __ge__(self, other: TVal) -> bool:
-        return self.to_nsec() >= other.to_nsec() if self._is_kin(other) else NotImplemented
+        return self.to_nsec() >= other.to_nsec() if self._is_comparable(other) else NotImplemented
 
-    def _is_kin(self, other: object) -> bool:
-        """Whether it can be compared with the other."""
+    def _is_comparable(self, other: object) -> bool:
+        """Return whether it can be compared with the other."""
         return isinstance(other, TVal)
 
 
 class Time(TVal):
-    """A moment, counted from 1970.
+    """A point in time since 1970.
 
     Raises:
-        TypeError: it would be before 1970.
+        TypeError: it is negative.
     """
 
     __slots__ = ["secs", "nsecs"]  # noqa: RUF023 (the order on the wire)
@@ -114,7 +114,7 @@ class Time(TVal):
             raise TypeError("time values must be positive")
 
     def to_time(self) -> float:
-        """The seconds as ``time.time()`` tells them: `to_sec`."""
+        """Return the seconds as ``time.time()`` does; the same as `to_sec`."""
         return self.to_sec()
 
     def __repr__(self) -> str:
@@ -143,12 +143,12 @@ class Time(TVal):
 
     __hash__ = TVal.__hash__
 
-    def _is_kin(self, other: object) -> bool:
+    def _is_comparable(self, other: object) -> bool:
         return isinstance(other, Time)
 
 
 class Duration(TVal):
-    """A length of time; it may be negative, and its ``nsecs`` never are."""
+    """A length of time; it may be negative, but its ``nsecs`` never are."""
 
     __slots__ = ["secs", "nsecs"]  # noqa: RUF023 (the order on the wire)
 
@@ -220,7 +220,7 @@ class Duration(TVal):
 
     __hash__ = TVal.__hash__
 
-    def _is_kin(self, other: object) -> bool:
+    def _is_comparable(self, other: object) -> bool:
         return isinstance(other, Duration)
 
 
@@ -229,6 +229,6 @@ def _parts(value: TVal) -> tuple[int, int]:
 
 
 def _split(seconds: Any) -> tuple[int, int]:
-    """Seconds and nanoseconds, both cut off towards zero as genpy does it."""
+    """Return seconds and nanoseconds, both cut off towards zero as in genpy."""
     secs = int(seconds)
     return secs, int((seconds - secs) * SECOND)

@@ -1,4 +1,4 @@
-"""Any value as YAML: what ``str()`` makes of a message, and what rostopic prints."""
+"""Values as YAML: the ``str()`` of messages, and the output of rostopic."""
 
 from __future__ import annotations
 
@@ -18,21 +18,21 @@ def strify_message(
     field_filter: Callable[[Any], Iterable[str]] | None = None,
     fixed_numeric_width: int | None = None,
 ) -> str:
-    """A value, above all a message, as YAML.
+    """Return a value, such as a message, as YAML.
 
     Args:
         val: the value.
-        indent: what each line begins with; if it is not empty, a message begins with a line break.
-        time_offset: times are printed as durations since then.
-        current_time: is there for scripts that give it.
-        field_filter: gives the names of the fields of a message that are to be printed.
-        fixed_numeric_width: the characters that numbers have, if not as many as it takes.
+        indent: the start of each line; if it is not empty, a message begins with a line break.
+        time_offset: print times as durations since then.
+        current_time: has no effect.
+        field_filter: returns the names of the fields of a message to print; None for all.
+        fixed_numeric_width: number of characters of each number; None for its natural width.
     """
-    return _Printing(time_offset, field_filter, fixed_numeric_width).value(val, indent)
+    return _Formatter(time_offset, field_filter, fixed_numeric_width).value(val, indent)
 
 
-class _Printing:
-    """One way to print values; its arguments are those of `strify_message`."""
+class _Formatter:
+    """Formats values with the options of `strify_message`."""
 
     def __init__(
         self,
@@ -93,7 +93,7 @@ class _Printing:
 
 
 def _field(message: Any, name: str, type_: str) -> Any:
-    """The value of a field; bytes as a list of numbers."""
+    """Return the value of a field; bytes as a list of numbers."""
     value = getattr(message, name)
     if "uint8[" not in type_:
         return value

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 MOMENT = 0.001
-"""Seconds for which a thread gives way to the node's."""
+"""Seconds for which `Background.give_way` waits."""
 
 
 class Background:
@@ -40,7 +40,7 @@ class Background:
 
     @property
     def running(self) -> bool:
-        """Whether there is a node, or was one."""
+        """Whether a node was started; it may have ended."""
         return self._node is not None
 
     @property
@@ -62,11 +62,11 @@ class Background:
         """Start the node and wait until its hub answers, however long that takes.
 
         Args:
-            make_node: is called in the loop's thread.
-            ended: is called, in a thread of its own, with the error that ended the node.
+            make_node: creates the node, in the loop's thread.
+            ended: called in a thread of its own with the error that ended the node.
 
         Raises:
-            ROSInterruptException: it was stopped meanwhile.
+            ROSInterruptException: it was stopped while it waited.
             Exception: `make_node` failed, or entering the node did.
         """
         ready: Response[None] = Response()
@@ -97,7 +97,7 @@ class Background:
             raise
         finally:
             if not self._alive():
-                coroutine.close()  # The loop may have ended before it began.
+                coroutine.close()  # The loop may have ended before the coroutine began.
 
     def begin(self, coroutine: Coroutine[Any, Any, T]) -> Future[T]:
         """Start a coroutine in the node's loop, from any other thread.
@@ -116,7 +116,7 @@ class Background:
             raise ROSInterruptException("rospy shutdown") from None
 
     def soon(self, function: Callable[..., object], *args: object) -> bool:
-        """Call a function in the node's loop, from any thread; false if the node has ended."""
+        """Call a function in the node's loop, from any thread; return False after its end."""
         try:
             if self._loop is None:
                 return False
@@ -234,7 +234,7 @@ class Response(Generic[T]):
 
         def end(task: asyncio.Task[None]) -> None:
             coroutine.close()
-            if not self.done:  # It was cancelled before it began.
+            if not self.done:  # The task was cancelled before it began.
                 self.fail(ROSInterruptException("rospy shutdown"))
 
         self._task = asyncio.get_running_loop().create_task(self._run(coroutine))
@@ -337,7 +337,7 @@ class LoopLock:
         return self._loop
 
     def close(self) -> None:
-        """Give the lock to nobody any more: the loop has ended."""
+        """Make the lock unavailable: the loop has ended."""
         self._loop = None
         self._lock.release()
 

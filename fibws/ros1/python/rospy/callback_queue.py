@@ -65,7 +65,7 @@ class CallbackQueue(Generic[T]):
 
 
 def call(function: Callable[..., object], *arguments: Any) -> None:
-    """Call a callback of the program, and log the error that it raises, with rospy's text."""
+    """Call a callback of the program; if it raises, log the error with rospy's text."""
     try:
         function(*arguments)
     except Exception:

@@ -1,4 +1,4 @@
-"""How a program becomes a node."""
+"""Starting a node, and its parameters."""
 
 from __future__ import annotations
 
@@ -51,19 +51,19 @@ _master: MasterProxy | None = None
 
 
 class _InitInterrupted(ROSInitException, ROSInterruptException):
-    """The program was ended while it waited for its hub."""
+    """The program was interrupted while it waited for its hub."""
 
 
 def myargv(argv: Sequence[str] | None = None) -> list[str]:
-    """The command line without what is ROS's: remappings and parameters."""
+    """Return the command line without ROS's arguments: remappings and parameters."""
     return [each for each in (sys.argv if argv is None else argv) if not is_legal_remap(each)]
 
 
 def load_command_line_node_params(argv: Sequence[str]) -> dict[str, Any]:
-    """The node's own parameters that the command line sets, ``_x:=1``, with YAML values.
+    """Return the node's parameters on the command line, ``_x:=1``; their values are YAML.
 
     Raises:
-        ROSInitException: a value is no YAML.
+        ROSInitException: a value is invalid YAML.
     """
     params = {}
     for argument in argv:
@@ -94,23 +94,23 @@ def init_node(
 ) -> None:
     """Make this process a node, and wait until its hub answers.
 
-    Called again with the same arguments, it does nothing.
+    Further calls with the same arguments do nothing.
 
     Args:
-        name: a name with no namespace in it; ``__name:=`` goes before it.
-        argv: the command line, if it is not the process's.
-        anonymous: make the name one that no other node has.
-        log_level: which lines are logged from then on, such as `rospy.DEBUG`; else from INFO on.
-        disable_rostime: ignore the graph's simulated time.
-        disable_rosout: do not publish what is logged.
-        disable_signals: leave Ctrl-C to the program; needed outside of the main thread.
+        name: the node's name without a namespace; ``__name:=`` overrides it.
+        argv: the command line; by default the process's.
+        anonymous: make the name unique.
+        log_level: the lowest level to log, such as `rospy.DEBUG`; by default INFO.
+        disable_rostime: ignore simulated time.
+        disable_rosout: do not publish the log.
+        disable_signals: do not handle Ctrl-C; required outside of the main thread.
         xmlrpc_port: has no effect.
         tcpros_port: has no effect.
 
     Raises:
         ValueError: the name is not legal.
-        ROSException: it was called with other arguments before.
-        ROSInitException: the program was ended meanwhile, or the hub will not have the node.
+        ROSException: it was called with different arguments before.
+        ROSInitException: the program was interrupted, or the hub refuses the node.
     """
     global _arguments
     if argv is None:
@@ -129,7 +129,7 @@ def init_node(
                 f"rospy.init_node() has already been called with different arguments: {_arguments}"
             )
         return
-    name, namespace = _named(name, anonymous), names.get_namespace()
+    name, namespace = _node_name(name, anonymous), names.get_namespace()
     params = load_command_line_node_params(argv)
     logger = _logger(log_level)
     if not disable_signals:
@@ -156,10 +156,10 @@ def init_node(
 
 
 def on_shutdown(h: Callable[[], object]) -> None:
-    """Have a function called when the node is about to end, while it can still publish.
+    """Call a function when the node is about to end, while it can still publish.
 
     Raises:
-        TypeError: it is none.
+        TypeError: it is not callable.
     """
     core.add_client_shutdown_hook(h)
 
@@ -182,10 +182,10 @@ def spin() -> None:
 
 
 def get_published_topics(namespace: str = "/") -> list[list[str]]:
-    """The topics that somebody publishes, as pairs of name and type.
+    """Return the published topics as pairs of name and type.
 
     Args:
-        namespace: only those in it.
+        namespace: their namespace.
 
     Raises:
         ROSException: the hub refuses.
@@ -197,7 +197,7 @@ def get_published_topics(namespace: str = "/") -> list[list[str]]:
 
 
 def get_master(env: object = None) -> MasterProxy:
-    """The hub, in the place of ROS's master.
+    """Return the hub as a substitute for ROS's master.
 
     Args:
         env: has no effect: the hub is where $FIBWS_HUB says.
@@ -211,10 +211,10 @@ def get_master(env: object = None) -> MasterProxy:
 
 
 def get_param(param_name: str, default: Any = _MISSING) -> Any:
-    """The value of a parameter, or all of a namespace as a dict; or else the default.
+    """Return the value of a parameter, a namespace as a dict, or the default.
 
     Raises:
-        KeyError: there is neither.
+        KeyError: the parameter is not set, and there is no default.
     """
     try:
         return get_master()[param_name]
@@ -225,20 +225,20 @@ def get_param(param_name: str, default: Any = _MISSING) -> Any:
 
 
 def get_param_cached(param_name: str, default: Any = _MISSING) -> Any:
-    """The same as `get_param`: the hub answers fast, and nobody sees an old value."""
+    """Return the same as `get_param`; there is no cache, as the hub answers fast."""
     return get_param(param_name, default)
 
 
 def get_param_names() -> list[str]:
-    """The names of all parameters."""
+    """Return the names of all parameters."""
     return list(get_master())
 
 
 def set_param(param_name: str, param_value: Any) -> None:
-    """Set a parameter; a dict takes the place of a whole namespace.
+    """Set a parameter; a dict replaces a namespace.
 
     Raises:
-        TypeError, ValueError: JSON cannot hold the value, or something in it is None.
+        TypeError, ValueError: the value is not a JSON value, or contains None.
         ROSException: the hub refuses.
     """
     names.warn_unless_legal(param_name, stacklevel=3)
@@ -246,72 +246,64 @@ def set_param(param_name: str, param_value: Any) -> None:
 
 
 def delete_param(param_name: str) -> None:
-    """Delete a parameter, or all of a namespace.
+    """Delete a parameter or a namespace.
 
     Raises:
-        KeyError: there is none.
+        KeyError: it is not set.
     """
     del get_master()[param_name]
 
 
 def has_param(param_name: str) -> bool:
-    """Whether there is a parameter or a namespace of this name."""
+    """Return whether a parameter or a namespace exists."""
     return param_name in get_master()
 
 
 def search_param(param_name: str) -> str | None:
-    """The global name of the parameter of this name that is nearest, if there is one.
+    """Return the global name of the nearest parameter of this name, or None.
 
-    It is looked for in the node's own namespace (``/robot/talker``), then in each above.
+    It is searched in the node's own namespace (``/robot/talker``), then in each parent.
     """
     return get_master().search_param(param_name)
 
 
-def _named(name: str, anonymous: bool) -> str:
-    """What the node is called, with no namespace."""
+def _node_name(name: str, anonymous: bool) -> str:
+    """Return the node's name without a namespace."""
     from fibws.names import anonymous as anonymous_name
     from fibws.names import check_base
 
     if remapped := names.get_mappings().get("__name"):
         return check_base(remapped)
     if not is_legal_base_name(name):
-        name = _mended(name)
+        name = _legal_name(name)
     if anonymous:
         name = anonymous_name(name, pid=os.getpid(), random=os.urandom(8))
     return check_base(name)
 
 
-def _mended(name: str) -> str:
-    """A legal name in the place of one that ROS only warns of; the hub would not have it."""
+def _legal_name(name: str) -> str:
+    """Return a legal substitute for a name; ROS only warns about it, but the hub refuses it."""
     legal = re.sub(r"\W", "_", name, flags=re.ASCII)
     legal = legal if legal[0].isalpha() else f"node_{legal.lstrip('_')}"
     warnings.warn(
         f"'{name}' is not a legal ROS base name. This may cause problems with other ROS tools. "
-        f"Here the node is called '{legal}'.",
+        f"The node's name is '{legal}'.",
         stacklevel=4,
     )
     return legal
 
 
 def _logger(log_level: int | None) -> logging.Logger:
-    """The logger of the node, which begins to write."""
+    """Set up and return the node's logger."""
     logger = logging.getLogger("rosout")
     logger.setLevel(logging.INFO if log_level is None else PYTHON_LEVELS[log_level])
     if not logger.propagate:
-        return logger  # An earlier call has done the rest, but found no hub that would have it.
-    logger.propagate = False  # A root logger that writes to the console would say all twice.
+        return logger  # An earlier call did this, but its node was refused.
+    logger.propagate = False  # A root logger for the console would print all lines twice.
     logger.addHandler(console.Console())
-    logger.addFilter(_say_roscore)
     if path := names.get_mappings().get("__log"):
         logger.addHandler(console.log_file(path))
     return logger
-
-
-def _say_roscore(record: logging.LogRecord) -> bool:
-    """Who runs a script of ROS knows the hub by the name that it has there."""
-    if isinstance(record.msg, str):
-        record.msg = record.msg.replace("python -m fibws.hub", "roscore")
-    return True
 
 
 def _start(node: Callable[[], fibws.Node]) -> None:
@@ -326,7 +318,7 @@ def _start(node: Callable[[], fibws.Node]) -> None:
 
 
 def _use_simulated_time() -> None:
-    """Follow the topic /clock if the parameter /use_sim_time says so; the time is 0 at first."""
+    """Follow the topic /clock if the parameter /use_sim_time is true; the time starts at 0."""
     if get_param("/use_sim_time", False):
         rostime.set_rostime(genpy.Time())
         core.background.begin(_follow_clock(core.background.node))
@@ -339,7 +331,7 @@ async def _follow_clock(node: fibws.Node) -> None:
 
 
 def _ended(fault: Exception) -> None:
-    """End the program's node in good order, since the hub has ended it."""
+    """Shut the program's node down after the hub has ended it."""
     from fibws.errors import NodeKilled, NodeReplaced
 
     if isinstance(fault, NodeReplaced):

@@ -1,4 +1,4 @@
-"""A node's log on the console, and in the file that ``__log:=`` names."""
+"""Log handlers: for the console, and for the file of ``__log:=``."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from rospy import rostime
 from rospy.names import get_name
 
 FORMAT = "[${severity}] [${time}]: ${message}"
-"""How a line is printed when ROSCONSOLE_FORMAT does not say otherwise."""
+"""The format of a line without ROSCONSOLE_FORMAT."""
 
 SEVERITIES = {
     logging.DEBUG: "DEBUG",
@@ -30,12 +30,13 @@ _TEXT = logging.Formatter()
 
 
 class Console(logging.Handler):
-    """Writes a line for each record: to stderr from WARN on, else to stdout."""
+    """Writes a line for each record: to stderr from WARN on, otherwise to stdout."""
 
     def emit(self, record: logging.LogRecord) -> None:
-        """Write the record's line, at once even into a pipe.
+        """Write the record's line and flush it.
 
-        A reader who has left (``| head``) is for the program to know, so that it may end.
+        Raises:
+            BrokenPipeError: the reader has ended (``| head``).
         """
         try:
             stream = sys.stderr if record.levelno >= logging.WARNING else sys.stdout
@@ -53,7 +54,7 @@ class Console(logging.Handler):
 
 
 def line_of(record: logging.LogRecord, template: str) -> str:
-    """A record as a template for ROSCONSOLE_FORMAT says it; unknown tags stay as they are."""
+    """Format a record by a template for ROSCONSOLE_FORMAT; unknown tags are kept."""
 
     def value(tag: re.Match[str]) -> str:
         key, format_ = tag.groups()
@@ -79,7 +80,7 @@ def line_of(record: logging.LogRecord, template: str) -> str:
 
 
 def log_file(path: str) -> logging.Handler:
-    """Writes each record to a file, after what is there."""
+    """Return a handler that appends each record to a file."""
     handler = logging.FileHandler(path, encoding="utf-8", errors="backslashreplace", delay=True)
     handler.setFormatter(logging.Formatter("[%(name)s][%(levelname)s] %(asctime)s: %(message)s"))
     return handler

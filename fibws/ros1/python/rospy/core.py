@@ -64,22 +64,22 @@ _earlier_handlers: dict[int, Any] = {}
 
 
 def is_initialized() -> bool:
-    """Whether `init_node` was called and has found its hub."""
+    """Return whether `init_node` was called and has found its hub."""
     return _initialized
 
 
 def is_shutdown() -> bool:
-    """Whether the node has ended."""
+    """Return whether the node has ended."""
     return _shutdown
 
 
 def is_shutdown_requested() -> bool:
-    """Whether the node has ended, or is about to."""
+    """Return whether the node has ended, or is about to."""
     return _shutting_down
 
 
 def get_node_uri() -> str | None:
-    """Where the node is on its hub; None before `init_node`."""
+    """Return the node's address on its hub; None before `init_node`."""
     if not background.running:
         return None
     return f"{background.node.hub.rstrip('/')}/?node={background.node.name}"
@@ -268,7 +268,7 @@ def _on_signal(number: int, frame: FrameType | None) -> None:
     background.loop_lock.allows_main_thread = False
     earlier = _earlier_handlers.get(number)
     for each, handler in _earlier_handlers.items():
-        signal.signal(each, handler)  # Who asks twice is in a hurry.
+        signal.signal(each, handler)  # A second signal ends the process.
     _begin_end(f"signal-{number}")
     if callable(earlier):
         try:
@@ -282,7 +282,7 @@ def _hush() -> None:
 
     def excepthook(kind: type[BaseException], error: BaseException, traceback: Any) -> None:
         if _shutdown and issubclass(kind, ROSInterruptException):
-            raise SystemExit(0)  # From here it is the program's exit code.
+            raise SystemExit(0)  # An excepthook can set the exit code only this way.
         show(kind, error, traceback)
 
     def thread_excepthook(arguments: threading.ExceptHookArgs) -> None:
@@ -302,7 +302,7 @@ atexit.register(_on_exit)
 if not TYPE_CHECKING:
 
     def __getattr__(name: str) -> Any:
-        """What editors import from here, since rospy has it here, too: ``rospy.core.logwarn``."""
+        """Return functions and classes that rospy has here, too, such as ``rospy.core.logwarn``."""
         if not name.startswith("_"):
             for home in ("rospy.log", "rospy.names", "rospy.exceptions"):
                 value = getattr(import_module(home), name, None)

@@ -1,9 +1,9 @@
-"""What rospy raises.
+"""The errors of rospy.
 
 ROSException
 ├── ROSSerializationException          a message does not fit its type
-├── ROSInitException                   the node has not been initialised, or cannot be
-└── ROSInterruptException              the node ends; it is a KeyboardInterrupt, too
+├── ROSInitException                   init_node was not called, or failed
+└── ROSInterruptException              the node ends; also a KeyboardInterrupt
     └── ROSTimeMovedBackwardsException
 ROSInternalException
 └── TransportException
@@ -15,7 +15,7 @@ from __future__ import annotations
 
 
 class ROSException(Exception):
-    """The base of what goes wrong in a client of ROS."""
+    """The base of errors of a ROS client."""
 
 
 class ROSSerializationException(ROSException):
@@ -23,18 +23,18 @@ class ROSSerializationException(ROSException):
 
 
 class ROSInitException(ROSException):
-    """The node has not been initialised, or cannot be."""
+    """`init_node` was not called, or failed."""
 
 
 class ROSInterruptException(ROSException, KeyboardInterrupt):
-    """What waited does so no more, since the node ends."""
+    """A call that waits was interrupted by the node's end."""
 
 
 class ROSTimeMovedBackwardsException(ROSInterruptException):
-    """Simulated time went back while something slept.
+    """Simulated time went back during a sleep.
 
     Args:
-        time: by how many seconds.
+        time: the difference in seconds.
     """
 
     def __init__(self, time: float) -> None:
@@ -43,7 +43,7 @@ class ROSTimeMovedBackwardsException(ROSInterruptException):
 
 
 class ROSInternalException(Exception):
-    """The base of what goes wrong inside."""
+    """The base of internal errors."""
 
 
 class TransportException(ROSInternalException):

@@ -1,6 +1,6 @@
-"""What the program says: on the console, and on /rosout for the whole graph.
+"""The log functions; lines are printed, and published to /rosout.
 
-All goes through Python's logger ``rosout``, or one below it, which `init_node` gives its handlers.
+They use Python's logger ``rosout``, or one below it, to which `init_node` adds handlers.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import Any, Protocol
 from rospy.rostime import Duration, Time, get_rostime
 
 DEBUG, INFO, WARN, ERROR, FATAL = 1, 2, 4, 8, 16
-"""The levels as rosgraph_msgs/Log has them, which is how `init_node` is told them."""
+"""The levels of rosgraph_msgs/Log, for `init_node`."""
 
 PYTHON_LEVELS = {
     DEBUG: logging.DEBUG,
@@ -24,7 +24,7 @@ PYTHON_LEVELS = {
 }
 
 _Place = tuple[str, int, int]
-"""Where a line of the log is written: the file, the line and the instruction in it."""
+"""The place of a log call: file, line and instruction."""
 
 _times: dict[_Place, Time] = {}
 _texts: dict[_Place, str] = {}
@@ -35,7 +35,7 @@ class _Log(Protocol):
     def __call__(self, msg: Any, *args: Any, **kwargs: Any) -> None: ...
 
 
-class _LogSeldom(Protocol):
+class _LogThrottled(Protocol):
     def __call__(self, period: float, msg: Any, *args: Any, **kwargs: Any) -> None: ...
 
 
@@ -44,8 +44,8 @@ def _log(name: str, level: int) -> _Log:
         """Log a line, at the level of the function's name.
 
         Args:
-            msg: the text; with ``args``, what ``%`` makes of both.
-            args: what is put into the text.
+            msg: the text, formatted by ``%`` if there are ``args``.
+            args: the values for the text.
             kwargs: ``logger_name`` for a logger below ``rosout``; ``exc_info`` and ``extra`` as
                 for Python's `logging`.
         """
@@ -55,12 +55,12 @@ def _log(name: str, level: int) -> _Log:
     return log
 
 
-def _log_throttle(name: str, level: int) -> _LogSeldom:
+def _log_throttle(name: str, level: int) -> _LogThrottled:
     def log(period: float, msg: Any, *args: Any, **kwargs: Any) -> None:
-        """Log a line, but not more often than once in a time.
+        """Log a line at most once in a period.
 
         Args:
-            period: that time in seconds, for this place in the program.
+            period: the period in seconds, for this place in the program.
             msg: as for `logdebug`.
             args: as for `logdebug`.
             kwargs: as for `logdebug`.
@@ -73,12 +73,12 @@ def _log_throttle(name: str, level: int) -> _LogSeldom:
     return log
 
 
-def _log_throttle_identical(name: str, level: int) -> _LogSeldom:
+def _log_throttle_identical(name: str, level: int) -> _LogThrottled:
     def log(period: float, msg: str, *args: Any, **kwargs: Any) -> None:
-        """Log a line, but the same text not more often than once in a time.
+        """Log a line; the same text at most once in a period.
 
         Args:
-            period: that time in seconds, for this place in the program.
+            period: the period in seconds, for this place in the program.
             msg: as for `logdebug`; it is compared without ``args``.
             args: as for `logdebug`.
             kwargs: as for `logdebug`.
@@ -96,10 +96,7 @@ def _log_throttle_identical(name: str, level: int) -> _LogSeldom:
 
 def _log_once(name: str, level: int) -> _Log:
     def log(msg: Any, *args: Any, **kwargs: Any) -> None:
-        """Log a line as `logdebug` does, the first time that this place in the program is come to.
-
-        It is at the level of the function's name.
-        """
+        """Log a line as `logdebug` does, once for this place in the program."""
         frame = sys._getframe(1)
         place = _place(frame)
         if place not in _places:
@@ -136,7 +133,7 @@ logerr_once = _log_once("logerr_once", logging.ERROR)
 logfatal_once = _log_once("logfatal_once", logging.FATAL)
 
 _library = logging.getLogger("rospy")
-"""For whoever looks for faults of the library; not on the console."""
+"""The library's own log, which is not printed."""
 
 rospydebug, rospyinfo = _library.debug, _library.info
 rospywarn, rospyerr = _library.warning, _library.error
@@ -152,7 +149,7 @@ def _write(
     exc_info: Any = None,
     extra: dict[str, Any] | None = None,
 ) -> None:
-    """Log a line in the name of a frame, whose object's class is named with its function."""
+    """Log a line with the place of a frame; its function is named with the class of ``self``."""
     logger = logging.getLogger("rosout")
     if logger_name:
         logger = logger.getChild(logger_name)
@@ -173,7 +170,7 @@ def _write(
         _function(frame),
         extra,
     )
-    record.getMessage()  # What is wrong with the arguments is for the caller to know, as in rospy.
+    record.getMessage()  # Invalid arguments raise in the caller, as in rospy.
     logger.handle(record)
 
 
@@ -189,10 +186,10 @@ def _place(frame: FrameType) -> _Place:
 
 
 def _is_due(place: _Place, period: float) -> bool:
-    """Whether the last time was long enough ago; if so, this is the last time from now on."""
+    """Return whether the period since the last time is over; if so, remember this time."""
     now, last = get_rostime(), _times.get(place)
     if last is not None and last > now:
-        _times.clear()  # Simulated time went back: what was logged after now is yet to come.
+        _times.clear()  # Simulated time went back.
     elif last is not None and now - last <= Duration.from_sec(period):
         return False
     _times[place] = now

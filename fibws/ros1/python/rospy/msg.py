@@ -26,7 +26,7 @@ class AnyMsg(Message):
     """A message of any type, in ROS 1's bytes: ``_buff``, which is None at first.
 
     Raises:
-        ROSException: it is given a field.
+        ROSException: fields are given.
     """
 
     __slots__ = ["_buff"]
@@ -46,7 +46,7 @@ class AnyMsg(Message):
         """Write the bytes to a file.
 
         Raises:
-            ROSException: there are no bytes.
+            ROSException: the bytes are not set.
         """
         if self._buff is None:
             raise ROSException("AnyMsg is not initialized")
@@ -57,7 +57,7 @@ class AnyMsg(Message):
         return _RawCodec(cls, interfaces, style)
 
     def deserialize(self, str: bytes) -> Self:
-        """Take the bytes; it returns the message itself."""
+        """Keep the bytes; return the message itself."""
         self._buff = str
         return self
 
@@ -84,16 +84,16 @@ class _RawCodec(ClassCodec[A]):
 def args_kwds_to_message(
     data_class: type[Message], args: tuple[Any, ...], kwds: Mapping[str, Any]
 ) -> Message:
-    """The message that is given, or one that is made of the given fields.
+    """Return the given message, or create one of the given fields.
 
     Args:
-        data_class: the class of the message to make.
+        data_class: the class of the message.
         args: one message of that class, or of `AnyMsg`; or all the fields in order.
         kwds: some of the fields by name.
 
     Raises:
-        TypeError: both, or a message of another class, or not all fields.
-        AttributeError: there is no field of that name.
+        TypeError: both are given, or a message of another class, or not all fields.
+        AttributeError: a field is unknown.
     """
     if args and kwds:
         raise TypeError("publish() can be called with arguments or keywords, but not both.")
@@ -112,7 +112,11 @@ def args_kwds_to_message(
 
 
 def serialized(message: Message) -> bytes:
-    """A message in ROS 1's bytes; it raises `genpy.SerializationError` as the message does."""
+    """Serialize a message as ROS 1 does.
+
+    Raises:
+        genpy.SerializationError: a value does not fit its field.
+    """
     buffer = BytesIO()
     message.serialize(buffer)
     return buffer.getvalue()

@@ -1,4 +1,4 @@
-"""What names stand for in this process: its node's name, its namespace, what is remapped."""
+"""Resolving names in this process: its node's name, its namespace and its remappings."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ _name = f"{_namespace}unnamed"
 
 
 def get_name() -> str:
-    """The node's global name; before `init_node` it is ``unnamed``."""
+    """Return the node's global name; before `init_node` it is ``unnamed``."""
     return _name
 
 
@@ -72,58 +72,58 @@ get_caller_id = get_name
 
 
 def get_namespace() -> str:
-    """The namespace that relative names belong to, with ``/`` at its end."""
+    """Return the namespace of relative names; it ends with ``/``."""
     return _namespace
 
 
 def get_mappings() -> Mapping[str, str]:
-    """What the command line renames, as it was spelled."""
+    """Return the remappings as they are written on the command line."""
     return _mappings
 
 
 def get_resolved_mappings() -> Mapping[str, str]:
-    """What is renamed by global names; empty before `init_node`."""
+    """Return the remappings of global names; empty before `init_node`."""
     return _resolved_mappings
 
 
 def resolve_name(name: str | None, caller_id: str | None = None) -> str:
-    """The global name that a name stands for here, remappings included.
+    """Return the global name for a name, with remappings applied.
 
     Args:
-        name: the name; an empty one stands for the namespace.
-        caller_id: the node that it belongs to, if that is not this one.
+        name: the name; an empty one means the namespace.
+        caller_id: the node that uses it; by default this one.
     """
     return resolve_unmapped(str(name or ""), caller_id or _name, _resolved_mappings)
 
 
 def resolve_name_without_node_name(name: str) -> str:
-    """The global name of a topic or service that is made before `init_node`.
+    """Return the global name for a topic or service that is created before `init_node`.
 
     Raises:
         ValueError: the name is private.
-        ROSInitException: it is remapped to one that is.
+        ROSInitException: it is remapped to a private name.
     """
     if is_private(name):
         raise ValueError("~name topics cannot be created before init_node() has been called")
-    somebody = ns_join(_namespace, "node")
-    resolved = resolve_unmapped(name, somebody)
+    any_node = ns_join(_namespace, "node")
+    resolved = resolve_unmapped(name, any_node)
     for source, target in _mappings.items():
-        if resolve_unmapped(source, somebody) == resolved:
+        if resolve_unmapped(source, any_node) == resolved:
             if is_private(target):
                 raise ROSInitException(
                     f"due to the way this node is written, {name} cannot be remapped to a ~name. \n"
                     "The declaration of topics/services must be moved after the call to init_node()"
                 )
-            return resolve_unmapped(target, somebody)
+            return resolve_unmapped(target, any_node)
     return resolved
 
 
 def remap_name(name: str, caller_id: str | None = None, resolved: bool = True) -> str:
-    """A name as it is, unless the command line renames it as it is spelled here.
+    """Return the remapping of a name, or the name itself if it is not remapped in this spelling.
 
     Args:
         name: the name.
-        caller_id: the node that it belongs to, if that is not this one.
+        caller_id: the node that uses it; by default this one.
         resolved: has no effect, as in rospy.
     """
     if name in _mappings:
@@ -132,7 +132,7 @@ def remap_name(name: str, caller_id: str | None = None, resolved: bool = True) -
 
 
 def scoped_name(caller_id: str, name: str) -> str:
-    """A global name relative to the namespace of a node that is in it.
+    """Return a global name relative to the namespace of a node.
 
     Raises:
         ROSException: the node's name is not global.
@@ -143,7 +143,7 @@ def scoped_name(caller_id: str, name: str) -> str:
 
 
 def warn_unless_legal(name: str, stacklevel: int) -> None:
-    """Warn of a name that ROS does not allow, as Python's `warnings` do; rospy goes on with it."""
+    """Warn about a name that is not legal in ROS; rospy accepts it all the same."""
     if not is_legal_name(name):
         warnings.warn(
             f"'{name}' is not a legal ROS graph resource name. "
@@ -153,13 +153,13 @@ def warn_unless_legal(name: str, stacklevel: int) -> None:
 
 
 def reload_mappings(argv: Iterable[str]) -> None:
-    """Take another command line."""
+    """Read the remappings on another command line."""
     global _mappings
     _mappings = load_mappings(argv)
 
 
 def initialize_mappings(node_name: str) -> None:
-    """Remap from now on, in the place of the node of that global name."""
+    """Apply the remappings from now on, for the node of this global name."""
     global _resolved_mappings
     _resolved_mappings = {}
     for source, target in _mappings.items():
@@ -170,7 +170,7 @@ def initialize_mappings(node_name: str) -> None:
 
 
 def _set_caller_id(caller_id: str) -> None:
-    """Tell who the process's node is."""
+    """Set the global name of the process's node."""
     global _name, _namespace
     _name = caller_id
     _namespace = namespace(caller_id)

@@ -27,7 +27,7 @@ class _Numpy(Message):
 
 
 def numpy_msg(msg_type: type[Message]) -> type[Message]:
-    """The class of a type's messages with numpy's arrays, one for each class in a process."""
+    """Return the variant of a message class with numpy's arrays, one in a process."""
     if msg_type not in _classes:
         name = f"Numpy_{msg_type._type.replace('/', '__')}"
         _classes[msg_type] = type(

@@ -1,4 +1,4 @@
-"""What all publishers of one topic in the process share."""
+"""The state that all publishers of one topic in the process share."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class Publication:
         self.resolved_name = resolved_name
         self.data_class = data_class
         self._type: type[Message] | RawType | None = _plain_class(data_class._type)
-        """What the hub is told: the class as the definition has it, or the type of bytes."""
+        """The type to register: the class without numpy's arrays, or the type of the bytes."""
         self.latch = False
         self.headers: dict[str, str] = {}
         self.queue_size: int | None = None

@@ -1,4 +1,4 @@
-"""ROS's time: that of the clock on the wall, unless the graph has a simulated one."""
+"""ROS's time: wall time, or simulated time."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _simulated: Time | None = None
 
 
 class Duration(genpy.Duration):
-    """A length of time, in whole nanoseconds."""
+    """A length of time in whole nanoseconds."""
 
     __slots__ = ()
 
@@ -24,7 +24,7 @@ class Duration(genpy.Duration):
 
 
 class Time(genpy.Time):
-    """A moment, in whole nanoseconds; since 1970, unless time is simulated."""
+    """A point in time in whole nanoseconds, since 1970 or since the start of a simulation."""
 
     __slots__ = ()
 
@@ -33,17 +33,17 @@ class Time(genpy.Time):
 
     @staticmethod
     def now() -> Time:
-        """The present; raises as `get_rostime` does."""
+        """Return the current time; raise as `get_rostime`."""
         return get_rostime()
 
     @classmethod
     def from_seconds(cls, float_secs: float) -> Time:
-        """That many seconds after the beginning; `from_sec` is the same."""
+        """Create it from seconds; the same as `from_sec`."""
         return cls.from_sec(float_secs)
 
 
 def get_rostime() -> Time:
-    """The present time, of the graph's clock if it has a simulated one.
+    """Return the current time, which may be simulated.
 
     Raises:
         ROSInitException: `init_node` has not been called.
@@ -56,38 +56,38 @@ def get_rostime() -> Time:
 
 
 def get_time() -> float:
-    """The present time in seconds; raises as `get_rostime` does."""
+    """Return the current time in seconds; raise as `get_rostime`."""
     return get_rostime().to_sec()
 
 
 def is_rostime_initialized() -> bool:
-    """Whether `init_node` has been called, so that there is a time."""
+    """Return whether `init_node` has been called, which time needs."""
     return _initialized
 
 
 def set_rostime_initialized(val: bool) -> None:
-    """Let there be time."""
+    """Record whether `init_node` has been called."""
     global _initialized
     _initialized = val
 
 
 def is_wallclock() -> bool:
-    """Whether the time is that of the clock on the wall."""
+    """Return whether time is wall time."""
     return _simulated is None
 
 
 def switch_to_wallclock() -> None:
-    """Have no simulated time any more."""
+    """End simulated time."""
     global _simulated
     _simulated = None
     core.wakeup.wake_all()
 
 
 def set_rostime(time: genpy.Time) -> None:
-    """Have simulated time, and this is it.
+    """Set simulated time.
 
     Raises:
-        ValueError: it is no time.
+        ValueError: the argument is not a Time.
     """
     global _simulated
     if not isinstance(time, genpy.Time):
@@ -105,25 +105,25 @@ def seconds_of(duration: genpy.Duration | float | None) -> float | None: ...
 
 
 def seconds_of(duration: genpy.Duration | float | None) -> float | None:
-    """The seconds of a Duration, or of what is seconds already."""
+    """Return a Duration as seconds; seconds are returned unchanged."""
     return duration.to_sec() if isinstance(duration, genpy.Duration) else duration
 
 
 def wallsleep(duration: float) -> None:
-    """Sleep for some seconds on the wall's clock, or until the node ends."""
+    """Sleep for seconds of wall time, or until the node ends."""
     if duration > 0:
         core.wait_for_shutdown(duration)
 
 
 def sleep(duration: genpy.Duration | float) -> None:
-    """Sleep, of the graph's time; a negative duration is none.
+    """Sleep for a duration of ROS's time; return at once if it is negative.
 
     Args:
         duration: a Duration, or seconds.
 
     Raises:
         ROSInterruptException: the node ends.
-        ROSTimeMovedBackwardsException: simulated time went back, to before the sleep.
+        ROSTimeMovedBackwardsException: simulated time went back to before the sleep.
     """
     if is_wallclock():
         seconds = seconds_of(duration)
@@ -134,7 +134,7 @@ def sleep(duration: genpy.Duration | float) -> None:
         return
     if not isinstance(duration, genpy.Duration):
         duration = genpy.Duration.from_sec(duration)
-    # Before the first word from the clock it is no time at all.
+    # Simulated time is 0 before the first message of the clock.
     core.wakeup.wait(lambda: core.is_shutdown() or not get_rostime().is_zero())
     began = get_rostime()
     end = began + duration

@@ -14,7 +14,7 @@ from rospy.service import ServiceEnd, ServiceException
 if TYPE_CHECKING:
     from rospy.rostime import Duration
 
-LOOK = 0.3
+POLL_INTERVAL = 0.3
 """Seconds between two checks whether a service exists, by programs that are not nodes."""
 INTERRUPTED = "node shutdown interrupted service call"
 
@@ -127,10 +127,10 @@ class ServiceProxy(ServiceEnd):
             )
         from fibws.client.hub_client import HubClient
 
-        with HubClient("unnamed") as link:
-            serialized(request)  # It checks the fields, for which there is no node.
+        with HubClient("unnamed") as client:
+            serialized(request)  # Checks the fields, which otherwise the node does.
             fields = request.to_dict()
-            values = link.call(self.resolved_name, fields, timeout=0, headers=self._headers)
+            values = client.call(self.resolved_name, fields, timeout=0, headers=self._headers)
         return self.response_class.from_dict(values)
 
 
@@ -170,7 +170,7 @@ def _wait_in_node(service: str, timeout: float | None) -> None:
     node = core.background.node
     try:
         core.background.call(node.wait_for_service(service, timeout=timeout))
-    except InvalidName:  # There will never be such a service; ROS waits all the same.
+    except InvalidName:  # ROS waits even for a service with an invalid name.
         if core.wait_for_shutdown(timeout):
             raise ROSInterruptException("rospy shutdown") from None
         raise WaitTimeout from None
@@ -185,8 +185,8 @@ def _wait_outside_node(service: str, timeout: float | None) -> None:
     has_warned = False
     while True:
         try:
-            with HubClient("unnamed") as link:
-                if link.call("/rosapi/service_type", {"service": service})["type"]:
+            with HubClient("unnamed") as client:
+                if client.call("/rosapi/service_type", {"service": service})["type"]:
                     return
         except (HubUnreachable, HubLost) as error:
             if not has_warned:
@@ -196,7 +196,7 @@ def _wait_outside_node(service: str, timeout: float | None) -> None:
                 logwarn(f"wait_for_service({service}): {error}; will keep trying")
         except ServiceError:
             pass  # The hub is about to end.
-        left = LOOK if end is None else min(LOOK, end - monotonic())
+        left = POLL_INTERVAL if end is None else min(POLL_INTERVAL, end - monotonic())
         if left <= 0:
             raise WaitTimeout
         sleep(left)

@@ -1,4 +1,4 @@
-"""What all subscribers of one topic in the process share."""
+"""The state that all subscribers of one topic in the process share."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ FEW = 50
 """Messages, and bytes, that wait for slow callbacks of subscribers without a queue size, and
 messages that always may. In ROS the socket would be full long before, and messages dropped."""
 
-LOOK = 0.1
+POLL_INTERVAL = 0.1
 """Seconds between two requests for a topic's type, to a rosbridge_suite server."""
 
 MOST_HEADERS = 100
@@ -173,7 +173,7 @@ class Subscription:
             type_ = await node.graph.topic_type(self.resolved_name)
             if type_:
                 break
-            await asyncio.sleep(LOOK)
+            await asyncio.sleep(POLL_INTERVAL)
         found: type[Message] | None = get_message_class(type_)
         if found is None:
             raise UnknownPackage(type_.partition("/")[0])

@@ -1,4 +1,4 @@
-"""What happens again and again: a loop's rate, and functions that are called by the clock."""
+"""Periodic work: `Rate` for loops, and `Timer` for callbacks."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ __all__ = ["Rate", "Timer", "TimerEvent", "sleep"]
 
 
 class Rate:
-    """A loop's rhythm, without drift; who is late by more than two periods goes on from there.
+    """Keeps the rate of a loop, without drift unless it is late by more than two periods.
 
     Args:
-        hz: times a second.
-        reset: begin anew when simulated time goes back, rather than raise.
+        hz: the rate.
+        reset: restart when simulated time goes back, instead of an exception.
 
     Raises:
         ROSInitException: `init_node` has not been called.
@@ -31,24 +31,24 @@ class Rate:
         self.last_time: genpy.Time = get_rostime()
         self.sleep_dur = Duration(0, int(1e9 / hz))
         self._reset = reset
-        self._was_cut_short = False
+        self._was_interrupted = False
 
     def remaining(self) -> genpy.Duration:
-        """How long `sleep` would sleep now; negative if its time has passed."""
+        """Return the duration of a `sleep` now; negative if the loop is late."""
         return self._remaining(get_rostime())
 
     def sleep(self) -> None:
         """Sleep until the period is over, or the node ends.
 
-        A loop that looks at `is_shutdown` ends by that, so that what follows it is done, as in ROS.
+        As in ROS, a loop that checks `is_shutdown` ends without an exception.
 
         Raises:
-            ROSInterruptException: the loop goes on after the node's end, or time is simulated.
+            ROSInterruptException: it was called again after the node's end, or time is simulated.
             ROSTimeMovedBackwardsException: simulated time went back, and ``reset`` is false.
         """
         now = get_rostime()
         try:
-            # Who is late notices the node's end, too.
+            # A late loop must notice the node's end, too.
             sleep(max(self._remaining(now), Duration()))
         except ROSTimeMovedBackwardsException:
             if not self._reset:
@@ -56,9 +56,9 @@ class Rate:
             self.last_time = get_rostime()
             return
         except ROSInterruptException:
-            if self._was_cut_short or not is_wallclock():
+            if self._was_interrupted or not is_wallclock():
                 raise
-            self._was_cut_short = True
+            self._was_interrupted = True
         self.last_time = self.last_time + self.sleep_dur
         if now - self.last_time > self.sleep_dur * 2:
             self.last_time = now
@@ -71,10 +71,10 @@ class Rate:
 
 @dataclass(eq=False)
 class TimerEvent:
-    """When a timer's function should have been called and when it was, this time and the last.
+    """The expected and the real time of a timer's call, and of the previous call.
 
-    All but ``last_duration``, the seconds that it took, are Time; of the last time all are None
-    when there was none.
+    ``last_duration`` is the duration of the previous call in seconds. Before the second call, the
+    fields of the previous call are None.
     """
 
     last_expected: genpy.Time | None
@@ -85,13 +85,13 @@ class TimerEvent:
 
 
 class Timer(threading.Thread):
-    """Calls a function once in each period, in a thread of its own, until the node ends.
+    """Calls a function periodically, in a thread of its own, until the node ends.
 
     Args:
-        period: the first call comes after it, too.
-        callback: is given a `TimerEvent`; if it raises, the timer ends.
-        oneshot: call it once only.
-        reset: go on when simulated time goes back, rather than end with an exception.
+        period: the time between calls, and before the first one.
+        callback: called with a `TimerEvent`; if it raises, the timer ends.
+        oneshot: call it only once.
+        reset: continue when simulated time goes back, instead of ending with an exception.
     """
 
     def __init__(
@@ -110,11 +110,11 @@ class Timer(threading.Thread):
         self.start()
 
     def shutdown(self) -> None:
-        """Have the function not called any more."""
+        """Stop calling the function."""
         self._shut_down = True
 
     def run(self) -> None:
-        """Call the function; this is the thread's own."""
+        """Call the function periodically; the thread runs this."""
         rate = Rate(1 / self._period.to_sec(), reset=self._reset)
         expected: genpy.Time = get_rostime() + self._period
         last_expected: genpy.Time | None = None
@@ -130,7 +130,7 @@ class Timer(threading.Thread):
             expected = expected + self._period
 
     def _sleep(self, rate: Rate) -> bool:
-        """Sleep until the next call; false if there will be none."""
+        """Sleep until the next call; return False if the timer has ended."""
         if self._is_over():
             return False
         try:

@@ -80,14 +80,14 @@ core.add_shutdown_hook(_subscriptions.close_all)
 
 
 class Topic(Generic[S]):
-    """What `Publisher` and `Subscriber` have in common.
+    """The base of `Publisher` and `Subscriber`.
 
     Attributes:
         resolved_name: the topic's global name; None after `unregister`, as those that follow.
         type: the type's name, such as ``std_msgs/String``.
         md5sum: the fingerprint of the type's definition.
         data_class: the class of the messages.
-        impl: what all publishers, or subscribers, of the topic share in the process.
+        impl: the state that all publishers, or all subscribers, of the topic share.
     """
 
     def __init__(self, name: str, data_class: type[Message], shared: Shared[S]) -> None:

@@ -1,4 +1,4 @@
-"""What editors import from rospy's inside is rospy's own."""
+"""Names that scripts import from rospy.impl."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ import rospy
 from rospy.impl import tcpros, tcpros_base, tcpros_service
 
 
-def test_services_are_rospys() -> None:
+def test_services_are_those_of_rospy() -> None:
     for name in tcpros_service.__all__:
         assert getattr(tcpros_service, name) is getattr(rospy, name)
 
 
-def test_the_size_of_a_buffer_is_rospys() -> None:
+def test_buffer_size_is_that_of_rospy() -> None:
     assert tcpros.DEFAULT_BUFF_SIZE == tcpros_base.DEFAULT_BUFF_SIZE == 65536

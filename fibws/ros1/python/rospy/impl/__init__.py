@@ -1,1 +1,1 @@
-"""Where editors find some of rospy's names: scripts import them from here, too."""
+"""rospy's internal modules, as far as scripts import them."""

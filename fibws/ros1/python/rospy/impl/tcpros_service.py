@@ -1,4 +1,4 @@
-"""Services, by the name of the module that they have in rospy."""
+"""Services, under the name of rospy's module."""
 
 from rospy.service import Service, ServiceException
 from rospy.service_proxy import ServiceProxy, wait_for_service
