@@ -99,6 +99,28 @@ async def test_stop_interrupts_calls(running: Background) -> None:
     assert not running.soon(print)
 
 
+async def test_node_ends_after_unfinished_tasks(running: Background) -> None:
+    begun = threading.Event()
+    results: list[str] = []
+
+    async def send() -> None:
+        assert running._stop is not None
+        await running._stop.wait()
+        for _ in range(5):
+            await asyncio.sleep(0)
+        await running.node.params.set("~sent", True)
+        results.append("sent")
+
+    def start() -> None:
+        running.finish_before_end(asyncio.get_running_loop().create_task(send()))
+        begun.set()
+
+    assert running.soon(start)
+    assert await asyncio.to_thread(begun.wait, 10)
+    await asyncio.to_thread(running.stop)
+    assert results == ["sent"]
+
+
 async def test_end_of_the_node_is_reported(background: Background, hub: Hub) -> None:
     errors: asyncio.Queue[Exception] = asyncio.Queue()
     loop = asyncio.get_running_loop()

@@ -35,6 +35,9 @@ class Background:
             self.loop.call_soon_threadsafe(function)
         return self.loop is not None
 
+    def finish_before_end(self, task: asyncio.Task[None]) -> None:
+        self.unfinished = task
+
 
 class Sender:
     """A publisher, and its connection."""

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
+END_TIMEOUT = 2.0
+"""Seconds to wait for messages on their way to the node before it ends."""
+
 MOMENT = 0.001
 """Seconds for which `Background.give_way` waits."""
 
@@ -35,6 +38,7 @@ class Background:
         self._thread: threading.Thread | None = None
         self._stop: asyncio.Event | None = None
         self._stopped = False
+        self._unfinished: set[asyncio.Task[None]] = set()
         self.loop_lock = LoopLock()
         """Lets other threads act for the loop while it sleeps."""
 
@@ -125,6 +129,11 @@ class Background:
             return False
         return True
 
+    def finish_before_end(self, task: asyncio.Task[None]) -> None:
+        """Wait for a task before the node ends, for `END_TIMEOUT` seconds at most."""
+        self._unfinished.add(task)
+        task.add_done_callback(self._unfinished.discard)
+
     def stop(self, timeout: float = 5.0) -> None:
         """End the node, which sends queued messages; called again, only wait for its end.
 
@@ -200,6 +209,8 @@ class Background:
                 await stop
             spinning.cancel()
         finally:
+            if self._unfinished:
+                await asyncio.wait(self._unfinished, timeout=END_TIMEOUT)
             await node.__aexit__(None, None, None)
 
 

@@ -96,6 +96,7 @@ class OutgoingQueue:
                 import asyncio
 
                 self._task = asyncio.create_task(self._drain(), name=f"drain {self._publisher}")
+                core.background.finish_before_end(self._task)
 
     async def _drain(self) -> None:
         while self._frames:
