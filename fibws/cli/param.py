@@ -1,4 +1,4 @@
-"""``fibws param``: the parameters that all nodes share, as rosparam reads and writes them."""
+"""``fibws param``: parameters, as rosparam reads and writes them."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from fibws.values import parameter_files
 
 _name = click.argument("name", shell_complete=completers.params)
 _namespace = click.argument("namespace", default=ROOT, shell_complete=completers.params)
-_verbose = click.option("-v", "--verbose", is_flag=True, help="Say what is done.")
+_verbose = click.option("-v", "--verbose", is_flag=True, help="Print each change.")
 
 
 @click.group()
 def command() -> None:
     """Get and set parameters, load and dump them.
 
-    Values are YAML: 1 is a number and '"1"' a text. A namespace is the object of all that is in it.
+    Values are YAML: 1 is a number, '"1"' a string. The value of a namespace is an object.
     """
 
 
@@ -36,18 +36,20 @@ def command() -> None:
 @json_option
 @with_hub("param")
 def list_(client: HubClient, namespace: str, as_json: bool) -> None:
-    """List the names of all parameters, or of those in NAMESPACE."""
+    """List the parameters, or those in NAMESPACE."""
     above = _global(client, namespace).rstrip("/") + "/"
     output.names((name for name in _names(client) if name.startswith(above)), json_=as_json)
 
 
 @command.command()
 @_name
-@click.option("-p", "--pretty", is_flag=True, help="Print it for people: not all of it is YAML.")
+@click.option(
+    "-p", "--pretty", is_flag=True, help="Print strings without quotes; this is not always YAML."
+)
 @json_option
 @with_hub("param")
 def get(client: HubClient, name: str, pretty: bool, as_json: bool) -> None:
-    """Print the value of the parameter NAME, or all of a namespace."""
+    """Print the value of the parameter or namespace NAME."""
     value = _get(client, _global(client, name))
     if as_json:
         output.as_json(value)
@@ -66,7 +68,7 @@ def get(client: HubClient, name: str, pretty: bool, as_json: bool) -> None:
     "--textfile",
     type=click.Path(exists=True, dir_okay=False, path_type=Path),
     metavar="FILE",
-    help="Set it to the text in FILE.",
+    help="Set the parameter to the text of FILE.",
 )
 @_verbose
 @with_hub("param")
@@ -75,16 +77,17 @@ def set_(
 ) -> None:
     """Set the parameter NAME to VALUE.
 
-    An object is merged into what there is: param set /robot "{size: 3}" sets /robot/size alone.
+    An object sets a parameter for each key and keeps others: param set /robot "{size: 3}" sets
+    only /robot/size.
     """
     if (value is None) == (textfile is None):
-        raise click.UsageError("Give a VALUE, or the file that has it by -t.")
+        raise click.UsageError("Expected either VALUE or -t FILE.")
     if textfile is not None:
-        read: Any = parameter_files.read(textfile)
+        new: Any = parameter_files.read(textfile)
     else:
-        # A shell leaves nothing of '', which is the empty text here, as for rosparam.
-        read = parameter_files.parse(value) if value else ""
-    _set(client, parameter_files.leaves(_global(client, name), read), verbose=verbose)
+        # '' is the empty string, as in rosparam, rather than null.
+        new = parameter_files.parse(value) if value else ""
+    _set(client, parameter_files.leaves(_global(client, name), new), verbose=verbose)
 
 
 @command.command()
@@ -92,9 +95,9 @@ def set_(
 @_verbose
 @with_hub("param")
 def delete(client: HubClient, name: str, verbose: bool) -> None:
-    """Delete the parameter NAME, or a namespace.
+    """Delete the parameter or namespace NAME.
 
-    / is the namespace of all there is.
+    / deletes all parameters.
     """
     name = _global(client, name)
     try:
@@ -111,10 +114,10 @@ def delete(client: HubClient, name: str, verbose: bool) -> None:
 @_verbose
 @with_hub("param")
 def load(client: HubClient, file: str, namespace: str, verbose: bool) -> None:
-    """Set the parameters in FILE, which is YAML.
+    """Set the parameters in the YAML file FILE.
 
-    A FILE of - is what comes in by a pipe. Names are relative to NAMESPACE. Angles may be written
-    deg(180) or rad(pi/2). If something is wrong with FILE, nothing is set.
+    If FILE is -, read standard input. Names are relative to NAMESPACE. Angles may be written
+    deg(180) or rad(pi/2). If FILE is invalid, nothing is set.
     """
     text = _piped() if file == "-" else parameter_files.read(Path(file))
     try:
@@ -132,9 +135,9 @@ def load(client: HubClient, file: str, namespace: str, verbose: bool) -> None:
 @_verbose
 @with_hub("param")
 def dump(client: HubClient, file: str | None, namespace: str, as_json: bool, verbose: bool) -> None:
-    """Write all parameters, or those in NAMESPACE, to FILE.
+    """Write the parameters, or those in NAMESPACE, to FILE.
 
-    It is YAML, as load reads it. Without FILE, or if that is -, they are printed.
+    FILE is YAML that load reads. If FILE is missing or -, print the parameters.
     """
     value = _get(client, _global(client, namespace))
     if file is None or file == "-":
@@ -154,16 +157,16 @@ def dump(client: HubClient, file: str | None, namespace: str, as_json: bool, ver
 
 
 def _global(client: HubClient, name: str) -> str:
-    """The global name of a parameter, which may be of any characters, as in ROS."""
+    """Return the global name of a parameter, which may contain any characters, as in ROS."""
     if name.startswith("~"):
-        raise click.UsageError(f"{name}: a parameter that is private to a node is /NODE/{name[1:]}")
+        raise click.UsageError(f"{name}: write private parameters as /NODE/{name[1:]}")
     name = name.rstrip("/")
     return name if name.startswith("/") else names.join(client.namespace, name).rstrip("/") or ROOT
 
 
 def _piped() -> str:
     if sys.stdin is None:
-        raise click.UsageError("FILE is -, and nothing comes in by a pipe.")
+        raise click.UsageError("FILE is -, but standard input is closed.")
     return sys.stdin.read()
 
 

@@ -1,4 +1,4 @@
-"""``fibws service``: which services there are, what each takes and gives; calls."""
+"""``fibws service``: list, inspect and call services."""
 
 from __future__ import annotations
 
@@ -17,23 +17,23 @@ from fibws.values.typedefs import TIMES, Typedefs, if_known
 from fibws.values.yaml_text import message_text
 
 POLL = 0.1
-"""Seconds between two looks for a service that is waited for."""
+"""Seconds between two checks whether a service is available."""
 
 _service = click.argument("service", shell_complete=completers.services)
 
 
 @click.group()
 def command() -> None:
-    """Look at services, call them."""
+    """List, inspect and call services."""
 
 
 @command.command("list")
 @click.argument("namespace", required=False, shell_complete=completers.services)
-@click.option("-n", "--nodes", is_flag=True, help="Name the node that provides each.")
+@click.option("-n", "--nodes", is_flag=True, help="Show the node of each service.")
 @json_option
 @with_hub("service")
 def list_(client: HubClient, namespace: str | None, nodes: bool, as_json: bool) -> None:
-    """List all services, or those in NAMESPACE."""
+    """List the services, or those in NAMESPACE."""
     services = GraphSnapshot(client).services
     for service in in_namespace(namespace and client.resolve_namespace(namespace), services):
         if as_json:
@@ -72,7 +72,7 @@ def type_(client: HubClient, service: str) -> None:
 @_service
 @with_hub("service")
 def node(client: HubClient, service: str) -> None:
-    """Print the node that provides SERVICE."""
+    """Print the node of SERVICE."""
     output.line(_found(client, service)["node"])
 
 
@@ -80,7 +80,7 @@ def node(client: HubClient, service: str) -> None:
 @_service
 @with_hub("service")
 def args(client: HubClient, service: str) -> None:
-    """Print the names of the values that SERVICE takes."""
+    """Print the names of the arguments of SERVICE."""
     output.line(" ".join(_arguments(client, _found(client, service))))
 
 
@@ -99,12 +99,12 @@ def find(client: HubClient, type_: str, as_json: bool) -> None:
 @_service
 @click.argument("arguments", nargs=-1, metavar="[ARGS]...", callback=arguments.check)
 @click.option("-v", "--verbose", is_flag=True, help="Print the request, too.")
-@click.option("--wait", is_flag=True, help="Wait until somebody provides the service.")
+@click.option("--wait", is_flag=True, help="Wait until the service is available.")
 @click.option(
     "--timeout",
     type=click.FloatRange(0, min_open=True),
     metavar="SECONDS",
-    help="How long to wait for the response.  [default: what the hub is set to, or 60]",
+    help="Maximum time until the response.  [default: the hub's setting, or 60]",
 )
 @json_option
 @with_hub("service")
@@ -120,24 +120,24 @@ def call(
 ) -> None:
     """Call SERVICE and print its response.
 
-    ARGS are a value for each field in order, or all as one object, in YAML: 3 4 or "{a: 3, b: 4}".
-    Without them they are read from a pipe, and each document in there is a call.
+    ARGS are YAML: a value for each field in order, 3 4, or one object, "{a: 3, b: 4}". Without
+    ARGS, read YAML documents from standard input, and call the service for each.
     """
     name = client.resolve(service)
     if wait:
         _wait(client, name)
     found = _available(client, name)
     typedefs = if_known(Typedefs.of_request, client, found["type"])
-    response = if_known(Typedefs.of_response, client, found["type"])
+    response_typedefs = if_known(Typedefs.of_response, client, found["type"])
     for request in _requests(arguments, typedefs):
         if verbose and not as_json:
             output.line(message_text(request, typedefs))
             output.line("---")
-        answer = client.call(name, request, timeout or 0)
+        response = client.call(name, request, timeout or 0)
         if as_json:
-            output.as_json(answer)
+            output.as_json(response)
         else:
-            output.line(message_text(answer, response))
+            output.line(message_text(response, response_typedefs))
 
 
 def _found(client: HubClient, service: str) -> Entry:
@@ -158,30 +158,30 @@ def _wait(client: HubClient, name: str) -> None:
 
 
 def _arguments(client: HubClient, service: Entry) -> list[str]:
-    """The names of the request's fields; of what is in a field, as ``header.seq``."""
+    """Return the names of the request's fields; those of nested ones as ``header.seq``."""
     typedefs = if_known(Typedefs.of_request, client, service["type"])
-    return list(_leaves(typedefs, typedefs.root, ""))
+    return list(_field_names(typedefs, typedefs.root, ""))
 
 
-def _leaves(typedefs: Typedefs, type_: str, prefix: str) -> Iterator[str]:
+def _field_names(typedefs: Typedefs, type_: str, prefix: str) -> Iterator[str]:
     for field in typedefs.fields(type_) if type_ in typedefs else ():
         if field.length is None and field.type in typedefs and field.type not in TIMES:
-            yield from _leaves(typedefs, field.type, f"{prefix}{field.name}.")
+            yield from _field_names(typedefs, field.type, f"{prefix}{field.name}.")
         else:
             yield f"{prefix}{field.name}"
 
 
 def _requests(arguments: tuple[str, ...], typedefs: Typedefs) -> Iterator[Entry]:
-    is_empty = typedefs.root in typedefs and not typedefs.fields(typedefs.root)
-    if arguments or is_empty:
+    has_no_fields = typedefs.root in typedefs and not typedefs.fields(typedefs.root)
+    if arguments or has_no_fields:
         yield parsing.message(arguments, typedefs)
         return
     stream = piped_input()
-    given = False
-    for document in parsing.documents(stream) if stream is not None else ():
-        if document is not None:
-            given = True
-            yield parsing.fill(document if isinstance(document, list) else [document], typedefs)
-    if not given:
-        fields = " ".join(_leaves(typedefs, typedefs.root, ""))
+    is_empty = True
+    documents = parsing.documents(stream) if stream is not None else ()
+    for request in parsing.messages(documents, typedefs):
+        is_empty = False
+        yield request
+    if is_empty:
+        fields = " ".join(_field_names(typedefs, typedefs.root, ""))
         raise click.UsageError(f"Please specify service arguments: {fields}")

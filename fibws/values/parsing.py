@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from base64 import b64encode
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -61,6 +61,13 @@ def documents(stream: Any, loader: type[yaml.SafeLoader] | None = None) -> Itera
         for value in yaml.load_all(stream, loader or yaml.SafeLoader):
             check_size(value)
             yield value
+
+
+def messages(documents: Iterable[Any], typedefs: Typedefs) -> Iterator[dict[str, Any]]:
+    """Yield the message of each document that is not empty; raise as `message`."""
+    for each in documents:
+        if each is not None:
+            yield fill(each if isinstance(each, list) else [each], typedefs)
 
 
 @contextmanager

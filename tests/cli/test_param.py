@@ -12,7 +12,7 @@ from hub_in_thread import Run
 pytestmark = pytest.mark.usefixtures("run")
 
 
-def test_what_is_set_is_got(run: Run) -> None:
+def test_a_parameter_is_set_and_printed(run: Run) -> None:
     result = run("param", "set", "/gain", "1.5")
     assert (result.exit_code, result.output) == (0, "")
     assert run("param", "get", "gain").output == "1.5\n"
@@ -20,8 +20,8 @@ def test_what_is_set_is_got(run: Run) -> None:
 
 
 def test_a_namespace_is_an_object(run: Run) -> None:
-    said = run("param", "set", "-v", "robot", "{arm: {joints: [1, 2], name: x}}")
-    assert said.output.splitlines() == [
+    result = run("param", "set", "-v", "robot", "{arm: {joints: [1, 2], name: x}}")
+    assert result.output.splitlines() == [
         "set parameter [/robot/arm/joints] to [[1, 2]]",
         'set parameter [/robot/arm/name] to ["x"]',
     ]
@@ -42,7 +42,7 @@ def test_an_object_is_merged(run: Run) -> None:
 @pytest.mark.parametrize(
     ("word", "value"), [("", ""), ("-5", -5), ('"1"', "1"), ("rad(pi)", math.pi)]
 )
-def test_words_that_shells_and_tools_stumble_over(run: Run, word: str, value: object) -> None:
+def test_empty_negative_and_quoted_values(run: Run, word: str, value: object) -> None:
     assert run("param", "set", "x", word).exit_code == 0
     assert json.loads(run("param", "get", "--json", "x").output) == value
 
@@ -57,18 +57,18 @@ def test_a_file_may_be_the_value(run: Run, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "words", [["x"], ["x", "1", "-t", __file__], ["x", "[1"], ["x", "--jsn"], ["~x", "1"]]
 )
-def test_what_cannot_be_set_is_wrong_usage(run: Run, words: list[str]) -> None:
+def test_invalid_values_are_wrong_usage(run: Run, words: list[str]) -> None:
     assert run("param", "set", *words).exit_code == 2
     assert run("param", "get", "/x").exit_code == 1
 
 
-def test_what_the_hub_does_not_take_is_told(run: Run) -> None:
+def test_a_refused_parameter_is_an_error(run: Run) -> None:
     result = run("param", "set", "/x", "x" * 2**22)
     assert (result.exit_code, result.stdout) == (1, "")
     assert result.stderr.startswith("Error: Parameter [/x] ")
 
 
-def test_list_names_parameters(run: Run) -> None:
+def test_list_prints_names(run: Run) -> None:
     run("param", "set", "/", "{b: {c: 1, a: 2}, bc: 3}")
     found = run("param", "list").output.splitlines()
     assert found == sorted(found)
@@ -84,16 +84,16 @@ def test_names_are_relative_to_the_namespace(run: Run, monkeypatch: pytest.Monke
     assert run("param", "get", "/robot/gain").output == "1\n"
 
 
-def test_names_may_be_of_any_characters(run: Run) -> None:
+def test_names_may_contain_any_characters(run: Run) -> None:
     run("param", "set", "/9 lives/ü", "1")
     assert run("param", "get", "/9 lives/ü").output == "1\n"
 
 
-def test_what_is_not_set_is_an_error(run: Run) -> None:
+def test_an_unknown_parameter_is_an_error(run: Run) -> None:
     run("param", "set", "/gain", "1")
     result = run("param", "get", "/gian")
     assert (result.exit_code, result.stdout) == (1, "")
-    assert result.stderr == "Error: Parameter [/gian] is not set; did you mean /gain?\n"
+    assert "[/gian] is not set; did you mean /gain?" in result.stderr
 
 
 def test_delete(run: Run) -> None:
@@ -102,7 +102,7 @@ def test_delete(run: Run) -> None:
     assert run("param", "delete", "-v", "/a").output == "deleted parameter [/a]\n"
     result = run("param", "delete", "/a")
     assert (result.exit_code, result.stdout) == (1, "")
-    assert result.stderr.startswith("Error: Parameter [/a] is not set")
+    assert "[/a] is not set" in result.stderr
     assert run("param", "delete", "/").exit_code == 0
     assert run("param", "list").output == ""
 
@@ -110,8 +110,8 @@ def test_delete(run: Run) -> None:
 def test_dumped_parameters_can_be_loaded(run: Run, tmp_path: Path) -> None:
     run("param", "set", "/robot", "{a: '1', b: 1, c: [x, 1.5], d: {e: true}, f: \"l1\\nl2\"}")
     file = str(tmp_path / "robot.yaml")
-    said = run("param", "dump", "-v", file, "/robot")
-    assert said.output == f"dumped namespace [/robot] to file [{file}]\n"
+    result = run("param", "dump", "-v", file, "/robot")
+    assert result.output == f"dumped namespace [/robot] to file [{file}]\n"
     run("param", "load", file, "/copy")
     robot, copy = (run("param", "get", "--json", name).output for name in ("robot", "copy"))
     assert robot == copy
@@ -139,7 +139,5 @@ def test_file_errors_are_reported(run: Run, tmp_path: Path) -> None:
     missing = str(tmp_path / "missing" / "file")
     assert run("param", "load", missing).exit_code == 2
     result = run("param", "dump", missing)
-    assert (result.exit_code, result.stderr) == (
-        1,
-        f"Error: Cannot write {missing}: No such file or directory\n",
-    )
+    assert result.exit_code == 1
+    assert f"{missing}: No such file or directory" in result.stderr

@@ -19,7 +19,7 @@ from fibws.srv.std_srvs import SetBool, SetBoolRequest, SetBoolResponse
 
 
 async def serve(node: fibws.Node) -> None:
-    """Provide a service that works, one that fails, and one that never answers."""
+    """Serve a service that works, one that fails, and one that never responds."""
 
     def add(request: AddTwoIntsRequest) -> AddTwoIntsResponse:
         return AddTwoIntsResponse(request.a + request.b)
@@ -27,13 +27,13 @@ async def serve(node: fibws.Node) -> None:
     def fail(request: SetBoolRequest) -> SetBoolResponse:
         raise FibwsError("the switch is stuck")
 
-    async def ponder(request: SetBoolRequest) -> SetBoolResponse:
+    async def hang(request: SetBoolRequest) -> SetBoolResponse:
         await asyncio.Event().wait()
         raise AssertionError
 
     await node.service("/math/add", AddTwoInts, add)
     await node.service("/fail", SetBool, fail)
-    await node.service("/ponder", SetBool, ponder)
+    await node.service("/hang", SetBool, hang)
 
 
 @pytest.fixture
@@ -45,7 +45,7 @@ def adder(hub: HubThread) -> Iterator[Peer]:
 pytestmark = pytest.mark.usefixtures("adder")
 
 
-def test_list_names_services(run: Run) -> None:
+def test_list_prints_names(run: Run) -> None:
     found = run("service", "list").output.splitlines()
     assert found == sorted(found)
     assert {"/math/add", "/rosapi/nodes"} <= set(found)
@@ -58,7 +58,7 @@ def test_list_names_services(run: Run) -> None:
     }
 
 
-def test_info_has_rosservices_shape(run: Run, client: HubClient) -> None:
+def test_info_prints_as_rosservice(run: Run, client: HubClient) -> None:
     nodes = client.call("/rosapi/graph")["nodes"]
     address = next(each["address"] for each in nodes if each["name"] == "/adder")
     assert run("service", "info", "math/add").output.splitlines() == [
@@ -67,8 +67,8 @@ def test_info_has_rosservices_shape(run: Run, client: HubClient) -> None:
         "Type: rospy_tutorials/AddTwoInts",
         "Args: a b",
     ]
-    told = json.loads(run("service", "info", "math/add", "--json").output)
-    assert (told["address"], told["args"]) == (address, ["a", "b"])
+    value = json.loads(run("service", "info", "math/add", "--json").output)
+    assert (value["address"], value["args"]) == (address, ["a", "b"])
 
 
 def test_type_node_and_find(run: Run) -> None:
@@ -81,7 +81,7 @@ def test_type_node_and_find(run: Run) -> None:
     assert run("service", "find", "rospy_tutorials/AddTwo").output == ""
 
 
-def test_args_name_what_is_in_fields(run: Run, client: HubClient) -> None:
+def test_args_include_nested_fields(run: Run, client: HubClient) -> None:
     type_ = "nav_msgs/GetPlan"
     client.send({"op": "advertise_service", "service": "/plan", "type": type_})
     client.call("/rosapi/get_time")
@@ -99,7 +99,7 @@ def test_args_name_what_is_in_fields(run: Run, client: HubClient) -> None:
 def test_an_unknown_service_is_an_error(run: Run, verb: str) -> None:
     result = run("service", verb, "math/ad")
     assert (result.exit_code, result.stdout) == (1, "")
-    assert result.stderr == "Error: Unknown service /math/ad; did you mean /math/add?\n"
+    assert "/math/ad; did you mean /math/add?" in result.stderr
 
 
 # call
@@ -126,13 +126,13 @@ def test_call_reads_arguments_from_a_pipe(run: Run) -> None:
     assert (result.exit_code, result.output) == (0, "sum: 3\nsum: 7\n")
 
 
-def test_call_without_arguments_says_what_they_are(run: Run) -> None:
+def test_call_without_arguments_lists_them(run: Run) -> None:
     result = run("service", "call", "math/add", input="")
     assert result.exit_code == 2
     assert "Please specify service arguments: a b" in result.stderr
 
 
-def test_what_takes_nothing_needs_no_arguments(run: Run) -> None:
+def test_a_service_without_fields_needs_no_arguments(run: Run) -> None:
     assert "  - /adder\n" in run("service", "call", "rosapi/nodes").output
 
 
@@ -146,34 +146,34 @@ def test_what_takes_nothing_needs_no_arguments(run: Run) -> None:
         (["-x"], 2, "No such option"),
     ],
 )
-def test_wrong_arguments_are_told(run: Run, words: list[str], code: int, text: str) -> None:
+def test_wrong_arguments_are_errors(run: Run, words: list[str], code: int, text: str) -> None:
     result = run("service", "call", "math/add", *words)
     assert (result.exit_code, result.stdout) == (code, "")
     assert text in result.stderr
 
 
-def test_a_service_that_fails_says_why(run: Run) -> None:
+def test_a_failing_service_is_an_error_with_its_reason(run: Run) -> None:
     result = run("service", "call", "/fail", "true")
     assert (result.exit_code, result.stdout) == (1, "")
-    assert result.stderr == "Error: /fail: error processing request: the switch is stuck\n"
+    assert "/fail" in result.stderr and "the switch is stuck" in result.stderr
 
 
-def test_a_service_that_does_not_answer_is_given_up(run: Run) -> None:
-    result = run("service", "call", "--timeout", "0.05", "/ponder", "true")
+def test_a_call_times_out(run: Run) -> None:
+    result = run("service", "call", "--timeout", "0.05", "/hang", "true")
     assert (result.exit_code, result.stdout) == (1, "")
     assert result.stderr.startswith("Error: ")
-    assert "/ponder" in result.stderr
+    assert "/hang" in result.stderr
 
 
-def test_a_service_that_is_not_there_is_an_error(run: Run) -> None:
+def test_an_unavailable_service_is_an_error(run: Run) -> None:
     result = run("service", "call", "/math/sub")
     assert result.exit_code == 1
-    assert result.stderr == "Error: Service [/math/sub] is not available; did you mean /math/add?\n"
+    assert "[/math/sub] is not available; did you mean /math/add?" in result.stderr
     result = run("service", "call", "/qqq")
-    assert result.stderr == "Error: Service [/qqq] is not available.\n"
+    assert "[/qqq] is not available" in result.stderr
 
 
-def test_a_service_of_a_type_that_nobody_defined_takes_an_object(run: Run, hub: HubThread) -> None:
+def test_a_service_of_an_unknown_type_takes_an_object(run: Run, hub: HubThread) -> None:
     with HubClient("provider", hub.url) as provider:
         provider.send({"op": "advertise_service", "service": "/odd", "type": "odd_msgs/Odd"})
         provider.call("/rosapi/get_time")

@@ -98,7 +98,7 @@ def command(
         if rate is None and not once and not latch:
             rate = RATE
         if file is None:
-            messages = _from_documents(documents_from_stdin(publisher), typedefs)
+            messages = parsing.messages(documents_from_stdin(publisher), typedefs)
         else:
             messages = _from_file(file, typedefs, is_repeated=rate is not None)
     if rate is not None:
@@ -126,19 +126,13 @@ def _from_arguments(
 
 def _from_file(file: TextIO, typedefs: Typedefs, *, is_repeated: bool) -> Iterator[dict[str, Any]]:
     """Yield the messages of a file; repeat a single one if ``is_repeated``."""
-    messages = list(_from_documents(parsing.documents(file), typedefs))
+    messages = list(parsing.messages(parsing.documents(file), typedefs))
     if not messages:
         raise click.UsageError(f"{file.name} contains no message")
     if len(messages) == 1 and is_repeated:
         output.line("Got one message and a rate, publishing repeatedly")
         return repeat(messages[0])
     return iter(messages)
-
-
-def _from_documents(documents: Iterable[Any], typedefs: Typedefs) -> Iterator[dict[str, Any]]:
-    for each in documents:
-        if each is not None:
-            yield parsing.fill(each if isinstance(each, list) else [each], typedefs)
 
 
 def _printed(messages: Iterable[dict[str, Any]], typedefs: Typedefs) -> Iterator[dict[str, Any]]:
