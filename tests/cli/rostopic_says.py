@@ -1,6 +1,6 @@
-"""What Debian's rostopic and genpy make of the same: run by the system's Python, which has them.
+"""Debian's rostopic and genpy, run by the system's Python, for comparison.
 
-A JSON object a line comes in, ``[question, arguments]``, and a JSON value a line goes out.
+Each line of input is JSON, ``[function, arguments]``; each line of output is a JSON value.
 """
 
 # mypy: ignore-errors
@@ -30,7 +30,7 @@ def message_class(type_, full_text):
 
 
 def message(type_, full_text, value):
-    """The message as a node gets it: it has been bytes."""
+    """Return a message that was serialized and deserialized."""
     found = message_class(type_, full_text)()
     fill(found, value)
     stream = io.BytesIO()

@@ -64,7 +64,7 @@ FLOATS = [0.0, -0.0, 1.0, -1.5, 1 / 3, 1e-7, 1e16, 1e300, 123456.789, math.nan]
 
 @pytest.fixture(scope="module")
 def ask() -> Iterator[Ask]:
-    """Asks rostopic a question of `rostopic_says`."""
+    """Call a function of `rostopic_says`."""
     if (
         not shutil.which(PYTHON)
         or subprocess.run(
@@ -146,7 +146,7 @@ def _is_odd(type_: str) -> bool:
 
 
 @pytest.mark.parametrize("type_", [type_ for type_ in TYPES if not _is_odd(type_)])
-def test_messages_are_printed_alike(ask: Ask, type_: str) -> None:
+def test_messages_are_printed_as_by_rostopic(ask: Ask, type_: str) -> None:
     choose = random.Random(type_)
     for _ in range(4):
         value = example(type_, choose)
@@ -161,7 +161,7 @@ def test_messages_are_printed_alike(ask: Ask, type_: str) -> None:
 @pytest.mark.parametrize(
     "type_", ["sensor_msgs/JointState", "rosgraph_msgs/Log", "std_msgs/String"]
 )
-def test_what_is_told_by_its_length_is_told_alike(ask: Ask, type_: str) -> None:
+def test_lengths_are_printed_as_by_rostopic(ask: Ask, type_: str) -> None:
     value = example(type_, random.Random(8))
     for noarr, nostr in ((True, False), (False, True), (True, True)):
         style = Style(noarr, nostr)
@@ -170,7 +170,7 @@ def test_what_is_told_by_its_length_is_told_alike(ask: Ask, type_: str) -> None:
 
 
 @pytest.mark.parametrize("text", TEXTS)
-def test_texts_are_printed_alike(ask: Ask, text: str) -> None:
+def test_strings_are_printed_as_by_rostopic(ask: Ask, text: str) -> None:
     for type_, value in (
         ("std_msgs/String", {"data": text}),
         ("diagnostic_msgs/KeyValue", {"key": text, "value": text}),
@@ -178,7 +178,7 @@ def test_texts_are_printed_alike(ask: Ask, text: str) -> None:
         assert message_text(value, typedefs(type_)) == ask("echo", **asked(type_, value))
 
 
-def test_lists_of_texts_are_printed_alike(ask: Ask) -> None:
+def test_lists_of_strings_are_printed_as_by_rostopic(ask: Ask) -> None:
     stamp = {"secs": 1, "nsecs": 2}
     header = {"seq": 1, "stamp": stamp, "frame_id": ""}
     for names in ([text] for text in TEXTS):
@@ -206,7 +206,7 @@ def test_lists_of_texts_are_printed_alike(ask: Ask) -> None:
         ("sensor_msgs/JointState", "/name[0]"),
     ],
 )
-def test_fields_are_picked_alike(ask: Ask, type_: str, path: str) -> None:
+def test_fields_are_found_as_by_rostopic(ask: Ask, type_: str, path: str) -> None:
     choose = random.Random(1)
     value = example(type_, choose)
     while any(each == [] for each in value.values()):
@@ -229,7 +229,7 @@ def test_fields_are_picked_alike(ask: Ask, type_: str, path: str) -> None:
         "nav_msgs/Path",
     ],
 )
-def test_rows_for_plots_are_alike(ask: Ask, type_: str) -> None:
+def test_rows_are_those_of_rostopic(ask: Ask, type_: str) -> None:
     choose = random.Random(2)
     for noarr, nostr in ((False, False), (True, False), (False, True)):
         value = example(type_, choose)
@@ -272,7 +272,7 @@ def test_rows_for_plots_are_alike(ask: Ask, type_: str) -> None:
         ("geometry_msgs/PoseWithCovariance", ["{covariance: [1, 2]}"]),
     ],
 )
-def test_words_are_read_alike(ask: Ask, type_: str, words: list[str]) -> None:
+def test_arguments_are_parsed_as_by_rostopic(ask: Ask, type_: str, words: list[str]) -> None:
     theirs = ask("read", type_=type_, full_text=INTERFACES.full_text(type_), words=words)
     if "fault" in theirs:
         with pytest.raises(InvalidValue):
@@ -291,7 +291,7 @@ def _print_rates(rates: dict[str, Rate]) -> None:
     output.line(rates_text(poll(rates), len(rates)))
 
 
-def test_a_rate_is_told_alike(ask: Ask) -> None:
+def test_a_rate_is_reported_as_by_rostopic(ask: Ask) -> None:
     deltas = [0.101, 0.099, 0.1003, 0.25]
     rate = Rate()
     for moment in (0, *(sum(deltas[: i + 1]) for i in range(len(deltas)))):
@@ -299,7 +299,7 @@ def test_a_rate_is_told_alike(ask: Ask) -> None:
     assert _printed(lambda: _print_rates({"/x": rate})) == ask("hz", topics={"/x": deltas})
 
 
-def test_rates_are_told_alike(ask: Ask) -> None:
+def test_rates_are_reported_as_by_rostopic(ask: Ask) -> None:
     topics = {"/x": [0.5, 0.25], "/a_longer_name": [0.001, 0.0023]}
     rates = {name: Rate() for name in topics}
     for name, deltas in topics.items():
@@ -308,11 +308,11 @@ def test_rates_are_told_alike(ask: Ask) -> None:
     assert _printed(lambda: _print_rates(rates)) == ask("hz", topics=topics)
 
 
-def test_silence_is_told_alike(ask: Ask) -> None:
+def test_missing_messages_are_reported_as_by_rostopic(ask: Ask) -> None:
     assert _printed(lambda: _print_rates({"/x": Rate()})) == ask("hz", topics={"/x": []})
 
 
-def test_delays_are_told_alike(ask: Ask) -> None:
+def test_delays_are_reported_as_by_rostopic(ask: Ask) -> None:
     delays = [0.25, 0.5, 0.001]
     mine = Delay()
     for each in delays:
@@ -325,7 +325,7 @@ def test_delays_are_told_alike(ask: Ask) -> None:
 
 
 @pytest.mark.parametrize("size", [7, 700, 700_000])
-def test_bandwidth_is_told_alike(ask: Ask, size: int) -> None:
+def test_bandwidth_is_reported_as_by_rostopic(ask: Ask, size: int) -> None:
     bandwidth = Bandwidth()
     sizes, times = [size, size + 1, size + 5], [10.0, 10.5, 11.0]
     for each, now in zip(sizes, times, strict=True):
@@ -340,7 +340,9 @@ def _printed(show: Callable[[], None]) -> str:
 
 
 @pytest.mark.parametrize("options", [[], ["-v"], ["-p"], ["-s"], ["-v", "-p"], ["-v", "-s"]])
-def test_topics_are_listed_alike(ask: Ask, run: Run, publish: Publish, options: list[str]) -> None:
+def test_topics_are_listed_as_by_rostopic(
+    ask: Ask, run: Run, publish: Publish, options: list[str]
+) -> None:
     client = publish("/chatter", "std_msgs/String", {"data": "hello"})
     client.subscribe("/ns/heard")
     client.subscribe("/chatter")
@@ -369,7 +371,7 @@ def test_topics_are_listed_alike(ask: Ask, run: Run, publish: Publish, options: 
     assert run("topic", "list", *options).output == theirs
 
 
-def test_info_is_alike(ask: Ask, run: Run, publish: Publish) -> None:
+def test_info_is_printed_as_by_rostopic(ask: Ask, run: Run, publish: Publish) -> None:
     client = publish("/chatter", "std_msgs/String", {"data": "hello"})
     theirs = ask(
         "info",
@@ -383,7 +385,7 @@ def test_info_is_alike(ask: Ask, run: Run, publish: Publish) -> None:
     assert mine.replace(address, "address") == theirs
 
 
-def test_what_rostopic_gets_wrong_is_right_here() -> None:
+def test_differences_from_rostopic() -> None:
     covariance = {"covariance": [0.0] * 36}
     type_ = "geometry_msgs/PoseWithCovariance"
     short = value_text(covariance, Field("", type_), typedefs(type_), Style(noarr=True))

@@ -47,7 +47,7 @@ def ros_packages(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_every_standard_type_is_shown_alike(ros_packages: Path) -> None:
+def test_standard_types_are_shown_as_by_rosmsg(ros_packages: Path) -> None:
     ran = subprocess.run(
         ["/usr/bin/python3", "-c", THEIRS],
         env={**os.environ, "ROS_PACKAGE_PATH": str(ros_packages), "PYTHONPATH": ""},

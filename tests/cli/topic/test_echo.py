@@ -38,7 +38,7 @@ def test_messages_are_printed_as_yaml(run: Run, publish: Publish) -> None:
         (["/curve/layout/dim", "-c"], "[]\n---\n"),
     ],
 )
-def test_options_choose_what_is_printed(
+def test_options_change_the_output(
     run: Run, publish: Publish, options: list[str], printed: str
 ) -> None:
     publish("/curve", "std_msgs/Int32MultiArray", CURVE)
@@ -63,7 +63,7 @@ def test_json_prints_a_message_per_line(run: Run, publish: Publish) -> None:
     assert "--noarr" in styled.output
 
 
-def test_a_filter_leaves_out_what_is_not_wanted(run: Run, publish: Publish) -> None:
+def test_a_filter_selects_messages(run: Run, publish: Publish) -> None:
     client = publish("/number", "std_msgs/Int32", {"data": 1})
 
     def publish_more() -> None:

@@ -83,14 +83,14 @@ async def test_at_a_rate_it_goes_on_and_on(start: Start, hub: HubThread, client:
     assert (code, errors) == (0, "")
 
 
-def test_without_values_they_are_piped_in(run: Run, received: Callable[[], list[Any]]) -> None:
+def test_values_are_read_from_standard_input(run: Run, received: Callable[[], list[Any]]) -> None:
     words = ("topic", "pub", "-r", "1000", "/number", "std_msgs/Int32")
     result = run(*words, input="data: 1\n---\n[2]\n---\n3\n")
     assert (result.exit_code, result.output) == (0, "")
     assert received() == [1, 2, 3]
 
 
-def test_what_echo_prints_can_be_piped_in(
+def test_the_output_of_echo_can_be_published(
     run: Run, publish: Publish, received: Callable[[], list[Any]]
 ) -> None:
     publish("/source", "std_msgs/Int32", {"data": 8})
@@ -99,7 +99,7 @@ def test_what_echo_prints_can_be_piped_in(
     assert received() == [8]
 
 
-def test_of_several_one_is_published_once(run: Run, received: Callable[[], list[Any]]) -> None:
+def test_once_publishes_the_first_message(run: Run, received: Callable[[], list[Any]]) -> None:
     words = ("topic", "pub", "-1", "/number", "std_msgs/Int32")
     assert run(*words, input="data: 1\n---\ndata: 2\n").exit_code == 0
     assert received() == [1]
