@@ -19,6 +19,9 @@ from fibws.hub.websocket.endpoint import Opening
 from fibws.interfaces import Interfaces
 from fibws.protocol.websocket import CloseReason
 
+STANDARD = Interfaces()
+"""The standard types, parsed once for all tests."""
+
 NANOSECONDS = 1_700_000_000_000_000_005
 """The time at which the hub receives all messages."""
 
@@ -122,7 +125,7 @@ class FakeHub:
         self.clock = FakeClock()
         self.flusher = Flusher(self.clock.call_soon)
         self.graph = Graph(
-            Interfaces(),
+            STANDARD,
             lambda: NANOSECONDS,
             strict_types=self.settings.strict_types,
             policy=policy,
