@@ -99,7 +99,7 @@ async def test_what_is_no_number_raises_here(node: fibws.Node) -> None:
 
 
 async def test_what_the_hub_refuses_raises_its_text(node: fibws.Node) -> None:
-    with pytest.raises(fibws.ServiceError, match="null is no value"):
+    with pytest.raises(fibws.ServiceError, match="null cannot be set"):
         await node.params.set("gain", {"p": None})
     with pytest.raises(fibws.InvalidName):
         await node.params.get("no name")
