@@ -126,7 +126,7 @@ def test_signal_right_after_the_first_line_is_not_lost() -> None:
 
 @pytest.mark.parametrize("which", [[1], [2], [1, 2]], ids=["stdout", "stderr", "both"])
 @pytest.mark.parametrize("how", ["full disk", "closed pipe", "closed"])
-def test_hub_lives_without_its_output(how: str, which: list[int]) -> None:
+def test_hub_survives_a_closed_output(how: str, which: list[int]) -> None:
     port = _free_port()
     reading, pipe = os.pipe()
     os.close(reading)
@@ -159,7 +159,7 @@ def test_hub_lives_without_its_output(how: str, which: list[int]) -> None:
         assert err.count("Cannot write to stdout: ") == (how != "closed")
 
 
-def test_as_many_files_as_there_may_be_connections_can_be_open() -> None:
+def test_open_file_limit_is_raised_to_the_connection_limit() -> None:
     limits = resource.getrlimit(resource.RLIMIT_NOFILE)
     hard = limits[1]
     resource.setrlimit(resource.RLIMIT_NOFILE, (200, hard))  # The hub's first, too.
@@ -239,7 +239,7 @@ def test_port_in_use_is_one_line_and_exit_code_1() -> None:
     assert re.fullmatch(rf"fibws\.hub: Port {port} on 127\.0\.0\.1 is in use.*--port.*\n", err)
 
 
-def test_it_works_without_uvloop(tmp_path: Path) -> None:
+def test_hub_runs_without_uvloop(tmp_path: Path) -> None:
     (tmp_path / "uvloop.py").write_text("raise ImportError")
     with running("--port", "0", PYTHONPATH=os.pathsep.join([str(tmp_path), os.getcwd()])) as hub:
         with connect(hub.url()) as websocket:

@@ -48,7 +48,9 @@ class TestListening:
         assert hub.url == f"ws://{shown}:{hub.port}"
 
     @pytest.mark.parametrize("host", ["127.0.0.1", "0.0.0.0", "::1"])
-    async def test_parameters_say_where_it_listens(self, start_hub: StartHub, host: str) -> None:
+    async def test_parameters_contain_the_address_of_the_hub(
+        self, start_hub: StartHub, host: str
+    ) -> None:
         hub = await start_hub(host=host)
         actual = hub.graph.parameters.get("/rosbridge_websocket")
         assert actual == {"actual_port": hub.port, "actual_host": host}
@@ -86,7 +88,7 @@ class TestListening:
             async with Hub(Settings(port=port)):
                 pass
 
-    async def test_folder_of_definitions_must_be_there(self) -> None:
+    async def test_missing_interfaces_folder_is_an_error(self) -> None:
         with pytest.raises(InterfaceError):
             Hub(Settings(interfaces=(Path("/no/such/folder"),)))
 

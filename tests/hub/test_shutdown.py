@@ -77,7 +77,7 @@ class TestEnd:
         await hub.close()
         await hub.close()
 
-    async def test_nobody_can_connect_afterwards(self, hub: Hub) -> None:
+    async def test_connections_are_refused_after_shutdown(self, hub: Hub) -> None:
         port = hub.port
         await hub.close()
         with pytest.raises(ConnectionRefusedError):

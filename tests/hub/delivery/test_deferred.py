@@ -107,7 +107,7 @@ def test_a_small_frame_is_made_at_once(hub: Hub) -> None:
     assert not hub.workers.jobs
 
 
-def test_a_large_frame_is_made_in_a_thread_and_holds_back_its_lane_alone(hub: Hub) -> None:
+def test_large_frame_is_encoded_in_a_thread_and_delays_only_its_lane(hub: Hub) -> None:
     client, lane = hub.client(), Lane(9)
     client.put(lane, 1)
     client.put(lane, 2, size=10)
@@ -121,7 +121,7 @@ def test_a_large_frame_is_made_in_a_thread_and_holds_back_its_lane_alone(hub: Hu
     assert client.queue.kept_bytes == 0
 
 
-def test_a_frame_is_made_once_for_all_who_read(hub: Hub) -> None:
+def test_frame_is_encoded_once_for_all_readers(hub: Hub) -> None:
     clients, frame = [hub.client() for _ in range(3)], hub.frame(1)
     for client in clients:
         client.queue.put(frame, Lane(9))
@@ -133,7 +133,7 @@ def test_a_frame_is_made_once_for_all_who_read(hub: Hub) -> None:
 
 
 @pytest.mark.parametrize("size", [10, SMALL])
-def test_nothing_is_made_for_a_client_that_does_not_read(hub: Hub, size: int) -> None:
+def test_no_frame_is_encoded_for_a_client_that_does_not_read(hub: Hub, size: int) -> None:
     client, lane = hub.client(), Lane(2)
     client.queue.pause()
     client.put(lane, 1, 2, 3, 4, size=size)
@@ -146,7 +146,7 @@ def test_nothing_is_made_for_a_client_that_does_not_read(hub: Hub, size: int) ->
     assert hub.made == [b"3", b"4"]
 
 
-def test_newer_frames_replace_those_behind_the_one_that_is_being_made(hub: Hub) -> None:
+def test_newer_frames_replace_those_behind_the_one_being_encoded(hub: Hub) -> None:
     client, lane = hub.client(), Lane(1)
     client.put(lane, *range(5))
     assert lane.dropped == 3
@@ -154,7 +154,7 @@ def test_newer_frames_replace_those_behind_the_one_that_is_being_made(hub: Hub) 
     assert client.received() == b"<0><4>"
 
 
-def test_newer_frames_replace_one_that_was_made_while_the_client_did_not_read(hub: Hub) -> None:
+def test_newer_frames_replace_an_unread_encoded_one(hub: Hub) -> None:
     client, lane = hub.client(), Lane(1)
     client.put(lane, 1)
     client.queue.pause()
@@ -198,7 +198,7 @@ def test_the_limit_counts_frames_of_both_kinds(hub: Hub) -> None:
 
 
 @pytest.mark.parametrize("event", ["forget", "close"])
-def test_a_frame_that_nobody_waits_for_any_more_is_not_made(hub: Hub, event: str) -> None:
+def test_unneeded_frame_is_not_encoded(hub: Hub, event: str) -> None:
     client, lane = hub.client(), Lane(9)
     client.put(lane, 1, 2)
     if event == "forget":
@@ -211,7 +211,7 @@ def test_a_frame_that_nobody_waits_for_any_more_is_not_made(hub: Hub, event: str
     assert client.queue.dropped == 0
 
 
-def test_a_frame_that_is_given_up_and_asked_for_again_is_made(hub: Hub) -> None:
+def test_dropped_frame_is_encoded_when_requested_again(hub: Hub) -> None:
     client, frame = hub.client(), hub.frame(1)
     first, second, third = Lane(9), Lane(9), Lane(9)
     client.queue.put(frame, first)
@@ -227,7 +227,7 @@ def test_a_frame_that_is_given_up_and_asked_for_again_is_made(hub: Hub) -> None:
     assert (hub.made, client.received()) == ([b"1"], b"<1>")
 
 
-def test_a_frame_that_is_being_made_when_its_client_leaves_goes_nowhere(hub: Hub) -> None:
+def test_frame_being_encoded_for_a_client_that_leaves_is_dropped(hub: Hub) -> None:
     client, other, frame = hub.client(), hub.client(), hub.frame(1)
     for each in (client, other):
         each.queue.put(frame, Lane(9))
@@ -239,7 +239,7 @@ def test_a_frame_that_is_being_made_when_its_client_leaves_goes_nowhere(hub: Hub
 
 
 @pytest.mark.parametrize("size", [10, SMALL])
-def test_a_frame_that_cannot_be_made_is_reported_once_and_left_out(hub: Hub, size: int) -> None:
+def test_failed_encoding_is_reported_once_and_skipped(hub: Hub, size: int) -> None:
     clients, lane, frame = [hub.client(), hub.client()], Lane(9), hub.frame(-1, size)
     for client in clients:
         client.queue.put(frame, lane)
@@ -384,7 +384,7 @@ def test_another_encoding_takes_the_place_of_png_frames_that_wait() -> None:
 
 
 @pytest.mark.parametrize("size", [10, SMALL])
-def test_a_png_that_cannot_be_made_is_reported_to_its_subscribers(
+def test_failed_png_is_reported_to_its_subscribers(
     monkeypatch: pytest.MonkeyPatch, size: int, caplog: pytest.LogCaptureFixture
 ) -> None:
     def fail(text: bytes) -> str:
@@ -430,7 +430,7 @@ LARGE = "x" * SMALL
 
 
 @pytest.mark.both_loops
-async def test_a_large_png_holds_up_nobody(start_hub: StartHub, gate: Gate) -> None:
+async def test_large_png_does_not_delay_other_clients(start_hub: StartHub, gate: Gate) -> None:
     hub = await start_hub()
     async with connected(hub.port) as listener, connected(hub.port) as talker:
         await listener.subscribes("/t", STRING, compression="png")
@@ -446,7 +446,7 @@ async def test_a_large_png_holds_up_nobody(start_hub: StartHub, gate: Gate) -> N
 
 @pytest.mark.both_loops
 @pytest.mark.parametrize("event", ["unsubscribe", "leave", "shutdown"])
-async def test_whatever_ends_while_a_png_is_made_leaves_nothing(
+async def test_ending_during_a_png_encoding_leaves_nothing_behind(
     start_hub: StartHub, gate: Gate, event: str, caplog: pytest.LogCaptureFixture
 ) -> None:
     hub = await start_hub()

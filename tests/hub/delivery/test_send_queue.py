@@ -108,7 +108,7 @@ def test_fresh_replies_are_made_when_a_slow_client_reads_again() -> None:
     assert client.turn() == []
 
 
-def test_fresh_reply_may_turn_out_to_be_nothing() -> None:
+def test_empty_reply_is_not_sent() -> None:
     client = new_client()
     client.queue.reply_fresh(bytes)
     assert client.turn() == []
@@ -147,7 +147,7 @@ def test_functions_are_called_before_the_frames_of_a_turn_are_written() -> None:
     assert b"".join([*client.turn(), *client.turn()]) == b"3"
 
 
-def test_failing_function_before_a_flush_keeps_nothing_from_being_written(
+def test_failing_function_before_a_flush_does_not_prevent_writing(
     caplog: pytest.LogCaptureFixture,
 ) -> None:
     client = new_client()

@@ -215,7 +215,7 @@ def test_an_internal_server_may_respond_later() -> None:
 
 
 @pytest.mark.parametrize("name", ["abandon", "time_out"])
-def test_a_deferred_response_is_cancelled_once_when_nobody_waits(name: str) -> None:
+def test_deferred_response_is_cancelled_once_without_callers(name: str) -> None:
     deferred = DeferredCall()
     event, expected = EVENTS[name]
     event(deferred.caller)
@@ -224,7 +224,7 @@ def test_a_deferred_response_is_cancelled_once_when_nobody_waits(name: str) -> N
     assert deferred.caller.received == ([] if expected is None else [expected])
 
 
-def test_a_response_that_was_given_is_not_cancelled() -> None:
+def test_finished_response_is_not_cancelled() -> None:
     deferred = DeferredCall()
     deferred.response.respond({"sum": 3})
     deferred.caller.call.abandon()

@@ -49,7 +49,7 @@ def test_types_of_equal_fields_are_one_on_a_topic(spelling: str) -> None:
     assert hub.graph.topics["/tf"].type.name == TF2
 
 
-def test_a_serialized_subscriber_is_told_the_type_of_the_topic() -> None:
+def test_serialized_subscriber_receives_the_type_of_the_topic() -> None:
     hub = FakeHub()
     talker, listener = hub.client(), hub.client(serialized=True)
     talker.send("advertise", "/tf", type=TF2)

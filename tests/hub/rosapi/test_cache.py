@@ -52,7 +52,7 @@ def test_different_responses_are_cached_separately() -> None:
 @pytest.mark.parametrize(
     "get", [ResponseCache.get, ResponseCache.get_lately, ResponseCache.get_recent]
 )
-def test_nothing_is_cached_where_a_policy_limits_listings(
+def test_responses_are_not_cached_if_a_policy_limits_listings(
     get: Callable[[ResponseCache, Make, str], bytes],
 ) -> None:
     cache = ResponseCache(FakeHub(policy=HideAll()).graph)
@@ -160,7 +160,7 @@ def test_all_texts_are_dropped_when_they_exceed_the_limit() -> None:
     assert make.made == ["a", "b", "c", "d", "a"]
 
 
-def test_a_text_that_is_forgotten_is_made_again_and_takes_no_room() -> None:
+def test_forgotten_response_is_encoded_again_and_takes_no_room() -> None:
     make = MakeText()
     texts = TextCache(make, max_bytes=20)
     for name in "aaba":

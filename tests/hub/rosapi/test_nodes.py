@@ -73,14 +73,14 @@ def test_rosout_agg_is_published_only_to_subscribers(
     assert [each.values()["msg"] for each in forwarded] == ["hello"]
 
 
-def test_the_types_of_their_topics_cannot_be_changed(rosapi: RosapiClient) -> None:
+def test_types_of_internal_topics_cannot_be_changed(rosapi: RosapiClient) -> None:
     talker = rosapi.add_client("/talker")
     talker.send("advertise", "/client_count", type="std_msgs/String")
     (status,) = talker.receive_statuses()
     assert "already established with type std_msgs/Int32 (by /rosbridge_websocket)" in status
 
 
-def test_their_services_cannot_be_taken_over(rosapi: RosapiClient) -> None:
+def test_internal_services_cannot_be_taken_over(rosapi: RosapiClient) -> None:
     client = rosapi.add_client("/client")
     client.send("advertise_service", service="/rosapi/topics", type="rosapi/Topics")
     assert client.receive_statuses() != []

@@ -152,7 +152,7 @@ def test_client_may_serve_its_action_again_under_another_spelling() -> None:
 
 
 @pytest.mark.parametrize("by", ["service", "operation"])
-def test_goals_go_on_and_can_be_cancelled_whoever_serves_the_action_then(by: str) -> None:
+def test_goals_continue_and_can_be_cancelled_after_the_server_is_replaced(by: str) -> None:
     for later in product(("a serves", "a ends", "b serves", "b ends"), repeat=3):
         events = ("a serves", *later)
         hub = FakeHub()

@@ -181,7 +181,7 @@ def test_refused_request_does_not_change_the_subscription(way: str) -> None:
     assert meaning(frame) == {"op": "publish", "topic": "/a", "msg": {"any": [1]}}
 
 
-def test_cbor_raw_subscriber_is_told_when_the_type_turns_out_unknown() -> None:
+def test_cbor_raw_subscriber_gets_an_error_when_the_type_is_unknown() -> None:
     hub = FakeHub()
     talker, listener, other = hub.client(), hub.client(), hub.client()
     listener.send("subscribe", "/a", compression="cbor-raw", id="x")

@@ -25,7 +25,7 @@ def talker(hub: FakeHub, type_: str = "std_msgs/Int64", **fields: Any) -> Client
     return client
 
 
-def test_integers_are_strings_for_whoever_asks() -> None:
+def test_integers_are_strings_on_request() -> None:
     hub = FakeHub()
     asking, other = subscribed(hub, int64="string"), subscribed(hub)
     talker(hub).send("publish", "/n", msg={"data": LARGE})
@@ -53,7 +53,7 @@ def test_latched_message_has_them_too() -> None:
     assert subscribed(hub, int64="string").receive_messages("/n") == [{"data": str(LARGE)}]
 
 
-def test_what_was_sent_as_a_string_is_a_number_for_others() -> None:
+def test_integer_sent_as_a_string_is_a_number_for_others() -> None:
     hub = FakeHub()
     listener = subscribed(hub)
     talker(hub).send("publish", "/n", msg={"data": str(LARGE)})

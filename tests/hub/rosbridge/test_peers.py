@@ -74,7 +74,7 @@ def test_each_change_of_the_peers_is_sent(op: str, other: str) -> None:
 
 
 @pytest.mark.parametrize(("op", "other"), SIDES.items())
-def test_client_that_understands_changes_is_sent_those(op: str, other: str) -> None:
+def test_client_that_supports_changes_receives_them(op: str, other: str) -> None:
     hub = FakeHub()
     third = joins(hub, other, "/b3")
     client = asks(hub, op, peer_changes=True)
@@ -129,7 +129,7 @@ def test_four_hundred_nodes_on_tf_take_less_than_20_megabytes(
 
 
 @pytest.mark.parametrize(("op", "other"), SIDES.items())
-def test_many_watchers_are_told_several_changes_at_once(op: str, other: str) -> None:
+def test_many_watchers_receive_several_changes_at_once(op: str, other: str) -> None:
     hub = FakeHub()
     watchers = [asks(hub, op, f"/n{count}", peer_changes=True) for count in range(400)]
     for watcher in watchers:

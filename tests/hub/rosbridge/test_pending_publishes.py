@@ -132,7 +132,7 @@ def test_refused_topic_can_be_published_once_it_is_advertised() -> None:
     assert listener.receive_numbers("/fib") == [1]
 
 
-def test_refused_topic_is_as_any_other_once_it_is_unadvertised() -> None:
+def test_refused_topic_is_usable_after_unadvertise() -> None:
     hub, client = hub_that_refuses()
     client.send("advertise", "/float", type=INT32)
     client.send("unadvertise", "float")
@@ -259,7 +259,7 @@ def test_pending_messages_are_limited_and_refused_once_each() -> None:
     [{}, {"msg": {}}, {"id": "x" * 1000}, {"topic": f"/{'x' * 1000}"}],
     ids=["no message", "empty message", "long id", "long topic"],
 )
-def test_small_messages_count_with_all_that_is_kept_of_them(fields: dict[str, Any]) -> None:
+def test_small_messages_count_with_their_overhead(fields: dict[str, Any]) -> None:
     hub = FakeHub()
     client = hub.client()
     fields = {"topic": "/fib", **fields}

@@ -171,7 +171,7 @@ def test_subscription_outlives_its_publishers() -> None:
 # Unadvertising and unsubscribing.
 
 
-def test_advertisement_is_taken_back_by_its_id() -> None:
+def test_advertisement_is_withdrawn_by_its_id() -> None:
     hub = FakeHub()
     client = hub.client()
     for id_ in ("a", 5, None):
@@ -234,7 +234,7 @@ def test_unadvertise_does_not_change_other_topics() -> None:
     assert list(hub.graph.topics) == list(client.session.topics.sources) == ["/b"]
 
 
-def test_client_takes_back_only_its_own_registrations() -> None:
+def test_client_unadvertises_only_its_own_topics() -> None:
     hub = FakeHub()
     talker, listener = talker_and_listener(hub)
     other = hub.client("/other")

@@ -157,7 +157,7 @@ def test_response_without_an_id_answers_the_oldest_call() -> None:
         {"service": "/nope", "id": None},
     ],
 )
-def test_response_to_no_call_changes_nothing(fields: dict[str, Any]) -> None:
+def test_response_to_an_unknown_call_changes_nothing(fields: dict[str, Any]) -> None:
     _, provider, caller = adder_and_caller()
     call_add(caller, id="x")
     asked = received_call(provider)
@@ -318,7 +318,7 @@ def test_malformed_response_fails_the_call(fields: dict[str, Any], fault: str) -
         {"result": True, "id": None, "service": "not legal"},
     ],
 )
-def test_malformed_response_to_no_call_changes_nothing(fields: dict[str, Any]) -> None:
+def test_malformed_response_to_an_unknown_call_changes_nothing(fields: dict[str, Any]) -> None:
     _, provider, caller = adder_and_caller()
     call_add(caller)
     asked = received_call(provider)

@@ -110,7 +110,7 @@ def test_malformed_result_aborts_the_goal(fields: dict[str, Any], fault: str) ->
     [{"id": "x"}, {"id": None}, {"id": []}, {"id": 5}, {"id": "x", "status": 7}],
     ids=str,
 )
-def test_malformed_result_of_no_goal_changes_nothing(fields: dict[str, Any]) -> None:
+def test_malformed_result_of_an_unknown_goal_changes_nothing(fields: dict[str, Any]) -> None:
     _, pursuer, client = server_and_client()
     send_goal(client)
     sent = received_goal(pursuer)

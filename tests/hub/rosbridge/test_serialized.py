@@ -662,7 +662,7 @@ def test_strings_that_are_not_utf8_reach_serialized_subscribers_unchanged() -> N
     assert messages(client) == [string(b"caf\xe9")]
 
 
-def test_nobody_decodes_bytes_that_only_serialized_subscribers_want(
+def test_messages_are_not_decoded_for_serialized_subscribers(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     hub = FakeHub()

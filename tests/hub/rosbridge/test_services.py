@@ -259,7 +259,7 @@ def test_service_may_be_advertised_again_under_another_spelling() -> None:
     assert hub.graph.services == {}
 
 
-def test_calls_are_answered_by_the_servers_that_have_them_whoever_serves_then() -> None:
+def test_calls_are_answered_by_their_server_even_after_it_is_replaced() -> None:
     for later in product(("a serves", "a ends", "b serves", "b ends"), repeat=3):
         events = ("a serves", *later)
         hub = FakeHub()

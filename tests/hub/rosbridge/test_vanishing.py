@@ -116,7 +116,7 @@ def play(hub: FakeHub, steps: dict[str, Step], names: tuple[str, ...]) -> None:
 
 
 @pytest.mark.parametrize("first", [None, *SERVICE_DISTURBANCES])
-def test_call_gets_one_response_whatever_two_events_happen(first: str | None) -> None:
+def test_call_gets_one_response_for_any_two_events(first: str | None) -> None:
     hub, steps = FakeHub(), {**SERVICE, **SERVICE_DISTURBANCES}
     for others in disturbed(first, SERVICE_DISTURBANCES):
         for names in interleavings([*SERVICE], others):
@@ -124,7 +124,7 @@ def test_call_gets_one_response_whatever_two_events_happen(first: str | None) ->
 
 
 @pytest.mark.parametrize("first", [None, *ACTION_DISTURBANCES])
-def test_goal_gets_one_result_whatever_two_events_happen(first: str | None) -> None:
+def test_goal_gets_one_result_for_any_two_events(first: str | None) -> None:
     hub, steps = FakeHub(), {**ACTION, **ACTION_DISTURBANCES}
     for others in disturbed(first, ACTION_DISTURBANCES):
         for names in interleavings([*ACTION], others):

@@ -200,7 +200,7 @@ class TestLogging:
         ],
         ids=lambda fields: " ".join(fields.values()) if "num" not in fields else "fragment",
     )
-    async def test_client_cannot_write_the_log_as_it_likes(
+    async def test_control_characters_of_clients_are_escaped_in_the_log(
         self, hub: Hub, caplog: pytest.LogCaptureFixture, fields: dict[str, Any]
     ) -> None:
         """It can add neither lines, nor terminal escape codes, nor megabytes."""

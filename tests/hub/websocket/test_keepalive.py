@@ -19,7 +19,7 @@ def opened(**settings: Any) -> Keepalive:
     return liveness
 
 
-def test_nothing_is_due_for_a_quiet_client() -> None:
+def test_quiet_client_needs_no_ping_yet() -> None:
     assert opened().verdict(19, unsent=0) is None
 
 

@@ -99,7 +99,7 @@ def frames(count: int, size: int = 100) -> list[bytes]:
     return [b"%*d" % (size, number) for number in range(count)]
 
 
-def test_nothing_is_counted_before_so_many_bytes_have_come() -> None:
+def test_bytes_are_counted_only_above_a_threshold() -> None:
     crowd = Crowd(2)
     crowd.keep(0, *frames(80))
     crowd.keep(1, *frames(80))
@@ -108,7 +108,7 @@ def test_nothing_is_counted_before_so_many_bytes_have_come() -> None:
     assert crowd.check()
 
 
-def test_those_with_the_most_lose_their_oldest_messages() -> None:
+def test_clients_with_most_bytes_lose_their_oldest_messages() -> None:
     crowd = Crowd(3)
     crowd.keep(0, *frames(10))
     crowd.keep(1, *frames(100))
@@ -192,7 +192,7 @@ def test_bytes_that_throttles_hold_back_count() -> None:
     assert (first.reasons, second.reasons) == ([TOO_MUCH_QUEUED], [])
 
 
-def test_clients_that_sent_most_in_part_are_closed() -> None:
+def test_clients_with_most_unfinished_bytes_are_closed() -> None:
     crowd = Crowd(4)
     for each, size in zip(crowd.connections, (LIMIT, 100, 5000, 9000), strict=True):
         each.incoming_bytes = size

@@ -270,7 +270,7 @@ class TestStuckConsumer:
         assert max(ages) <= 20_000_000
 
     @pytest.mark.parametrize("size", [100, 300_000])
-    async def test_a_stuck_client_is_kept_no_more_than_the_limit(
+    async def test_bytes_kept_for_a_stuck_client_are_limited(
         self, start_hub: StartHub, size: int
     ) -> None:
         limit = 512 * KIB
