@@ -48,9 +48,7 @@ def responds(
     )
 
 
-async def test_a_call_goes_out_and_its_answer_comes_back(
-    session: FakeSession, calls: Calls
-) -> None:
+async def test_call_is_sent_and_its_response_returned(session: FakeSession, calls: Calls) -> None:
     answer = add(calls, 1, 2)
     call = await says(session)
     assert (call["op"], call["service"], call["args"]) == ("call_service", "/add", {"a": 1, "b": 2})
@@ -61,7 +59,7 @@ async def test_a_call_goes_out_and_its_answer_comes_back(
 
 
 @pytest.mark.parametrize("request_", [None, {}, Trigger.Request()])
-async def test_fields_that_are_not_given_have_their_defaults(
+async def test_missing_fields_have_their_defaults(
     session: FakeSession, calls: Calls, request_: Any
 ) -> None:
     answer = asyncio.create_task(calls.call("/go", Trigger, request_))
@@ -71,7 +69,7 @@ async def test_fields_that_are_not_given_have_their_defaults(
     assert await answer == Trigger.Response(success=True, message="")
 
 
-async def test_a_bad_request_raises_and_is_not_sent(session: FakeSession, calls: Calls) -> None:
+async def test_invalid_request_raises_and_is_not_sent(session: FakeSession, calls: Calls) -> None:
     with pytest.raises(InvalidMessage, match="field a"):
         await calls.call("/add", AddTwoInts, {"a": "1"})
     with pytest.raises(TypeError, match="rospy_tutorials/BadTwoIntsRequest"):
@@ -79,7 +77,7 @@ async def test_a_bad_request_raises_and_is_not_sent(session: FakeSession, calls:
     assert said(session) == []
 
 
-async def test_answers_find_their_callers(session: FakeSession, calls: Calls) -> None:
+async def test_each_caller_gets_its_own_response(session: FakeSession, calls: Calls) -> None:
     answers = [add(calls, number, 0) for number in range(3)]
     for call in reversed([await says(session) for _ in range(3)]):
         responds(session, call, {"sum": call["args"]["a"]})
@@ -89,7 +87,7 @@ async def test_answers_find_their_callers(session: FakeSession, calls: Calls) ->
 @pytest.mark.parametrize(
     ("values", "text"), [("boom", "boom"), (None, "null"), ({"sum": 1}, '{"sum":1}')]
 )
-async def test_a_failure_raises_its_own_text(
+async def test_failed_call_raises_the_text_of_the_server(
     session: FakeSession, calls: Calls, values: Any, text: str
 ) -> None:
     answer = add(calls, 1, 2)
@@ -123,7 +121,7 @@ async def test_error_is_recognised_by_its_code(
     assert str(caught.value).endswith(text)
 
 
-async def test_more_calls_than_the_hub_allows_wait_for_their_turn(
+async def test_calls_above_the_limit_of_the_hub_wait_for_their_turn(
     session: FakeSession, calls: Calls
 ) -> None:
     answers = [add(calls, number, 0) for number in range(MOST_CALLS + 2)]
@@ -139,7 +137,7 @@ async def test_more_calls_than_the_hub_allows_wait_for_their_turn(
     assert len(calls) == 0
 
 
-async def test_who_waits_for_a_turn_hears_of_the_time_and_of_the_end(
+async def test_call_waiting_for_its_turn_ends_at_timeout_and_with_the_node(
     session: FakeSession, calls: Calls
 ) -> None:
     answers = [add(calls, number, 0) for number in range(MOST_CALLS)]
@@ -155,7 +153,7 @@ async def test_who_waits_for_a_turn_hears_of_the_time_and_of_the_end(
 
 
 @pytest.mark.parametrize("values", [None, {"sum": "three"}, {"total": 3}, "3"])
-async def test_an_answer_that_does_not_fit_is_a_failure(
+async def test_invalid_response_fails_the_call(
     session: FakeSession, calls: Calls, values: Any
 ) -> None:
     answer = add(calls, 1, 2)
@@ -164,7 +162,7 @@ async def test_an_answer_that_does_not_fit_is_a_failure(
         await answer
 
 
-async def test_a_refused_call_is_a_failure(session: FakeSession, calls: Calls) -> None:
+async def test_refused_call_fails(session: FakeSession, calls: Calls) -> None:
     answer = add(calls, 1, 2)
     call = await says(session)
     hears(session, "status", level="error", id=call["id"], msg="call_service: no")
@@ -172,9 +170,7 @@ async def test_a_refused_call_is_a_failure(session: FakeSession, calls: Calls) -
         await answer
 
 
-async def test_who_waits_too_long_waits_no_more(
-    session: FakeSession, calls: Calls, lines: Lines
-) -> None:
+async def test_call_times_out(session: FakeSession, calls: Calls, lines: Lines) -> None:
     answer = add(calls, 1, 2, within=0.05)
     call = await says(session)
     assert 0 < call["timeout"] <= 0.05 + 1e-9  # uvloop rounds its clock.
@@ -186,7 +182,7 @@ async def test_who_waits_too_long_waits_no_more(
     assert len(calls) == 0
 
 
-async def test_without_a_hub_a_call_waits_for_one(session: FakeSession, calls: Calls) -> None:
+async def test_call_waits_for_a_hub(session: FakeSession, calls: Calls) -> None:
     session.on_disconnect()
     answer = add(calls, 1, 2)
     await asyncio.sleep(0)
@@ -197,13 +193,15 @@ async def test_without_a_hub_a_call_waits_for_one(session: FakeSession, calls: C
     assert (await answer).sum == 3
 
 
-async def test_without_a_hub_the_time_passes_as_well(session: FakeSession, calls: Calls) -> None:
+async def test_call_times_out_without_a_hub(session: FakeSession, calls: Calls) -> None:
     session.on_disconnect()
     with pytest.raises(ServiceTimeout, match="no hub within"):
         await add(calls, 1, 2, within=0.01)
 
 
-async def test_a_full_connection_makes_callers_wait(session: FakeSession, calls: Calls) -> None:
+async def test_callers_wait_while_the_connection_is_full(
+    session: FakeSession, calls: Calls
+) -> None:
     session.fill()
     answer = add(calls, 1, 2)
     await asyncio.sleep(0)
@@ -213,7 +211,7 @@ async def test_a_full_connection_makes_callers_wait(session: FakeSession, calls:
     await answer
 
 
-async def test_who_waits_for_room_waits_for_the_next_hub_if_this_one_is_lost(
+async def test_call_waiting_for_room_waits_for_the_next_hub_after_disconnect(
     session: FakeSession, calls: Calls
 ) -> None:
     session.fill()
@@ -228,9 +226,7 @@ async def test_who_waits_for_room_waits_for_the_next_hub_if_this_one_is_lost(
     await answer
 
 
-async def test_a_lost_connection_fails_its_calls_at_once(
-    session: FakeSession, calls: Calls
-) -> None:
+async def test_disconnect_fails_pending_calls_at_once(session: FakeSession, calls: Calls) -> None:
     answer = add(calls, 1, 2)
     await says(session)
     session.on_disconnect()
@@ -241,7 +237,7 @@ async def test_a_lost_connection_fails_its_calls_at_once(
 @pytest.mark.parametrize(
     ("fault", "raised"), [(None, NodeClosed), (NodeReplaced("by another"), NodeReplaced)]
 )
-async def test_the_nodes_end_fails_all_calls(
+async def test_end_of_the_node_fails_all_calls(
     session: FakeSession, calls: Calls, fault: Exception | None, raised: type[Exception]
 ) -> None:
     sent = add(calls, 1, 2)
@@ -254,7 +250,7 @@ async def test_the_nodes_end_fails_all_calls(
         await add(calls, 1, 2)
 
 
-async def test_the_nodes_end_fails_those_who_wait_for_a_hub(
+async def test_end_of_the_node_fails_calls_waiting_for_a_hub(
     session: FakeSession, calls: Calls
 ) -> None:
     session.on_disconnect()
@@ -265,7 +261,7 @@ async def test_the_nodes_end_fails_those_who_wait_for_a_hub(
         await answer
 
 
-async def test_who_is_cancelled_leaves_nothing_behind(
+async def test_cancelled_call_leaves_nothing_behind(
     session: FakeSession, calls: Calls, lines: Lines
 ) -> None:
     answer = add(calls, 1, 2)
@@ -279,9 +275,7 @@ async def test_who_is_cancelled_leaves_nothing_behind(
     assert lines.seen() == []
 
 
-async def test_a_call_says_what_the_caller_says_of_itself(
-    session: FakeSession, calls: Calls
-) -> None:
+async def test_call_carries_the_headers_of_its_caller(session: FakeSession, calls: Calls) -> None:
     for headers, said_ in (({"user": "ann"}, {"user": "ann"}), ({}, None), (None, None)):
         answer = asyncio.create_task(calls.call("/go", Trigger, headers=headers))
         call = await says(session)
@@ -290,9 +284,7 @@ async def test_a_call_says_what_the_caller_says_of_itself(
         await answer
 
 
-async def test_headers_that_cannot_be_are_refused_at_once(
-    session: FakeSession, calls: Calls
-) -> None:
+async def test_invalid_headers_are_refused_at_once(session: FakeSession, calls: Calls) -> None:
     with pytest.raises(ValueError, match="headers must be an object of strings"):
         await calls.call("/go", Trigger, headers={"a=b": "c"})
     assert said(session) == []

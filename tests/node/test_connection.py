@@ -65,11 +65,11 @@ def test_retries_slow_down_to_two_a_second(monkeypatch: pytest.MonkeyPatch) -> N
         (TimeoutError(), "TimeoutError"),
     ],
 )
-def test_the_reason_is_said_without_the_address(error: Exception, reason: str) -> None:
+def test_reason_is_given_without_the_address(error: Exception, reason: str) -> None:
     assert _reason(error).startswith(reason)
 
 
-async def test_a_node_waits_for_its_hub_and_says_so_once(
+async def test_node_waits_for_its_hub_and_logs_that_once(
     hub: ScriptedHub, capsys: pytest.CaptureFixture[str]
 ) -> None:
     await hub.stop()
@@ -91,7 +91,7 @@ async def test_a_node_waits_for_its_hub_and_says_so_once(
     assert printed.err.count("Waiting") == printed.out.count("is there") == 1
 
 
-async def test_a_hub_that_is_busy_is_asked_again(
+async def test_connection_to_a_busy_hub_is_retried(
     hub: ScriptedHub, capsys: pytest.CaptureFixture[str]
 ) -> None:
     hub.refusal = (HTTPStatus.SERVICE_UNAVAILABLE, "too many clients")
@@ -107,7 +107,7 @@ async def test_a_hub_that_is_busy_is_asked_again(
     assert capsys.readouterr().err.count("HTTP 503") == 1
 
 
-async def test_waiting_for_a_hub_can_be_given_up(hub: ScriptedHub) -> None:
+async def test_waiting_for_a_hub_can_be_cancelled(hub: ScriptedHub) -> None:
     await hub.stop()
     node = fibws.Node("talker", hub=hub.url)
     with pytest.raises(TimeoutError):
@@ -118,7 +118,9 @@ async def test_waiting_for_a_hub_can_be_given_up(hub: ScriptedHub) -> None:
     assert not [task for task in asyncio.all_tasks() if "connection" in task.get_name()]
 
 
-async def test_a_lost_hub_is_told_again_what_the_node_is_and_what_waits(hub: ScriptedHub) -> None:
+async def test_reconnection_repeats_registrations_and_sends_waiting_messages(
+    hub: ScriptedHub,
+) -> None:
     async with fibws.Node("talker", hub=hub.url) as node:
         peer = await hub.peer()
         numbers = await node.advertise("fibonacci", Int32, queue_size=3)
@@ -166,7 +168,7 @@ async def test_a_lost_hub_is_told_again_what_the_node_is_and_what_waits(hub: Scr
     assert await lines.next() == f"The hub at {hub.url} is back."
 
 
-async def test_what_the_socket_took_is_not_sent_again(hub: ScriptedHub) -> None:
+async def test_written_messages_are_not_sent_again(hub: ScriptedHub) -> None:
     async with fibws.Node("talker", hub=hub.url) as node:
         peer = await hub.peer()
         numbers = await node.advertise("fibonacci", Int32)
@@ -180,7 +182,7 @@ async def test_what_the_socket_took_is_not_sent_again(hub: ScriptedHub) -> None:
         assert await published(peer) == [99]
 
 
-async def test_what_was_kept_waits_for_the_listeners_but_not_for_the_nodes_end(
+async def test_waiting_messages_are_held_for_subscribers_unless_the_node_ends(
     hub: ScriptedHub, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(connection, "LONGEST_RETRY", 60)
@@ -200,7 +202,7 @@ async def test_what_was_kept_waits_for_the_listeners_but_not_for_the_nodes_end(
     assert await published(peer) == [99]
 
 
-async def test_what_was_kept_and_not_sent_is_counted_at_the_end(
+async def test_unsent_messages_are_counted_at_the_end(
     hub: ScriptedHub, capsys: pytest.CaptureFixture[str]
 ) -> None:
     async with fibws.Node("talker", hub=hub.url) as node:
@@ -214,7 +216,7 @@ async def test_what_was_kept_and_not_sent_is_counted_at_the_end(
     assert "Messages that were not sent: 2.\n" in capsys.readouterr().err
 
 
-async def test_a_refused_advertisement_is_not_repeated(hub: ScriptedHub) -> None:
+async def test_refused_advertisement_is_not_repeated(hub: ScriptedHub) -> None:
     async with fibws.Node("talker", hub=hub.url) as node:
         peer = await hub.peer()
         await node.advertise("fibonacci", Int32)
@@ -226,7 +228,7 @@ async def test_a_refused_advertisement_is_not_repeated(hub: ScriptedHub) -> None
         assert (await peer.hears("advertise"))["topic"] == "/other"
 
 
-async def test_a_hub_that_comes_back_and_refuses_ends_the_node(hub: ScriptedHub) -> None:
+async def test_refusal_after_a_restart_of_the_hub_ends_the_node(hub: ScriptedHub) -> None:
     async with fibws.Node("talker", hub=hub.url) as node:
         peer = await hub.peer()
         hub.refusal = (HTTPStatus.FORBIDDEN, "not you any more")
@@ -250,7 +252,7 @@ async def test_publishing_waits_for_a_slow_hub(hub: ScriptedHub) -> None:
         assert texts.dropped == 0
 
 
-async def test_a_hub_that_reads_nothing_does_not_keep_the_node(
+async def test_hub_that_does_not_read_does_not_delay_the_end(
     hub: ScriptedHub, capsys: pytest.CaptureFixture[str]
 ) -> None:
     loop = asyncio.get_running_loop()
@@ -268,7 +270,7 @@ async def test_a_hub_that_reads_nothing_does_not_keep_the_node(
     peer.websocket.transport.abort()
 
 
-async def test_who_waits_for_a_hub_that_goes_away_waits_no_more(hub: ScriptedHub) -> None:
+async def test_publisher_waiting_for_room_continues_after_disconnect(hub: ScriptedHub) -> None:
     async with fibws.Node("talker", hub=hub.url) as node:
         peer = await hub.peer()
         texts = await node.advertise("texts", String, queue_size=1)
@@ -315,7 +317,7 @@ async def stranger() -> AsyncIterator[str]:
     await server.wait_closed()
 
 
-async def test_what_is_no_hub_is_waited_for_to_become_one(
+async def test_connection_is_retried_until_the_server_is_a_hub(
     stranger: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with pytest.raises(TimeoutError):
@@ -324,7 +326,7 @@ async def test_what_is_no_hub_is_waited_for_to_become_one(
     assert "did not receive a valid HTTP response" in capsys.readouterr().err
 
 
-async def test_a_log_that_nobody_reads_ends_the_node_with_the_reason(
+async def test_broken_pipe_in_the_log_ends_the_node_with_the_reason(
     hub: ScriptedHub, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     async with fibws.Node("talker", hub=hub.url) as node:
@@ -340,13 +342,13 @@ async def test_a_log_that_nobody_reads_ends_the_node_with_the_reason(
 
 
 @pytest.mark.parametrize("address", ["ws://user@robot", "ws://robot..example"])
-async def test_an_address_that_cannot_be_used_is_final(address: str) -> None:
+async def test_unusable_address_is_final(address: str) -> None:
     with pytest.raises(fibws.HubUnreachable):
         async with fibws.Node("talker", hub=address):
             pytest.fail("there is no hub")
 
 
-async def test_a_log_that_nobody_reads_is_noticed_when_the_hub_is_found(
+async def test_broken_pipe_in_the_log_is_noticed_on_connection(
     hub: ScriptedHub, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     hub.refusal = (HTTPStatus.SERVICE_UNAVAILABLE, "too many clients")
@@ -379,7 +381,7 @@ async def sends_a_burst(peer: Peer) -> None:
     peer.websocket.transport.write(b"".join(frames))
 
 
-async def test_within_a_burst_everything_else_has_its_turns(hub: ScriptedHub) -> None:
+async def test_other_tasks_run_during_a_burst(hub: ScriptedHub) -> None:
     async with fibws.Node("listener", hub=hub.url) as node:
         peer = await hub.peer()
         turns = 0
@@ -393,7 +395,7 @@ async def test_within_a_burst_everything_else_has_its_turns(hub: ScriptedHub) ->
         assert max(heard.values()) <= 100
 
 
-async def test_a_prompt_reader_gets_all_of_a_burst(hub: ScriptedHub) -> None:
+async def test_fast_reader_gets_all_messages_of_a_burst(hub: ScriptedHub) -> None:
     async with fibws.Node("listener", hub=hub.url) as node:
         peer = await hub.peer()
         numbers = node.subscribe("numbers", Int32, queue_size=10)
@@ -407,7 +409,7 @@ async def test_a_prompt_reader_gets_all_of_a_burst(hub: ScriptedHub) -> None:
 @pytest.mark.parametrize(
     ("closing", "fault"), [(REPLACED, fibws.NodeReplaced), (KILLED, fibws.NodeKilled)]
 )
-async def test_what_a_node_waits_for_ends_with_the_reason_for_which_it_ends(
+async def test_pending_operations_end_with_the_reason_of_the_node(
     hub: ScriptedHub, closing: CloseReason, fault: type[fibws.NodeError]
 ) -> None:
     async with fibws.Node("asker", hub=hub.url) as node:

@@ -27,7 +27,7 @@ async def node(start_hub: StartHub) -> AsyncIterator[fibws.Node]:
         yield node
 
 
-async def test_it_knows_the_nodes(node: fibws.Node) -> None:
+async def test_nodes_are_listed(node: fibws.Node) -> None:
     graph = node.graph
     assert graph is node.graph
     assert {"/robot/talker", "/robot/ear", "/rosapi"} <= set(await graph.nodes())
@@ -46,7 +46,7 @@ async def test_it_knows_the_nodes(node: fibws.Node) -> None:
     assert await graph.node("nobody") == fibws.NodeDetails([], [], [])
 
 
-async def test_it_knows_the_topics(node: fibws.Node) -> None:
+async def test_topics_are_listed(node: fibws.Node) -> None:
     graph = node.graph
     topics = await graph.topics()
     assert topics["/robot/numbers"] == "std_msgs/Int32"
@@ -59,7 +59,7 @@ async def test_it_knows_the_topics(node: fibws.Node) -> None:
     assert await graph.publishers("nothing") == []
 
 
-async def test_it_knows_the_services(node: fibws.Node) -> None:
+async def test_services_are_listed(node: fibws.Node) -> None:
     graph = node.graph
     assert {"/robot/add", "/rosapi/services"} <= set(await graph.services())
     assert await graph.services_of_type("rospy_tutorials/AddTwoInts") == ["/robot/add"]
@@ -69,7 +69,7 @@ async def test_it_knows_the_services(node: fibws.Node) -> None:
     assert await graph.service_node("nothing") is None
 
 
-async def test_it_knows_the_actions(node: fibws.Node) -> None:
+async def test_actions_are_listed(node: fibws.Node) -> None:
     assert await node.graph.action_servers() == []
     action = "actionlib_tutorials/FibonacciAction"
     await node.advertise("fibonacci/feedback", f"{action}Feedback")
@@ -80,6 +80,6 @@ async def test_it_knows_the_actions(node: fibws.Node) -> None:
     assert await node.graph.action_servers() == ["/robot/fibonacci"]
 
 
-async def test_names_are_checked(node: fibws.Node) -> None:
+async def test_invalid_names_are_refused(node: fibws.Node) -> None:
     with pytest.raises(fibws.InvalidName):
         await node.graph.publishers("no name")

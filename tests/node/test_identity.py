@@ -24,23 +24,23 @@ def choose(
     return Identity.choose(name, anonymous=anonymous, namespace=namespace, remapping=remapping)
 
 
-def test_a_node_is_in_the_root_unless_told_otherwise() -> None:
+def test_default_namespace_is_the_root() -> None:
     assert choose("talker") == Identity("/talker", "/", Remapping())
 
 
-def test_the_environment_gives_a_namespace(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_environment_variable_sets_the_namespace(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("ROS_NAMESPACE", "robot")
     identity = choose("talker")
     assert (identity.name, identity.namespace) == ("/robot/talker", "/robot")
     assert choose("talker", namespace="/arm").name == "/arm/talker"
 
 
-def test_an_anonymous_name_is_formed_as_rospy_forms_it() -> None:
+def test_anonymous_name_has_the_form_of_rospy() -> None:
     name = choose("talker", anonymous=True).name
     assert re.fullmatch(rf"/talker_{os.getpid()}_\d{{13}}", name)
 
 
-def test_nodes_that_start_in_one_millisecond_with_equal_pids_have_different_names(
+def test_anonymous_names_differ_at_equal_times_and_pids(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("time.time_ns", lambda: 1_795_305_600_123_000_000)
@@ -48,14 +48,14 @@ def test_nodes_that_start_in_one_millisecond_with_equal_pids_have_different_name
     assert choose("talker", anonymous=True).name != choose("talker", anonymous=True).name
 
 
-def test_the_command_line_goes_before_all_else(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_command_line_takes_precedence(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("ROS_NAMESPACE", "leg")
     identity = choose("listener", "__name:=ear", "__ns:=/robot", anonymous=True, namespace="/arm")
     assert identity.name == "/robot/ear"
 
 
 @pytest.mark.parametrize("name", ["", "a/b", "/talker", "7", "~x"])
-def test_a_node_needs_a_legal_name(name: str) -> None:
+def test_invalid_node_name_is_refused(name: str) -> None:
     with pytest.raises(InvalidName):
         choose(name)
 

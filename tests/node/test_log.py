@@ -28,7 +28,7 @@ class BrokenPipe(io.StringIO):
         raise BrokenPipeError
 
 
-def test_lines_look_as_rospys_and_go_where_rospys_go(capsys: pytest.CaptureFixture[str]) -> None:
+def test_lines_have_the_format_and_the_stream_of_rospy(capsys: pytest.CaptureFixture[str]) -> None:
     log = node_log("/talker", FORMAT)
     log.debug("not shown")
     log.info("I heard %d", 13)
@@ -42,7 +42,7 @@ def test_lines_look_as_rospys_and_go_where_rospys_go(capsys: pytest.CaptureFixtu
     )
 
 
-def test_the_level_can_be_changed_at_any_time(capsys: pytest.CaptureFixture[str]) -> None:
+def test_level_can_be_changed_at_any_time(capsys: pytest.CaptureFixture[str]) -> None:
     log = node_log("/talker", "${message}")
     for level in (logging.INFO, logging.DEBUG, logging.WARNING, logging.DEBUG):
         log.setLevel(level)
@@ -56,19 +56,19 @@ def test_the_level_can_be_changed_at_any_time(capsys: pytest.CaptureFixture[str]
     assert capsys.readouterr().out == "at 10\nat 10\n"
 
 
-def test_the_line_can_be_another(capsys: pytest.CaptureFixture[str]) -> None:
+def test_line_format_is_configurable(capsys: pytest.CaptureFixture[str]) -> None:
     log = node_log(
         "/talker", "${node} ${severity} ${logger} ${function} ${line} ${odd} 5$ ${message}"
     )
     log.info("${node}")
-    function = "test_the_line_can_be_another"
+    function = "test_line_format_is_configurable"
     assert re.fullmatch(
         rf"/talker INFO /talker {function} \d+ \$\{{odd\}} 5\$ \$\{{node\}}\n",
         capsys.readouterr().out,
     )
 
 
-def test_an_exception_is_told_with_its_traceback(capsys: pytest.CaptureFixture[str]) -> None:
+def test_exception_is_logged_with_its_traceback(capsys: pytest.CaptureFixture[str]) -> None:
     log = node_log("/talker", FORMAT)
     try:
         raise ValueError("seven")
@@ -82,7 +82,7 @@ def test_an_exception_is_told_with_its_traceback(capsys: pytest.CaptureFixture[s
 @pytest.mark.parametrize(
     ("level", "colour"), [(10, "\033[32m"), (20, ""), (30, "\033[33m"), (40, "\033[31m")]
 )
-def test_a_terminal_shows_colours(monkeypatch: pytest.MonkeyPatch, level: int, colour: str) -> None:
+def test_terminal_shows_colours(monkeypatch: pytest.MonkeyPatch, level: int, colour: str) -> None:
     monkeypatch.delenv("NO_COLOR", raising=False)
     out, err = Terminal(), Terminal()
     monkeypatch.setattr(sys, "stdout", out)
@@ -94,7 +94,7 @@ def test_a_terminal_shows_colours(monkeypatch: pytest.MonkeyPatch, level: int, c
     assert out.getvalue() + err.getvalue() == f"{colour}text{reset}\n"
 
 
-def test_but_not_to_those_who_do_not_want_them(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_colours_can_be_turned_off(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("NO_COLOR", "1")
     err = Terminal()
     monkeypatch.setattr(sys, "stderr", err)
@@ -102,19 +102,19 @@ def test_but_not_to_those_who_do_not_want_them(monkeypatch: pytest.MonkeyPatch) 
     assert err.getvalue() == "text\n"
 
 
-def test_a_stream_that_lacks_a_character_shows_its_number(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_unencodable_characters_are_escaped(monkeypatch: pytest.MonkeyPatch) -> None:
     out = AsciiPipe()
     monkeypatch.setattr(sys, "stdout", out)
     node_log("/talker", "${message}").info("é")
     assert out.getvalue() == "\\xe9\n"
 
 
-def test_a_reader_who_has_left_is_told_of(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_broken_pipe_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "stdout", BrokenPipe())
     with pytest.raises(BrokenPipeError):
         node_log("/talker", FORMAT).info("text")
 
 
-def test_a_wrong_log_line_does_not_stop_the_program(capsys: pytest.CaptureFixture[str]) -> None:
+def test_invalid_log_call_does_not_stop_the_program(capsys: pytest.CaptureFixture[str]) -> None:
     node_log("/talker", FORMAT).info("%d", "thirteen")
     assert "%d format" in capsys.readouterr().err

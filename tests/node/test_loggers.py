@@ -36,7 +36,7 @@ async def change(session: FakeSession, logger: str, level: str) -> object:
     return (await says(session))["values"]
 
 
-async def test_both_services_are_offered(session: FakeSession, log: logging.Logger) -> None:
+async def test_both_services_are_advertised(session: FakeSession, log: logging.Logger) -> None:
     services = [(each["service"], each["type"]) for each in said(session)]
     assert services == [
         ("/talker/get_loggers", "roscpp/GetLoggers"),
@@ -46,7 +46,7 @@ async def test_both_services_are_offered(session: FakeSession, log: logging.Logg
 
 @pytest.mark.parametrize(("name", "number"), [(each.name, each.python) for each in LEVELS])
 @pytest.mark.parametrize("logger", ["rosout", "/talker"])
-async def test_the_level_can_be_changed(
+async def test_level_can_be_changed(
     session: FakeSession, log: logging.Logger, logger: str, name: str, number: int
 ) -> None:
     said(session)
@@ -56,7 +56,7 @@ async def test_the_level_can_be_changed(
     assert log.level == number
 
 
-async def test_a_level_in_between_is_told_by_the_first_that_is_logged(
+async def test_level_between_two_is_reported_as_the_next_higher_one(
     session: FakeSession, log: logging.Logger
 ) -> None:
     said(session)
@@ -64,7 +64,7 @@ async def test_a_level_in_between_is_told_by_the_first_that_is_logged(
     assert await level(session) == "warn"
 
 
-async def test_loggers_of_the_programs_below_it_are_told_and_changed_alone(
+async def test_child_loggers_are_listed_and_changed_separately(
     session: FakeSession, types: Types
 ) -> None:
     log = logging.getLogger("listed")
@@ -85,9 +85,7 @@ async def test_loggers_of_the_programs_below_it_are_told_and_changed_alone(
     )
 
 
-async def test_all_loggers_of_the_program_are_below_its_root(
-    session: FakeSession, types: Types
-) -> None:
+async def test_root_logger_contains_all_loggers(session: FakeSession, types: Types) -> None:
     deep = logging.getLogger("library.deep")
     Loggers(logging.getLogger(), Services(session, types), lambda name: f"/talker/{name[1:]}")
     said(session)
@@ -107,7 +105,7 @@ async def test_all_loggers_of_the_program_are_below_its_root(
         ("rosout", "loud", "unknown level 'loud'; expected one of debug, info, warn, error, fatal"),
     ],
 )
-async def test_what_is_not_there_is_refused(
+async def test_unknown_logger_or_level_is_refused(
     session: FakeSession, log: logging.Logger, logger: str, name: str, text: str
 ) -> None:
     said(session)
@@ -115,7 +113,9 @@ async def test_what_is_not_there_is_refused(
     assert log.level == logging.INFO
 
 
-async def test_a_logger_without_a_level_has_its_parents(session: FakeSession, types: Types) -> None:
+async def test_logger_without_a_level_has_that_of_its_parent(
+    session: FakeSession, types: Types
+) -> None:
     log = logging.Logger("mine")
     log.parent = logging.Logger("root", logging.ERROR)
     Loggers(log, Services(session, types), lambda name: f"/talker/{name[1:]}")

@@ -21,7 +21,7 @@ from fibws.node.types import Types
         {"header": {"stamp": Time(1, 2)}, "point": {"x": 1, "y": 2, "z": 3}},
     ],
 )
-def test_a_message_may_be_given_by_its_fields_and_they_too(types: Types, given: Any) -> None:
+def test_message_and_nested_messages_may_be_dicts(types: Types, given: Any) -> None:
     codec = types.codec(PointStamped)
     written = codec.write(given)
     assert written == {
@@ -32,12 +32,12 @@ def test_a_message_may_be_given_by_its_fields_and_they_too(types: Types, given: 
 
 
 @pytest.mark.parametrize(("given", "name"), [(Vector3(), "geometry_msgs/Vector3"), (5, "int")])
-def test_anything_else_is_no_message(types: Types, given: object, name: str) -> None:
+def test_other_objects_are_refused(types: Types, given: object, name: str) -> None:
     with pytest.raises(TypeError, match=rf"expected \[geometry_msgs/Point\] but got \[{name}\]"):
         types.codec(Point).write(given)
 
 
-def test_what_does_not_fit_is_refused_both_ways(types: Types) -> None:
+def test_invalid_values_are_refused_in_both_directions(types: Types) -> None:
     codec = types.codec(Point)
     with pytest.raises(InvalidMessage, match="field x"):
         codec.write({"x": "1"})
@@ -74,7 +74,7 @@ class HandmadeHeir(Handmade):
 
 @pytest.mark.parametrize("given", [Handmade(1, 2), HandmadeHeir(1, 2), {"x": 1, "y": 2.0}])
 @pytest.mark.parametrize("class_", [Handmade, HandmadeHeir])
-def test_a_class_may_be_made_by_hand(types: Types, class_: type[Handmade], given: Any) -> None:
+def test_handwritten_class_is_accepted(types: Types, class_: type[Handmade], given: Any) -> None:
     assert types.message_class(class_) is class_
     if isinstance(given, Message) and not isinstance(given, class_):
         with pytest.raises(TypeError, match=r"expected \[geometry_msgs/Point32\]"):
@@ -87,12 +87,12 @@ def test_a_class_may_be_made_by_hand(types: Types, class_: type[Handmade], given
     assert read == Handmade(1, 2)
 
 
-def test_what_does_not_fit_in_a_class_made_by_hand_is_refused(types: Types) -> None:
+def test_invalid_values_of_a_handwritten_class_are_refused(types: Types) -> None:
     with pytest.raises(InvalidMessage, match="field y"):
         types.codec(Handmade).write(Handmade(1, "2"))  # type: ignore[arg-type]
 
 
-def test_messages_made_by_hand_may_be_in_others(types: Types) -> None:
+def test_handwritten_classes_may_be_nested(types: Types) -> None:
     written = types.codec(Polygon).write({"points": [Handmade(1, 2), {"z": 3}]})
     assert written == {"points": [{"x": 1.0, "y": 2.0, "z": 0.0}, {"x": 0.0, "y": 0.0, "z": 3.0}]}
 
@@ -100,7 +100,7 @@ def test_messages_made_by_hand_may_be_in_others(types: Types) -> None:
 @pytest.mark.parametrize(
     ("class_", "has_floats"), [(Point, True), (PointStamped, True), (Header, False)]
 )
-def test_codec_knows_whether_json_may_hold_infinity(
+def test_codec_knows_whether_json_may_contain_infinity(
     types: Types, class_: type[Message], has_floats: bool
 ) -> None:
     assert types.codec(class_).has_floats == has_floats

@@ -16,7 +16,7 @@ from .conftest import ScriptedHub
 # Who it is
 
 
-def test_it_has_a_name_and_knows_what_others_stand_for() -> None:
+def test_node_has_a_name_and_resolves_others() -> None:
     remapping = fibws.parse_remappings(["fibonacci:=numbers"])
     node = fibws.Node("talker", namespace="robot", remapping=remapping)
     assert (node.name, node.namespace) == ("/robot/talker", "/robot")
@@ -26,7 +26,7 @@ def test_it_has_a_name_and_knows_what_others_stand_for() -> None:
         fibws.Node("a/b")
 
 
-def test_the_environment_names_the_hub_unless_the_program_does(
+def test_hub_argument_takes_precedence_over_the_environment(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setenv("FIBWS_HUB", "robot:9090")
@@ -34,24 +34,24 @@ def test_the_environment_names_the_hub_unless_the_program_does(
     assert fibws.Node("talker", hub="arm:9090").hub == "ws://arm:9090"
 
 
-def test_without_either_the_hub_is_on_this_machine(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_default_hub_is_on_localhost(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("FIBWS_HUB", raising=False)
     assert fibws.Node("talker").hub == "ws://127.0.0.1:9090"
 
 
-def test_a_hub_has_an_address() -> None:
+def test_invalid_hub_address_is_refused() -> None:
     with pytest.raises(ValueError, match="not the address of a hub"):
         fibws.Node("talker", hub="http://robot")
 
 
-def test_it_knows_the_time_of_day() -> None:
+def test_now_is_the_time_of_day() -> None:
     assert fibws.Node("talker").now().secs > 1_700_000_000
 
 
 # Publishing
 
 
-async def test_it_says_its_name_and_publishes(hub: ScriptedHub) -> None:
+async def test_node_sends_its_name_and_publishes(hub: ScriptedHub) -> None:
     async with fibws.Node("talker", hub=hub.url) as node:
         peer = await hub.peer()
         assert peer.path == "/?node=/talker"
@@ -75,7 +75,7 @@ async def test_it_says_its_name_and_publishes(hub: ScriptedHub) -> None:
             await numbers.publish(4)
 
 
-async def test_a_bad_message_raises_in_the_line_that_publishes_it(hub: ScriptedHub) -> None:
+async def test_invalid_message_raises_in_publish(hub: ScriptedHub) -> None:
     async with fibws.Node("talker", hub=hub.url) as node:
         numbers = await node.advertise("fibonacci", Int32)
         with pytest.raises(fibws.InvalidMessage, match="2147483648"):
@@ -90,7 +90,7 @@ async def test_a_bad_message_raises_in_the_line_that_publishes_it(hub: ScriptedH
             await numbers.publish(date=1)  # type: ignore[call-overload]
 
 
-async def test_a_type_can_be_named(hub: ScriptedHub) -> None:
+async def test_type_may_be_a_name(hub: ScriptedHub) -> None:
     async with fibws.Node("talker", hub=hub.url) as node:
         peer = await hub.peer()
         numbers = await node.advertise("numbers", "std_msgs/msg/Float64")
@@ -104,7 +104,7 @@ async def test_a_type_can_be_named(hub: ScriptedHub) -> None:
             node.subscribe("numbers", "std_msgs/Int23")
 
 
-async def test_a_queue_holds_something(hub: ScriptedHub) -> None:
+async def test_queue_size_is_at_least_1(hub: ScriptedHub) -> None:
     async with fibws.Node("talker", hub=hub.url) as node:
         with pytest.raises(ValueError, match="queue_size"):
             await node.advertise("fibonacci", Int32, queue_size=0)
@@ -112,7 +112,7 @@ async def test_a_queue_holds_something(hub: ScriptedHub) -> None:
             node.subscribe("fibonacci", Int32, queue_size=0)
 
 
-async def test_a_refused_advertisement_is_raised_by_the_next_publish(hub: ScriptedHub) -> None:
+async def test_refused_advertisement_is_raised_by_the_next_publish(hub: ScriptedHub) -> None:
     async with fibws.Node("talker", hub=hub.url) as node:
         peer = await hub.peer()
         numbers = await node.advertise("fibonacci", Int32)
@@ -131,7 +131,7 @@ async def test_a_refused_advertisement_is_raised_by_the_next_publish(hub: Script
 # Subscribing
 
 
-async def test_messages_come_as_objects(hub: ScriptedHub) -> None:
+async def test_messages_are_received_as_objects(hub: ScriptedHub) -> None:
     async with fibws.Node("listener", hub=hub.url) as node:
         peer = await hub.peer()
         async with node.subscribe("fibonacci", Int32) as numbers:
@@ -146,7 +146,7 @@ async def test_messages_come_as_objects(hub: ScriptedHub) -> None:
         assert [number async for number in numbers] == []
 
 
-async def test_what_does_not_fit_is_logged_and_passed_over(
+async def test_invalid_messages_are_logged_and_skipped(
     hub: ScriptedHub, capsys: pytest.CaptureFixture[str]
 ) -> None:
     async with fibws.Node("listener", hub=hub.url) as node:
@@ -164,7 +164,7 @@ async def test_what_does_not_fit_is_logged_and_passed_over(
     assert errors.count("The hub sent an invalid ") == 3
 
 
-async def test_a_slow_reader_gets_the_newest(hub: ScriptedHub) -> None:
+async def test_slow_reader_gets_the_newest_messages(hub: ScriptedHub) -> None:
     async with fibws.Node("listener", hub=hub.url) as node:
         peer = await hub.peer()
         numbers = node.subscribe("fibonacci", Int32, queue_size=2)
@@ -177,7 +177,7 @@ async def test_a_slow_reader_gets_the_newest(hub: ScriptedHub) -> None:
         assert [await anext(numbers), await anext(numbers)] == [Int32(3), Int32(4)]
 
 
-async def test_a_refused_subscription_is_raised_by_its_iteration(hub: ScriptedHub) -> None:
+async def test_refused_subscription_is_raised_by_its_iteration(hub: ScriptedHub) -> None:
     async with fibws.Node("listener", hub=hub.url) as node:
         peer = await hub.peer()
         numbers = node.subscribe("fibonacci", Int32)
@@ -187,7 +187,7 @@ async def test_a_refused_subscription_is_raised_by_its_iteration(hub: ScriptedHu
             await anext(numbers)
 
 
-async def test_two_subscriptions_of_a_topic_both_hear_it(hub: ScriptedHub) -> None:
+async def test_two_subscriptions_of_a_topic_both_receive_it(hub: ScriptedHub) -> None:
     async with fibws.Node("listener", hub=hub.url) as node:
         peer = await hub.peer()
         first = node.subscribe("fibonacci", Int32)
@@ -197,7 +197,7 @@ async def test_two_subscriptions_of_a_topic_both_hear_it(hub: ScriptedHub) -> No
         assert await anext(first) == await anext(second) == Int32(1)
 
 
-async def test_other_statuses_go_to_the_log(
+async def test_other_statuses_are_logged(
     hub: ScriptedHub, capsys: pytest.CaptureFixture[str]
 ) -> None:
     async with fibws.Node("listener", hub=hub.url):
@@ -215,7 +215,7 @@ async def test_other_statuses_go_to_the_log(
 # The end
 
 
-async def test_leaving_ends_what_the_node_had_and_sends_what_waits(hub: ScriptedHub) -> None:
+async def test_leaving_the_node_sends_pending_messages_and_unregisters(hub: ScriptedHub) -> None:
     async with fibws.Node("talker", hub=hub.url) as node:
         peer = await hub.peer()
         numbers = await node.advertise("fibonacci", Int32)
@@ -243,7 +243,7 @@ async def test_leaving_ends_what_the_node_had_and_sends_what_waits(hub: Scripted
     node.log.info("this goes to the console only")
 
 
-async def test_a_node_that_is_replaced_ends(hub: ScriptedHub) -> None:
+async def test_replaced_node_ends(hub: ScriptedHub) -> None:
     async with fibws.Node("talker", hub=hub.url) as node:
         peer = await hub.peer()
         numbers = await node.advertise("fibonacci", Int32)
@@ -261,7 +261,7 @@ async def test_a_node_that_is_replaced_ends(hub: ScriptedHub) -> None:
     assert hub.attempts == 1
 
 
-async def test_the_last_messages_are_read_before_the_end_is_told(hub: ScriptedHub) -> None:
+async def test_last_messages_are_read_before_the_end_is_raised(hub: ScriptedHub) -> None:
     async with fibws.Node("listener", hub=hub.url) as node:
         peer = await hub.peer()
         numbers = node.subscribe("fibonacci", Int32)
@@ -277,9 +277,7 @@ async def test_the_last_messages_are_read_before_the_end_is_told(hub: ScriptedHu
 @pytest.mark.parametrize(
     "status", [HTTPStatus.BAD_REQUEST, HTTPStatus.FORBIDDEN, HTTPStatus.NOT_FOUND]
 )
-async def test_a_hub_that_does_not_want_the_node_is_believed(
-    hub: ScriptedHub, status: HTTPStatus
-) -> None:
+async def test_refusal_by_the_hub_is_not_retried(hub: ScriptedHub, status: HTTPStatus) -> None:
     hub.refusal = (status, "not you\n")
     with pytest.raises(fibws.HubUnreachable, match=f"HTTP {status}: not you"):
         async with fibws.Node("talker", hub=hub.url):
@@ -287,7 +285,7 @@ async def test_a_hub_that_does_not_want_the_node_is_believed(
     assert hub.attempts == 1
 
 
-async def test_a_node_is_entered_once(hub: ScriptedHub) -> None:
+async def test_node_can_be_entered_only_once(hub: ScriptedHub) -> None:
     async with fibws.Node("talker", hub=hub.url) as node:
         assert repr(node) == f"<Node /talker at {hub.url}>"
         with pytest.raises(RuntimeError, match="entered only once"):
@@ -297,7 +295,7 @@ async def test_a_node_is_entered_once(hub: ScriptedHub) -> None:
             pass
 
 
-async def test_a_node_may_be_prepared_before_it_is_entered(
+async def test_publishers_and_subscribers_may_be_created_before_entering(
     hub: ScriptedHub,
 ) -> None:
     node = fibws.Node("listener", hub=hub.url)
@@ -312,7 +310,7 @@ async def test_a_node_may_be_prepared_before_it_is_entered(
 # Services
 
 
-async def test_its_end_cancels_the_answers_under_way_and_waits_for_them(hub: ScriptedHub) -> None:
+async def test_end_cancels_pending_responses_and_waits_for_them(hub: ScriptedHub) -> None:
     asked, left = asyncio.Event(), asyncio.Event()
 
     async def never(request: object) -> tuple[bool, str]:

@@ -21,7 +21,7 @@ async def node(start_hub: StartHub) -> AsyncIterator[fibws.Node]:
 
 
 @pytest.mark.parametrize("value", [1, 2.5, True, "text", "", [1, "a", []], {"x": {"y": 1}}, 2**53])
-async def test_a_value_comes_back_as_it_was_set(node: fibws.Node, value: Any) -> None:
+async def test_value_is_read_as_it_was_set(node: fibws.Node, value: Any) -> None:
     assert not await node.params.has("gain")
     await node.params.set("gain", value)
     assert await node.params.has("gain")
@@ -29,7 +29,7 @@ async def test_a_value_comes_back_as_it_was_set(node: fibws.Node, value: Any) ->
     assert (got, type(got)) == (value, type(value))
 
 
-async def test_names_are_resolved_as_all_others(node: fibws.Node) -> None:
+async def test_names_are_resolved_and_remapped(node: fibws.Node) -> None:
     params = node.params
     assert params is node.params
     for name in ("gain", "~gain", "/gain", "speed"):
@@ -43,7 +43,7 @@ async def test_names_are_resolved_as_all_others(node: fibws.Node) -> None:
     assert "/run_id" in names
 
 
-async def test_a_dict_is_a_namespace(node: fibws.Node) -> None:
+async def test_dict_is_a_namespace(node: fibws.Node) -> None:
     await node.params.set("pid", {"p": 1, "i": 2})
     assert await node.params.get("pid/p") == 1
     await node.params.set("pid/d", 3)
@@ -53,7 +53,7 @@ async def test_a_dict_is_a_namespace(node: fibws.Node) -> None:
     assert await node.params.get("pid") == {"p": 5}
 
 
-async def test_what_is_not_there_has_a_default_or_raises(node: fibws.Node) -> None:
+async def test_missing_parameter_has_a_default_or_raises(node: fibws.Node) -> None:
     assert await node.params.get("gain", 7) == 7
     assert await node.params.get("gain", None) is None
     with pytest.raises(fibws.ParameterNotSet, match=r"^Parameter \[/robot/gain\] is not set$"):
@@ -62,14 +62,14 @@ async def test_what_is_not_there_has_a_default_or_raises(node: fibws.Node) -> No
         await node.params.get("gain")
 
 
-async def test_what_is_deleted_is_there_no_more(node: fibws.Node) -> None:
+async def test_deleted_parameter_is_missing(node: fibws.Node) -> None:
     await node.params.set("gain", 1)
     for _ in range(2):
         await node.params.delete("gain")
     assert not await node.params.has("gain")
 
 
-async def test_the_nearest_is_found(node: fibws.Node) -> None:
+async def test_nearest_parameter_is_found(node: fibws.Node) -> None:
     assert await node.params.search("gain") is None
     for name in ("/gain", "/robot/gain", "/robot/arm/gain"):
         await node.params.set(name, 1)
@@ -77,28 +77,28 @@ async def test_the_nearest_is_found(node: fibws.Node) -> None:
 
 
 @pytest.mark.parametrize("name", ["~gain", "", "1st"])
-async def test_only_a_name_can_be_searched_for(node: fibws.Node, name: str) -> None:
+async def test_search_requires_a_valid_name(node: fibws.Node, name: str) -> None:
     with pytest.raises(fibws.InvalidName):
         await node.params.search(name)
 
 
-async def test_none_is_no_value(node: fibws.Node) -> None:
+async def test_none_is_refused(node: fibws.Node) -> None:
     with pytest.raises(ValueError, match="parameter gain: None is not a value"):
         await node.params.set("gain", None)
 
 
 @pytest.mark.parametrize("value", [b"bytes", {1, 2}, object()])
-async def test_what_json_has_not_raises_here(node: fibws.Node, value: object) -> None:
+async def test_value_that_json_cannot_express_raises(node: fibws.Node, value: object) -> None:
     with pytest.raises(TypeError, match="not JSON serializable"):
         await node.params.set("gain", value)
 
 
-async def test_what_is_no_number_raises_here(node: fibws.Node) -> None:
+async def test_nan_and_infinity_raise(node: fibws.Node) -> None:
     with pytest.raises(ValueError, match="not JSON compliant"):
         await node.params.set("gain", math.nan)
 
 
-async def test_what_the_hub_refuses_raises_its_text(node: fibws.Node) -> None:
+async def test_refusal_by_the_hub_raises_its_text(node: fibws.Node) -> None:
     with pytest.raises(fibws.ServiceError, match="null cannot be set"):
         await node.params.set("gain", {"p": None})
     with pytest.raises(fibws.InvalidName):

@@ -20,7 +20,7 @@ async def reading(peers: Peers) -> asyncio.Task[list[list[str]]]:
     return task
 
 
-async def test_there_are_none_before_the_first_word() -> None:
+async def test_peers_are_empty_before_the_first_report() -> None:
     peers = Peers()
     assert peers.names == []
     assert repr(peers) == "<Peers >"
@@ -29,7 +29,7 @@ async def test_there_are_none_before_the_first_word() -> None:
             await anext(peers.changes())
 
 
-async def test_what_is_known_comes_first_even_if_that_is_nobody() -> None:
+async def test_changes_begin_with_the_known_names_even_if_empty() -> None:
     for known in ([], ["/a", "/b"]):
         peers = Peers()
         peers.update(known)
@@ -38,7 +38,7 @@ async def test_what_is_known_comes_first_even_if_that_is_nobody() -> None:
     assert repr(peers) == "<Peers /a, /b>"
 
 
-async def test_each_change_comes_however_slow_the_reader() -> None:
+async def test_slow_reader_gets_every_change() -> None:
     peers = Peers()
     changes = peers.changes()
     steps = [["/a"], [], ["/a"], ["/a", "/b"]]
@@ -49,7 +49,7 @@ async def test_each_change_comes_however_slow_the_reader() -> None:
     assert [first, *[await anext(changes) for _ in steps[1:]]] == steps
 
 
-async def test_of_very_many_changes_the_newest_come() -> None:
+async def test_oldest_changes_are_dropped_at_the_limit() -> None:
     peers = Peers()
     changes = peers.changes()
     peers.update([])
@@ -59,7 +59,7 @@ async def test_of_very_many_changes_the_newest_come() -> None:
     assert await anext(changes) == ["5"]
 
 
-async def test_the_same_word_again_is_no_change() -> None:
+async def test_repeated_report_is_not_a_change() -> None:
     peers = Peers()
     reader = await reading(peers)
     for _ in range(2):
@@ -68,7 +68,7 @@ async def test_the_same_word_again_is_no_change() -> None:
     assert await reader == [["/a"]]
 
 
-async def test_all_readers_hear_all() -> None:
+async def test_all_readers_get_all_changes() -> None:
     peers = Peers()
     readers = [await reading(peers) for _ in range(2)]
     for names in (["/a"], ["/b"]):
@@ -78,7 +78,7 @@ async def test_all_readers_hear_all() -> None:
     assert [await reader for reader in readers] == 2 * [[["/a"], ["/b"]]]
 
 
-async def test_what_a_reader_is_given_is_its_own() -> None:
+async def test_readers_get_copies() -> None:
     peers = Peers()
     peers.update(["/a"])
     (await anext(peers.changes())).clear()
@@ -86,7 +86,7 @@ async def test_what_a_reader_is_given_is_its_own() -> None:
     assert peers.names == ["/a"]
 
 
-async def test_without_a_hub_there_are_none_until_it_is_back() -> None:
+async def test_peers_are_empty_until_reconnected() -> None:
     peers = Peers()
     reader = await reading(peers)
     peers.on_disconnect()
@@ -99,7 +99,7 @@ async def test_without_a_hub_there_are_none_until_it_is_back() -> None:
     assert await reader == [["/a"], [], ["/a"]]
 
 
-async def test_what_has_ended_has_no_peers_and_no_changes() -> None:
+async def test_ended_peers_have_no_names_and_no_changes() -> None:
     peers = Peers()
     peers.update(["/a"])
     peers.end()
@@ -107,7 +107,7 @@ async def test_what_has_ended_has_no_peers_and_no_changes() -> None:
     assert await rest(peers) == []
 
 
-async def test_a_reader_who_stops_waiting_misses_nothing() -> None:
+async def test_reader_that_timed_out_misses_nothing() -> None:
     peers = Peers()
     reader = await reading(peers)
     reader.cancel()
@@ -116,14 +116,14 @@ async def test_a_reader_who_stops_waiting_misses_nothing() -> None:
     assert await anext(peers.changes()) == ["/a"]
 
 
-def test_it_knows_whether_the_hub_has_told() -> None:
+def test_first_report_makes_peers_known() -> None:
     peers = Peers()
     assert not peers.told
     peers.update([])
     assert peers.told
 
 
-async def test_changes_are_made_to_the_names_that_are_known() -> None:
+async def test_changes_are_applied_to_the_known_names() -> None:
     peers = Peers()
     reader = await reading(peers)
     peers.update(["/b", "/d"])
@@ -140,7 +140,7 @@ async def test_changes_are_made_to_the_names_that_are_known() -> None:
     ]
 
 
-async def test_peer_that_left_and_came_back_is_seen_to_do_so() -> None:
+async def test_leaving_and_returning_peer_is_reported() -> None:
     peers = Peers()
     reader = await reading(peers)
     peers.update(["/a", "/b"])

@@ -22,7 +22,7 @@ from fibws.node.types import Types
 from .conftest import ScriptedHub
 
 
-async def test_a_line_says_who_wrote_it_and_where(hub: ScriptedHub) -> None:
+async def test_message_has_node_file_function_and_line(hub: ScriptedHub) -> None:
     async with fibws.Node("talker", hub=hub.url) as node:
         peer = await hub.peer()
         await node.advertise("fibonacci", Int32)
@@ -35,7 +35,7 @@ async def test_a_line_says_who_wrote_it_and_where(hub: ScriptedHub) -> None:
     assert message["name"] == "/talker"
     assert message["msg"] == "89 is large"
     assert message["file"] == __file__
-    assert message["function"] == "test_a_line_says_who_wrote_it_and_where"
+    assert message["function"] == "test_message_has_node_file_function_and_line"
     assert message["line"] > 20
     assert message["topics"] == ["/fibonacci", "/other", "/rosout"]
 
@@ -47,7 +47,7 @@ async def test_other_threads_may_log(hub: ScriptedHub) -> None:
         assert (await peer.logged())["msg"] == "from elsewhere"
 
 
-async def test_the_topics_are_looked_up_by_the_loop_that_changes_them(hub: ScriptedHub) -> None:
+async def test_topics_are_read_only_in_the_event_loop(hub: ScriptedHub) -> None:
     async with fibws.Node("talker", hub=hub.url) as node:
         peer = await hub.peer()
         elsewhere = threading.Thread(target=node.log.info, args=["from elsewhere"])
@@ -57,7 +57,7 @@ async def test_the_topics_are_looked_up_by_the_loop_that_changes_them(hub: Scrip
         assert (await peer.logged())["topics"] == ["/later", "/rosout"]
 
 
-def test_other_threads_may_log_even_when_the_loop_is_gone() -> None:
+def test_other_threads_may_log_after_the_loop_has_closed() -> None:
     session = Session(logging.Logger("test"))
     rosout = Rosout("/talker", Topics(session), Types(time.time_ns).codec(Log))
     rosout.loop = asyncio.new_event_loop()
@@ -66,7 +66,7 @@ def test_other_threads_may_log_even_when_the_loop_is_gone() -> None:
     assert len(session.outgoing) == 0
 
 
-def test_without_a_hub_the_newest_lines_are_kept() -> None:
+def test_newest_lines_are_kept_without_a_hub() -> None:
     session = Session(logging.Logger("test"))
     rosout = Rosout("/talker", Topics(session), Types(time.time_ns).codec(Log))
     for _ in range(1000):
@@ -74,7 +74,7 @@ def test_without_a_hub_the_newest_lines_are_kept() -> None:
     assert len(session.outgoing) == 100
 
 
-def test_half_a_character_is_sent_as_a_question_mark() -> None:
+def test_lone_surrogate_is_sent_as_a_question_mark() -> None:
     session = Session(logging.Logger("test"))
     rosout = Rosout("/talker", Topics(session), Types(time.time_ns).codec(Log))
     rosout.handle(logging.LogRecord("test", logging.INFO, "\udcff.py", 1, "\ud83d", (), None))
@@ -84,7 +84,7 @@ def test_half_a_character_is_sent_as_a_question_mark() -> None:
     assert (message["msg"], message["file"]) == ("?", "?.py")
 
 
-def test_a_wrong_log_line_does_not_stop_the_program(capsys: pytest.CaptureFixture[str]) -> None:
+def test_invalid_log_call_does_not_stop_the_program(capsys: pytest.CaptureFixture[str]) -> None:
     session = Session(logging.Logger("test"))
     rosout = Rosout("/talker", Topics(session), Types(time.time_ns).codec(Log))
     rosout.handle(logging.LogRecord("test", logging.INFO, "file", 1, "%d", ("thirteen",), None))
@@ -92,7 +92,7 @@ def test_a_wrong_log_line_does_not_stop_the_program(capsys: pytest.CaptureFixtur
     assert len(session.outgoing) == 0
 
 
-async def test_a_hub_that_refuses_the_log_is_not_sent_it(hub: ScriptedHub) -> None:
+async def test_refused_log_is_not_sent(hub: ScriptedHub) -> None:
     async with fibws.Node("talker", hub=hub.url) as node:
         peer = await hub.peer()
         other = node.subscribe("other", Int32)
@@ -105,7 +105,7 @@ async def test_a_hub_that_refuses_the_log_is_not_sent_it(hub: ScriptedHub) -> No
         assert (await peer.hears("advertise"))["topic"] == "/fibonacci"
 
 
-async def test_a_logger_that_is_given_is_used_as_it_is(
+async def test_given_logger_is_used_unchanged(
     hub: ScriptedHub, capsys: pytest.CaptureFixture[str]
 ) -> None:
     log = logging.getLogger("fibws.test_rosout")
@@ -120,7 +120,7 @@ async def test_a_logger_that_is_given_is_used_as_it_is(
         assert (message["level"], message["name"]) == (Log.DEBUG, "/talker")
         assert (message["msg"], message["function"]) == (
             "small",
-            "test_a_logger_that_is_given_is_used_as_it_is",
+            "test_given_logger_is_used_unchanged",
         )
         log.setLevel(logging.INFO)
         log.debug("nobody hears this")
@@ -132,7 +132,7 @@ async def test_a_logger_that_is_given_is_used_as_it_is(
     assert capsys.readouterr() == ("", "")
 
 
-async def test_a_logger_that_is_given_is_let_be_by_a_node_that_cannot_begin(
+async def test_given_logger_is_unchanged_if_the_node_cannot_start(
     hub: ScriptedHub,
 ) -> None:
     log = logging.Logger("mine")
@@ -143,14 +143,14 @@ async def test_a_logger_that_is_given_is_let_be_by_a_node_that_cannot_begin(
     assert log.handlers == []
 
 
-def test_a_logger_that_is_given_is_let_be_by_a_node_that_is_never_entered() -> None:
+def test_given_logger_is_unchanged_if_the_node_is_never_entered() -> None:
     log = logging.Logger("mine")
     fibws.Node("talker", log=log)
     assert log.handlers == []
 
 
 @pytest.mark.parametrize("log", [None, logging.Logger("mine")], ids=["its own", "given"])
-async def test_a_line_from_before_the_hub_answers_reaches_it(
+async def test_line_logged_before_the_connection_is_sent(
     hub: ScriptedHub, log: logging.Logger | None
 ) -> None:
     hub.refusal = HTTPStatus.SERVICE_UNAVAILABLE, "not yet"
@@ -164,9 +164,7 @@ async def test_a_line_from_before_the_hub_answers_reaches_it(
     await node.__aexit__()
 
 
-async def test_a_node_may_keep_its_log_to_itself(
-    hub: ScriptedHub, capsys: pytest.CaptureFixture[str]
-) -> None:
+async def test_rosout_can_be_disabled(hub: ScriptedHub, capsys: pytest.CaptureFixture[str]) -> None:
     async with fibws.Node("talker", hub=hub.url, rosout=False) as node:
         peer = await hub.peer()
         node.log.info("only here")

@@ -73,7 +73,7 @@ def future(request: AddTwoIntsRequest) -> Awaitable[AddTwoIntsResponse]:
 
 
 @pytest.mark.parametrize("handler", [plain, coroutine, future, lambda request: (3,)])
-async def test_a_handler_is_a_function_of_the_request(
+async def test_handler_is_called_with_the_request(
     session: FakeSession, serve: Serve, handler: Any
 ) -> None:
     serve(handler)
@@ -95,7 +95,7 @@ async def test_a_handler_is_a_function_of_the_request(
         (OSError("no file \udcff"), "no file ?", "OSError: no file \udcff"),
     ],
 )
-async def test_what_a_handler_raises_is_its_callers_to_know_and_the_service_lives_on(
+async def test_exception_in_the_handler_fails_only_its_call(
     session: FakeSession, serve: Serve, lines: Lines, fault: Exception, text: str, line: str
 ) -> None:
     def fail(request: AddTwoIntsRequest) -> None:
@@ -110,7 +110,7 @@ async def test_what_a_handler_raises_is_its_callers_to_know_and_the_service_live
     assert lines.seen() == 2 * [f"Service /add failed: {line}"]
 
 
-async def test_an_answer_that_is_none_is_a_failure(
+async def test_invalid_response_fails_the_call(
     session: FakeSession, serve: Serve, lines: Lines
 ) -> None:
     serve(lambda request: None)
@@ -120,7 +120,7 @@ async def test_an_answer_that_is_none_is_a_failure(
     assert lines.seen() == ["Service /add failed: service handler returned None"]
 
 
-async def test_an_answer_that_contains_itself_is_a_failure(
+async def test_response_that_contains_itself_fails_the_call(
     session: FakeSession, serve: Serve
 ) -> None:
     endless: list[Any] = []
@@ -130,7 +130,7 @@ async def test_an_answer_that_contains_itself_is_a_failure(
     assert (await says(session))["result"] is False
 
 
-async def test_a_request_that_does_not_fit_is_a_failure(session: FakeSession, serve: Serve) -> None:
+async def test_invalid_request_fails_the_call(session: FakeSession, serve: Serve) -> None:
     serve(plain)
     hears(session, "call_service", id="call", service="/add", args={"c": 1})
     answer = await says(session)
@@ -138,7 +138,7 @@ async def test_a_request_that_does_not_fit_is_a_failure(session: FakeSession, se
     assert "does not have a field c" in answer["values"]
 
 
-async def test_calls_are_answered_beside_each_other(session: FakeSession, serve: Serve) -> None:
+async def test_calls_are_handled_concurrently(session: FakeSession, serve: Serve) -> None:
     gate = Gate()
     serve(gate)
     asks(session, 1, id_="slow")
@@ -148,7 +148,7 @@ async def test_calls_are_answered_beside_each_other(session: FakeSession, serve:
     assert (await says(session))["id"] == "slow"
 
 
-async def test_they_are_bounded_in_number(session: FakeSession, serve: Serve) -> None:
+async def test_number_of_concurrent_calls_is_limited(session: FakeSession, serve: Serve) -> None:
     gate = Gate()
     serve(gate)
     most = MOST_CALLS + MOST_WAITING
@@ -168,7 +168,7 @@ async def test_they_are_bounded_in_number(session: FakeSession, serve: Serve) ->
     assert (await says(session))["result"] is True
 
 
-async def test_nobody_waits_for_calls_of_a_lost_hub(session: FakeSession, serve: Serve) -> None:
+async def test_calls_of_a_lost_hub_are_dropped(session: FakeSession, serve: Serve) -> None:
     gate = Gate()
     serve(gate)
     for _ in range(MOST_CALLS + 1):
@@ -180,7 +180,7 @@ async def test_nobody_waits_for_calls_of_a_lost_hub(session: FakeSession, serve:
     assert len(gate.entered) == MOST_CALLS
 
 
-async def test_the_log_explains_what_a_handler_raises_and_not_what_its_callers_do(
+async def test_exceptions_of_handlers_are_logged_but_not_errors_of_callers(
     session: FakeSession, serve: Serve
 ) -> None:
     def divide(request: AddTwoIntsRequest) -> int:
@@ -208,7 +208,7 @@ async def fail_and_be_logged(request: AddTwoIntsRequest) -> None:
 
 
 @pytest.mark.parametrize("handler", [raise_now, fail_and_be_logged])
-async def test_a_program_whose_output_nobody_reads_ends(
+async def test_broken_pipe_in_a_handler_ends_the_node(
     session: FakeSession, serve: Serve, handler: Any
 ) -> None:
     class Unread(logging.Handler):
@@ -227,7 +227,7 @@ async def test_a_program_whose_output_nobody_reads_ends(
     assert said(session) == []
 
 
-async def test_answers_wait_for_room(session: FakeSession, serve: Serve) -> None:
+async def test_responses_wait_for_room(session: FakeSession, serve: Serve) -> None:
     serve(plain)
     session.fill()
     asks(session)
@@ -237,9 +237,7 @@ async def test_answers_wait_for_room(session: FakeSession, serve: Serve) -> None
     assert (await says(session))["id"] == "call"
 
 
-async def test_a_closed_service_gives_up_what_it_has_not_answered(
-    session: FakeSession, serve: Serve
-) -> None:
+async def test_close_cancels_calls_in_progress(session: FakeSession, serve: Serve) -> None:
     gate = Gate()
     async with serve(gate) as server:
         asks(session, 1)
@@ -250,7 +248,7 @@ async def test_a_closed_service_gives_up_what_it_has_not_answered(
     await server.spin()
 
 
-async def test_a_handler_may_close_its_service(session: FakeSession, serve: Serve) -> None:
+async def test_handler_may_close_its_service(session: FakeSession, serve: Serve) -> None:
     left = asyncio.Event()
 
     async def once(request: AddTwoIntsRequest) -> int:
@@ -266,7 +264,7 @@ async def test_a_handler_may_close_its_service(session: FakeSession, serve: Serv
         await server.spin()
 
 
-async def test_a_service_ends_with_its_node(session: FakeSession, serve: Serve) -> None:
+async def test_end_of_the_node_ends_the_service(session: FakeSession, serve: Serve) -> None:
     gate = Gate()
     server = serve(gate)
     asks(session, 1)
@@ -278,7 +276,7 @@ async def test_a_service_ends_with_its_node(session: FakeSession, serve: Serve) 
     assert said(session) == []
 
 
-async def test_the_next_hub_is_not_given_answers_to_the_lost_ones_calls(
+async def test_responses_to_calls_of_a_lost_hub_are_not_sent_to_the_next(
     session: FakeSession, serve: Serve
 ) -> None:
     gate = Gate()
@@ -293,9 +291,7 @@ async def test_the_next_hub_is_not_given_answers_to_the_lost_ones_calls(
     assert said(session) == []
 
 
-async def test_a_handler_that_is_cancelled_answers_all_the_same(
-    session: FakeSession, serve: Serve
-) -> None:
+async def test_cancelled_handler_still_responds(session: FakeSession, serve: Serve) -> None:
     async def give_up(request: AddTwoIntsRequest) -> int:
         raise asyncio.CancelledError
 

@@ -18,13 +18,13 @@ from fibws.srv.rospy_tutorials import AddTwoInts
 from fibws.srv.std_srvs import Empty, Trigger
 
 
-def test_it_knows_its_name(types: Types) -> None:
+def test_service_type_has_a_name(types: Types) -> None:
     assert types.service(AddTwoInts).name == "rospy_tutorials/AddTwoInts"
     assert types.service(AddTwoInts) is types.service(AddTwoInts)
 
 
 @pytest.mark.parametrize("given", [{"a": 1}, AddTwoInts.Request(1), AddTwoInts.Request(a=1)])
-def test_a_request_is_a_message_or_its_fields(types: Types, given: Any) -> None:
+def test_request_may_be_a_message_or_a_dict(types: Types, given: Any) -> None:
     assert types.service(AddTwoInts).write_request(given) == {"a": 1, "b": 0}
 
 
@@ -32,13 +32,13 @@ def test_a_request_is_a_message_or_its_fields(types: Types, given: Any) -> None:
     ("given", "name"),
     [(Int32(1), "std_msgs/Int32"), (5, "int"), ((1, 2), "tuple"), (AddTwoInts, "type")],
 )
-def test_a_request_of_another_kind_is_refused(types: Types, given: Any, name: str) -> None:
+def test_other_requests_are_refused(types: Types, given: Any, name: str) -> None:
     fault = rf"expected \[rospy_tutorials/AddTwoIntsRequest\] but got \[{name}\]"
     with pytest.raises(TypeError, match=fault):
         types.service(AddTwoInts).write_request(given)
 
 
-def test_a_request_off_the_wire_is_checked(types: Types) -> None:
+def test_received_request_is_validated(types: Types) -> None:
     service = types.service(AddTwoInts)
     assert service.read_request({"a": 1}) == AddTwoInts.Request(1, 0)
     assert service.read_request(None) == AddTwoInts.Request()
@@ -47,17 +47,17 @@ def test_a_request_off_the_wire_is_checked(types: Types) -> None:
 
 
 @pytest.mark.parametrize("given", [AddTwoInts.Response(3), {"sum": 3}, (3,), [3], 3])
-def test_an_answer_has_the_forms_that_rospy_takes(types: Types, given: Any) -> None:
+def test_response_may_have_all_forms_of_rospy(types: Types, given: Any) -> None:
     assert types.service(AddTwoInts).write_response(given) == {"sum": 3}
 
 
 @pytest.mark.parametrize("given", [(True, "done"), {"success": True, "message": "done"}])
-def test_an_answers_fields_come_in_order_or_by_name(types: Types, given: Any) -> None:
+def test_response_fields_may_be_given_in_order_or_by_name(types: Types, given: Any) -> None:
     assert types.service(Trigger).write_response(given) == {"success": True, "message": "done"}
 
 
 @pytest.mark.parametrize("given", [{}, (), Empty.Response()])
-def test_an_answer_may_be_empty(types: Types, given: Any) -> None:
+def test_response_may_be_empty(types: Types, given: Any) -> None:
     assert types.service(Empty).write_response(given) == {}
 
 
@@ -83,14 +83,14 @@ def test_fields_may_hold_messages_and_times(types: Types) -> None:
         (Int32(3), r"^handler returned invalid value: .* but got \[std_msgs/Int32\]"),
     ],
 )
-def test_an_answer_of_another_kind_is_refused_in_rospys_words(
+def test_other_responses_are_refused_with_the_error_of_rospy(
     types: Types, given: Any, text: str
 ) -> None:
     with pytest.raises(InvalidMessage, match=text):
         types.service(AddTwoInts).write_response(given)
 
 
-def test_an_answer_off_the_wire_is_checked(types: Types) -> None:
+def test_received_response_is_validated(types: Types) -> None:
     service = types.service(AddTwoInts)
     assert service.read_response({"sum": 3}) == AddTwoInts.Response(3)
     with pytest.raises(InvalidMessage):

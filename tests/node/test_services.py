@@ -27,7 +27,9 @@ def names(operations: list[dict[str, Any]]) -> list[tuple[str, str]]:
     return [(each["op"], each["service"]) for each in operations]
 
 
-async def test_they_are_said_as_they_come_and_go(session: FakeSession, services: Services) -> None:
+async def test_services_are_advertised_and_unadvertised(
+    session: FakeSession, services: Services
+) -> None:
     server = services.serve("/go", Trigger, done)
     assert (server.name, server.type) == ("/go", "std_srvs/Trigger")
     assert repr(server) == "<ServiceServer /go [std_srvs/Trigger]>"
@@ -44,7 +46,7 @@ async def test_they_are_said_as_they_come_and_go(session: FakeSession, services:
     assert unadvertised["service"] == "/go"
 
 
-async def test_a_new_connection_is_told_of_those_that_are_left(
+async def test_remaining_services_are_advertised_on_a_new_connection(
     session: FakeSession, services: Services
 ) -> None:
     session.on_disconnect()
@@ -54,7 +56,7 @@ async def test_a_new_connection_is_told_of_those_that_are_left(
     assert names(reconnected(session)) == [("advertise_service", "/stay")]
 
 
-async def test_a_node_offers_a_service_once_at_a_time(
+async def test_second_server_of_a_service_is_refused(
     session: FakeSession, services: Services
 ) -> None:
     server = services.serve("/go", Trigger, done)
@@ -64,7 +66,7 @@ async def test_a_node_offers_a_service_once_at_a_time(
     services.serve("/go", Trigger, done)
 
 
-async def test_a_handler_is_a_function(services: Services) -> None:
+async def test_handler_must_be_callable(services: Services) -> None:
     with pytest.raises(TypeError, match="a service's handler must be a function, got None"):
         services.serve("/go", Trigger, None)  # type: ignore[arg-type]
 
@@ -82,7 +84,7 @@ async def test_calls_reach_their_services(session: FakeSession, services: Servic
     ]
 
 
-async def test_a_call_that_comes_too_late_is_answered_all_the_same(
+async def test_late_call_is_answered_with_an_error(
     session: FakeSession, services: Services
 ) -> None:
     services.serve("/go", Trigger, done).close()
@@ -99,7 +101,7 @@ async def test_a_call_that_comes_too_late_is_answered_all_the_same(
     ]
 
 
-async def test_a_refusal_reaches_its_owner_and_the_log(
+async def test_refusal_is_raised_and_logged(
     session: FakeSession, services: Services, lines: Lines
 ) -> None:
     refused = services.serve("/go", Trigger, done)
@@ -114,7 +116,9 @@ async def test_a_refusal_reaches_its_owner_and_the_log(
     assert reconnected(session)[0]["id"] == other.operation.id
 
 
-async def test_after_the_nodes_end_there_are_none(session: FakeSession, services: Services) -> None:
+async def test_service_after_the_end_of_the_node_is_refused(
+    session: FakeSession, services: Services
+) -> None:
     server = services.serve("/go", Trigger, done)
     session.end()
     await server.spin()
@@ -122,7 +126,7 @@ async def test_after_the_nodes_end_there_are_none(session: FakeSession, services
         services.serve("/stay", Trigger, done)
 
 
-async def test_a_handler_may_be_given_the_callers_header(
+async def test_handler_may_receive_the_callers_header(
     session: FakeSession, services: Services
 ) -> None:
     headers = []

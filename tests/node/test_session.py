@@ -148,7 +148,7 @@ async def test_refusal_reaches_its_handler(
     assert lines.seen() == ["The hub: hm", "The hub: what", "The hub: how"]
 
 
-async def test_all_handlers_are_told_of_a_disconnection_and_of_the_first_end(
+async def test_all_handlers_are_notified_of_disconnects_and_of_the_first_end(
     session: FakeSession, recorders: tuple[Recorder, Recorder]
 ) -> None:
     fault = NodeReplaced("by another")

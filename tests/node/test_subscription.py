@@ -162,7 +162,7 @@ async def test_headers_of_many_publishers_do_not_pile_up() -> None:
     assert len(numbers._headers) <= 100
 
 
-async def test_no_header_unless_it_was_asked_for() -> None:
+async def test_headers_are_received_only_on_request() -> None:
     numbers = subscription()
     numbers.offer(message(1), b'{"callerid":"/a"}')
     await anext(numbers)

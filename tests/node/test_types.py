@@ -42,12 +42,12 @@ def types() -> Types:
     return Types(time.time_ns)
 
 
-def test_a_class_is_found_by_its_types_name() -> None:
+def test_class_is_found_by_the_name_of_its_type() -> None:
     assert types().message_class("std_msgs/Int32") is Int32
     assert types().message_class(Int32) is Int32
 
 
-def test_what_is_no_type_is_refused() -> None:
+def test_invalid_type_is_refused() -> None:
     class Lost(fibws.Message):
         _type = "garden/Lost"
 
@@ -57,7 +57,7 @@ def test_what_is_no_type_is_refused() -> None:
         types().message_class(Lost)
 
 
-def test_a_message_off_the_wire_is_checked_before_it_is_read() -> None:
+def test_received_message_is_validated() -> None:
     read = types().codec(Int32).read
     assert read({"data": 5}) == Int32(5)
     assert read({}) == Int32(0)
@@ -65,7 +65,7 @@ def test_a_message_off_the_wire_is_checked_before_it_is_read() -> None:
         read({"data": 2**31})
 
 
-def test_only_the_users_own_types_are_explained_to_the_hub(folder: Path) -> None:
+def test_definitions_are_sent_only_for_nonstandard_types(folder: Path) -> None:
     fibws.msg.add_folder(folder)
     mine = types()
     assert mine.definition("std_msgs/Int32") is None
@@ -75,19 +75,19 @@ def test_only_the_users_own_types_are_explained_to_the_hub(folder: Path) -> None
     assert "MSG: garden/Plant" in text
 
 
-def test_a_service_is_found_by_its_types_name() -> None:
+def test_service_is_found_by_the_name_of_its_type() -> None:
     assert types().service_class("rospy_tutorials/AddTwoInts") is AddTwoInts
     assert types().service_class(AddTwoInts) is AddTwoInts
     with pytest.raises(fibws.InterfaceError, match="garden"):
         types().service_class("garden/Water")
 
 
-def test_what_is_no_service_is_refused() -> None:
+def test_invalid_service_type_is_refused() -> None:
     with pytest.raises(fibws.InterfaceError, match="Int32"):
         types().service(Int32)  # type: ignore[arg-type]
 
 
-def test_only_the_users_own_services_are_explained_to_the_hub(folder: Path) -> None:
+def test_definitions_are_sent_only_for_nonstandard_services(folder: Path) -> None:
     fibws.msg.add_folder(folder)
     mine = types()
     assert mine.service_definition("rospy_tutorials/AddTwoInts") is None
@@ -97,7 +97,7 @@ def test_only_the_users_own_services_are_explained_to_the_hub(folder: Path) -> N
     assert "MSG: garden/Plant" in text
 
 
-async def test_the_definition_goes_with_the_advertisement(
+async def test_definition_is_sent_with_the_advertisement(
     hub: ScriptedHub, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("FIBWS_INTERFACES", str(folder))

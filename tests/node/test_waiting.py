@@ -26,7 +26,7 @@ async def answers(peer: Peer, type_: str, service: str = "/add") -> None:
     )
 
 
-async def test_a_service_is_looked_for_until_it_is_there(hub: ScriptedHub) -> None:
+async def test_wait_for_service_polls_until_it_exists(hub: ScriptedHub) -> None:
     async with fibws.Node("node", hub=hub.url) as node, asyncio.timeout(60):
         peer = await hub.peer()
         waiting = asyncio.create_task(node.wait_for_service("add"))
@@ -37,7 +37,7 @@ async def test_a_service_is_looked_for_until_it_is_there(hub: ScriptedHub) -> No
 
 
 @pytest.mark.parametrize("over", ["service", "action"])
-async def test_what_is_waited_for_is_renamed_once(hub: ScriptedHub, over: str) -> None:
+async def test_name_is_resolved_once(hub: ScriptedHub, over: str) -> None:
     remapping = parse_remappings(["a:=b", "b:=a", "b/_action/cancel_goal:=a"])
     async with fibws.Node("node", hub=hub.url, remapping=remapping) as node, asyncio.timeout(5):
         peer = await hub.peer()
@@ -51,7 +51,7 @@ async def test_what_is_waited_for_is_renamed_once(hub: ScriptedHub, over: str) -
         await waiting
 
 
-async def test_a_service_may_come_with_the_next_hub(hub: ScriptedHub) -> None:
+async def test_service_may_appear_with_the_next_hub(hub: ScriptedHub) -> None:
     async with fibws.Node("node", hub=hub.url) as node, asyncio.timeout(60):
         peer = await hub.peer()
         waiting = asyncio.create_task(node.wait_for_service("add"))
@@ -61,7 +61,7 @@ async def test_a_service_may_come_with_the_next_hub(hub: ScriptedHub) -> None:
         await waiting
 
 
-async def test_a_service_that_does_not_come_is_waited_for_so_long(hub: ScriptedHub) -> None:
+async def test_wait_for_service_times_out(hub: ScriptedHub) -> None:
     async with fibws.Node("node", hub=hub.url) as node:
         text = "^timeout exceeded while waiting for service /add$"
         with pytest.raises(fibws.WaitTimeout, match=text):
@@ -69,7 +69,7 @@ async def test_a_service_that_does_not_come_is_waited_for_so_long(hub: ScriptedH
         assert issubclass(fibws.WaitTimeout, TimeoutError)
 
 
-async def test_a_hub_that_knows_no_services_is_not_asked_again(hub: ScriptedHub) -> None:
+async def test_hub_without_rosapi_is_not_polled(hub: ScriptedHub) -> None:
     async with fibws.Node("node", hub=hub.url) as node:
         peer = await hub.peer()
         waiting = asyncio.create_task(node.wait_for_service("add"))
@@ -85,7 +85,7 @@ async def test_a_hub_that_knows_no_services_is_not_asked_again(hub: ScriptedHub)
             await waiting
 
 
-async def test_the_nodes_end_ends_the_waiting_for_a_service(hub: ScriptedHub) -> None:
+async def test_end_of_the_node_ends_wait_for_service(hub: ScriptedHub) -> None:
     async with fibws.Node("node", hub=hub.url) as node:
         peer = await hub.peer()
         waiting = asyncio.create_task(node.wait_for_service("add"))
@@ -97,7 +97,7 @@ async def test_the_nodes_end_ends_the_waiting_for_a_service(hub: ScriptedHub) ->
             await each
 
 
-async def test_a_message_is_listened_to_once(hub: ScriptedHub) -> None:
+async def test_wait_for_message_returns_one_message(hub: ScriptedHub) -> None:
     async with fibws.Node("node", hub=hub.url) as node, asyncio.timeout(60):
         peer = await hub.peer()
         waiting = asyncio.create_task(node.wait_for_message("numbers", Int32))
@@ -108,7 +108,7 @@ async def test_a_message_is_listened_to_once(hub: ScriptedHub) -> None:
         assert (await peer.hears("unsubscribe"))["id"] == subscribe["id"]
 
 
-async def test_a_message_that_does_not_come_is_waited_for_so_long(hub: ScriptedHub) -> None:
+async def test_wait_for_message_times_out(hub: ScriptedHub) -> None:
     async with fibws.Node("node", hub=hub.url) as node:
         peer = await hub.peer()
         text = "^timeout exceeded while waiting for message on topic /numbers$"
@@ -118,7 +118,7 @@ async def test_a_message_that_does_not_come_is_waited_for_so_long(hub: ScriptedH
         await peer.hears("unsubscribe")
 
 
-async def test_a_message_may_be_refused(hub: ScriptedHub) -> None:
+async def test_refused_subscription_is_raised_by_wait_for_message(hub: ScriptedHub) -> None:
     async with fibws.Node("node", hub=hub.url) as node:
         peer = await hub.peer()
         waiting = asyncio.create_task(node.wait_for_message("numbers", Int32))
@@ -128,7 +128,7 @@ async def test_a_message_may_be_refused(hub: ScriptedHub) -> None:
             await waiting
 
 
-async def test_the_nodes_end_ends_the_waiting_for_a_message(hub: ScriptedHub) -> None:
+async def test_end_of_the_node_ends_wait_for_message(hub: ScriptedHub) -> None:
     async with fibws.Node("node", hub=hub.url) as node:
         peer = await hub.peer()
         waiting = asyncio.create_task(node.wait_for_message("numbers", Int32))
@@ -138,7 +138,7 @@ async def test_the_nodes_end_ends_the_waiting_for_a_message(hub: ScriptedHub) ->
 
 
 @pytest.mark.parametrize("seconds", [0, -1])
-async def test_no_time_at_all_is_refused(hub: ScriptedHub, seconds: float) -> None:
+async def test_invalid_timeout_is_refused(hub: ScriptedHub, seconds: float) -> None:
     async with fibws.Node("node", hub=hub.url) as node:
         for waiting in (
             node.wait_for_service("add", timeout=seconds),

@@ -35,7 +35,7 @@ async def real_hub() -> AsyncIterator[Hub]:
         yield hub
 
 
-async def test_one_node_hears_another(real_hub: Hub) -> None:
+async def test_node_receives_messages_of_another(real_hub: Hub) -> None:
     url = real_hub.url
     async with fibws.Node("talker", hub=url) as talker, fibws.Node("ear", hub=url) as ear:
         speeds = ear.subscribe("speed", Twist)
@@ -51,7 +51,7 @@ async def test_one_node_hears_another(real_hub: Hub) -> None:
         assert (await anext(lines)).msg == "too fast"
 
 
-async def test_types_of_equal_fields_meet(real_hub: Hub) -> None:
+async def test_types_with_equal_fields_are_compatible(real_hub: Hub) -> None:
     url = real_hub.url
     async with fibws.Node("talker", hub=url) as talker, fibws.Node("ear", hub=url) as ear:
         publisher = await talker.advertise("/tf", TFMessage, latch=True)
@@ -79,7 +79,7 @@ async def test_every_message_arrives_once_and_in_order(real_hub: Hub) -> None:
                 assert (await anext(numbers)).data == number
 
 
-async def test_large_messages_pass(real_hub: Hub) -> None:
+async def test_large_messages_arrive(real_hub: Hub) -> None:
     async with fibws.Node("node", hub=real_hub.url) as node:
         images = node.subscribe("image", Image)
         publisher = await node.advertise("image", Image)
@@ -87,14 +87,14 @@ async def test_large_messages_pass(real_hub: Hub) -> None:
         assert len((await anext(images)).data) == 12_000_000
 
 
-async def test_a_refused_type_is_told_to_who_asked(real_hub: Hub) -> None:
+async def test_refused_type_is_raised_in_the_refused_node(real_hub: Hub) -> None:
     async with fibws.Node("node", hub=real_hub.url) as node:
         await node.advertise("numbers", Int32)
         with pytest.raises(fibws.OperationRejected, match="already established"):
             await anext(node.subscribe("numbers", Float64))
 
 
-async def test_the_users_own_type_reaches_a_hub_that_does_not_know_it(
+async def test_definition_of_a_custom_type_reaches_the_hub(
     real_hub: Hub, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     messages = tmp_path / "orchard" / "msg"
@@ -134,14 +134,14 @@ async def test_wait_for_message_loses_no_message_of_another_subscription(real_hu
         assert (await first).data == 0
 
 
-async def test_a_second_node_of_the_name_ends_the_first(real_hub: Hub) -> None:
+async def test_second_node_of_the_same_name_ends_the_first(real_hub: Hub) -> None:
     async with fibws.Node("talker", hub=real_hub.url) as first:
         async with fibws.Node("talker", hub=real_hub.url):
             with pytest.raises(fibws.NodeReplaced):
                 await first.spin()
 
 
-async def test_a_node_that_is_killed_ends_for_good(real_hub: Hub) -> None:
+async def test_killed_node_does_not_reconnect(real_hub: Hub) -> None:
     async with (
         fibws.Node("talker", hub=real_hub.url) as talker,
         fibws.Node("killer", hub=real_hub.url) as killer,
@@ -163,14 +163,14 @@ async def test_a_node_that_is_killed_ends_for_good(real_hub: Hub) -> None:
         assert gone == PingNode.Response(success=False, message="Node /talker does not exist")
 
 
-async def test_a_node_may_kill_itself(real_hub: Hub) -> None:
+async def test_node_may_kill_itself(real_hub: Hub) -> None:
     async with fibws.Node("tired", hub=real_hub.url) as node:
         assert (await node.call("/rosapi/kill_node", KillNode, {"node": "/tired"})).success
         with pytest.raises(fibws.NodeKilled):
             await node.spin()
 
 
-async def test_a_node_is_told_the_whole_graph_and_what_goes_over_it(real_hub: Hub) -> None:
+async def test_node_can_read_the_graph_and_the_statistics(real_hub: Hub) -> None:
     async with fibws.Node("node", hub=real_hub.url) as node:
         numbers = node.subscribe("numbers", Int32)
         publisher = await node.advertise("numbers", Int32)
@@ -188,7 +188,7 @@ async def test_a_node_is_told_the_whole_graph_and_what_goes_over_it(real_hub: Hu
         assert [each.node for each in statistics.clients] == ["/node"]
 
 
-async def test_nodes_are_back_soon_after_the_hub() -> None:
+async def test_nodes_reconnect_soon_after_the_hub_returns() -> None:
     async with Hub(Settings(port=0)) as hub:
         port, url = hub.port, hub.url
         talker, ear = fibws.Node("talker", hub=url), fibws.Node("ear", hub=url)
@@ -211,7 +211,7 @@ async def test_nodes_are_back_soon_after_the_hub() -> None:
         await ear.__aexit__()
 
 
-async def test_what_is_published_without_a_hub_reaches_the_listeners() -> None:
+async def test_messages_published_without_a_hub_reach_the_subscribers() -> None:
     async with asyncio.timeout(60), contextlib.AsyncExitStack() as stack:
         async with Hub(Settings(port=0)) as hub:
             port, url = hub.port, hub.url
@@ -243,7 +243,7 @@ def add(request: AddTwoIntsRequest) -> int:
     return request.a + request.b
 
 
-async def test_one_node_calls_another(real_hub: Hub) -> None:
+async def test_node_calls_a_service_of_another(real_hub: Hub) -> None:
     url = real_hub.url
     async with fibws.Node("server", hub=url) as server, fibws.Node("client", hub=url) as client:
         await server.service("add", AddTwoInts, add)
@@ -254,7 +254,7 @@ async def test_one_node_calls_another(real_hub: Hub) -> None:
         assert await server.call("add", AddTwoInts) == AddTwoInts.Response(0)
 
 
-async def test_many_calls_are_answered_beside_each_other(real_hub: Hub) -> None:
+async def test_many_calls_are_handled_concurrently(real_hub: Hub) -> None:
     url = real_hub.url
     async with fibws.Node("server", hub=url) as server, fibws.Node("client", hub=url) as client:
         all_there = asyncio.Barrier(50)
@@ -271,7 +271,7 @@ async def test_many_calls_are_answered_beside_each_other(real_hub: Hub) -> None:
         assert sums == list(range(1, 51))
 
 
-async def test_a_thousand_calls_at_once_are_answered(real_hub: Hub) -> None:
+async def test_thousand_calls_at_once_are_answered(real_hub: Hub) -> None:
     url = real_hub.url
     async with fibws.Node("server", hub=url) as server, fibws.Node("client", hub=url) as client:
         await server.service("add", AddTwoInts, add)
@@ -282,7 +282,7 @@ async def test_a_thousand_calls_at_once_are_answered(real_hub: Hub) -> None:
         assert sums == list(range(1, 2001))
 
 
-async def test_a_hub_that_gives_a_provider_up_raises_a_timeout(start_hub: StartHub) -> None:
+async def test_service_timeout_of_the_hub_is_raised(start_hub: StartHub) -> None:
     hub = await start_hub(service_timeout=0.01)
     async with fibws.Node("node", hub=hub.url) as node:
         await node.service("slow", Trigger, lambda request: asyncio.Event().wait())
@@ -290,7 +290,7 @@ async def test_a_hub_that_gives_a_provider_up_raises_a_timeout(start_hub: StartH
             await node.call("slow", Trigger)
 
 
-async def test_failures_come_with_their_texts(real_hub: Hub) -> None:
+async def test_failed_calls_raise_with_their_texts(real_hub: Hub) -> None:
     async with fibws.Node("node", hub=real_hub.url) as node:
 
         def fail(request: object) -> tuple[bool, str]:
@@ -312,7 +312,7 @@ async def test_failures_come_with_their_texts(real_hub: Hub) -> None:
         "service [/refuse] unavailable: /node has left",
     ],
 )
-async def test_text_of_a_server_is_not_taken_for_an_error_of_the_hub(
+async def test_text_of_a_server_is_not_mistaken_for_an_error_of_the_hub(
     real_hub: Hub, text: str
 ) -> None:
     async with fibws.Node("node", hub=real_hub.url) as node:
@@ -355,7 +355,7 @@ async def test_refused_publisher_is_logged_though_it_publishes_nothing_more(real
         assert lines.seen() == []
 
 
-async def test_a_call_whose_provider_leaves_fails_at_once(real_hub: Hub) -> None:
+async def test_call_fails_at_once_when_its_server_leaves(real_hub: Hub) -> None:
     url = real_hub.url
     async with fibws.Node("client", hub=url) as client:
         async with fibws.Node("server", hub=url) as server:
@@ -375,7 +375,7 @@ async def test_a_call_whose_provider_leaves_fails_at_once(real_hub: Hub) -> None
                 await call
 
 
-async def test_a_provider_that_takes_too_long_is_given_up_by_both(real_hub: Hub) -> None:
+async def test_call_to_a_slow_server_times_out_in_client_and_hub(real_hub: Hub) -> None:
     async with fibws.Node("node", hub=real_hub.url) as node:
         may = asyncio.Event()
 
@@ -390,7 +390,7 @@ async def test_a_provider_that_takes_too_long_is_given_up_by_both(real_hub: Hub)
         assert (await node.call("slow", Trigger, timeout=60)).success
 
 
-async def test_services_and_their_callers_are_back_with_the_hub() -> None:
+async def test_services_and_clients_reconnect_with_the_hub() -> None:
     async with asyncio.timeout(60), contextlib.AsyncExitStack() as stack:
         async with Hub(Settings(port=0)) as hub:
             port, url = hub.port, hub.url
@@ -406,7 +406,7 @@ async def test_services_and_their_callers_are_back_with_the_hub() -> None:
             await stack.aclose()
 
 
-async def test_the_users_own_service_reaches_a_hub_that_does_not_know_it(
+async def test_definition_of_a_custom_service_reaches_the_hub(
     real_hub: Hub, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     for kind in ("msg", "srv"):
@@ -424,7 +424,7 @@ async def test_the_users_own_service_reaches_a_hub_that_does_not_know_it(
 # What rosbridge does not have
 
 
-async def test_a_message_says_who_published_it(real_hub: Hub) -> None:
+async def test_header_of_a_message_names_its_publisher(real_hub: Hub) -> None:
     url = real_hub.url
     async with fibws.Node("talker", hub=url) as talker, fibws.Node("ear", hub=url) as ear:
         numbers = await talker.advertise("numbers", Int32, latch=True, headers={"user": "ann"})
@@ -443,7 +443,7 @@ async def test_a_message_says_who_published_it(real_hub: Hub) -> None:
         assert late.connection_header == {"callerid": "/talker", "latching": "0"}
 
 
-async def test_a_handler_is_told_who_calls(real_hub: Hub) -> None:
+async def test_header_of_a_request_names_its_caller(real_hub: Hub) -> None:
     def who(request: object, header: dict[str, str]) -> tuple[bool, str]:
         return True, f"{header['callerid']} {header.get('user')}"
 
@@ -460,7 +460,7 @@ async def test_a_handler_is_told_who_calls(real_hub: Hub) -> None:
         await caller.call("/rosapi/statistics", GetStatistics, headers={"user": "ann"})
 
 
-async def test_publishers_and_subscribers_hear_of_each_other(real_hub: Hub) -> None:
+async def test_publishers_and_subscribers_know_each_other(real_hub: Hub) -> None:
     url = real_hub.url
     async with fibws.Node("talker", hub=url) as talker:
         numbers = await talker.advertise("numbers", Int32, peers=True)
@@ -483,7 +483,7 @@ async def test_publishers_and_subscribers_hear_of_each_other(real_hub: Hub) -> N
     assert heard.peers.names == []
 
 
-async def test_who_has_just_come_is_greeted_alone(real_hub: Hub) -> None:
+async def test_message_for_a_new_subscriber_reaches_only_that_one(real_hub: Hub) -> None:
     url = real_hub.url
     async with fibws.Node("talker", hub=url) as talker, fibws.Node("first", hub=url) as first:
         numbers = await talker.advertise("numbers", Int32, peers=True, latch=True)
@@ -507,7 +507,7 @@ async def test_who_has_just_come_is_greeted_alone(real_hub: Hub) -> None:
             assert [(await anext(late)).data for _ in range(2)] == [1, 10]
 
 
-async def test_peers_are_known_again_when_the_hub_is_back() -> None:
+async def test_peers_are_known_again_after_reconnection() -> None:
     async with Hub(Settings(port=0)) as hub:
         port = hub.port
         node = fibws.Node("talker", hub=hub.url)
@@ -527,7 +527,7 @@ async def test_peers_are_known_again_when_the_hub_is_back() -> None:
             await node.__aexit__(None, None, None)
 
 
-async def test_a_queue_without_bounds_loses_nothing(real_hub: Hub) -> None:
+async def test_unbounded_queue_loses_nothing(real_hub: Hub) -> None:
     count = 5000
     async with fibws.Node("talker", hub=real_hub.url) as node:
         numbers = await node.advertise("numbers", Int32, queue_size=count)
@@ -559,7 +559,7 @@ async def test_messages_of_any_type_are_not_decoded(real_hub: Hub) -> None:
         assert early.type == late.type == "std_msgs/Int32"
 
 
-async def test_infinity_and_nan_arrive_as_they_are(real_hub: Hub) -> None:
+async def test_infinity_and_nan_arrive_unchanged(real_hub: Hub) -> None:
     async with fibws.Node("node", hub=real_hub.url) as node:
         floats = await node.advertise("floats", Float64, latch=True)
         heard = node.subscribe("floats", Float64)
@@ -578,7 +578,7 @@ async def test_serialized_message_is_forwarded(real_hub: Hub) -> None:
         assert (await anext(heard)).data == 7
 
 
-async def test_subscriber_may_be_the_first_with_a_type_of_its_own(
+async def test_subscriber_may_define_a_custom_type_first(
     real_hub: Hub, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "vineyard" / "msg").mkdir(parents=True)
