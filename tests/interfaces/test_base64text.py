@@ -14,14 +14,14 @@ from fibws.interfaces import base64text
 
 
 @given(st.binary())
-def test_what_is_encoded_is_read_again(data: bytes) -> None:
+def test_encoded_bytes_are_decoded_unchanged(data: bytes) -> None:
     text = base64text.encode(data)
     assert base64text.decode(text) == data
     assert base64text.canonical(text) == (text, len(data))
 
 
 @given(st.text(alphabet='AQgw+/=-_\\"u01 \n', max_size=12))
-def test_a_text_is_read_as_binascii_reads_it_strictly(text: str) -> None:
+def test_decoding_agrees_with_strict_binascii(text: str) -> None:
     expected = None
     with suppress(Error):
         if len(text) % 4:
@@ -47,7 +47,7 @@ def test_spare_bits_are_zero() -> None:
 
 
 @pytest.mark.parametrize("size", [2**16, 3 * 2**15 - 1, 3 * 2**15, 300_001])
-def test_a_long_text_is_read_as_a_short_one_is(size: int) -> None:
+def test_long_text_is_decoded_like_a_short_one(size: int) -> None:
     data = bytes(range(256)) * (size // 256) + b"x" * (size % 256)
     text = base64text.encode(data)
     assert base64text.decode(text) == data

@@ -34,7 +34,7 @@ def write(folder: Path, **files: str) -> Path:
         ("my_msgs/action/Count", "my_msgs/Count"),
     ],
 )
-def test_a_name_has_one_canonical_form(name: str, canonical: str) -> None:
+def test_name_has_one_canonical_form(name: str, canonical: str) -> None:
     assert Interfaces.canonical(name) == canonical
 
 
@@ -51,13 +51,13 @@ def test_a_name_has_one_canonical_form(name: str, canonical: str) -> None:
         "a/" + "B" * 999,
     ],
 )
-def test_other_names_are_no_types(name: str) -> None:
+def test_invalid_type_names_are_refused(name: str) -> None:
     with pytest.raises(InvalidTypeName, match="is not a valid type string") as caught:
         Interfaces().message(name)
     assert len(str(caught.value)) < 300
 
 
-def test_the_standard_types_are_known_by_either_spelling() -> None:
+def test_standard_types_are_found_by_either_spelling() -> None:
     interfaces = Interfaces()
     assert interfaces.message("std_msgs/Int32").fields == (Field("data", "int32"),)
     assert interfaces.message("std_msgs/msg/Int32") is interfaces.message("std_msgs/Int32")
@@ -67,7 +67,7 @@ def test_the_standard_types_are_known_by_either_spelling() -> None:
     assert interfaces.action("actionlib_tutorials/Fibonacci").goal.fields[0].name == "order"
 
 
-def test_every_standard_definition_is_sound() -> None:
+def test_every_standard_definition_is_valid() -> None:
     interfaces = Interfaces()
     for package in interfaces.packages():
         for name in interfaces.messages(package):
@@ -78,7 +78,7 @@ def test_every_standard_definition_is_sound() -> None:
             assert interfaces.action(name).type == name
 
 
-def test_packages_list_what_they_hold() -> None:
+def test_packages_list_their_types() -> None:
     interfaces = Interfaces()
     assert {"actionlib_msgs", "std_msgs", "turtlesim"} <= set(interfaces.packages())
     assert interfaces.packages() == sorted(interfaces.packages())
@@ -95,7 +95,7 @@ def test_packages_list_what_they_hold() -> None:
     assert "example_interfaces/FibonacciActionGoal" in interfaces.messages("example_interfaces")
 
 
-def test_a_package_that_nobody_has_lists_nothing() -> None:
+def test_unknown_package_lists_nothing() -> None:
     for listing in (Interfaces().messages, Interfaces().services, Interfaces().actions):
         with pytest.raises(UnknownPackage):
             listing("nobodys_msgs")
@@ -105,13 +105,13 @@ def test_a_package_that_nobody_has_lists_nothing() -> None:
     ("wrong", "right"),
     [("std_msgs/Int23", "std_msgs/Int32"), ("std_msgs/string", "std_msgs/String")],
 )
-def test_a_typing_error_is_told_the_nearest_type(wrong: str, right: str) -> None:
+def test_unknown_type_has_a_suggestion(wrong: str, right: str) -> None:
     with pytest.raises(UnknownType, match=f"did you mean {right}\\?") as caught:
         Interfaces().message(wrong)
     assert caught.value.nearest == right
 
 
-def test_a_type_unlike_any_other_is_only_unknown() -> None:
+def test_unknown_type_without_similar_ones_has_no_suggestion() -> None:
     with pytest.raises(UnknownType, match="no such msg in turtlesim"):
         Interfaces().message("turtlesim/Xyzzy")
     with pytest.raises(UnknownType, match="did you mean std_srvs/SetBool"):
@@ -120,12 +120,12 @@ def test_a_type_unlike_any_other_is_only_unknown() -> None:
         Interfaces().action("std_srvs/Empty")
 
 
-def test_an_unknown_package_is_another_error() -> None:
+def test_unknown_package_is_another_error() -> None:
     with pytest.raises(UnknownPackage, match="package nobodys_msgs"):
         Interfaces().message("nobodys_msgs/Mine")
 
 
-def test_a_folder_of_packages_adds_to_the_standard_ones(tmp_path: Path) -> None:
+def test_folder_of_packages_adds_to_the_standard_ones(tmp_path: Path) -> None:
     write(tmp_path, my_msgs__msg__Mine="std_msgs/Int32 number", my_msgs__srv__Ask="---\nMine mine")
     write(tmp_path, **{"no-package__msg__Mine": "", "my_msgs__msg__no-type": ""})
     (tmp_path / "README").touch()
@@ -139,13 +139,13 @@ def test_a_folder_of_packages_adds_to_the_standard_ones(tmp_path: Path) -> None:
     assert not interfaces.is_users("nobodys_msgs")
 
 
-def test_a_folder_may_be_one_package(tmp_path: Path) -> None:
+def test_folder_may_be_one_package(tmp_path: Path) -> None:
     write(tmp_path, my_msgs__action__Count="int32 to\n---\n---\n")
     interfaces = Interfaces([tmp_path / "my_msgs"])
     assert interfaces.message("my_msgs/CountGoal").fields == (Field("to", "int32"),)
 
 
-def test_the_users_package_goes_before_the_standard_one(tmp_path: Path) -> None:
+def test_users_package_replaces_the_standard_one(tmp_path: Path) -> None:
     write(tmp_path, std_msgs__msg__Int32="int64 data")
     interfaces = Interfaces()
     assert not interfaces.is_users("std_msgs")
@@ -157,18 +157,18 @@ def test_the_users_package_goes_before_the_standard_one(tmp_path: Path) -> None:
     assert interfaces.messages("std_msgs") == ["std_msgs/Int32"]
 
 
-def test_a_folder_that_is_not_there_is_an_error(tmp_path: Path) -> None:
+def test_missing_folder_is_an_error(tmp_path: Path) -> None:
     with pytest.raises(InterfaceError, match="not found"):
         Interfaces([tmp_path / "nowhere"])
 
 
-def test_a_comment_in_latin_1_does_no_harm(tmp_path: Path) -> None:
+def test_comment_in_latin_1_is_accepted(tmp_path: Path) -> None:
     write(tmp_path, my_msgs__msg__Mine="")
     (tmp_path / "my_msgs/msg/Mine.msg").write_bytes("int32 x # \xb5m".encode("latin-1"))
     assert Interfaces([tmp_path]).message("my_msgs/Mine").fields == (Field("x", "int32"),)
 
 
-def test_a_missing_nested_type_is_named_with_the_file(tmp_path: Path) -> None:
+def test_missing_nested_type_is_reported_with_its_file(tmp_path: Path) -> None:
     write(tmp_path, my_msgs__msg__Mine="int32 x\nstd_msgs/Int23[] y", my_msgs__msg__Its="No no")
     interfaces = Interfaces([tmp_path])
     with pytest.raises(DefinitionError, match="did you mean std_msgs/Int32") as caught:
@@ -179,20 +179,20 @@ def test_a_missing_nested_type_is_named_with_the_file(tmp_path: Path) -> None:
         interfaces.message("my_msgs/Its")
 
 
-def test_a_missing_type_in_a_request_is_found_too(tmp_path: Path) -> None:
+def test_missing_type_in_a_request_is_reported(tmp_path: Path) -> None:
     write(tmp_path, my_msgs__srv__Ask="\n---\nnobodys_msgs/Mine x")
     with pytest.raises(DefinitionError, match=r"line 3: .*package nobodys_msgs"):
         Interfaces([tmp_path]).service("my_msgs/Ask")
 
 
-def test_a_type_cannot_hold_itself(tmp_path: Path) -> None:
+def test_type_cannot_hold_itself(tmp_path: Path) -> None:
     write(tmp_path, my_msgs__msg__A="B b", my_msgs__msg__B="int8 x\nA[] a")
     with pytest.raises(DefinitionError, match="my_msgs/A contains itself") as caught:
         Interfaces([tmp_path]).message("my_msgs/A")
     assert caught.value.source.endswith("B.msg")
 
 
-def test_types_nest_only_so_deep(tmp_path: Path) -> None:
+def test_depth_of_nested_types_is_limited(tmp_path: Path) -> None:
     for number in range(60):
         write(tmp_path, **{f"my_msgs__msg__T{number}": f"T{number + 1} x"})
     write(tmp_path, my_msgs__msg__T60="int32 x")
@@ -201,7 +201,7 @@ def test_types_nest_only_so_deep(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("array", ["[100]", ""])
-def test_a_message_that_would_fill_the_memory_is_refused(tmp_path: Path, array: str) -> None:
+def test_huge_fixed_array_is_refused(tmp_path: Path, array: str) -> None:
     for number in range(40):
         text = f"T{number + 1}{array} x\nT{number + 1}{array} y"
         write(tmp_path, **{f"my_msgs__msg__T{number}": text})
@@ -210,7 +210,7 @@ def test_a_message_that_would_fill_the_memory_is_refused(tmp_path: Path, array: 
         Interfaces([tmp_path]).message("my_msgs/T0")
 
 
-def test_the_mark_that_windows_begins_a_file_with_is_no_part_of_it(tmp_path: Path) -> None:
+def test_byte_order_mark_is_ignored(tmp_path: Path) -> None:
     write(tmp_path, my_msgs__msg__Mine="\ufeffint32 x\r\n")
     assert Interfaces([tmp_path]).message("my_msgs/Mine").fields == (Field("x", "int32"),)
 

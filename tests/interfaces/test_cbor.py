@@ -104,7 +104,7 @@ def test_arrays_are_typed_whether_their_size_is_fixed_or_not(
 @pytest.mark.parametrize(
     ("type_", "encoded"), [("float64", "d85640"), ("uint8", "40"), ("bool", "80"), ("string", "80")]
 )
-def test_an_empty_array_is_of_its_type_too(tmp_path: Path, type_: str, encoded: str) -> None:
+def test_empty_array_is_typed(tmp_path: Path, type_: str, encoded: str) -> None:
     (tmp_path / "my_msgs" / "msg").mkdir(parents=True)
     (tmp_path / "my_msgs" / "msg" / "Mine.msg").write_text(f"{type_}[] data")
     encoder = CborEncoders(Interfaces([tmp_path])).of("my_msgs/Mine")
@@ -112,7 +112,7 @@ def test_an_empty_array_is_of_its_type_too(tmp_path: Path, type_: str, encoded: 
     assert encoder.encode({"data": empty}).hex() == "a16464617461" + encoded
 
 
-def test_none_is_nan_wherever_a_number_is() -> None:
+def test_none_is_nan_in_all_numbers() -> None:
     point = {"x": None, "y": 0.0, "z": nan}
     encoder = ENCODERS.of("geometry_msgs/Polygon")
     decoded = cbor2.loads(encoder.encode({"points": [point]}))
@@ -120,7 +120,7 @@ def test_none_is_nan_wherever_a_number_is() -> None:
     assert point["x"] is None
 
 
-def test_the_message_itself_stays_as_it_is() -> None:
+def test_encoding_does_not_change_the_message() -> None:
     cloud = b64encode(bytes(8)).decode()
     header = {"seq": 0, "stamp": {"secs": 0, "nsecs": 0}, "frame_id": "map"}
     message = {"header": header, "format": "png", "data": cloud}
@@ -129,7 +129,7 @@ def test_the_message_itself_stays_as_it_is() -> None:
     assert message["data"] is cloud
 
 
-def test_an_encoder_is_built_once() -> None:
+def test_encoder_is_built_once() -> None:
     assert ENCODERS.of("std_msgs/String") is ENCODERS.of("std_msgs/String")
     assert ENCODERS.of("std_msgs/msg/String").type == "std_msgs/String"
     with pytest.raises(UnknownPackage):

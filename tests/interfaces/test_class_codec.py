@@ -274,7 +274,7 @@ REFUSED: list[tuple[Message, str]] = [
 
 
 @pytest.mark.parametrize(("message", "path"), REFUSED)
-def test_a_wrong_value_is_refused_and_its_field_is_named(message: Message, path: str) -> None:
+def test_error_of_an_invalid_value_names_its_field(message: Message, path: str) -> None:
     if not path:  # None stands for NaN.
         data = class_codec(type(message)).serialize(message)
         again: Any = class_codec(type(message)).deserialize(data)
@@ -323,7 +323,7 @@ def test_bounds_are_checked(odd: ClassCodec[Odd]) -> None:
         assert path in str(caught.value).replace(",", "").split()
 
 
-def test_a_codec_is_made_once_for_each_class() -> None:
+def test_codec_is_built_once_per_class() -> None:
     assert class_codec(Int32) is class_codec(Int32)
     assert class_codec(Int32) is not class_codec(Int32, STANDARD)
     codec: ClassCodec[Any] = class_codec(genpy_class("std_msgs/Int32"))

@@ -68,7 +68,7 @@ def limit(monkeypatch: pytest.MonkeyPatch, name: str = "PER_CLIENT", **limits: i
     monkeypatch.setattr(client_definitions, name, changed)
 
 
-def test_a_client_may_bring_a_type() -> None:
+def test_client_may_define_a_type() -> None:
     interfaces = Keeper()
     text = f"Inner inner\nHeader h\n{SEPARATOR}\nMSG: new_msgs/Inner\nint32 x\n"
     assert interfaces.learn("new_msgs/msg/Outer", text).type == "new_msgs/Outer"
@@ -76,7 +76,7 @@ def test_a_client_may_bring_a_type() -> None:
     assert interfaces.names() == ["new_msgs/Inner", "new_msgs/Outer"]
 
 
-def test_a_type_is_known_to_others_only_while_it_is_held() -> None:
+def test_type_is_known_only_while_it_is_used() -> None:
     definitions = ClientDefinitions(Interfaces())
     text = f"Point point\n{POINT}"
     definition = definitions.read("msg", "new_msgs/Outer", text, "/client")
@@ -97,7 +97,7 @@ def test_a_type_is_known_to_others_only_while_it_is_held() -> None:
         definitions.full_text("new_msgs/Outer")
 
 
-def test_a_forgotten_type_may_come_back_with_other_fields() -> None:
+def test_forgotten_type_may_be_defined_with_other_fields() -> None:
     definitions = Keeper()
     texts: dict[Kind, str] = {"msg": "{} x", "srv": "{} x\n---", "action": "{} x\n---\n---"}
     for kind, text in texts.items():
@@ -107,7 +107,7 @@ def test_a_forgotten_type_may_come_back_with_other_fields() -> None:
     assert definitions.names() == []
 
 
-def test_a_type_whose_definition_is_forgotten_goes_on_where_it_is_used() -> None:
+def test_forgotten_type_still_works_for_its_users() -> None:
     definitions = Keeper()
     older = definitions.bring("msg", "new_msgs/Outer", f"Point point\n{POINT}")
     definitions.drop("msg", "new_msgs/Outer")
@@ -118,7 +118,7 @@ def test_a_type_whose_definition_is_forgotten_goes_on_where_it_is_used() -> None
     assert older.size(older.message("new_msgs/Outer")).fields == 2
 
 
-def test_a_type_keeps_the_types_in_it_that_another_client_brought() -> None:
+def test_type_keeps_nested_types_of_other_clients() -> None:
     definitions = Keeper()
     definitions.bring("msg", "new_msgs/Point", "int32 x", "/first")
     outer = definitions.bring("msg", "new_msgs/Outer", "Point[] points", "/second")
@@ -131,7 +131,7 @@ def test_a_type_keeps_the_types_in_it_that_another_client_brought() -> None:
     assert definitions.names() == []
 
 
-def test_a_known_type_in_a_new_one_brings_its_own_nested_types() -> None:
+def test_known_type_in_a_new_one_includes_its_nested_types() -> None:
     """Equal md5s do not mean that the types in a type have equal names."""
     definitions = Keeper()
     inner = f"{SEPARATOR}\nMSG: new_msgs/Inner\n"
@@ -143,7 +143,7 @@ def test_a_known_type_in_a_new_one_brings_its_own_nested_types() -> None:
     assert definitions.message("new_msgs/Point").fields == (Field("x", "int32"),)
 
 
-def test_watchers_are_told_of_types_that_are_forgotten() -> None:
+def test_watchers_are_notified_of_forgotten_types() -> None:
     definitions, forgotten = Keeper(), list[str]()
     definitions.watch(forgotten.append)
     definitions.bring("srv", "new_msgs/Ask", f"Point at\n---\n{POINT}")
@@ -154,7 +154,7 @@ def test_watchers_are_told_of_types_that_are_forgotten() -> None:
     assert sorted(forgotten[1:]) == ["new_msgs/Outer", "new_msgs/Point"]
 
 
-def test_an_error_names_those_who_use_a_type() -> None:
+def test_error_names_the_users_of_a_type() -> None:
     definitions = Keeper()
     for number in range(5):
         definitions.bring("msg", "new_msgs/Mine", "int32 x", f"/client{number}")
@@ -167,7 +167,7 @@ def test_an_error_names_those_who_use_a_type() -> None:
     assert "in use" not in str(caught.value)
 
 
-def test_standard_types_are_never_brought() -> None:
+def test_standard_types_are_not_added() -> None:
     definitions = Keeper()
     assert definitions.read("msg", "std_msgs/Int32", "int32 data", "/client") is None
     nested = f"std_msgs/Int32 x\n{SEPARATOR}\nMSG: std_msgs/Int32\nint32 data"
@@ -177,7 +177,7 @@ def test_standard_types_are_never_brought() -> None:
     assert definitions.message("std_msgs/Int32") is definitions.interfaces.message("std_msgs/Int32")
 
 
-def test_a_client_does_not_use_up_the_room_of_others(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_each_client_has_its_own_limit(monkeypatch: pytest.MonkeyPatch) -> None:
     definitions = Keeper()
     limit(monkeypatch, types=2)
     limit(monkeypatch, "OF_ALL", types=3)
@@ -193,7 +193,7 @@ def test_a_client_does_not_use_up_the_room_of_others(monkeypatch: pytest.MonkeyP
     definitions.bring("msg", "new_msgs/Four", "int32 x", "/third")
 
 
-def test_the_limits_count_characters(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_limits_count_characters(monkeypatch: pytest.MonkeyPatch) -> None:
     definitions = Keeper()
     limit(monkeypatch, characters=20)
     definitions.learn("new_msgs/One", "int32 x # one")
@@ -203,7 +203,7 @@ def test_the_limits_count_characters(monkeypatch: pytest.MonkeyPatch) -> None:
     definitions.learn("new_msgs/Two", "int32 x # two")
 
 
-def test_a_type_in_several_definitions_counts_once(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_type_in_several_definitions_counts_once(monkeypatch: pytest.MonkeyPatch) -> None:
     definitions = Keeper()
     limit(monkeypatch, types=3, fields=5)
     for name in ("One", "Two"):
@@ -212,7 +212,7 @@ def test_a_type_in_several_definitions_counts_once(monkeypatch: pytest.MonkeyPat
     definitions.learn("new_msgs/Three", f"Point point\n{POINT}")
 
 
-def test_who_brings_a_type_says_nothing_of_the_others_of_its_package() -> None:
+def test_definition_of_a_type_does_not_concern_its_package() -> None:
     interfaces = Keeper()
     interfaces.learn("new_msgs/Mine", "int32 x")
     with pytest.raises(UnknownPackage):
@@ -221,7 +221,7 @@ def test_who_brings_a_type_says_nothing_of_the_others_of_its_package() -> None:
         interfaces.message("std_msgs/Sting")
 
 
-def test_every_standard_type_may_be_brought_again() -> None:
+def test_every_standard_type_may_be_repeated() -> None:
     interfaces, same = Interfaces(), Keeper()
     for package in interfaces.packages():
         for name in interfaces.messages(package):
@@ -229,7 +229,7 @@ def test_every_standard_type_may_be_brought_again() -> None:
 
 
 @pytest.mark.parametrize("name", ["std_msgs/Int32", "new_msgs/Outer"])
-def test_a_type_cannot_be_brought_with_other_fields(name: str) -> None:
+def test_type_cannot_be_redefined_with_other_fields(name: str) -> None:
     interfaces = Keeper()
     text = f"std_msgs/Int32 data\n{SEPARATOR}\nMSG: std_msgs/Int32\nint64 data"
     with pytest.raises(DefinitionError, match="is known here with other fields"):
@@ -244,14 +244,14 @@ def test_a_type_cannot_be_brought_with_other_fields(name: str) -> None:
         (f"Inner i\nNo no\n{SEPARATOR}\nMSG: new_msgs/Inner\nint8 x", "for package new_msgs"),
     ],
 )
-def test_a_wrong_definition_teaches_nothing(text: str, fault: str) -> None:
+def test_invalid_definition_adds_nothing(text: str, fault: str) -> None:
     interfaces = Keeper()
     with pytest.raises(DefinitionError, match=fault):
         interfaces.learn("new_msgs/Outer", text)
     assert interfaces.names() == []
 
 
-def test_clients_can_bring_only_so_much(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_size_of_client_definitions_is_limited(monkeypatch: pytest.MonkeyPatch) -> None:
     limit(monkeypatch, types=1)
     interfaces = Keeper()
     with pytest.raises(InterfaceError, match="limit is 262144 characters"):
@@ -262,7 +262,7 @@ def test_clients_can_bring_only_so_much(monkeypatch: pytest.MonkeyPatch) -> None
         interfaces.learn("new_msgs/Two", "int32 x")
 
 
-def test_a_client_may_bring_a_service() -> None:
+def test_client_may_define_a_service() -> None:
     interfaces = Keeper()
     service = interfaces.learn_service("new_msgs/srv/Ask", f"Point at\n---\nPoint[] all\n{POINT}")
     assert service is interfaces.service("new_msgs/Ask")
@@ -271,7 +271,7 @@ def test_a_client_may_bring_a_service() -> None:
     assert interfaces.names() == ["new_msgs/Ask", "new_msgs/Point"]
 
 
-def test_a_client_may_bring_an_action() -> None:
+def test_client_may_define_an_action() -> None:
     interfaces = Keeper()
     action = interfaces.learn_action("new_msgs/action/Go", f"Point to\n---\n---\nPoint at\n{POINT}")
     assert interfaces.known("action", "new_msgs/Go").action("new_msgs/Go") is action
@@ -280,14 +280,14 @@ def test_a_client_may_bring_an_action() -> None:
     assert len(interfaces.names()) == 9
 
 
-def test_a_service_may_be_brought_without_what_is_known() -> None:
+def test_service_may_be_defined_without_known_nested_types() -> None:
     interfaces = Keeper()
     interfaces.learn_service("new_msgs/Ask", "std_msgs/Header header\n---")
     interfaces.learn_service("std_srvs/Again", "---")
     assert interfaces.names() == ["new_msgs/Ask", "std_srvs/Again"]
 
 
-def test_every_standard_service_and_action_may_be_brought_again() -> None:
+def test_every_standard_service_and_action_may_be_repeated() -> None:
     interfaces, same = Interfaces(), Keeper()
     for package in interfaces.packages():
         for name in interfaces.services(package):
@@ -297,7 +297,7 @@ def test_every_standard_service_and_action_may_be_brought_again() -> None:
             assert same.learn_action(name, interfaces.action_text(name)) == interfaces.action(name)
 
 
-def test_what_a_node_sends_of_its_own_package_is_all_that_is_needed(tmp_path: Path) -> None:
+def test_definition_sent_by_a_node_is_complete(tmp_path: Path) -> None:
     package = tmp_path / "my_msgs"
     for name, text in {
         "msg/Outer.msg": "Inner[] inner\nHeader header",
@@ -317,7 +317,7 @@ def test_what_a_node_sends_of_its_own_package_is_all_that_is_needed(tmp_path: Pa
     assert brought.md5("my_msgs/GoAction") == mine.md5("my_msgs/GoAction")
 
 
-def test_a_service_cannot_be_brought_with_other_fields() -> None:
+def test_service_cannot_be_redefined_with_other_fields() -> None:
     interfaces = Keeper()
     with pytest.raises(DefinitionError, match="std_srvs/SetBoolResponse is known here with other"):
         interfaces.learn_service("std_srvs/SetBool", "bool data\n---\nbool success")
@@ -329,7 +329,7 @@ def test_a_service_cannot_be_brought_with_other_fields() -> None:
         interfaces.learn_service("new_msgs/Ask", "int64 x\n---")
 
 
-def test_an_action_cannot_be_brought_with_other_fields() -> None:
+def test_action_cannot_be_redefined_with_other_fields() -> None:
     interfaces = Keeper()
     with pytest.raises(DefinitionError, match="actionlib/TwoIntsResult is known here"):
         interfaces.learn_action("actionlib/TwoInts", "int64 a\nint64 b\n---\nint8 sum\n---")
@@ -341,7 +341,7 @@ def test_an_action_cannot_be_brought_with_other_fields() -> None:
         interfaces.learn("new_msgs/GoResult", "int32 x")
 
 
-def test_a_nested_type_cannot_be_brought_with_other_fields() -> None:
+def test_nested_type_cannot_be_redefined_with_other_fields() -> None:
     interfaces = Keeper()
     other = f"{SEPARATOR}\nMSG: std_msgs/Int32\nint64 data"
     with pytest.raises(DefinitionError, match="std_msgs/Int32 is known here with other"):
@@ -361,7 +361,7 @@ def test_a_nested_type_cannot_be_brought_with_other_fields() -> None:
         (f"---\n{POINT}Ours ours", "for package new_msgs"),
     ],
 )
-def test_a_wrong_service_or_action_teaches_nothing(text: str, fault: str) -> None:
+def test_invalid_service_or_action_adds_nothing(text: str, fault: str) -> None:
     interfaces = Keeper()
     with pytest.raises(DefinitionError, match=fault):
         interfaces.learn_service("new_msgs/Ask", text)
@@ -371,7 +371,7 @@ def test_a_wrong_service_or_action_teaches_nothing(text: str, fault: str) -> Non
     assert interfaces.names() == []
 
 
-def test_services_and_actions_count_among_what_clients_bring(
+def test_services_and_actions_count_towards_the_limit(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     interfaces = Keeper()
@@ -394,7 +394,7 @@ def test_services_and_actions_count_among_what_clients_bring(
 
 
 @pytest.mark.parametrize("line", ["float64[65537] x", "Big[2] x", "Big x\nbool y"])
-def test_a_client_cannot_bring_long_fixed_arrays(line: str) -> None:
+def test_long_fixed_arrays_of_clients_are_refused(line: str) -> None:
     interfaces = Keeper()
     big = f"{SEPARATOR}\nMSG: new_msgs/Big\nuint8[65536] data"
     with pytest.raises(InterfaceError, match=r"new_msgs/\w+ has \d+ values .* 65536$"):
@@ -407,7 +407,7 @@ def test_a_client_cannot_bring_long_fixed_arrays(line: str) -> None:
     interfaces.learn("new_msgs/Fits", f"Big[] x\n{big}")
 
 
-def test_the_users_own_types_may_have_longer_ones(tmp_path: Path) -> None:
+def test_types_in_folders_may_have_longer_fixed_arrays(tmp_path: Path) -> None:
     (tmp_path / "my_msgs" / "msg").mkdir(parents=True)
     (tmp_path / "my_msgs" / "msg" / "Long.msg").write_text("uint8[4000000] x")
     interfaces = Keeper([tmp_path])
@@ -415,7 +415,7 @@ def test_the_users_own_types_may_have_longer_ones(tmp_path: Path) -> None:
     assert interfaces.names() == []
 
 
-def test_all_that_clients_bring_has_only_so_many_fields(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_number_of_fields_of_client_definitions_is_limited(monkeypatch: pytest.MonkeyPatch) -> None:
     limit(monkeypatch, fields=10)
     interfaces = Keeper()
     interfaces.learn("new_msgs/Three", "int8 x\nint8 Y=1\nint8 z")
@@ -431,7 +431,7 @@ def test_all_that_clients_bring_has_only_so_many_fields(monkeypatch: pytest.Monk
         interfaces.learn("new_msgs/One", "int8 x")
 
 
-def test_what_is_brought_again_is_not_read_again(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_repeated_definition_is_not_parsed_again(monkeypatch: pytest.MonkeyPatch) -> None:
     interfaces = Keeper()
     brought = {
         interfaces.learn: ("read_message", "int8 x"),

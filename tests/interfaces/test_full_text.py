@@ -21,7 +21,7 @@ def types(kind: str) -> list[str]:
     return [name for package in STANDARD.packages() for name in listing(package)]
 
 
-def test_the_full_text_has_each_nested_type_once_depth_first() -> None:
+def test_full_text_has_each_nested_type_once_depth_first() -> None:
     parts = STANDARD.full_text("geometry_msgs/PoseStamped").split(f"\n{SEPARATOR}\n")
     assert [part.partition("\n")[0] for part in parts] == [
         "Header header",
@@ -33,7 +33,7 @@ def test_the_full_text_has_each_nested_type_once_depth_first() -> None:
     assert parts[1] == "MSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n"
 
 
-def test_the_full_text_of_a_flat_type_is_its_text() -> None:
+def test_full_text_of_a_flat_type_is_its_text() -> None:
     assert STANDARD.full_text("std_msgs/Int32") == "int32 data\n"
     assert STANDARD.service_text("rospy_tutorials/AddTwoInts") == (
         "int64 a\nint64 b\n---\nint64 sum\n"
@@ -42,7 +42,7 @@ def test_the_full_text_of_a_flat_type_is_its_text() -> None:
     assert STANDARD.action_text("actionlib/TwoInts") == "int64 a\nint64 b\n---\nint64 sum\n---\n"
 
 
-def test_two_types_of_one_name_are_told_apart() -> None:
+def test_types_of_equal_short_names_are_distinguished() -> None:
     own = " Pose[2] a # Pose b\nPose b\ngeometry_msgs/Pose c\nString d"
     nested = [f"{SEPARATOR}\nMSG: my_msgs/{name}\nint8 x" for name in ("Pose", "String")]
     brought = "\n".join([own, *nested])
@@ -54,7 +54,7 @@ def test_two_types_of_one_name_are_told_apart() -> None:
     )
 
 
-def test_the_full_text_of_a_service_has_the_types_of_both_sides(tmp_path: Path) -> None:
+def test_full_text_of_a_service_has_the_types_of_both_sides(tmp_path: Path) -> None:
     folder = tmp_path / "my_msgs"
     (folder / "msg").mkdir(parents=True)
     (folder / "srv").mkdir()
@@ -87,7 +87,7 @@ def test_every_standard_action_is_read_back() -> None:
         assert nested == {type_: STANDARD.message(type_) for type_ in nested}, name
 
 
-def test_a_full_text_holds_several_messages() -> None:
+def test_full_text_holds_several_messages() -> None:
     text = f"Inner inner\n{SEPARATOR}\nMSG: my_msgs/msg/Inner\nint32 x\n"
     outer, inner = read_message(text, "my_msgs/Outer").values()
     assert outer.fields == (Field("inner", "my_msgs/Inner"),)
@@ -101,7 +101,7 @@ def test_each_part_of_a_full_text_names_its_type(end: str, line: int) -> None:
     assert caught.value.line == line
 
 
-def test_an_error_names_the_line_of_the_whole_text() -> None:
+def test_error_names_the_line_of_the_whole_text() -> None:
     text = f"Inner inner\n---\n{SEPARATOR}\nMSG: my_msgs/Inner\nint32"
     with pytest.raises(DefinitionError, match="the definition of my_msgs/Ask, line 5: "):
         read_service(text, "my_msgs/Ask")

@@ -55,7 +55,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_the_modules_of_the_standard_packages_are_up_to_date(kind: Kind) -> None:
+def test_modules_of_the_standard_packages_are_up_to_date(kind: Kind) -> None:
     interfaces = Interfaces()
     modules = generator.MODULES / kind
     written = {path.stem for path in modules.glob("[!_]*.py")}
@@ -67,7 +67,7 @@ def test_the_modules_of_the_standard_packages_are_up_to_date(kind: Kind) -> None
         )
 
 
-def test_an_odd_package_is_written(folder: Path) -> None:
+def test_odd_package_is_generated(folder: Path) -> None:
     source = generator.generate("odd_msgs", Interfaces([folder]))
     assert source.index("class Late") < source.index("class Early")
     assert 'FROM: ClassVar[str] = "it\'s \\\\\\\\ so"' in source
@@ -86,7 +86,7 @@ def test_an_odd_package_is_written(folder: Path) -> None:
     assert max(map(len, source.splitlines())) <= LINE_LENGTH
 
 
-def test_a_member_may_have_the_name_of_a_message(
+def test_member_may_have_the_name_of_a_message(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     messages = tmp_path / "same_msgs" / "msg"
@@ -114,7 +114,7 @@ def test_two_classes_of_one_name_are_refused(tmp_path: Path) -> None:
         generator.generate("same_msgs", Interfaces([tmp_path]), "srv")
 
 
-def test_an_odd_package_is_formatted_and_typed(folder: Path, tmp_path: Path) -> None:
+def test_odd_package_passes_the_linters(folder: Path, tmp_path: Path) -> None:
     interfaces = Interfaces([folder])
     modules = tmp_path / "modules"
     written: list[tuple[Kind, str]] = [
@@ -147,21 +147,21 @@ def test_an_odd_package_is_formatted_and_typed(folder: Path, tmp_path: Path) -> 
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_the_command_prints_a_users_package(
+def test_command_prints_a_users_package(
     folder: Path, capsys: pytest.CaptureFixture[str], kind: Kind
 ) -> None:
     generator.main(["--interfaces", str(folder), "--kind", kind, "odd_msgs"])
     assert capsys.readouterr().out == generator.generate("odd_msgs", Interfaces([folder]), kind)
 
 
-def test_the_command_prints_messages_unless_told_otherwise(
+def test_command_prints_messages_by_default(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     generator.main(["std_msgs"])
     assert capsys.readouterr().out == generator.generate("std_msgs", Interfaces())
 
 
-def test_the_command_writes_the_standard_packages(
+def test_command_writes_the_standard_packages(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(generator, "MODULES", tmp_path)
@@ -174,7 +174,7 @@ def test_the_command_writes_the_standard_packages(
     assert not (tmp_path / "srv" / "std_msgs.py").exists()
 
 
-def test_the_command_says_what_is_wrong(capsys: pytest.CaptureFixture[str]) -> None:
+def test_command_reports_errors(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as caught:
         generator.main(["nobodys_msgs"])
     assert caught.value.code == 1

@@ -34,18 +34,18 @@ VALUES = st.recursive(
         ({"Infinity": inf, "NaN": nan}, b'{"Infinity":1e999,"NaN":null}'),
     ],
 )
-def test_infinity_is_a_number_that_no_float_can_hold(value: object, text: bytes) -> None:
+def test_infinity_is_written_as_a_number_above_the_float_range(value: object, text: bytes) -> None:
     assert exact_json_of(value) == text
 
 
 @given(VALUES)
-def test_parsers_read_it_back(value: Any) -> None:
+def test_json_parsers_read_infinity_back(value: Any) -> None:
     text = exact_json_of(value)
     assert from_json(text) == json.loads(text) == value
 
 
 @given(VALUES)
-def test_finite_values_are_the_same_in_both(value: Any) -> None:
+def test_finite_values_are_equal_in_both_forms(value: Any) -> None:
     text = exact_json_of(value)
     if b"1e999" not in text:
         assert text == json_of(value) == exact_json_of(value, has_floats=False)

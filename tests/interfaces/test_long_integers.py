@@ -47,7 +47,7 @@ def test_every_long_integer_becomes_a_string() -> None:
     assert message == outer(-(2**63), [0, 2**64 - 1])
 
 
-def test_what_comes_back_is_the_same_message() -> None:
+def test_converting_back_restores_the_message() -> None:
     convert = LONG.of("my_msgs/Outer")
     assert convert is not None
     message = VALIDATE(outer(-(2**63), [0, 2**64 - 1]))

@@ -16,7 +16,7 @@ def interfaces() -> Interfaces:
     return Interfaces()
 
 
-def test_all_sums_are_there() -> None:
+def test_every_type_has_a_known_md5() -> None:
     assert len(SUMS) == 185
 
 
@@ -41,7 +41,7 @@ def test_md5_sums_are_those_of_real_ros(interfaces: Interfaces) -> None:
         ("control_msgs/FollowJointTrajectoryAction", "bc4f9b743838566551c0390c65f1a248"),
     ],
 )
-def test_the_tutorials_types_have_the_published_md5(
+def test_types_of_the_tutorials_have_the_published_md5(
     interfaces: Interfaces, name: str, expected: str
 ) -> None:
     assert interfaces.md5(name) == expected
@@ -64,7 +64,7 @@ def test_services_of_turtlesim_and_tf_have_the_published_md5(
     assert interfaces.service_md5(name) == expected
 
 
-def test_the_md5_knows_no_comments_and_no_ros_2(tmp_path: Path) -> None:
+def test_md5_ignores_comments_and_ros_2_syntax(tmp_path: Path) -> None:
     folder = tmp_path / "my_msgs" / "msg"
     folder.mkdir(parents=True)
     (folder / "Old.msg").write_text("time t # when\nstring[] s\nstd_msgs/Int32 x")

@@ -45,16 +45,16 @@ def test_fields_are_given_by_position_or_by_name() -> None:
     assert Int32._type == "std_msgs/Int32"
 
 
-def test_a_message_shows_its_fields() -> None:
+def test_repr_shows_the_fields() -> None:
     assert repr(Point(1.0, z=2.0)) == "Point(x=1.0, y=0.0, z=2.0)"
 
 
-def test_a_misspelt_field_is_an_error() -> None:
+def test_misspelled_field_is_an_error() -> None:
     with pytest.raises(AttributeError):
         Int32().dada = 5  # type: ignore[attr-defined]
 
 
-def test_default_message_of_each_standard_type_is_the_validators() -> None:
+def test_defaults_of_each_standard_class_are_those_of_the_validator() -> None:
     interfaces = Interfaces()
     validators = Validators(interfaces, lambda: 0)
     types = [name for package in interfaces.packages() for name in interfaces.messages(package)]
@@ -93,7 +93,7 @@ def test_null_is_nan() -> None:
     assert isnan(scan.ranges[1])
 
 
-def test_what_is_of_a_wrong_type_is_left_to_the_validator() -> None:
+def test_values_of_wrong_types_are_left_to_the_validator() -> None:
     polygon = Polygon(points=5)  # type: ignore[arg-type]
     assert polygon.to_dict() == {"points": 5}
     image = Image(header=None, data=[1])  # type: ignore[arg-type]
@@ -107,19 +107,19 @@ def test_what_is_of_a_wrong_type_is_left_to_the_validator() -> None:
 @pytest.mark.parametrize(
     "data", [bytearray(b"\1\2\3"), memoryview(b"\3\2\1")[::-1], array("B", [1, 2, 3])]
 )
-def test_whatever_holds_bytes_is_bytes(data: Any) -> None:
+def test_bytes_like_objects_are_converted_to_bytes(data: Any) -> None:
     assert Image(data=data).to_dict()["data"] == "AQID"
 
 
 @pytest.mark.parametrize("data", ["", "AQID", array("i", [1, 2, 3])])
-def test_what_is_no_bytes_is_refused(data: Any) -> None:
+def test_other_objects_are_refused_as_bytes(data: Any) -> None:
     with pytest.raises(
         InvalidMessage, match=rf"a uint8\[\] for field data, but got a {kind(data)}$"
     ):
         validate(Image(data=data))
 
 
-def test_a_time_is_no_duration() -> None:
+def test_time_is_not_a_duration() -> None:
     with pytest.raises(InvalidMessage, match=r"a time for field stamp, but got a Duration$"):
         validate(Header(stamp=Duration(5)))  # type: ignore[arg-type]
     with pytest.raises(InvalidMessage, match=r"a duration for field lifetime, but got a Time$"):
@@ -128,7 +128,7 @@ def test_a_time_is_no_duration() -> None:
     validate(Marker(lifetime=Duration(-5)))
 
 
-def test_a_field_may_be_called_as_a_keyword_is() -> None:
+def test_field_may_have_the_name_of_a_keyword() -> None:
     odd = Odd("here", Point(2.0), [Time(3)], [4])
     values = {
         "from": "here",
@@ -151,6 +151,6 @@ def test_a_field_may_be_called_as_a_keyword_is() -> None:
         ("to_dict", "to_dict_"),
     ],
 )
-def test_names_that_python_needs_get_a_mark(name: str, attribute: str) -> None:
+def test_reserved_names_get_an_underscore(name: str, attribute: str) -> None:
     assert python_name(name) == attribute
     assert ros_name(attribute) == name

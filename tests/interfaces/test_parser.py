@@ -47,7 +47,7 @@ def parse(text: str) -> MessageDefinition:
         ("bool[2] x [true, false]", Field("x", "bool", Array(2), default=(True, False))),
     ],
 )
-def test_a_line_declares_a_field(line: str, field: Field) -> None:
+def test_line_declares_a_field(line: str, field: Field) -> None:
     assert parse(line).fields == (field,)
 
 
@@ -68,7 +68,7 @@ def test_a_line_declares_a_field(line: str, field: Field) -> None:
         ("bool X=true", Constant("X", "bool", True, "True")),
     ],
 )
-def test_a_line_declares_a_constant(line: str, constant: Constant) -> None:
+def test_line_declares_a_constant(line: str, constant: Constant) -> None:
     assert parse(line).constants == (constant,)
 
 
@@ -117,7 +117,7 @@ def test_empty_lines_and_comments_declare_nothing() -> None:
         ('string<=2[] x ["abc"]', "more than 2 characters"),
     ],
 )
-def test_an_error_names_file_line_text_and_fault(line: str, fault: str) -> None:
+def test_error_names_file_line_text_and_reason(line: str, fault: str) -> None:
     with pytest.raises(DefinitionError) as caught:
         parse(f"# first\n{line}\n")
     assert (caught.value.source, caught.value.line, caught.value.text) == ("Mine.msg", 2, line)
@@ -130,7 +130,7 @@ def test_two_members_cannot_share_a_name(text: str) -> None:
         parse(text)
 
 
-def test_the_text_is_kept_as_ros_1_can_read_it() -> None:
+def test_text_is_normalized_to_ros_1_syntax() -> None:
     ours = "# hello\nstd_msgs/Int32 a # one\nint32 X = 5\n"
     assert parse(ours).text == ours
     ros_2 = "# hello\nstd_msgs/msg/Int32[<=3] a # one\nwstring<=4 b\nint32 c 5\nint32 D=5"
@@ -140,13 +140,13 @@ def test_the_text_is_kept_as_ros_1_can_read_it() -> None:
     assert parse("bool B = false\nint64 X=0_0").text == "bool B=False\nint64 X=0"
 
 
-def test_a_service_has_a_request_and_a_response() -> None:
+def test_service_has_a_request_and_a_response() -> None:
     service = parse_service("int64 a\n---\nint64 sum\n", "my_msgs", "Add")
     assert (service.type, service.request.type) == ("my_msgs/Add", "my_msgs/AddRequest")
     assert service.response.fields == (Field("sum", "int64"),)
 
 
-def test_an_action_has_three_parts_and_makes_seven_messages() -> None:
+def test_action_has_three_parts_and_seven_messages() -> None:
     action = parse_action("int32 order\n---\n---\nint32[] sequence", "my_msgs", "Count")
     assert action.type == "my_msgs/Count"
     assert [message.name for message in action.messages()] == [
@@ -170,12 +170,12 @@ def test_an_action_has_three_parts_and_makes_seven_messages() -> None:
         ("int64 a\n---\nint64", 3, "expected a field"),
     ],
 )
-def test_an_error_in_a_service_names_the_line_of_the_file(text: str, line: int, fault: str) -> None:
+def test_error_in_a_service_names_the_line_of_the_file(text: str, line: int, fault: str) -> None:
     with pytest.raises(DefinitionError, match=fault) as caught:
         parse_service(text, "my_msgs", "Add")
     assert (caught.value.line, caught.value.source) == (line, "my_msgs/Add")
 
 
-def test_an_action_with_two_parts_is_refused() -> None:
+def test_action_with_two_parts_is_refused() -> None:
     with pytest.raises(DefinitionError, match="2 lines of ---, got 1"):
         parse_action("---", "my_msgs", "Count")

@@ -107,7 +107,7 @@ def test_any_message_of_an_odd_type_has_the_right_bytes(
     check(oracle, Serializers(interfaces), "odd_msgs/All", message)
 
 
-def test_a_message_of_defaults_comes_back() -> None:
+def test_message_of_defaults_comes_back() -> None:
     validators = Validators(STANDARD, lambda: 5)
     for type_ in TYPES:
         message = validators.of(type_).validate({})
@@ -118,14 +118,14 @@ def test_a_message_of_defaults_comes_back() -> None:
         assert data == ORACLE.serialize(type_, message), type_
 
 
-def test_a_serializer_is_built_once() -> None:
+def test_serializer_is_built_once() -> None:
     assert SERIALIZERS.of("std_msgs/String") is SERIALIZERS.of("std_msgs/String")
     assert SERIALIZERS.of("std_msgs/msg/String").type == "std_msgs/String"
     with pytest.raises(UnknownPackage):
         SERIALIZERS.of("nobodys_msgs/Mine")
 
 
-def test_the_request_of_a_service_is_serialized() -> None:
+def test_request_of_a_service_is_serialized() -> None:
     request = STANDARD.service("rospy_tutorials/AddTwoInts").request
     serializer = SERIALIZERS.of_definition(request)
     data = serializer.serialize({"a": 1, "b": -2})
@@ -134,7 +134,7 @@ def test_the_request_of_a_service_is_serialized() -> None:
     assert serializer.type == "rospy_tutorials/AddTwoIntsRequest"
 
 
-def test_what_ros_2_added_is_serialized_as_if_it_were_ros_1s(interfaces: Interfaces) -> None:
+def test_ros_2_types_are_serialized_as_in_ros_1(interfaces: Interfaces) -> None:
     serializer = Serializers(interfaces).of("odd_msgs/Bounded")
     message = {"names": ["ä"], "numbers": [0.5], "data": "AQ=="}
     data = pack("<II2sId", 1, 2, "ä".encode(), 1, 0.5) + pack("<IB", 1, 1)
@@ -142,7 +142,7 @@ def test_what_ros_2_added_is_serialized_as_if_it_were_ros_1s(interfaces: Interfa
     assert serializer.deserialize(data) == message
 
 
-def test_arrays_of_no_elements_have_no_bytes(interfaces: Interfaces) -> None:
+def test_fixed_arrays_of_length_0_have_no_bytes(interfaces: Interfaces) -> None:
     serializer = Serializers(interfaces).of("odd_msgs/Zeros")
     message = {"zeros": [{"none": [], "no_bytes": "", "never": []}] * 2}
     data = serializer.serialize(message)
@@ -150,7 +150,7 @@ def test_arrays_of_no_elements_have_no_bytes(interfaces: Interfaces) -> None:
     assert serializer.deserialize(data) == message
 
 
-def test_none_among_numbers_is_nan() -> None:
+def test_none_in_an_array_of_floats_is_nan() -> None:
     serializer = SERIALIZERS.of("std_msgs/Float64MultiArray")
     layout = {"dim": [], "data_offset": 0}
     message = {"layout": layout, "data": [1.0, None]}
@@ -249,7 +249,7 @@ def accepts_alike(serializer: Serializer, data: bytes) -> None:
     assert len(set(found)) == 1, found
 
 
-def test_an_array_that_cannot_fit_needs_no_memory() -> None:
+def test_impossible_array_length_allocates_nothing() -> None:
     tracemalloc.start()
     try:
         for type_, before in (
@@ -272,7 +272,7 @@ def test_an_array_that_cannot_fit_needs_no_memory() -> None:
         tracemalloc.stop()
 
 
-def test_values_without_bytes_are_not_limited_beside_others(interfaces: Interfaces) -> None:
+def test_values_without_bytes_are_not_limited_next_to_others(interfaces: Interfaces) -> None:
     count = MOST_WITHOUT_BYTES + 1
     serializer = Serializers(interfaces).of("odd_msgs/Markeds")
     data = pack("<I", count) + bytes(count)
@@ -286,7 +286,7 @@ def test_many_values_without_bytes_are_refused_at_once(interfaces: Interfaces) -
         Serializers(interfaces).of("odd_msgs/Larges").check(data)
 
 
-def test_the_diagnosis_of_many_elements_ends() -> None:
+def test_diagnosis_of_many_elements_is_bounded() -> None:
     data = bytes(37) + pack("<I", 10**6) + bytes(4 * 10**6 - 4) + b"\1\0\0\0"
     with pytest.raises(InvalidMessage, match=r"rosgraph_msgs/Log: topics\[\d+\]"):
         SERIALIZERS.of("rosgraph_msgs/Log").check(data)
@@ -312,7 +312,7 @@ WEIGHED = {
 
 
 @pytest.mark.parametrize("name", WEIGHED)
-def test_messages_are_weighed_before_they_are_decoded(name: str) -> None:
+def test_size_is_estimated_before_decoding(name: str) -> None:
     type_, element, *heavy = WEIGHED[name]
     serializer = SERIALIZERS.of(type_)
     empty = serializer.serialize(Validators(STANDARD, lambda: 0).of(type_).validate({}))

@@ -64,7 +64,7 @@ call(service_class("std_srvs/Empty"), AddTwoIntsRequest())
 """
 
 
-def test_a_service_and_an_action_tell_which_messages_belong_together(tmp_path: Path) -> None:
+def test_service_and_action_list_their_messages(tmp_path: Path) -> None:
     script = tmp_path / "program.py"
     script.write_text(PROGRAM, "utf-8")
     done = subprocess.run(

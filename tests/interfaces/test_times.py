@@ -13,7 +13,7 @@ def test_whole_seconds_among_the_nanoseconds_are_carried_over(kind: type[Time | 
     assert repr(kind(3)).endswith("(secs=3, nsecs=0)")
 
 
-def test_seconds_are_told_as_floats() -> None:
+def test_seconds_are_floats() -> None:
     assert Time.from_sec(1.5) == Time(1, 500_000_000)
     assert Duration.from_sec(-0.5) == Duration(-1, 500_000_000)
     assert Duration(-1, 500_000_000).to_sec() == -0.5
@@ -41,6 +41,6 @@ def test_times_and_durations_add_up() -> None:
     assert Duration(5) - Duration(6) == -Duration(1)
 
 
-def test_there_is_no_time_before_1970() -> None:
+def test_times_before_1970_are_refused() -> None:
     with pytest.raises(ValueError, match="before 1970"):
         Time(-1)

@@ -67,7 +67,7 @@ def validate_as(line: str, msg: object) -> Any:
         ("std_msgs/Duration", {"secs": -5}, {"secs": -5, "nsecs": 0}),
     ],
 )
-def test_a_value_that_fits_its_field_is_taken(name: str, given: object, data: object) -> None:
+def test_valid_value_is_accepted(name: str, given: object, data: object) -> None:
     assert validate(name, {"data": given}) == {"data": data}
 
 
@@ -97,9 +97,7 @@ def test_a_value_that_fits_its_field_is_taken(name: str, given: object, data: ob
         ("Duration", "now", "duration", "str"),
     ],
 )
-def test_a_value_that_does_not_is_refused(
-    name: str, given: object, wanted: str, found: str
-) -> None:
+def test_invalid_value_is_refused(name: str, given: object, wanted: str, found: str) -> None:
     assert fault(f"std_msgs/{name}", {"data": given}) == (
         f"std_msgs/{name} message requires a {wanted} for field data, but got a {found}"
     )
@@ -117,7 +115,7 @@ def test_null_in_an_array_is_nan_too() -> None:
         assert to_json(data, inf_nan_mode="null") == b"[null,null,null,1.0]"
 
 
-def test_numbers_that_json_only_names_are_accepted() -> None:
+def test_names_of_nan_and_infinity_are_accepted() -> None:
     msg = from_json(b'{"data":[NaN,Infinity,-Infinity,1e400]}')
     data = validate("std_msgs/Float64MultiArray", msg)["data"]
     assert isnan(data[0])
@@ -135,7 +133,7 @@ def test_arrays_of_float32_are_rounded_as_a_whole() -> None:
 
 
 @pytest.mark.parametrize("msg", [None, 5, "{}", [], [{}]])
-def test_a_message_is_an_object(msg: object) -> None:
+def test_message_must_be_an_object(msg: object) -> None:
     assert fault("std_msgs/Int32", msg) == (
         f"Expected a JSON object for type std_msgs/Int32 but received a {type(msg).__name__}"
     )
@@ -153,7 +151,7 @@ def test_a_message_is_an_object(msg: object) -> None:
         ("std_msgs/Int32", {"x" * 10_000: 2}, "x" * 200),
     ],
 )
-def test_a_field_that_the_type_does_not_have_is_named(name: str, msg: object, path: str) -> None:
+def test_unknown_field_is_named(name: str, msg: object, path: str) -> None:
     assert fault(name, msg) == f"Message type {name} does not have a field {path}"
 
 
@@ -202,11 +200,11 @@ def test_a_field_that_the_type_does_not_have_is_named(name: str, msg: object, pa
         ),
     ],
 )
-def test_the_field_at_fault_is_named_by_its_path(name: str, msg: object, text: str) -> None:
+def test_error_names_the_path_of_its_field(name: str, msg: object, text: str) -> None:
     assert fault(name, msg) == f"{name} message requires {text}"
 
 
-def test_of_very_many_faults_only_the_number_is_told() -> None:
+def test_many_errors_are_only_counted() -> None:
     msg = {str(number): None for number in range(2000)}
     assert fault("std_msgs/Int32", msg) == (
         "Message type std_msgs/Int32 does not fit in 2000 places"
@@ -236,7 +234,7 @@ def test_of_very_many_faults_only_the_number_is_told() -> None:
         ("time[] x", ["now", {}], [NOW, ZERO]),
     ],
 )
-def test_arrays_and_bounds(line: str, given: object, data: object) -> None:
+def test_arrays_within_their_bounds_are_accepted(line: str, given: object, data: object) -> None:
     assert validate_as(line, {"x": given}) == data
 
 
@@ -260,7 +258,7 @@ def test_arrays_and_bounds(line: str, given: object, data: object) -> None:
         ("time[] x", [5], "time for field x[0], but got a int"),
     ],
 )
-def test_arrays_and_bounds_that_are_broken(line: str, given: object, text: str) -> None:
+def test_arrays_outside_their_bounds_are_refused(line: str, given: object, text: str) -> None:
     with pytest.raises(InvalidMessage) as caught:
         validate_as(line, {"x": given})
     assert text in str(caught.value)
@@ -293,7 +291,7 @@ def test_arrays_and_bounds_that_are_broken(line: str, given: object, text: str) 
         ("uint8[] x [1, 2, 3]", "AQID"),
     ],
 )
-def test_a_field_that_is_left_out_has_its_default(line: str, data: object) -> None:
+def test_missing_field_has_its_default(line: str, data: object) -> None:
     assert validate_as(line, {}) == data
 
 
@@ -319,7 +317,7 @@ LENIENT = Validators(Interfaces(), lambda: 0, lenient=True)
         ("geometry_msgs/Point[] x", [{"x": "Infinity"}], [{"x": inf, "y": 0.0, "z": 0.0}]),
     ],
 )
-def test_numbers_may_be_spelled_as_javascript_and_matlab_do(
+def test_numbers_of_javascript_and_matlab_are_accepted(
     line: str, given: object, data: object
 ) -> None:
     definition = parse_message(line, "my_msgs", "Mine")
@@ -354,7 +352,7 @@ def test_nan_may_be_a_string() -> None:
         ("float64[] x", ["Infinity", "high"], r"x\[1\]"),
     ],
 )
-def test_other_spellings_are_refused_all_the_same(line: str, given: object, place: str) -> None:
+def test_other_spellings_of_numbers_are_refused(line: str, given: object, place: str) -> None:
     definition = parse_message(line, "my_msgs", "Mine")
     with pytest.raises(InvalidMessage, match=place):
         LENIENT.of_definition(definition).validate({"x": given})
@@ -373,7 +371,7 @@ def test_defaults_in_a_list_are_bounded(brackets: str) -> None:
         validate({"all": [{}, {}]})
 
 
-def test_defaults_are_bounded_by_what_a_message_has() -> None:
+def test_number_of_defaults_is_limited_by_the_size_of_the_message() -> None:
     validate = VALIDATORS.of("visualization_msgs/MarkerArray").validate
     points = [{"x": 1.0}] * 100_000
     some = validate({"markers": [{"points": points[:30_000]}]})
@@ -384,7 +382,7 @@ def test_defaults_are_bounded_by_what_a_message_has() -> None:
     assert validate({"markers": [{"points": full}]})["markers"][0]["points"] == full
 
 
-def test_too_many_defaults_are_refused_before_they_are_made() -> None:
+def test_too_many_defaults_are_refused_before_allocation() -> None:
     validate = VALIDATORS.of("tf2_msgs/TFMessage").validate
     message: dict[str, Any] = {"transforms": [{}] * 320_000}
     tracemalloc.start()
@@ -395,7 +393,7 @@ def test_too_many_defaults_are_refused_before_they_are_made() -> None:
 
 
 @pytest.mark.parametrize("line", ["float64[4000000] x", "uint8[4000000] x", "time[4000000] x"])
-def test_the_checks_of_a_long_array_take_up_no_more_than_those_of_a_short_one(line: str) -> None:
+def test_code_for_a_long_array_is_as_short_as_for_a_short_one(line: str) -> None:
     tracemalloc.start()
     try:
         definition = parse_message(line, "my_msgs", "Long")
@@ -415,7 +413,7 @@ def test_defaults_are_not_shared() -> None:
     assert second["header"]["stamp"] == NOW
 
 
-def test_a_partial_message_is_filled_in() -> None:
+def test_partial_message_is_filled_in() -> None:
     assert validate("geometry_msgs/Twist", {"linear": {"x": 1}}) == {
         "linear": {"x": 1.0, "y": 0.0, "z": 0.0},
         "angular": {"x": 0.0, "y": 0.0, "z": 0.0},
@@ -433,7 +431,7 @@ def test_a_partial_message_is_filled_in() -> None:
         ({"stamp": {"secs": 5, "nsecs": 7, "else": 1}}, {"secs": 5, "nsecs": 7}),
     ],
 )
-def test_a_header_is_stamped_now_where_its_sender_did_not(
+def test_unstamped_header_gets_the_current_time(
     header: dict[str, object], stamp: dict[str, int]
 ) -> None:
     whole = {"seq": 0, "stamp": stamp, "frame_id": header.get("frame_id", "")}
@@ -441,13 +439,13 @@ def test_a_header_is_stamped_now_where_its_sender_did_not(
     assert validate("geometry_msgs/PointStamped", {"header": header})["header"] == whole
 
 
-def test_a_header_that_is_left_out_is_stamped_now() -> None:
+def test_missing_header_gets_the_current_time() -> None:
     header = {"seq": 0, "stamp": NOW, "frame_id": ""}
     assert validate("geometry_msgs/PointStamped", {})["header"] == header
     assert VALIDATORS.of("geometry_msgs/PointStamped").validate({})["header"] == header
 
 
-def test_a_headers_stamp_is_one_moment() -> None:
+def test_seconds_and_nanoseconds_of_a_stamp_are_consistent() -> None:
     moments = iter(range(0, 10**12, 999_999_999))
     validators = Validators(Interfaces(), lambda: next(moments))
     stamps = [validators.of("std_msgs/Header").validate({})["stamp"] for _ in range(3)]
@@ -471,7 +469,7 @@ def test_rospy_numbers_messages_whose_first_field_is_a_header(name: str, sequenc
     assert VALIDATORS.of(name).has_sequenced_header is sequenced
 
 
-def test_a_validator_is_built_once_for_both_spellings_of_a_type() -> None:
+def test_validator_is_built_once_for_both_spellings_of_a_type() -> None:
     validator = VALIDATORS.of("std_msgs/msg/Int32")
     assert validator is VALIDATORS.of("std_msgs/Int32") is VALIDATORS.of("std_msgs/msg/Int32")
     assert validator.type == "std_msgs/Int32"
@@ -479,7 +477,7 @@ def test_a_validator_is_built_once_for_both_spellings_of_a_type() -> None:
         VALIDATORS.of("std_msgs/Int23")
 
 
-def test_a_request_is_checked_as_a_message_is() -> None:
+def test_request_is_validated_like_a_message() -> None:
     service = Interfaces().service("rospy_tutorials/AddTwoInts")
     validator = VALIDATORS.of_definition(service.request)
     assert validator.validate({"a": 1}) == {"a": 1, "b": 0}
@@ -487,7 +485,7 @@ def test_a_request_is_checked_as_a_message_is() -> None:
         validator.validate({"c": 1})
 
 
-def test_the_fields_that_a_sender_left_out_are_listed() -> None:
+def test_missing_fields_are_listed() -> None:
     validator = VALIDATORS.of("sensor_msgs/PointCloud")
     msg = {"header": {"seq": 1, "stamp": {}}, "points": [{"x": 1, "y": 2, "z": 3}, {"z": 1}]}
     validator.validate(msg)
@@ -495,7 +493,7 @@ def test_the_fields_that_a_sender_left_out_are_listed() -> None:
     assert validator.missing(validator.validate({})) == []
 
 
-def test_the_default_of_every_standard_type_is_valid_json() -> None:
+def test_default_of_every_standard_type_is_valid_json() -> None:
     interfaces = Interfaces()
     for package in interfaces.packages():
         for name in interfaces.messages(package):
@@ -505,7 +503,7 @@ def test_the_default_of_every_standard_type_is_valid_json() -> None:
             assert list(default) == [field.name for field in validator.definition.fields]
 
 
-def test_a_type_may_have_fields_that_look_like_those_of_other_types() -> None:
+def test_fields_may_look_like_those_of_other_types() -> None:
     definition = parse_message("int32 secs\nstring stamp\nint32 data", "my_msgs", "Mine")
     assert VALIDATORS.of_definition(definition).validate({"secs": 1, "stamp": "now"}) == {
         "secs": 1,
@@ -515,7 +513,7 @@ def test_a_type_may_have_fields_that_look_like_those_of_other_types() -> None:
 
 
 @given(data=st.binary())
-def test_any_bytes_come_back_as_they_were(data: bytes) -> None:
+def test_any_bytes_are_restored(data: bytes) -> None:
     text = b64encode(data).decode()
     for spelled in (text, data, list(data)):
         assert validate_as("uint8[] x", {"x": spelled}) == text
@@ -562,13 +560,13 @@ def test_any_json_is_either_a_message_or_invalid(name: str, msg: object) -> None
     assert to_json(again, inf_nan_mode="null") == to_json(valid, inf_nan_mode="null")
 
 
-def test_only_the_first_of_many_absent_fields_are_listed() -> None:
+def test_only_the_first_missing_fields_are_listed() -> None:
     found = VALIDATORS.of("sensor_msgs/PointCloud").missing({"points": [{}] * 100_000})
     assert found[:3] == ["header", "points[0].x", "points[0].y"]
     assert (len(found), found[-1]) == (MOST_MISSING + 1, "...")
 
 
-def test_the_search_for_absent_fields_ends() -> None:
+def test_search_for_missing_fields_is_bounded() -> None:
     points = [{"x": 1, "y": 2, "z": 3}] * 100_000
     found = VALIDATORS.of("sensor_msgs/PointCloud").missing({"points": [*points, {}]})
     assert found == ["header", "channels"]
