@@ -21,6 +21,6 @@ def test_each_action_has_the_messages_of_its_definition() -> None:
         assert action.Feedback is message_class(f"{name}Feedback"), name
 
 
-def test_an_action_has_one_class_by_either_spelling() -> None:
+def test_both_spellings_of_an_action_are_one_class() -> None:
     assert action_class("actionlib_tutorials/action/Fibonacci") is Fibonacci
     assert Fibonacci.Goal(order=5) == actionlib_tutorials.FibonacciGoal(5)

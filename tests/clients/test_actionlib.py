@@ -12,7 +12,7 @@ pytestmark = playing("actionlib")
 PREEMPTED, SUCCEEDED = 2, 3
 
 
-def test_an_action_tells_its_progress_and_its_result(seen: Any) -> None:
+def test_action_sends_feedback_and_a_result(seen: Any) -> None:
     assert seen == {
         "feedback": [{"sequence": [0, 1, 1, 2, 3][:length]} for length in (3, 4, 5)],
         "status": SUCCEEDED,
@@ -20,7 +20,7 @@ def test_an_action_tells_its_progress_and_its_result(seen: Any) -> None:
     }
 
 
-def test_a_goal_can_be_cancelled(seen: Any) -> None:
+def test_goal_can_be_cancelled(seen: Any) -> None:
     assert seen == {
         "feedback": [{"sequence": [0, 1]}],
         "status": PREEMPTED,
@@ -36,7 +36,7 @@ def test_all_goals_can_be_cancelled(seen: Any) -> None:
     }
 
 
-def test_a_newer_goal_takes_the_place_of_the_older_one(seen: Any) -> None:
+def test_newer_goal_replaces_the_older_one(seen: Any) -> None:
     assert seen == {
         "older": {
             "feedback": [{"sequence": [1]}],

@@ -12,11 +12,11 @@ pytestmark = playing("actionlib_js")
 ABORTED = 4
 
 
-def test_an_action_can_abort(seen: Any) -> None:
+def test_action_can_abort(seen: Any) -> None:
     assert seen == {"feedback": [], "status": ABORTED, "result": {"sequence": [0]}}
 
 
-def test_the_goals_of_others_can_be_followed(seen: Any) -> None:
+def test_goals_of_others_can_be_followed(seen: Any) -> None:
     assert seen == [
         {"goal": {"order": 7}},
         {"feedback": {"sequence": [0]}},

@@ -12,18 +12,18 @@ pytestmark = playing("actions")
 CANCELED = 'GoalError: Action was canceled: {"sequence":[-1]}'
 
 
-def test_an_action_by_operation_tells_its_progress_and_its_result(seen: Any) -> None:
+def test_action_by_operation_sends_feedback_and_a_result(seen: Any) -> None:
     assert seen == {
         "feedback": [{"sequence": [0, 1, 1]}, {"sequence": [0, 1, 1, 2]}],
         "result": {"sequence": [0, 1, 1, 2]},
     }
 
 
-def test_an_action_by_operation_can_fail(seen: Any) -> None:
+def test_action_by_operation_can_fail(seen: Any) -> None:
     assert seen.startswith("GoalError: Action was aborted")
 
 
-def test_a_goal_by_operation_can_be_cancelled(seen: Any) -> None:
+def test_goal_by_operation_can_be_cancelled(seen: Any) -> None:
     assert seen == CANCELED
 
 
@@ -31,17 +31,17 @@ def test_all_goals_by_operation_can_be_cancelled(seen: Any) -> None:
     assert seen == [CANCELED, CANCELED]
 
 
-def test_goals_by_operation_run_side_by_side(seen: Any) -> None:
+def test_goals_by_operation_run_concurrently(seen: Any) -> None:
     assert seen == [{"sequence": [1]}, {"sequence": [2]}]
 
 
-def test_a_goal_by_operation_fails_when_its_server_leaves(seen: Any) -> None:
+def test_goal_by_operation_fails_when_its_server_leaves(seen: Any) -> None:
     assert "/operations/leaving" in seen
 
 
-def test_a_goal_by_operation_fails_when_nobody_serves_it(seen: Any) -> None:
+def test_goal_by_operation_fails_without_a_server(seen: Any) -> None:
     assert "/operations/nobody" in seen
 
 
-def test_an_action_by_operation_can_be_withdrawn(seen: Any) -> None:
+def test_action_by_operation_can_be_unadvertised(seen: Any) -> None:
     assert "/operations/withdrawn" in seen

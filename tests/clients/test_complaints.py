@@ -19,7 +19,7 @@ UNAVOIDABLE = {
 @pytest.mark.parametrize(
     "cast", [marked(cast, id=f"{cast}: {cast.scenarios[0]}") for cast in CASTS]
 )
-def test_nobody_complains(cast: Cast, observe: Observe) -> None:
+def test_no_client_logs_an_error(cast: Cast, observe: Observe) -> None:
     observations = observe(cast)
     unavoidable = [UNAVOIDABLE[each] for each in cast.scenarios if each in UNAVOIDABLE]
     complaints = [

@@ -12,23 +12,23 @@ pytestmark = playing("foxglove")
 HEADER = {"seq": 1, "stamp": {"sec": 5, "nsec": 6}}
 
 
-def test_the_version_of_ROS_is_told_by_the_topics(seen: Any) -> None:
+def test_ros_version_is_detected_by_the_topics(seen: Any) -> None:
     assert seen == 1
 
 
-def test_every_type_is_parsed_and_its_messages_are_read(seen: Any) -> None:
+def test_every_type_is_parsed_and_its_messages_are_decoded(seen: Any) -> None:
     assert seen["read"] == seen["types"] > 130
 
 
-def test_a_type_that_nobody_defined_keeps_no_other_from_being_read(seen: Any) -> None:
+def test_unknown_type_does_not_affect_others(seen: Any) -> None:
     assert seen == {"data": True}
 
 
-def test_a_number_is_read(seen: Any) -> None:
+def test_number_is_decoded(seen: Any) -> None:
     assert seen == {"data": -(2**31)}
 
 
-def test_a_pose_with_its_covariance_is_read(seen: Any) -> None:
+def test_pose_with_covariance_is_decoded(seen: Any) -> None:
     assert seen == {
         "header": {**HEADER, "frame_id": "map"},
         "pose": {
@@ -41,7 +41,7 @@ def test_a_pose_with_its_covariance_is_read(seen: Any) -> None:
     }
 
 
-def test_an_image_is_read(seen: Any) -> None:
+def test_image_is_decoded(seen: Any) -> None:
     assert seen == {
         "header": {**HEADER, "frame_id": "camera"},
         "height": 1,
@@ -53,7 +53,7 @@ def test_an_image_is_read(seen: Any) -> None:
     }
 
 
-def test_points_are_read(seen: Any) -> None:
+def test_points_are_decoded(seen: Any) -> None:
     assert seen == {
         "header": {**HEADER, "frame_id": "lidar"},
         "height": 1,
@@ -67,7 +67,7 @@ def test_points_are_read(seen: Any) -> None:
     }
 
 
-def test_the_graph_is_drawn_from_every_node(seen: Any) -> None:
+def test_graph_is_drawn_from_every_node(seen: Any) -> None:
     assert seen == {
         "robot": {
             "subscriptions": ["/robot/command"],
@@ -78,14 +78,14 @@ def test_the_graph_is_drawn_from_every_node(seen: Any) -> None:
     }
 
 
-def test_the_panel_for_publishing_reaches_the_robot(seen: Any) -> None:
+def test_publish_panel_reaches_the_robot(seen: Any) -> None:
     none = {"x": 0, "y": 0, "z": 0}
     assert seen == {"linear": {**none, "x": 0.5}, "angular": {**none, "z": -1}}
 
 
-def test_the_panel_for_services_calls_one_by_the_type_it_is_told(seen: Any) -> None:
+def test_service_panel_calls_a_service_by_its_type(seen: Any) -> None:
     assert seen == {"success": True, "message": "on"}
 
 
-def test_the_next_round_of_asking_finds_a_new_topic(seen: Any) -> None:
+def test_new_topic_is_found_by_the_next_poll(seen: Any) -> None:
     assert seen == {"before": False, "after": True}

@@ -9,5 +9,5 @@ from .casts import playing
 pytestmark = playing("fragments")
 
 
-def test_a_message_comes_in_fragments_when_that_was_asked_for(seen: Any) -> None:
+def test_message_arrives_in_fragments_on_request(seen: Any) -> None:
     assert seen == {"equal": True, "ops": ["fragment"], "many": True}

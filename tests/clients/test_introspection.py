@@ -31,7 +31,7 @@ def test_services_can_be_listed_and_found_by_type_and_types_by_service(seen: Any
     }
 
 
-def test_nodes_can_be_listed_and_looked_into(seen: Any) -> None:
+def test_nodes_are_listed_with_their_details(seen: Any) -> None:
     assert seen == {
         "nodes": [True, True, True],
         "subscribing": ["/looked_into/text"],
@@ -40,7 +40,7 @@ def test_nodes_can_be_listed_and_looked_into(seen: Any) -> None:
     }
 
 
-def test_a_message_type_is_described_field_by_field(seen: Any) -> None:
+def test_message_type_is_described_field_by_field(seen: Any) -> None:
     assert seen["fix"] == {
         "type": "sensor_msgs/NavSatFix",
         "fieldnames": [
@@ -67,7 +67,7 @@ def test_a_message_type_is_described_field_by_field(seen: Any) -> None:
     ]
 
 
-def test_a_service_type_is_described_field_by_field(seen: Any) -> None:
+def test_service_type_is_described_field_by_field(seen: Any) -> None:
     both: dict[str, list[str]] = {"constnames": [], "constvalues": []}
     assert seen == {
         "request": [
@@ -93,5 +93,5 @@ def test_a_service_type_is_described_field_by_field(seen: Any) -> None:
     }
 
 
-def test_all_definitions_come_at_once(seen: Any) -> None:
+def test_all_definitions_are_returned_at_once(seen: Any) -> None:
     assert seen == {"type": "std_msgs/Int16", "number": "int16 data", "log": True}

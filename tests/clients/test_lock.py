@@ -17,13 +17,13 @@ def test_every_version_is_exact() -> None:
     assert PACKAGES[""]["dependencies"] == MANIFEST["dependencies"]
 
 
-def test_both_generations_of_roslib_are_there() -> None:
+def test_both_generations_of_roslib_are_locked() -> None:
     roslibs = {name: PACKAGES[f"node_modules/{name}"] for name in ("roslib1", "roslib2")}
     assert {each["name"] for each in roslibs.values()} == {"roslib"}
     assert [each["version"] for each in roslibs.values()] == ["1.4.1", "2.1.0"]
 
 
-def test_the_lock_names_contents_and_no_addresses_to_download_them_from() -> None:
+def test_lock_has_hashes_but_no_download_addresses() -> None:
     for name, package in PACKAGES.items():
         assert "resolved" not in package
         assert name == "" or package["integrity"].startswith("sha512-")

@@ -9,24 +9,24 @@ from .casts import playing
 pytestmark = playing("parameters")
 
 
-def test_a_parameter_can_be_set_read_listed_and_deleted(seen: Any) -> None:
+def test_parameter_can_be_set_read_listed_and_deleted(seen: Any) -> None:
     names = ["blue", "label", "on", "red"]
     assert sorted(seen["listed"]) == [f"/camera/gains/{name}" for name in names]
     assert seen["value"] == {"red": 1.5, "blue": [1, 2], "label": "wörld", "on": True}
     assert seen["after"] == []
 
 
-def test_a_parameter_inside_another_one_can_be_read_alone(seen: Any) -> None:
+def test_parameter_inside_another_one_can_be_read_alone(seen: Any) -> None:
     assert seen == 3
 
 
-def test_a_parameter_that_is_not_set_reads_as_null(seen: Any) -> None:
+def test_missing_parameter_is_null(seen: Any) -> None:
     assert seen is None
 
 
-def test_the_parameters_of_the_hub_are_there(seen: Any) -> None:
+def test_parameters_of_the_hub_exist(seen: Any) -> None:
     assert seen.strip() == "noetic"
 
 
-def test_another_client_reads_what_one_has_set(seen: Any) -> None:
+def test_parameter_is_read_by_another_client(seen: Any) -> None:
     assert seen == 0.8

@@ -9,9 +9,9 @@ from .casts import playing
 pytestmark = playing("png")
 
 
-def test_a_message_comes_as_a_png(seen: Any) -> None:
+def test_message_arrives_as_png(seen: Any) -> None:
     assert seen == {"data": "hello, wörld 🌍"}
 
 
-def test_a_long_message_comes_as_a_png(seen: Any) -> None:
+def test_long_message_arrives_as_png(seen: Any) -> None:
     assert seen == {"equal": True, "length": 100_000}

@@ -9,21 +9,21 @@ from .casts import playing
 pytestmark = playing("promises")
 
 
-def test_a_service_may_answer_later(seen: Any) -> None:
+def test_service_may_answer_later(seen: Any) -> None:
     assert seen == {"success": True, "message": "at last"}
 
 
-def test_a_service_that_rejects_tells_the_reason(seen: Any) -> None:
+def test_rejected_promise_fails_the_call_with_its_reason(seen: Any) -> None:
     assert "out of paper" in seen
 
 
-def test_a_call_fails_when_its_time_is_over(seen: Any) -> None:
+def test_call_times_out(seen: Any) -> None:
     assert "/slow/trigger" in seen
 
 
-def test_a_call_fails_when_the_provider_leaves(seen: Any) -> None:
+def test_call_fails_when_its_server_leaves(seen: Any) -> None:
     assert "/leaving/trigger" in seen
 
 
-def test_a_call_fails_when_the_provider_unadvertises(seen: Any) -> None:
+def test_call_fails_when_its_server_unadvertises(seen: Any) -> None:
     assert "/ending/trigger" in seen

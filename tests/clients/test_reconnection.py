@@ -9,5 +9,5 @@ from .casts import playing
 pytestmark = playing("reconnection")
 
 
-def test_a_client_comes_back_with_the_hub(seen: Any) -> None:
+def test_client_reconnects_when_the_hub_returns(seen: Any) -> None:
     assert seen == [{"data": "before"}, {"data": "after"}]

@@ -9,13 +9,13 @@ from .casts import playing
 pytestmark = playing("statuses")
 
 
-def test_a_message_that_does_not_fit_the_type_is_refused_with_the_reason(seen: Any) -> None:
+def test_invalid_message_is_refused_with_the_reason(seen: Any) -> None:
     assert seen == [
         "error: publish: std_msgs/Int32 message requires a int32 for field data, but got a str"
     ]
 
 
-def test_a_topic_keeps_its_type(seen: Any) -> None:
+def test_topic_keeps_its_type(seen: Any) -> None:
     [status] = seen
     assert status.startswith(
         "error: advertise: Tried to register topic /strict with type std_msgs/String "

@@ -11,7 +11,7 @@ from .casts import playing
 pytestmark = playing("tf")
 
 
-def test_transforms_come_by_an_action(seen: Any) -> None:
+def test_transforms_arrive_by_action(seen: Any) -> None:
     rotation = {"x": 0, "y": 0, "z": pytest.approx(0.5**0.5), "w": pytest.approx(0.5**0.5)}
     assert seen == [
         {"translation": {"x": 1, "y": 2, "z": 3}, "rotation": rotation},

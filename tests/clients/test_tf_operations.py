@@ -14,7 +14,7 @@ SUCCEEDED = 4
 """What roslib takes for the end of a goal without an error."""
 
 
-def test_transforms_come_by_operation(seen: Any) -> None:
+def test_transforms_arrive_by_operation(seen: Any) -> None:
     rotation = {"x": 0, "y": 0, "z": pytest.approx(0.5**0.5), "w": pytest.approx(0.5**0.5)}
     assert seen == [
         {"translation": {"x": 1, "y": 2, "z": 3}, "rotation": rotation},
@@ -22,5 +22,5 @@ def test_transforms_come_by_operation(seen: Any) -> None:
     ]
 
 
-def test_another_frame_makes_another_goal_by_operation(seen: Any) -> None:
+def test_another_frame_starts_another_goal_by_operation(seen: Any) -> None:
     assert seen == [SUCCEEDED, SUCCEEDED]

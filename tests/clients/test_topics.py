@@ -9,15 +9,15 @@ from .casts import playing
 pytestmark = playing("topics")
 
 
-def test_a_message_reaches_another_client(seen: Any) -> None:
+def test_message_reaches_another_client(seen: Any) -> None:
     assert seen == [{"data": "hello"}, {"data": "wörld 🌍"}]
 
 
-def test_a_client_hears_itself(seen: Any) -> None:
+def test_client_receives_its_own_messages(seen: Any) -> None:
     assert seen == [{"data": 8}]
 
 
-def test_a_message_of_many_fields_arrives_as_it_was_sent(seen: Any) -> None:
+def test_message_of_many_fields_arrives_as_it_was_sent(seen: Any) -> None:
     none = {"x": 0, "y": 0, "z": 0}
     assert seen == {
         "header": {"seq": 1, "stamp": {"secs": 12, "nsecs": 34}, "frame_id": "base_link"},
@@ -30,39 +30,39 @@ def test_a_message_of_many_fields_arrives_as_it_was_sent(seen: Any) -> None:
     }
 
 
-def test_a_late_listener_hears_the_latched_message_once(seen: Any) -> None:
+def test_late_subscriber_receives_the_latched_message_once(seen: Any) -> None:
     assert seen == [{"data": "cellar"}]
 
 
-def test_a_throttled_listener_hears_the_first_message_and_then_the_newest(seen: Any) -> None:
+def test_throttled_subscriber_receives_the_first_message_and_then_the_newest(seen: Any) -> None:
     assert seen["heard"] == [0, 9]
     assert seen["rates"] > 0.9
 
 
-def test_the_queue_of_a_throttled_listener_is_drained_at_its_rate(seen: Any) -> None:
+def test_queue_of_a_throttled_subscriber_is_sent_at_its_rate(seen: Any) -> None:
     assert seen["heard"] == [0, 7, 8, 9]
     assert seen["rates"] > 2.9
 
 
-def test_a_throttled_listener_without_a_queue_misses_what_comes_too_early(seen: Any) -> None:
+def test_throttled_subscriber_without_a_queue_misses_early_messages(seen: Any) -> None:
     assert seen["heard"] == [0, 10]
 
 
-def test_two_listeners_of_one_client_hear_each_message_once(seen: Any) -> None:
+def test_two_subscribers_of_one_client_receive_each_message_once(seen: Any) -> None:
     assert seen == [[1, 2], [1, 2]]
 
 
-def test_a_topic_may_be_spelled_without_its_slash_and_its_type_as_in_ROS_2(seen: Any) -> None:
+def test_topic_may_be_spelled_without_its_slash_and_its_type_as_in_ROS_2(seen: Any) -> None:
     assert seen == [{"data": "hello"}]
 
 
-def test_a_message_of_megabytes_arrives(seen: Any) -> None:
+def test_message_of_megabytes_arrives(seen: Any) -> None:
     assert seen is True
 
 
-def test_nothing_is_heard_after_unsubscribing(seen: Any) -> None:
+def test_no_message_arrives_after_unsubscribing(seen: Any) -> None:
     assert [message["data"] for message in seen] == [1, 3]
 
 
-def test_a_topic_is_gone_when_nobody_advertises_it_any_more(seen: Any) -> None:
+def test_topic_disappears_with_its_last_publisher(seen: Any) -> None:
     assert seen == {"before": True, "after": False}

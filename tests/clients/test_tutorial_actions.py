@@ -9,5 +9,5 @@ from .casts import playing
 pytestmark = playing("tutorial_actions")
 
 
-def test_the_action_of_the_tutorial_gives_the_series_by_operation(seen: Any) -> None:
+def test_tutorial_action_returns_the_sequence_by_operation(seen: Any) -> None:
     assert seen == {"sequence": [0, 1, 1, 2, 3, 5], "feedback": [3, 4, 5, 6]}

@@ -12,7 +12,7 @@ pytestmark = playing("typedefs")
 HEADER = {"seq": "uint32", "stamp": "time", "frame_id": "string"}
 
 
-def test_a_message_type_is_decoded_into_a_tree(seen: Any) -> None:
+def test_message_type_is_decoded_into_a_tree(seen: Any) -> None:
     point = dict.fromkeys("xyz", "float64")
     assert seen == {
         "header": HEADER,
@@ -20,7 +20,7 @@ def test_a_message_type_is_decoded_into_a_tree(seen: Any) -> None:
     }
 
 
-def test_a_message_type_with_arrays_of_messages_is_decoded_into_a_tree(seen: Any) -> None:
+def test_message_type_with_arrays_of_messages_is_decoded_into_a_tree(seen: Any) -> None:
     goal_id = {"stamp": "time", "id": "string"}
     assert seen == {
         "header": HEADER,

@@ -42,13 +42,15 @@ def write(folder: Path, package: str, name: str, text: str, kind: str = "msg") -
     return folder
 
 
-def test_a_standard_package_is_an_ordinary_file() -> None:
+def test_standard_package_is_an_ordinary_file() -> None:
     module = importlib.import_module("fibws.msg.std_msgs")
     assert module.__file__ is not None
     assert Path(module.__file__).name == "std_msgs.py"
 
 
-def test_the_environment_names_folders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_environment_variable_names_folders(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     write(tmp_path / "a", "fibonacci", "Fibonacci", "int32 a\nother_msgs/Other other")
     write(tmp_path / "b", "other_msgs", "Other", "std_msgs/Header header")
     monkeypatch.setenv("FIBWS_INTERFACES", f"{tmp_path / 'a'}:{tmp_path / 'b'}:")
@@ -59,12 +61,12 @@ def test_the_environment_names_folders(tmp_path: Path, monkeypatch: pytest.Monke
     assert module.Fibonacci.from_dict(message.to_dict()) == message
 
 
-def test_a_folder_may_be_added(tmp_path: Path) -> None:
+def test_folder_may_be_added(tmp_path: Path) -> None:
     fibws.msg.add_folder(write(tmp_path, "fibonacci", "Fibonacci", "int32 a"))
     assert fibws.msg.message_class("fibonacci/msg/Fibonacci")._type == "fibonacci/Fibonacci"
 
 
-def test_packages_may_hold_messages_of_each_other(tmp_path: Path) -> None:
+def test_packages_may_use_types_of_each_other(tmp_path: Path) -> None:
     write(tmp_path, "this_msgs", "Outer", "that_msgs/Middle middle")
     write(tmp_path, "that_msgs", "Middle", "this_msgs/Inner inner")
     fibws.msg.add_folder(write(tmp_path, "this_msgs", "Inner", "int32 x"))
@@ -73,13 +75,13 @@ def test_packages_may_hold_messages_of_each_other(tmp_path: Path) -> None:
     assert type(outer).from_dict(outer.to_dict()) == outer
 
 
-def test_the_users_package_goes_before_the_standard_one(tmp_path: Path) -> None:
+def test_users_package_replaces_the_standard_one(tmp_path: Path) -> None:
     fibws.msg.add_folder(write(tmp_path, "turtlesim", "Pose", "float64 x"))
     sys.modules.pop("fibws.msg.turtlesim", None)
     assert fibws.msg.message_class("turtlesim/Pose")().to_dict() == {"x": 0.0}
 
 
-def test_the_users_services_and_actions_are_written_too(tmp_path: Path) -> None:
+def test_users_services_and_actions_are_importable(tmp_path: Path) -> None:
     write(tmp_path, "count_msgs", "Number", "int32 value")
     write(tmp_path, "count_msgs", "Next", "Number number\n---\nNumber next", "srv")
     write(tmp_path, "count_msgs", "Count", "int32 to\n---\nNumber last\n---\n", "action")
@@ -96,14 +98,14 @@ def test_the_users_services_and_actions_are_written_too(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("kind", ["msg", "srv", "action"])
-def test_a_package_that_nobody_has_is_an_import_error(kind: str) -> None:
+def test_unknown_package_is_an_import_error(kind: str) -> None:
     with pytest.raises(ModuleNotFoundError, match=r"FIBWS_INTERFACES \(not set\)") as caught:
         importlib.import_module(f"fibws.{kind}.nobodys_msgs")
     assert caught.value.name == f"fibws.{kind}.nobodys_msgs"
     assert f"hold {kind} files of nobodys_msgs" in str(caught.value)
 
 
-def test_a_users_package_without_services_has_no_module_of_them(
+def test_package_without_services_has_no_srv_module(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # What the standard package of its name has is not the user's.
@@ -114,12 +116,12 @@ def test_a_users_package_without_services_has_no_module_of_them(
 
 
 @pytest.mark.parametrize("find", [fibws.msg.message_class, service_class, action_class])
-def test_a_type_of_a_package_that_nobody_has_is_unknown(find: Callable[[str], type]) -> None:
+def test_type_of_an_unknown_package_is_unknown(find: Callable[[str], type]) -> None:
     with pytest.raises(UnknownPackage):
         find("nobodys_msgs/Mine")
 
 
-def test_a_module_that_python_finds_without_us_is_left_to_it(
+def test_module_found_by_python_is_not_replaced(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     source = tmp_path / "bare_msgs.py"
@@ -130,17 +132,17 @@ def test_a_module_that_python_finds_without_us_is_left_to_it(
     assert importlib.import_module("fibws.msg.bare_msgs").x == 1
 
 
-def test_a_private_module_is_none_of_ours() -> None:
+def test_private_modules_are_ignored() -> None:
     with pytest.raises(ModuleNotFoundError, match=r"No module named 'fibws.msg._nothing'$"):
         importlib.import_module("fibws.msg._nothing")
 
 
-def test_a_folder_that_is_not_there_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_missing_folder_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("FIBWS_INTERFACES", "/nowhere")
     with pytest.raises(InterfaceError, match="/nowhere"):
         fibws.msg.default_interfaces()
 
 
-def test_the_finder_is_installed_once() -> None:
+def test_finder_is_installed_once() -> None:
     importlib.reload(fibws.msg)
     assert sys.meta_path.count(_finder.PackageFinder) == 1

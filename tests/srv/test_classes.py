@@ -35,13 +35,13 @@ def test_each_service_has_the_messages_of_its_definition() -> None:
             assert message.from_dict(given) == message(), name
 
 
-def test_a_service_has_one_class_by_either_spelling() -> None:
+def test_both_spellings_of_a_service_are_one_class() -> None:
     assert service_class("rospy_tutorials/srv/AddTwoInts") is AddTwoInts
     assert AddTwoInts.Request is AddTwoIntsRequest
     assert AddTwoInts.Request(1, b=2).to_dict() == {"a": 1, "b": 2}
 
 
-def test_what_a_service_holds_is_of_the_classes_for_messages() -> None:
+def test_nested_fields_of_services_use_the_message_classes() -> None:
     response = GetLoggers.Response([roscpp.Logger("rosout", "info")])
     assert isinstance(response, GetLoggersResponse)
     assert response.to_dict() == {"loggers": [{"name": "rosout", "level": "info"}]}

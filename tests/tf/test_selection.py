@@ -35,7 +35,7 @@ def select(
     return Selection("/map", sources, angular, translational, LOG)
 
 
-def test_the_first_transform_counts_as_a_change(buffer: Buffer) -> None:
+def test_first_transform_counts_as_a_change(buffer: Buffer) -> None:
     place(buffer, "base")
     selection = select("/base")
     assert selection.changes(buffer) == {"base": Transform()}

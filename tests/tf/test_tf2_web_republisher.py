@@ -52,7 +52,7 @@ async def test_action_has_the_name_of_the_node(hub: Hub, start: Start) -> None:
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-async def test_ctrl_c_ends_it(hub: Hub, start: Start, number: signal.Signals) -> None:
+async def test_ctrl_c_ends_the_republisher(hub: Hub, start: Start, number: signal.Signals) -> None:
     program = await start(REPUBLISHER, "--hub", hub.url)
     async with asyncio.timeout(PATIENCE), fibws.Node("test", hub=hub.url) as node:
         await node.wait_for_service("/republish_tfs")
