@@ -35,7 +35,7 @@ class Peers:
         return list(self._names or ())
 
     @property
-    def told(self) -> bool:
+    def known(self) -> bool:
         """Whether the hub has reported them; a rosbridge_suite server never does."""
         return self._names is not None
 

@@ -72,7 +72,7 @@ class Peer:
             md5sum = operation.pop("md5sum", "")
             topic, type_ = operation["topic"], operation["type"]
             number = self._subscriptions.setdefault(topic, (len(self._subscriptions), type_))[0]
-            await self.says(
+            await self.send(
                 "subscribed",
                 id=operation["id"],
                 topic=topic,
@@ -83,7 +83,7 @@ class Peer:
             operation["compression"] = "none"
         return operation
 
-    async def hears(self, op: str) -> dict[str, Any]:
+    async def expect(self, op: str) -> dict[str, Any]:
         """The next operation, which is this one; those of the node's log are skipped."""
         async with asyncio.timeout(60):
             while True:
@@ -101,7 +101,7 @@ class Peer:
                     message: dict[str, Any] = operation["msg"]
                     return message
 
-    async def says(self, op: str, **fields: Any) -> None:
+    async def send(self, op: str, **fields: Any) -> None:
         await self.websocket.send(self.encoded(op, **fields))
 
     def encoded(self, op: str, **fields: Any) -> str | bytes:
@@ -271,7 +271,7 @@ def types() -> Types:
     return Types(time.time_ns)
 
 
-def said(session: FakeSession) -> list[dict[str, Any]]:
+def sent_operations(session: FakeSession) -> list[dict[str, Any]]:
     """The operations that were sent since the last call."""
     session.outgoing.release()
     session.outgoing.resume()
@@ -279,20 +279,20 @@ def said(session: FakeSession) -> list[dict[str, Any]]:
     return [operations.get_nowait() for _ in range(operations.qsize())]
 
 
-async def says(session: FakeSession) -> dict[str, Any]:
+async def next_operation(session: FakeSession) -> dict[str, Any]:
     """The next operation to be sent, once there is one."""
     async with asyncio.timeout(60):
         return await session.frames.operations.get()
 
 
-def hears(session: Session, op: str, **fields: Any) -> None:
+def deliver(session: Session, op: str, **fields: Any) -> None:
     """Let the session receive an operation."""
     session.receive_text(json.dumps({"op": op, **fields}).encode())
 
 
 def reconnected(session: FakeSession) -> list[dict[str, Any]]:
     """What is sent first on a new connection."""
-    said(session)
+    sent_operations(session)
     session.on_disconnect()
     session.reconnect()
-    return said(session)
+    return sent_operations(session)

@@ -21,7 +21,7 @@ from fibws.node.types import Types
 from fibws.srv.rospy_tutorials import AddTwoInts, AddTwoIntsResponse, BadTwoInts
 from fibws.srv.std_srvs import Trigger
 
-from .conftest import FakeSession, Lines, hears, said, says
+from .conftest import FakeSession, Lines, deliver, next_operation, sent_operations
 
 
 @pytest.fixture
@@ -37,7 +37,7 @@ def add(calls: Calls, a: int, b: int, within: float | None = None) -> asyncio.Ta
 def responds(
     session: FakeSession, call: dict[str, Any], values: Any, result: bool = True, **more: Any
 ) -> None:
-    hears(
+    deliver(
         session,
         "service_response",
         id=call["id"],
@@ -50,7 +50,7 @@ def responds(
 
 async def test_call_is_sent_and_its_response_returned(session: FakeSession, calls: Calls) -> None:
     answer = add(calls, 1, 2)
-    call = await says(session)
+    call = await next_operation(session)
     assert (call["op"], call["service"], call["args"]) == ("call_service", "/add", {"a": 1, "b": 2})
     assert "timeout" not in call
     responds(session, call, {"sum": 3})
@@ -63,7 +63,7 @@ async def test_missing_fields_have_their_defaults(
     session: FakeSession, calls: Calls, request_: Any
 ) -> None:
     answer = asyncio.create_task(calls.call("/go", Trigger, request_))
-    call = await says(session)
+    call = await next_operation(session)
     assert call["args"] == {}
     responds(session, call, {"success": True})
     assert await answer == Trigger.Response(success=True, message="")
@@ -74,12 +74,12 @@ async def test_invalid_request_raises_and_is_not_sent(session: FakeSession, call
         await calls.call("/add", AddTwoInts, {"a": "1"})
     with pytest.raises(TypeError, match="rospy_tutorials/BadTwoIntsRequest"):
         await calls.call("/add", AddTwoInts, BadTwoInts.Request(1, 2))  # type: ignore[misc]
-    assert said(session) == []
+    assert sent_operations(session) == []
 
 
 async def test_each_caller_gets_its_own_response(session: FakeSession, calls: Calls) -> None:
     answers = [add(calls, number, 0) for number in range(3)]
-    for call in reversed([await says(session) for _ in range(3)]):
+    for call in reversed([await next_operation(session) for _ in range(3)]):
         responds(session, call, {"sum": call["args"]["a"]})
     assert [(await answer).sum for answer in answers] == [0, 1, 2]
 
@@ -91,7 +91,7 @@ async def test_failed_call_raises_the_text_of_the_server(
     session: FakeSession, calls: Calls, values: Any, text: str
 ) -> None:
     answer = add(calls, 1, 2)
-    responds(session, await says(session), values, result=False)
+    responds(session, await next_operation(session), values, result=False)
     with pytest.raises(ServiceError) as caught:
         await answer
     assert (caught.value.service, caught.value.text) == ("/add", text)
@@ -113,7 +113,7 @@ async def test_error_is_recognised_by_its_code(
 ) -> None:
     text = "Service /add does not exist"
     answer = add(calls, 1, 2)
-    responds(session, await says(session), text, result=False, code=code)
+    responds(session, await next_operation(session), text, result=False, code=code)
     with pytest.raises(ServiceError) as caught:
         await answer
     assert type(caught.value) is kind
@@ -125,14 +125,14 @@ async def test_calls_above_the_limit_of_the_hub_wait_for_their_turn(
     session: FakeSession, calls: Calls
 ) -> None:
     answers = [add(calls, number, 0) for number in range(MOST_CALLS + 2)]
-    sent = [await says(session) for _ in range(MOST_CALLS)]
+    sent = [await next_operation(session) for _ in range(MOST_CALLS)]
     other = asyncio.create_task(calls.call("/go", Trigger))
-    responds(session, await says(session), {"success": True})
+    responds(session, await next_operation(session), {"success": True})
     assert (await other).success  # It need not wait: who answers /add may be in need of it.
     for call in sent:
         responds(session, call, {"sum": 0})
     for _ in range(2):
-        responds(session, await says(session), {"sum": 1})
+        responds(session, await next_operation(session), {"sum": 1})
     assert [(await answer).sum for answer in answers] == MOST_CALLS * [0] + [1, 1]
     assert len(calls) == 0
 
@@ -141,7 +141,7 @@ async def test_call_waiting_for_its_turn_ends_at_timeout_and_with_the_node(
     session: FakeSession, calls: Calls
 ) -> None:
     answers = [add(calls, number, 0) for number in range(MOST_CALLS)]
-    await says(session)
+    await next_operation(session)
     with pytest.raises(ServiceTimeout, match="/add: no response within"):
         await add(calls, 1, 2, within=0.01)
     last = add(calls, 1, 2)
@@ -157,22 +157,22 @@ async def test_invalid_response_fails_the_call(
     session: FakeSession, calls: Calls, values: Any
 ) -> None:
     answer = add(calls, 1, 2)
-    responds(session, await says(session), values)
+    responds(session, await next_operation(session), values)
     with pytest.raises(ServiceError, match="does not fit rospy_tutorials/AddTwoInts"):
         await answer
 
 
 async def test_refused_call_fails(session: FakeSession, calls: Calls) -> None:
     answer = add(calls, 1, 2)
-    call = await says(session)
-    hears(session, "status", level="error", id=call["id"], msg="call_service: no")
+    call = await next_operation(session)
+    deliver(session, "status", level="error", id=call["id"], msg="call_service: no")
     with pytest.raises(ServiceError, match="call_service: no"):
         await answer
 
 
 async def test_call_times_out(session: FakeSession, calls: Calls, lines: Lines) -> None:
     answer = add(calls, 1, 2, within=0.05)
-    call = await says(session)
+    call = await next_operation(session)
     assert 0 < call["timeout"] <= 0.05 + 1e-9  # uvloop rounds its clock.
     with pytest.raises(ServiceTimeout, match=r"^/add: no response within 0.05 s$"):
         await answer
@@ -188,7 +188,7 @@ async def test_call_waits_for_a_hub(session: FakeSession, calls: Calls) -> None:
     await asyncio.sleep(0)
     session.on_disconnect()
     session.reopen()
-    call = await says(session)
+    call = await next_operation(session)
     responds(session, call, {"sum": 3})
     assert (await answer).sum == 3
 
@@ -207,7 +207,7 @@ async def test_callers_wait_while_the_connection_is_full(
     await asyncio.sleep(0)
     assert len(session.outgoing) == 1
     session.drain()
-    responds(session, await says(session), {"sum": 3})
+    responds(session, await next_operation(session), {"sum": 3})
     await answer
 
 
@@ -220,15 +220,15 @@ async def test_call_waiting_for_room_waits_for_the_next_hub_after_disconnect(
     session.on_disconnect()
     for _ in range(3):
         await asyncio.sleep(0)
-    assert said(session) == []
+    assert sent_operations(session) == []
     session.reopen()
-    responds(session, await says(session), {"sum": 3})
+    responds(session, await next_operation(session), {"sum": 3})
     await answer
 
 
 async def test_disconnect_fails_pending_calls_at_once(session: FakeSession, calls: Calls) -> None:
     answer = add(calls, 1, 2)
-    await says(session)
+    await next_operation(session)
     session.on_disconnect()
     with pytest.raises(ServiceLost, match="the connection to the hub was lost"):
         await answer
@@ -241,7 +241,7 @@ async def test_end_of_the_node_fails_all_calls(
     session: FakeSession, calls: Calls, fault: Exception | None, raised: type[Exception]
 ) -> None:
     sent = add(calls, 1, 2)
-    await says(session)
+    await next_operation(session)
     session.end(fault)
     session.on_disconnect()
     with pytest.raises(raised):
@@ -265,7 +265,7 @@ async def test_cancelled_call_leaves_nothing_behind(
     session: FakeSession, calls: Calls, lines: Lines
 ) -> None:
     answer = add(calls, 1, 2)
-    call = await says(session)
+    call = await next_operation(session)
     session.on_disconnect()  # Both at once: it is the cancellation that counts.
     answer.cancel()
     with pytest.raises(asyncio.CancelledError):
@@ -278,7 +278,7 @@ async def test_cancelled_call_leaves_nothing_behind(
 async def test_call_carries_the_headers_of_its_caller(session: FakeSession, calls: Calls) -> None:
     for headers, said_ in (({"user": "ann"}, {"user": "ann"}), ({}, None), (None, None)):
         answer = asyncio.create_task(calls.call("/go", Trigger, headers=headers))
-        call = await says(session)
+        call = await next_operation(session)
         assert call.get("headers") == said_
         responds(session, call, {})
         await answer
@@ -287,4 +287,4 @@ async def test_call_carries_the_headers_of_its_caller(session: FakeSession, call
 async def test_invalid_headers_are_refused_at_once(session: FakeSession, calls: Calls) -> None:
     with pytest.raises(ValueError, match="headers must be an object of strings"):
         await calls.call("/go", Trigger, headers={"a=b": "c"})
-    assert said(session) == []
+    assert sent_operations(session) == []

@@ -41,7 +41,7 @@ async def published(peer: Peer) -> list[int]:
     """What the node published, up to a 99."""
     numbers: list[int] = []
     while not numbers or numbers[-1] != 99:
-        numbers.append((await peer.hears("publish"))["msg"]["data"])
+        numbers.append((await peer.expect("publish"))["msg"]["data"])
     return numbers
 
 
@@ -127,13 +127,13 @@ async def test_reconnection_repeats_registrations_and_sends_waiting_messages(
         latched = await node.advertise("latched", String, latch=True)
         newer = await node.advertise("newer", String, latch=True)
         gone = await node.advertise("gone", Int32)
-        heard = node.subscribe("heard", Int32)
+        subscription = node.subscribe("heard", Int32)
         left = node.subscribe("left", Int32)
         await numbers.publish(1)
         await latched.publish("kept")
         await newer.publish("old")
         for op in ["advertise"] * 4 + ["subscribe"] * 2 + ["publish"] * 3:
-            await peer.hears(op)
+            await peer.expect(op)
         lines = Lines(node.log)
         await hub.stop()
         lost = await lines.next()
@@ -162,8 +162,8 @@ async def test_reconnection_repeats_registrations_and_sends_waiting_messages(
             ("publish", "/newer"),
         ]
         assert [again[n]["msg"]["data"] for n in (7, 9, 10, 11, 12)] == ["kept", 3, 4, 5, "new"]
-        await peer.says("publish", topic="/heard", msg={"data": 6})
-        assert await anext(heard) == Int32(6)
+        await peer.send("publish", topic="/heard", msg={"data": 6})
+        assert await anext(subscription) == Int32(6)
     assert lost == f"Lost the hub at {hub.url} (the hub is shutting down); trying again."
     assert await lines.next() == f"The hub at {hub.url} is back."
 
@@ -173,12 +173,12 @@ async def test_written_messages_are_not_sent_again(hub: ScriptedHub) -> None:
         peer = await hub.peer()
         numbers = await node.advertise("fibonacci", Int32)
         await numbers.publish(1)
-        await peer.hears("advertise")
-        await peer.hears("publish")
+        await peer.expect("advertise")
+        await peer.expect("publish")
         peer.websocket.transport.abort()
         peer = await hub.peer()
         await numbers.publish(99)
-        await peer.hears("advertise")
+        await peer.expect("advertise")
         assert await published(peer) == [99]
 
 
@@ -189,13 +189,13 @@ async def test_waiting_messages_are_held_for_subscribers_unless_the_node_ends(
     async with fibws.Node("talker", hub=hub.url) as node:
         peer = await hub.peer()
         numbers = await node.advertise("fibonacci", Int32)
-        await peer.hears("advertise")
+        await peer.expect("advertise")
         lines = Lines(node.log)
         peer.websocket.transport.abort()
         assert "Lost the hub" in await lines.next()
         await numbers.publish(99)
         peer = await hub.peer()
-        await peer.hears("advertise")
+        await peer.expect("advertise")
         with pytest.raises(TimeoutError):
             async with asyncio.timeout(0.1):
                 await peer.receive()
@@ -220,12 +220,12 @@ async def test_refused_advertisement_is_not_repeated(hub: ScriptedHub) -> None:
     async with fibws.Node("talker", hub=hub.url) as node:
         peer = await hub.peer()
         await node.advertise("fibonacci", Int32)
-        advertise = await peer.hears("advertise")
-        await peer.says("status", level="error", id=advertise["id"], msg="not this type")
+        advertise = await peer.expect("advertise")
+        await peer.send("status", level="error", id=advertise["id"], msg="not this type")
         await peer.websocket.close(1001)
         peer = await hub.peer()
         await node.advertise("other", Int32)
-        assert (await peer.hears("advertise"))["topic"] == "/other"
+        assert (await peer.expect("advertise"))["topic"] == "/other"
 
 
 async def test_refusal_after_a_restart_of_the_hub_ends_the_node(hub: ScriptedHub) -> None:
@@ -244,10 +244,10 @@ async def test_publishing_waits_for_a_slow_hub(hub: ScriptedHub) -> None:
         # Nobody reads at the other end: the sockets' buffers fill up, and then the outbox.
         published = await _publish_until_it_waits(texts)
         waiting = asyncio.create_task(texts.publish("last"))
-        await peer.hears("advertise")
+        await peer.expect("advertise")
         for _ in range(published):
-            assert (await peer.hears("publish"))["msg"]["data"] == LONG
-        assert (await peer.hears("publish"))["msg"]["data"] == "last"
+            assert (await peer.expect("publish"))["msg"]["data"] == LONG
+        assert (await peer.expect("publish"))["msg"]["data"] == "last"
         await waiting
         assert texts.dropped == 0
 
@@ -280,8 +280,8 @@ async def test_publisher_waiting_for_room_continues_after_disconnect(hub: Script
         peer.websocket.transport.abort()
         await publishing
         peer = await hub.peer()
-        await peer.hears("advertise")
-        assert (await peer.hears("publish"))["msg"]["data"] == "last"
+        await peer.expect("advertise")
+        assert (await peer.expect("publish"))["msg"]["data"] == "last"
         assert texts.dropped > 0
 
 
@@ -372,7 +372,7 @@ async def test_broken_pipe_in_the_log_is_noticed_on_connection(
 
 async def sends_a_burst(peer: Peer) -> None:
     """The hub sends the numbers from 0 to 999 in one go."""
-    await peer.hears("subscribe")
+    await peer.expect("subscribe")
     burst = [peer.encoded("publish", topic="/numbers", msg={"data": n}) for n in range(1000)]
     frames = [
         server_frame(BINARY, data) if isinstance(data, bytes) else server_frame(TEXT, data.encode())
@@ -385,14 +385,14 @@ async def test_other_tasks_run_during_a_burst(hub: ScriptedHub) -> None:
     async with fibws.Node("listener", hub=hub.url) as node:
         peer = await hub.peer()
         turns = 0
-        heard: Counter[int] = Counter()
-        node.subscribe("numbers", Int32).hand_to(lambda number: heard.update([turns]))
+        received: Counter[int] = Counter()
+        node.subscribe("numbers", Int32).hand_to(lambda number: received.update([turns]))
         await sends_a_burst(peer)
         async with asyncio.timeout(60):
-            while heard.total() < 1000:
+            while received.total() < 1000:
                 turns += 1
                 await asyncio.sleep(0)
-        assert max(heard.values()) <= 100
+        assert max(received.values()) <= 100
 
 
 async def test_fast_reader_gets_all_messages_of_a_burst(hub: ScriptedHub) -> None:
@@ -401,8 +401,8 @@ async def test_fast_reader_gets_all_messages_of_a_burst(hub: ScriptedHub) -> Non
         numbers = node.subscribe("numbers", Int32, queue_size=10)
         await sends_a_burst(peer)
         async with asyncio.timeout(60):
-            heard = [(await anext(numbers)).data for _ in range(1000)]
-        assert heard == list(range(1000))
+            received = [(await anext(numbers)).data for _ in range(1000)]
+        assert received == list(range(1000))
         assert numbers.dropped == 0
 
 
@@ -415,7 +415,7 @@ async def test_pending_operations_end_with_the_reason_of_the_node(
     async with fibws.Node("asker", hub=hub.url) as node:
         peer = await hub.peer()
         answer = asyncio.create_task(node.call("add", AddTwoInts))
-        await peer.hears("call_service")
+        await peer.expect("call_service")
         await peer.websocket.close(closing.code, closing.reason)
         with pytest.raises(fault, match="/asker"):
             await answer
@@ -431,12 +431,12 @@ async def test_large_messages_arrive_whole_both_ways(hub: ScriptedHub, size: int
         back = node.subscribe("back", String)
         numbers = node.subscribe("numbers", Int32)
         for op in ("advertise", "subscribe", "subscribe"):
-            await peer.hears(op)
+            await peer.expect(op)
         text = ("0123456789" * (size // 10 + 1))[:size]
         await out.publish(text)
-        received = await peer.hears("publish")
-        await peer.says("publish", topic="/back", msg=received["msg"])
-        await peer.says("publish", topic="/numbers", msg={"data": 1})
+        received = await peer.expect("publish")
+        await peer.send("publish", topic="/back", msg=received["msg"])
+        await peer.send("publish", topic="/numbers", msg={"data": 1})
         assert (await anext(back)).data == text
         assert (await anext(numbers)).data == 1
 
@@ -445,11 +445,11 @@ async def test_fragmented_messages_arrive_whole(hub: ScriptedHub) -> None:
     async with fibws.Node("node", hub=hub.url) as node:
         peer = await hub.peer()
         numbers = node.subscribe("numbers", Int32)
-        await peer.hears("subscribe")
+        await peer.expect("subscribe")
         data = peer.encoded("publish", topic="/numbers", msg={"data": 1})
         await peer.websocket.send([data[:5], data[5:10], data[10:]])
         await (await peer.websocket.ping())
-        await peer.says("publish", topic="/numbers", msg={"data": 2})
+        await peer.send("publish", topic="/numbers", msg={"data": 2})
         assert [(await anext(numbers)).data for _ in range(2)] == [1, 2]
 
 
@@ -459,7 +459,7 @@ async def test_pings_are_answered_within_a_flood(hub: ScriptedHub) -> None:
         numbers = node.subscribe("numbers", Int32, queue_size=1)
         await sends_a_burst(peer)
         await (await peer.websocket.ping())
-        await peer.says("publish", topic="/numbers", msg={"data": -1})
+        await peer.send("publish", topic="/numbers", msg={"data": -1})
         while (await anext(numbers)).data != -1:
             pass
 
@@ -515,21 +515,21 @@ async def test_messages_go_over_tls(tls_hub: ScriptedHub) -> None:
         peer = await tls_hub.peer()
         numbers = await node.advertise("numbers", Int32)
         back = node.subscribe("back", String)
-        await peer.hears("advertise")
-        await peer.hears("subscribe")
+        await peer.expect("advertise")
+        await peer.expect("subscribe")
         for number in [*range(300), 99]:
             await numbers.publish(number)
         for number in [*range(300), 99]:
-            assert (await peer.hears("publish"))["msg"]["data"] == number
+            assert (await peer.expect("publish"))["msg"]["data"] == number
         for size in (3, 500_000):
-            await peer.says("publish", topic="/back", msg={"data": "x" * size})
+            await peer.send("publish", topic="/back", msg={"data": "x" * size})
             assert len((await anext(back)).data) == size
         # What a slow hub does not read waits, and arrives.
         texts = await node.advertise("texts", String)
-        await peer.hears("advertise")
+        await peer.expect("advertise")
         publishing = asyncio.create_task(_publish(texts, 100))
         for _ in range(100):
-            assert (await peer.hears("publish"))["msg"]["data"] == LONG
+            assert (await peer.expect("publish"))["msg"]["data"] == LONG
         await publishing
 
 

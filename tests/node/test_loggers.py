@@ -11,7 +11,7 @@ from fibws.node.services import Services
 from fibws.node.types import Types
 from fibws.protocol.levels import LEVELS
 
-from .conftest import FakeSession, hears, said, says
+from .conftest import FakeSession, deliver, next_operation, sent_operations
 
 
 @pytest.fixture
@@ -22,8 +22,8 @@ def log(session: FakeSession, types: Types) -> logging.Logger:
 
 
 async def level(session: FakeSession) -> str:
-    hears(session, "call_service", id="get", service="/talker/get_loggers", args={})
-    answer = await says(session)
+    deliver(session, "call_service", id="get", service="/talker/get_loggers", args={})
+    answer = await next_operation(session)
     (logger,) = answer["values"]["loggers"]
     assert logger["name"] == "rosout"
     found: str = logger["level"]
@@ -32,12 +32,12 @@ async def level(session: FakeSession) -> str:
 
 async def change(session: FakeSession, logger: str, level: str) -> object:
     args = {"logger": logger, "level": level}
-    hears(session, "call_service", id="set", service="/talker/set_logger_level", args=args)
-    return (await says(session))["values"]
+    deliver(session, "call_service", id="set", service="/talker/set_logger_level", args=args)
+    return (await next_operation(session))["values"]
 
 
 async def test_both_services_are_advertised(session: FakeSession, log: logging.Logger) -> None:
-    services = [(each["service"], each["type"]) for each in said(session)]
+    services = [(each["service"], each["type"]) for each in sent_operations(session)]
     assert services == [
         ("/talker/get_loggers", "roscpp/GetLoggers"),
         ("/talker/set_logger_level", "roscpp/SetLoggerLevel"),
@@ -49,7 +49,7 @@ async def test_both_services_are_advertised(session: FakeSession, log: logging.L
 async def test_level_can_be_changed(
     session: FakeSession, log: logging.Logger, logger: str, name: str, number: int
 ) -> None:
-    said(session)
+    sent_operations(session)
     assert await level(session) == "info"
     assert await change(session, logger, name.capitalize()) == {}
     assert await level(session) == name
@@ -59,7 +59,7 @@ async def test_level_can_be_changed(
 async def test_level_between_two_is_reported_as_the_next_higher_one(
     session: FakeSession, log: logging.Logger
 ) -> None:
-    said(session)
+    sent_operations(session)
     log.setLevel(logging.INFO + 5)
     assert await level(session) == "warn"
 
@@ -70,11 +70,11 @@ async def test_child_loggers_are_listed_and_changed_separately(
     log = logging.getLogger("listed")
     log.setLevel(logging.INFO)
     Loggers(log, Services(session, types), lambda name: f"/talker/{name[1:]}")
-    said(session)
+    sent_operations(session)
     arm = log.getChild("robot.arm")
     arm.setLevel(logging.NOTSET)
-    hears(session, "call_service", id="get", service="/talker/get_loggers", args={})
-    assert (await says(session))["values"]["loggers"] == [
+    deliver(session, "call_service", id="get", service="/talker/get_loggers", args={})
+    assert (await next_operation(session))["values"]["loggers"] == [
         {"name": "rosout", "level": "info"},
         {"name": "rosout.robot.arm", "level": "info"},
     ]
@@ -88,9 +88,9 @@ async def test_child_loggers_are_listed_and_changed_separately(
 async def test_root_logger_contains_all_loggers(session: FakeSession, types: Types) -> None:
     deep = logging.getLogger("library.deep")
     Loggers(logging.getLogger(), Services(session, types), lambda name: f"/talker/{name[1:]}")
-    said(session)
-    hears(session, "call_service", id="get", service="/talker/get_loggers", args={})
-    first, *others = [each["name"] for each in (await says(session))["values"]["loggers"]]
+    sent_operations(session)
+    deliver(session, "call_service", id="get", service="/talker/get_loggers", args={})
+    first, *others = [each["name"] for each in (await next_operation(session))["values"]["loggers"]]
     assert first == "rosout"
     assert "rosout.library.deep" in others
     assert all(name.startswith("rosout.") for name in others)
@@ -108,7 +108,7 @@ async def test_root_logger_contains_all_loggers(session: FakeSession, types: Typ
 async def test_unknown_logger_or_level_is_refused(
     session: FakeSession, log: logging.Logger, logger: str, name: str, text: str
 ) -> None:
-    said(session)
+    sent_operations(session)
     assert await change(session, logger, name) == text
     assert log.level == logging.INFO
 
@@ -119,5 +119,5 @@ async def test_logger_without_a_level_has_that_of_its_parent(
     log = logging.Logger("mine")
     log.parent = logging.Logger("root", logging.ERROR)
     Loggers(log, Services(session, types), lambda name: f"/talker/{name[1:]}")
-    said(session)
+    sent_operations(session)
     assert await level(session) == "error"

@@ -60,16 +60,16 @@ async def test_node_sends_its_name_and_publishes(hub: ScriptedHub) -> None:
         await numbers.publish(data=2)
         await numbers.publish(Int32(3))
         assert (numbers.topic, numbers.type) == ("/fibonacci", "std_msgs/Int32")
-        advertise = await peer.hears("advertise")
+        advertise = await peer.expect("advertise")
         assert advertise["topic"] == "/fibonacci"
         assert advertise["type"] == "std_msgs/Int32"
         assert (advertise["queue_size"], advertise["latch"]) == (5, True)
         assert "definition" not in advertise
         for number in (1, 2, 3):
-            assert (await peer.hears("publish"))["msg"] == {"data": number}
+            assert (await peer.expect("publish"))["msg"] == {"data": number}
         numbers.close()
         numbers.close()
-        unadvertise = await peer.hears("unadvertise")
+        unadvertise = await peer.expect("unadvertise")
         assert (unadvertise["topic"], unadvertise["id"]) == ("/fibonacci", advertise["id"])
         with pytest.raises(fibws.NodeClosed):
             await numbers.publish(4)
@@ -96,8 +96,8 @@ async def test_type_may_be_a_name(hub: ScriptedHub) -> None:
         numbers = await node.advertise("numbers", "std_msgs/msg/Float64")
         assert numbers.type == "std_msgs/Float64"
         await numbers.publish(Float64(1.5))
-        await peer.hears("advertise")
-        assert (await peer.hears("publish"))["msg"] == {"data": 1.5}
+        await peer.expect("advertise")
+        assert (await peer.expect("publish"))["msg"] == {"data": 1.5}
         with pytest.raises(fibws.InterfaceError, match="did you mean std_msgs/Int32"):
             await node.advertise("numbers", "std_msgs/Int23")
         with pytest.raises(fibws.InterfaceError):
@@ -117,9 +117,9 @@ async def test_refused_advertisement_is_raised_by_the_next_publish(hub: Scripted
         peer = await hub.peer()
         numbers = await node.advertise("fibonacci", Int32)
         other = node.subscribe("other", Int32)
-        advertise = await peer.hears("advertise")
-        await peer.says("status", level="error", id=advertise["id"], msg="not this type")
-        await peer.says("publish", topic="/other", msg={"data": 1})
+        advertise = await peer.expect("advertise")
+        await peer.send("status", level="error", id=advertise["id"], msg="not this type")
+        await peer.send("publish", topic="/other", msg={"data": 1})
         await anext(other)
         with pytest.raises(fibws.OperationRejected, match="not this type"):
             await numbers.publish(1)
@@ -136,12 +136,12 @@ async def test_messages_are_received_as_objects(hub: ScriptedHub) -> None:
         peer = await hub.peer()
         async with node.subscribe("fibonacci", Int32) as numbers:
             assert (numbers.topic, numbers.type) == ("/fibonacci", "std_msgs/Int32")
-            subscribe = await peer.hears("subscribe")
+            subscribe = await peer.expect("subscribe")
             assert (subscribe["topic"], subscribe["type"]) == ("/fibonacci", "std_msgs/Int32")
-            await peer.says("publish", topic="/elsewhere", msg={"data": 7})
-            await peer.says("publish", topic="/fibonacci", msg={"data": 8})
+            await peer.send("publish", topic="/elsewhere", msg={"data": 7})
+            await peer.send("publish", topic="/fibonacci", msg={"data": 8})
             assert await anext(numbers) == Int32(8)
-        unsubscribe = await peer.hears("unsubscribe")
+        unsubscribe = await peer.expect("unsubscribe")
         assert (unsubscribe["topic"], unsubscribe["id"]) == ("/fibonacci", subscribe["id"])
         assert [number async for number in numbers] == []
 
@@ -152,12 +152,12 @@ async def test_invalid_messages_are_logged_and_skipped(
     async with fibws.Node("listener", hub=hub.url) as node:
         peer = await hub.peer()
         numbers = node.subscribe("fibonacci", Int32)
-        await peer.says("publish", topic="/fibonacci", msg={"data": "8"})
-        await peer.says("publish", topic="/fibonacci")
+        await peer.send("publish", topic="/fibonacci", msg={"data": "8"})
+        await peer.send("publish", topic="/fibonacci")
         await peer.websocket.send("hello")
         await peer.websocket.send(b"\xff")
-        await peer.says("nonsense")
-        await peer.says("publish", topic="/fibonacci", msg={"data": 13})
+        await peer.send("nonsense")
+        await peer.send("publish", topic="/fibonacci", msg={"data": 13})
         assert await anext(numbers) == Int32(13)
     errors = capsys.readouterr().err
     assert errors.count("Dropped a message on /fibonacci: ") == 2
@@ -170,8 +170,8 @@ async def test_slow_reader_gets_the_newest_messages(hub: ScriptedHub) -> None:
         numbers = node.subscribe("fibonacci", Int32, queue_size=2)
         last = node.subscribe("last", Int32)
         for number in range(5):
-            await peer.says("publish", topic="/fibonacci", msg={"data": number})
-        await peer.says("publish", topic="/last", msg={"data": 0})
+            await peer.send("publish", topic="/fibonacci", msg={"data": number})
+        await peer.send("publish", topic="/last", msg={"data": 0})
         await anext(last)
         assert numbers.dropped == 3
         assert [await anext(numbers), await anext(numbers)] == [Int32(3), Int32(4)]
@@ -181,8 +181,8 @@ async def test_refused_subscription_is_raised_by_its_iteration(hub: ScriptedHub)
     async with fibws.Node("listener", hub=hub.url) as node:
         peer = await hub.peer()
         numbers = node.subscribe("fibonacci", Int32)
-        subscribe = await peer.hears("subscribe")
-        await peer.says("status", level="error", id=subscribe["id"], msg="not this type")
+        subscribe = await peer.expect("subscribe")
+        await peer.send("status", level="error", id=subscribe["id"], msg="not this type")
         with pytest.raises(fibws.OperationRejected, match="not this type"):
             await anext(numbers)
 
@@ -192,8 +192,8 @@ async def test_two_subscriptions_of_a_topic_both_receive_it(hub: ScriptedHub) ->
         peer = await hub.peer()
         first = node.subscribe("fibonacci", Int32)
         second = node.subscribe("fibonacci", Int32)
-        assert (await peer.hears("subscribe"))["id"] != (await peer.hears("subscribe"))["id"]
-        await peer.says("publish", topic="/fibonacci", msg={"data": 1})
+        assert (await peer.expect("subscribe"))["id"] != (await peer.expect("subscribe"))["id"]
+        await peer.send("publish", topic="/fibonacci", msg={"data": 1})
         assert await anext(first) == await anext(second) == Int32(1)
 
 
@@ -203,7 +203,7 @@ async def test_other_statuses_are_logged(
     async with fibws.Node("listener", hub=hub.url):
         peer = await hub.peer()
         for level in ("error", "warning", "info", "none"):
-            await peer.says("status", level=level, msg=f"a matter of {level}")
+            await peer.send("status", level=level, msg=f"a matter of {level}")
         for expected in (8, 4, 2, 2):
             assert (await peer.logged())["level"] == expected
     printed = capsys.readouterr()
@@ -224,10 +224,10 @@ async def test_leaving_the_node_sends_pending_messages_and_unregisters(hub: Scri
         spinning = asyncio.create_task(node.spin())
         for number in range(1000):
             await numbers.publish(number)
-    await peer.hears("advertise")
-    await peer.hears("subscribe")
+    await peer.expect("advertise")
+    await peer.expect("subscribe")
     for number in range(1000):
-        assert (await peer.hears("publish"))["msg"] == {"data": number}
+        assert (await peer.expect("publish"))["msg"] == {"data": number}
     await peer.websocket.wait_closed()
     assert peer.websocket.close_code == 1000
     assert await reading is None
@@ -265,7 +265,7 @@ async def test_last_messages_are_read_before_the_end_is_raised(hub: ScriptedHub)
     async with fibws.Node("listener", hub=hub.url) as node:
         peer = await hub.peer()
         numbers = node.subscribe("fibonacci", Int32)
-        await peer.says("publish", topic="/fibonacci", msg={"data": 1})
+        await peer.send("publish", topic="/fibonacci", msg={"data": 1})
         await peer.websocket.close(4001, "new node registered with same name")
         with pytest.raises(fibws.NodeReplaced):
             await node.spin()
@@ -302,8 +302,8 @@ async def test_publishers_and_subscribers_may_be_created_before_entering(
     numbers = node.subscribe("fibonacci", Int32)
     async with node:
         peer = await hub.peer()
-        assert (await peer.hears("subscribe"))["topic"] == "/fibonacci"
-        await peer.says("publish", topic="/fibonacci", msg={"data": 1})
+        assert (await peer.expect("subscribe"))["topic"] == "/fibonacci"
+        await peer.send("publish", topic="/fibonacci", msg={"data": 1})
         assert await anext(numbers) == Int32(1)
 
 
@@ -325,7 +325,7 @@ async def test_end_cancels_pending_responses_and_waits_for_them(hub: ScriptedHub
     async with fibws.Node("node", hub=hub.url) as node:
         peer = await hub.peer()
         await node.service("never", "std_srvs/Trigger", never)
-        await peer.hears("advertise_service")
-        await peer.says("call_service", id="call", service="/never", args={})
+        await peer.expect("advertise_service")
+        await peer.send("call_service", id="call", service="/never", args={})
         await asked.wait()
     assert left.is_set()

@@ -118,9 +118,9 @@ async def test_reader_that_timed_out_misses_nothing() -> None:
 
 def test_first_report_makes_peers_known() -> None:
     peers = Peers()
-    assert not peers.told
+    assert not peers.known
     peers.update([])
-    assert peers.told
+    assert peers.known
 
 
 async def test_changes_are_applied_to_the_known_names() -> None:

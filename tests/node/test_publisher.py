@@ -16,7 +16,7 @@ from fibws.protocol.operations import Advertise
 from fibws.protocol.serialized import read_publish
 from fibws.protocol.websocket import client_payload
 
-from .conftest import FakeSession, Lines, hears, reconnected, said
+from .conftest import FakeSession, Lines, deliver, reconnected, sent_operations
 
 
 @pytest.fixture
@@ -31,12 +31,12 @@ def advertise(topics: Topics, types: Types, **options: Any) -> Publisher[Point]:
 @pytest.fixture
 def points(session: FakeSession, topics: Topics, types: Types) -> Publisher[Point]:
     points = advertise(topics, types)
-    said(session)
+    sent_operations(session)
     return points
 
 
 def published(session: FakeSession) -> list[list[float]]:
-    return [list(each["msg"].values()) for each in said(session)]
+    return [list(each["msg"].values()) for each in sent_operations(session)]
 
 
 async def test_message_is_given_whole_or_by_its_fields(
@@ -78,9 +78,9 @@ async def test_advertisement_has_number_and_md5_only_with_a_hub_of_fibws(
 
 async def test_headers_can_be_changed(session: FakeSession, points: Publisher[Point]) -> None:
     points.introduce({})
-    assert said(session) == []
+    assert sent_operations(session) == []
     points.introduce({"user": "ann"})
-    (advertised,) = said(session)
+    (advertised,) = sent_operations(session)
     assert (advertised["op"], advertised["headers"]) == ("advertise", {"user": "ann"})
     assert advertised["id"] == points.id
     assert [each.get("headers") for each in reconnected(session)] == [{"user": "ann"}]
@@ -88,7 +88,7 @@ async def test_headers_can_be_changed(session: FakeSession, points: Publisher[Po
         points.introduce({"": "nobody"})
     points.close()
     points.introduce({"user": "bob"})
-    assert [each["op"] for each in said(session)] == ["unadvertise"]
+    assert [each["op"] for each in sent_operations(session)] == ["unadvertise"]
 
 
 async def test_publisher_can_be_closed_before_its_node(
@@ -101,11 +101,11 @@ async def test_publisher_can_be_closed_before_its_node(
         await points.publish()
     points.send_while_open(points.encode())
     points.close()
-    assert [each["op"] for each in said(session)] == ["publish", "unadvertise"]
+    assert [each["op"] for each in sent_operations(session)] == ["publish", "unadvertise"]
 
 
 async def test_refused_publisher_raises(session: FakeSession, points: Publisher[Point]) -> None:
-    hears(session, "status", level="error", id=points.id, msg="no", code="not_allowed")
+    deliver(session, "status", level="error", id=points.id, msg="no", code="not_allowed")
     for _ in range(2):
         with pytest.raises(OperationRejected, match="no") as refusal:
             points.send(points.encode())
@@ -194,7 +194,7 @@ async def test_message_for_one_subscriber_names_it(
     points.send(points.encode_to("/listener", Point(1, 2, 3)))
     points.send(points.encode_to("/grün", z=3))
     points.send(points.encode())
-    assert [each.get("to") for each in said(session)] == ["/listener", "/grün", None]
+    assert [each.get("to") for each in sent_operations(session)] == ["/listener", "/grün", None]
 
 
 async def test_message_for_one_subscriber_is_not_latched(

@@ -96,13 +96,13 @@ async def test_refused_log_is_not_sent(hub: ScriptedHub) -> None:
     async with fibws.Node("talker", hub=hub.url) as node:
         peer = await hub.peer()
         other = node.subscribe("other", Int32)
-        await peer.says("status", level="error", id="advertise:/rosout:1", msg="no")
-        await peer.says("publish", topic="/other", msg={"data": 1})
+        await peer.send("status", level="error", id="advertise:/rosout:1", msg="no")
+        await peer.send("publish", topic="/other", msg={"data": 1})
         await anext(other)
         node.log.info("nobody hears this")
         await node.advertise("fibonacci", Int32)
-        assert (await peer.hears("subscribe"))["topic"] == "/other"
-        assert (await peer.hears("advertise"))["topic"] == "/fibonacci"
+        assert (await peer.expect("subscribe"))["topic"] == "/other"
+        assert (await peer.expect("advertise"))["topic"] == "/fibonacci"
 
 
 async def test_given_logger_is_used_unchanged(

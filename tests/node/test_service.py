@@ -14,7 +14,7 @@ from fibws.node.services import MOST_CALLS, MOST_WAITING, Services, ServiceServe
 from fibws.node.types import Types
 from fibws.srv.rospy_tutorials import AddTwoInts, AddTwoIntsRequest, AddTwoIntsResponse
 
-from .conftest import FakeSession, Lines, hears, said, says
+from .conftest import FakeSession, Lines, deliver, next_operation, sent_operations
 
 Serve = Callable[[Any], ServiceServer[Any, Any]]
 
@@ -26,14 +26,14 @@ def serve(session: FakeSession, types: Types) -> Serve:
 
     def serve(handler: Any) -> ServiceServer[Any, Any]:
         server = services.serve("/add", AddTwoInts, handler)
-        said(session)
+        sent_operations(session)
         return server
 
     return serve
 
 
-def asks(session: FakeSession, a: int = 1, b: int = 2, id_: str = "call") -> None:
-    hears(session, "call_service", id=id_, service="/add", args={"a": a, "b": b})
+def send_call(session: FakeSession, a: int = 1, b: int = 2, id_: str = "call") -> None:
+    deliver(session, "call_service", id=id_, service="/add", args={"a": a, "b": b})
 
 
 class Gate:
@@ -77,8 +77,8 @@ async def test_handler_is_called_with_the_request(
     session: FakeSession, serve: Serve, handler: Any
 ) -> None:
     serve(handler)
-    asks(session)
-    assert await says(session) == {
+    send_call(session)
+    assert await next_operation(session) == {
         "op": "service_response",
         "id": "call",
         "service": "/add",
@@ -103,8 +103,8 @@ async def test_exception_in_the_handler_fails_only_its_call(
 
     serve(fail)
     for _ in range(2):
-        asks(session)
-        answer = await says(session)
+        send_call(session)
+        answer = await next_operation(session)
         assert answer["values"] == f"error processing request: {text}"
         assert answer["result"] is False
     assert lines.seen() == 2 * [f"Service /add failed: {line}"]
@@ -114,9 +114,9 @@ async def test_invalid_response_fails_the_call(
     session: FakeSession, serve: Serve, lines: Lines
 ) -> None:
     serve(lambda request: None)
-    asks(session)
+    send_call(session)
     text = "service cannot process request: service handler returned None"
-    assert (await says(session))["values"] == text
+    assert (await next_operation(session))["values"] == text
     assert lines.seen() == ["Service /add failed: service handler returned None"]
 
 
@@ -126,14 +126,14 @@ async def test_response_that_contains_itself_fails_the_call(
     endless: list[Any] = []
     endless.append(endless)
     serve(lambda request: {"sum": endless})
-    asks(session)
-    assert (await says(session))["result"] is False
+    send_call(session)
+    assert (await next_operation(session))["result"] is False
 
 
 async def test_invalid_request_fails_the_call(session: FakeSession, serve: Serve) -> None:
     serve(plain)
-    hears(session, "call_service", id="call", service="/add", args={"c": 1})
-    answer = await says(session)
+    deliver(session, "call_service", id="call", service="/add", args={"c": 1})
+    answer = await next_operation(session)
     assert answer["result"] is False
     assert "does not have a field c" in answer["values"]
 
@@ -141,11 +141,11 @@ async def test_invalid_request_fails_the_call(session: FakeSession, serve: Serve
 async def test_calls_are_handled_concurrently(session: FakeSession, serve: Serve) -> None:
     gate = Gate()
     serve(gate)
-    asks(session, 1, id_="slow")
-    asks(session, 0, id_="fast")
-    assert (await says(session))["id"] == "fast"
+    send_call(session, 1, id_="slow")
+    send_call(session, 0, id_="fast")
+    assert (await next_operation(session))["id"] == "fast"
     gate.open.set()
-    assert (await says(session))["id"] == "slow"
+    assert (await next_operation(session))["id"] == "slow"
 
 
 async def test_number_of_concurrent_calls_is_limited(session: FakeSession, serve: Serve) -> None:
@@ -153,9 +153,9 @@ async def test_number_of_concurrent_calls_is_limited(session: FakeSession, serve
     serve(gate)
     most = MOST_CALLS + MOST_WAITING
     for number in range(most):
-        asks(session, number + 1)
-    asks(session, id_="too many")
-    (refused,) = said(session)
+        send_call(session, number + 1)
+    send_call(session, id_="too many")
+    (refused,) = sent_operations(session)
     assert (refused["id"], refused["result"]) == ("too many", False)
     assert refused["values"] == f"service [/add] is busy with {most} calls"
     await asyncio.sleep(0)
@@ -163,16 +163,16 @@ async def test_number_of_concurrent_calls_is_limited(session: FakeSession, serve
     gate.open.set()
     await gate.settled(session)
     assert gate.entered == list(range(1, most + 1))
-    assert len(said(session)) == most
-    asks(session, 0)
-    assert (await says(session))["result"] is True
+    assert len(sent_operations(session)) == most
+    send_call(session, 0)
+    assert (await next_operation(session))["result"] is True
 
 
 async def test_calls_of_a_lost_hub_are_dropped(session: FakeSession, serve: Serve) -> None:
     gate = Gate()
     serve(gate)
     for _ in range(MOST_CALLS + 1):
-        asks(session, 1)
+        send_call(session, 1)
     await asyncio.sleep(0)
     session.on_disconnect()
     gate.open.set()
@@ -189,10 +189,10 @@ async def test_exceptions_of_handlers_are_logged_but_not_errors_of_callers(
     log = StringIO()
     session.log.addHandler(logging.StreamHandler(log))
     serve(divide)
-    asks(session, 1, 0)
-    await says(session)
-    hears(session, "call_service", id="call", service="/add", args={"c": 1})
-    await says(session)
+    send_call(session, 1, 0)
+    await next_operation(session)
+    deliver(session, "call_service", id="call", service="/add", args={"c": 1})
+    await next_operation(session)
     failed, *traceback, asked = log.getvalue().splitlines()
     assert failed.startswith("Service /add failed: ZeroDivisionError: ")
     assert any(line.endswith("in divide") for line in traceback)
@@ -217,34 +217,34 @@ async def test_broken_pipe_in_a_handler_ends_the_node(
 
     session.log.addHandler(Unread())
     server = serve(handler)
-    asks(session)
+    send_call(session)
     async with asyncio.timeout(60):
         with pytest.raises(BrokenPipeError):
             await session.ended()
     with pytest.raises(BrokenPipeError):
         await server.spin()
     await session.tasks.finished()
-    assert said(session) == []
+    assert sent_operations(session) == []
 
 
 async def test_responses_wait_for_room(session: FakeSession, serve: Serve) -> None:
     serve(plain)
     session.fill()
-    asks(session)
+    send_call(session)
     await asyncio.sleep(0)
     assert len(session.outgoing) == 1
     session.drain()
-    assert (await says(session))["id"] == "call"
+    assert (await next_operation(session))["id"] == "call"
 
 
 async def test_close_cancels_calls_in_progress(session: FakeSession, serve: Serve) -> None:
     gate = Gate()
     async with serve(gate) as server:
-        asks(session, 1)
+        send_call(session, 1)
         await asyncio.sleep(0)
         assert gate.entered == [1]
     assert gate.left == [1]
-    assert [each["op"] for each in said(session)] == ["unadvertise_service"]
+    assert [each["op"] for each in sent_operations(session)] == ["unadvertise_service"]
     await server.spin()
 
 
@@ -258,7 +258,7 @@ async def test_handler_may_close_its_service(session: FakeSession, serve: Serve)
         return 3
 
     server = serve(once)
-    asks(session)
+    send_call(session)
     async with asyncio.timeout(60):
         await left.wait()
         await server.spin()
@@ -267,13 +267,13 @@ async def test_handler_may_close_its_service(session: FakeSession, serve: Serve)
 async def test_end_of_the_node_ends_the_service(session: FakeSession, serve: Serve) -> None:
     gate = Gate()
     server = serve(gate)
-    asks(session, 1)
+    send_call(session, 1)
     await asyncio.sleep(0)
     session.end()
     await server.spin()
     await gate.settled(session)
     assert gate.left == [1]
-    assert said(session) == []
+    assert sent_operations(session) == []
 
 
 async def test_responses_to_calls_of_a_lost_hub_are_not_sent_to_the_next(
@@ -281,14 +281,14 @@ async def test_responses_to_calls_of_a_lost_hub_are_not_sent_to_the_next(
 ) -> None:
     gate = Gate()
     serve(gate)
-    asks(session, 1)
+    send_call(session, 1)
     await asyncio.sleep(0)
     session.on_disconnect()
     session.reopen()
     gate.open.set()
     await gate.settled(session)
     assert gate.left == [1]
-    assert said(session) == []
+    assert sent_operations(session) == []
 
 
 async def test_cancelled_handler_still_responds(session: FakeSession, serve: Serve) -> None:
@@ -296,7 +296,7 @@ async def test_cancelled_handler_still_responds(session: FakeSession, serve: Ser
         raise asyncio.CancelledError
 
     serve(give_up)
-    asks(session)
-    answer = await says(session)
+    send_call(session)
+    answer = await next_operation(session)
     assert answer["values"] == "error processing request: it was cancelled"
     assert answer["result"] is False

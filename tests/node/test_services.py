@@ -11,7 +11,7 @@ from fibws.node.services import Services
 from fibws.node.types import Types
 from fibws.srv.std_srvs import Trigger, TriggerRequest
 
-from .conftest import FakeSession, Lines, hears, reconnected, said, says
+from .conftest import FakeSession, Lines, deliver, next_operation, reconnected, sent_operations
 
 
 @pytest.fixture
@@ -35,7 +35,7 @@ async def test_services_are_advertised_and_unadvertised(
     assert repr(server) == "<ServiceServer /go [std_srvs/Trigger]>"
     for _ in range(2):
         server.close()
-    advertised, unadvertised = said(session)
+    advertised, unadvertised = sent_operations(session)
     assert advertised == {
         "op": "advertise_service",
         "id": server.operation.id,
@@ -52,7 +52,7 @@ async def test_remaining_services_are_advertised_on_a_new_connection(
     session.on_disconnect()
     services.serve("/stay", Trigger, done)
     services.serve("/go", Trigger, done).close()
-    assert said(session) == []
+    assert sent_operations(session) == []
     assert names(reconnected(session)) == [("advertise_service", "/stay")]
 
 
@@ -74,10 +74,10 @@ async def test_handler_must_be_callable(services: Services) -> None:
 async def test_calls_reach_their_services(session: FakeSession, services: Services) -> None:
     services.serve("/yes", Trigger, done)
     services.serve("/no", Trigger, lambda request: (False, "not done"))
-    said(session)
+    sent_operations(session)
     for name in ("/yes", "/no"):
-        hears(session, "call_service", id=f"to {name}", service=name, args={})
-    answers = [await says(session), await says(session)]
+        deliver(session, "call_service", id=f"to {name}", service=name, args={})
+    answers = [await next_operation(session), await next_operation(session)]
     assert [(each["id"], each["values"]["success"]) for each in answers] == [
         ("to /yes", True),
         ("to /no", False),
@@ -88,9 +88,9 @@ async def test_late_call_is_answered_with_an_error(
     session: FakeSession, services: Services
 ) -> None:
     services.serve("/go", Trigger, done).close()
-    said(session)
-    hears(session, "call_service", id="late", service="/go", args={})
-    assert said(session) == [
+    sent_operations(session)
+    deliver(session, "call_service", id="late", service="/go", args={})
+    assert sent_operations(session) == [
         {
             "op": "service_response",
             "id": "late",
@@ -106,13 +106,13 @@ async def test_refusal_is_raised_and_logged(
 ) -> None:
     refused = services.serve("/go", Trigger, done)
     other = services.serve("/stay", Trigger, done)
-    hears(session, "status", level="error", id=refused.operation.id, msg="no room")
+    deliver(session, "status", level="error", id=refused.operation.id, msg="no room")
     with pytest.raises(OperationRejected, match="no room"):
         await refused.spin()
     assert lines.seen() == ["The hub refused the service /go: no room"]
-    said(session)
+    sent_operations(session)
     refused.close()
-    assert said(session) == []
+    assert sent_operations(session) == []
     assert reconnected(session)[0]["id"] == other.operation.id
 
 
@@ -136,9 +136,9 @@ async def test_handler_may_receive_the_callers_header(
         return True, ""
 
     services.serve("/go", Trigger, note, headers=True)
-    [advertised] = said(session)
+    [advertised] = sent_operations(session)
     assert advertised["headers"] is True
     for id_, header in (("1", {"callerid": "/caller", "user": "ann"}), ("2", None)):
-        hears(session, "call_service", id=id_, service="/go", args={}, header=header)
-        assert (await says(session))["result"]
+        deliver(session, "call_service", id=id_, service="/go", args={}, header=header)
+        assert (await next_operation(session))["result"]
     assert headers == [{"callerid": "/caller", "user": "ann"}, {}]

@@ -14,7 +14,7 @@ from fibws.errors import NodeClosed, NodeReplaced, OperationRejected
 from fibws.node.session import OperationHandler, Session, Tasks, throw
 from fibws.protocol.operations import Operation, Publish, Reply, Unsubscribe
 
-from .conftest import FakeSession, Lines, hears, reconnected, said
+from .conftest import FakeSession, Lines, deliver, reconnected, sent_operations
 
 
 class Recorder(OperationHandler):
@@ -58,10 +58,10 @@ async def test_ids_are_unique(session: FakeSession) -> None:
 async def test_operations_are_sent_only_while_there_is_a_hub(session: FakeSession) -> None:
     operation = Unsubscribe(topic="/a")
     session.send(operation)
-    assert said(session) == [{"op": "unsubscribe", "topic": "/a"}]
+    assert sent_operations(session) == [{"op": "unsubscribe", "topic": "/a"}]
     session.on_disconnect()
     session.send(operation)
-    assert said(session) == []
+    assert sent_operations(session) == []
 
 
 async def test_all_registrations_are_sent_on_a_new_connection(
@@ -73,8 +73,8 @@ async def test_all_registrations_are_sent_on_a_new_connection(
 async def test_each_handler_gets_its_own_operations(
     session: FakeSession, recorders: tuple[Recorder, Recorder], lines: Lines
 ) -> None:
-    hears(session, "publish", topic="/a", msg=1)
-    hears(session, "publish", topic="/b", msg=2)
+    deliver(session, "publish", topic="/a", msg=1)
+    deliver(session, "publish", topic="/b", msg=2)
     assert [each.notes for each in recorders] == [[1], [2]]
     assert lines.seen() == []
 
@@ -92,8 +92,8 @@ async def test_late_operations_are_ignored(
     session: FakeSession, recorders: tuple[Recorder, Recorder], lines: Lines
 ) -> None:
     session.remove_handler(recorders[0])
-    hears(session, "publish", topic="/a", msg=1)
-    hears(session, "action_feedback", action="/gone", id="7")
+    deliver(session, "publish", topic="/a", msg=1)
+    deliver(session, "action_feedback", action="/gone", id="7")
     assert [each.notes for each in recorders] == [[], []]
     assert lines.seen() == []
 
@@ -122,7 +122,7 @@ async def test_fragments_are_reassembled(
     text = '{"op":"publish","topic":"/a","msg":"grüße"}'
     for number, data in enumerate((text[:20], text[20:])):
         assert recorders[0].notes == []
-        hears(session, "fragment", id="f", data=data, num=number, total=2)
+        deliver(session, "fragment", id="f", data=data, num=number, total=2)
     assert recorders[0].notes == ["grüße"]
 
 
@@ -130,20 +130,20 @@ async def test_fragments_of_a_lost_connection_are_forgotten(
     session: FakeSession, recorders: tuple[Recorder, Recorder], lines: Lines
 ) -> None:
     text = '{"op":"publish","topic":"/a","msg":1}'
-    hears(session, "fragment", id="f", data=text[:20], num=0, total=2)
+    deliver(session, "fragment", id="f", data=text[:20], num=0, total=2)
     session.on_disconnect()
-    hears(session, "fragment", id="f", data=text[20:], num=1, total=2)
+    deliver(session, "fragment", id="f", data=text[20:], num=1, total=2)
     assert recorders[0].notes == ["lost"]
 
 
 async def test_refusal_reaches_its_handler(
     session: FakeSession, recorders: tuple[Recorder, Recorder], lines: Lines
 ) -> None:
-    hears(session, "status", level="error", id="/b", msg="no")
+    deliver(session, "status", level="error", id="/b", msg="no")
     assert [each.notes for each in recorders] == [[], ["no"]]
-    hears(session, "status", level="warning", id="/b", msg="hm")
-    hears(session, "status", level="error", id="/c", msg="what")
-    hears(session, "status", level="error", msg="how")
+    deliver(session, "status", level="warning", id="/b", msg="hm")
+    deliver(session, "status", level="error", id="/c", msg="what")
+    deliver(session, "status", level="error", msg="how")
     assert [each.notes for each in recorders] == [[], ["no"]]
     assert lines.seen() == ["The hub: hm", "The hub: what", "The hub: how"]
 
@@ -186,9 +186,9 @@ async def test_handler_may_be_removed_while_it_is_called(session: FakeSession, e
     leavers = [Leaver(session, f"/{number}") for number in range(3)]
     match event:
         case "message":
-            hears(session, "publish", topic="/2", msg=None)
+            deliver(session, "publish", topic="/2", msg=None)
         case "refusal":
-            hears(session, "status", level="error", id="/2", msg="no")
+            deliver(session, "status", level="error", id="/2", msg="no")
         case "loss":
             session.on_disconnect()
         case "end":
@@ -224,16 +224,16 @@ async def test_node_may_end_without_an_error(session: FakeSession) -> None:
 async def test_messages_go_to_the_message_handler_first(
     session: FakeSession, recorders: tuple[Recorder, Recorder], lines: Lines
 ) -> None:
-    heard: list[tuple[str, Any, dict[str, str] | None]] = []
+    received: list[tuple[str, Any, dict[str, str] | None]] = []
 
     def hear(topic: str, message: Any, header: dict[str, str] | None) -> bool:
-        heard.append((topic, message, header))
+        received.append((topic, message, header))
         return topic == "/c"
 
     session.set_message_handlers(hear, session.receive_binary)
     session.receive_text(b'{"op":"publish","topic":"/c","msg":1,"header":{"callerid":"/talker"}}')
     session.receive_text(b'{"op":"publish","topic":"/a","msg":2}')
-    assert heard == [("/c", 1, {"callerid": "/talker"}), ("/a", 2, None)]
+    assert received == [("/c", 1, {"callerid": "/talker"}), ("/a", 2, None)]
     assert recorders[0].notes == [2], "nobody else wanted it"
     for wrong in (
         b'"topic":5',
@@ -241,7 +241,7 @@ async def test_messages_go_to_the_message_handler_first(
         b'"topic":"/a","header":5',
     ):
         session.receive_text(b'{"op":"publish","msg":3,%b}' % wrong)
-    assert len(heard) == 2
+    assert len(received) == 2
     assert recorders[0].notes == [2, 3, 3], "they come without their headers"
     assert len(lines.seen()) == 1
 
@@ -250,9 +250,9 @@ async def test_status_about_an_unknown_publisher_is_a_detail(
     session: FakeSession, lines: Lines
 ) -> None:
     session.log.setLevel(logging.INFO)
-    hears(session, "status", level="error", msg="no publisher 7", code="unknown_publisher")
+    deliver(session, "status", level="error", msg="no publisher 7", code="unknown_publisher")
     assert lines.seen() == []
-    hears(session, "status", level="error", msg="no publisher 7")
+    deliver(session, "status", level="error", msg="no publisher 7")
     assert lines.seen() == ["The hub: no publisher 7"]
 
 

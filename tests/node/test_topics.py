@@ -14,7 +14,7 @@ from fibws.node.topics import Topics
 from fibws.node.types import Types
 from fibws.protocol.serialized import deliver_head
 
-from .conftest import FakeSession, Lines, hears, reconnected, said
+from .conftest import FakeSession, Lines, deliver, reconnected, sent_operations
 
 
 @pytest.fixture
@@ -48,13 +48,13 @@ def delivers(
         head = deliver_head(7, 0, header)
         session.receive_binary(head + number.to_bytes(4, "little"))
     else:
-        hears(session, "publish", topic=subscription.topic, msg={"data": number})
+        deliver(session, "publish", topic=subscription.topic, msg={"data": number})
 
 
 def subscribed(session: FakeSession, subscription: Subscription[Int32], topic_id: int = 7) -> None:
     """Let the session be one of `fibws.v1`, and hear a topic's number."""
     session.serialized = True
-    hears(
+    deliver(
         session,
         "subscribed",
         id=subscription.id,
@@ -71,7 +71,7 @@ async def test_registrations_are_sent_and_taken_back(session: FakeSession, topic
     for _ in range(2):
         publisher.close()
         subscription.close()
-    assert names(said(session)) == [
+    assert names(sent_operations(session)) == [
         ("advertise", "/a"),
         ("subscribe", "/s"),
         ("unadvertise", "/a"),
@@ -87,9 +87,9 @@ async def test_registrations_made_without_a_hub_are_sent_to_the_next(
     advertise(topics, "/a")
     subscribe(topics, "/s")
     advertise(topics, "/gone").close()
-    assert names(said(session)) == []
+    assert names(sent_operations(session)) == []
     session.reconnect()
-    assert names(said(session)) == [("advertise", "/a"), ("subscribe", "/s")]
+    assert names(sent_operations(session)) == [("advertise", "/a"), ("subscribe", "/s")]
 
 
 async def test_latched_messages_follow_registrations_unless_newer_ones_wait(
@@ -101,14 +101,16 @@ async def test_latched_messages_follow_registrations_unless_newer_ones_wait(
     advertise(topics, "/silent", latch=True)
     for each in (sent, waiting, unlatched):
         each.send(each.encode(1))
-    said(session)
+    sent_operations(session)
     session.on_disconnect()
     waiting.send(waiting.encode(2))
     session.connect(session.frames, serialized=False, hold=True)
     operations = session.frames.operations
     first = [operations.get_nowait() for _ in range(operations.qsize())]
     assert names(first)[4:] == [("publish", "/sent")]
-    assert [(each["topic"], each["msg"]) for each in said(session)] == [("/waiting", {"data": 2})]
+    assert [(each["topic"], each["msg"]) for each in sent_operations(session)] == [
+        ("/waiting", {"data": 2})
+    ]
 
 
 async def test_latched_message_is_sent_again_though_one_for_another_node_waits(
@@ -116,11 +118,11 @@ async def test_latched_message_is_sent_again_though_one_for_another_node_waits(
 ) -> None:
     publisher = advertise(topics, "/a", latch=True)
     publisher.send(publisher.encode(1))
-    said(session)
+    sent_operations(session)
     session.on_disconnect()
     publisher.send(publisher.encode_to("/b", 2))
     session.reconnect()
-    assert [each.get("to") for each in said(session)[1:]] == [None, "/b"]
+    assert [each.get("to") for each in sent_operations(session)[1:]] == [None, "/b"]
 
 
 @pytest.mark.parametrize("serialized", [True, False])
@@ -134,7 +136,7 @@ async def test_messages_reach_the_readers_of_their_topic(
         subscribed(session, other, 8)
         session.receive_binary(deliver_head(9, 0) + bytes(4))
     delivers(session, first, 1)
-    hears(session, "publish", topic="/late", msg=2)
+    deliver(session, "publish", topic="/late", msg=2)
     session.end()
     assert [await read(each) for each in (first, second, other)] == [[1], [1], []]
     assert lines.seen() == []
@@ -142,8 +144,8 @@ async def test_messages_reach_the_readers_of_their_topic(
 
 async def test_header_comes_with_its_message(session: FakeSession, topics: Topics) -> None:
     subscription = subscribe(topics, "/s", headers=True)
-    hears(session, "publish", topic="/s", msg={"data": 1}, header={"callerid": "/a"})
-    hears(session, "publish", topic="/s", msg={"data": 2}, header="none")
+    deliver(session, "publish", topic="/s", msg={"data": 1}, header={"callerid": "/a"})
+    deliver(session, "publish", topic="/s", msg={"data": 2}, header="none")
     subscribed(session, subscription)
     delivers(session, subscription, 3, b'{"callerid":"/b"}')
     headers = []
@@ -187,7 +189,7 @@ async def test_subscription_may_be_closed_while_a_message_is_delivered(
     second = subscribe(topics, "/s", take=lambda message: received.append(("second", message.data)))
     third = subscribe(topics, "/s", take=lambda message: received.append(("third", message.data)))
     for number in (1, 2):
-        hears(session, "publish", topic="/s", msg={"data": number})
+        deliver(session, "publish", topic="/s", msg={"data": number})
     assert received == [("first", 1), ("second", 1), ("second", 2)]
     second.close()
     assert topics.names() == []
@@ -197,7 +199,7 @@ async def test_refusal_ends_its_publisher_alone(session: FakeSession, topics: To
     refusals: list[NodeError] = []
     refused = advertise(topics, "/a", refused=refusals.append)
     other = advertise(topics, "/b", refused=refusals.append)
-    hears(session, "status", level="error", id=refused.id, msg="no")
+    deliver(session, "status", level="error", id=refused.id, msg="no")
     with pytest.raises(OperationRejected, match="no"):
         refused.send(refused.encode())
     other.send(other.encode())
@@ -211,7 +213,7 @@ async def test_refusal_of_a_publisher_is_logged_unless_its_owner_is_called(
     refusals: list[NodeError] = []
     for refused in (None, refusals.append):
         publisher = advertise(topics, "/a", refused=refused)
-        hears(session, "status", level="error", id=publisher.id, msg="no room")
+        deliver(session, "status", level="error", id=publisher.id, msg="no room")
     assert lines.seen() == ["The hub refused the publisher of /a: no room"]
 
 
@@ -219,8 +221,8 @@ async def test_refusal_ends_its_subscription_alone(session: FakeSession, topics:
     refusals: list[OperationRejected] = []
     refused = subscribe(topics, "/a", refused=refusals.append)
     other = subscribe(topics, "/b")
-    hears(session, "status", level="error", id=refused.id, msg="no")
-    hears(session, "publish", topic="/b", msg={"data": 1})
+    deliver(session, "status", level="error", id=refused.id, msg="no")
+    deliver(session, "publish", topic="/b", msg={"data": 1})
     with pytest.raises(OperationRejected, match="no"):
         await anext(refused)
     assert await anext(other) == Int32(1)
@@ -231,7 +233,7 @@ async def test_warning_about_a_registration_does_not_end_it(
     session: FakeSession, topics: Topics
 ) -> None:
     publisher = advertise(topics, "/a")
-    hears(session, "status", level="warning", id=publisher.id, msg="hm")
+    deliver(session, "status", level="warning", id=publisher.id, msg="hm")
     publisher.send(publisher.encode())
 
 
@@ -240,7 +242,7 @@ async def test_names_are_those_of_all_registrations(session: FakeSession, topics
     closed = advertise(topics, "/c")
     subscription = subscribe(topics, "/a")
     assert topics.names() == ["/a", "/b", "/c"]
-    hears(session, "status", level="error", id=refused.id, msg="no")
+    deliver(session, "status", level="error", id=refused.id, msg="no")
     closed.close()
     assert topics.names() == ["/a"]
     subscription.close()
@@ -260,15 +262,15 @@ async def test_peers_are_reported_by_the_registrations_id(
 ) -> None:
     first, second = advertise(topics, "/a", peers=True), advertise(topics, "/b", peers=True)
     subscription = subscribe(topics, "/a", peers=True)
-    hears(session, "peers", id=first.id, topic="/a", nodes=["/listener"])
-    hears(session, "peers", id=subscription.id, topic="/a", nodes=["/talker"])
-    hears(session, "peers", id="unknown", topic="/a", nodes=["/nobody"])
-    hears(session, "peers", id="unknown", added=["/nobody"])
+    deliver(session, "peers", id=first.id, topic="/a", nodes=["/listener"])
+    deliver(session, "peers", id=subscription.id, topic="/a", nodes=["/talker"])
+    deliver(session, "peers", id="unknown", topic="/a", nodes=["/nobody"])
+    deliver(session, "peers", id="unknown", added=["/nobody"])
     assert [each.peers.names for each in (first, second)] == [["/listener"], []]
     assert subscription.peers.names == ["/talker"]
-    hears(session, "peers", id=first.id, added=["/ear"])
+    deliver(session, "peers", id=first.id, added=["/ear"])
     assert first.peers.names == ["/ear", "/listener"]
-    hears(session, "peers", id=first.id, removed=["/listener"])
+    deliver(session, "peers", id=first.id, removed=["/listener"])
     assert first.peers.names == ["/ear"]
 
 
@@ -276,7 +278,7 @@ async def test_peers_are_reported_by_the_registrations_id(
 async def test_peers_are_forgotten(session: FakeSession, topics: Topics, end: str) -> None:
     publisher, subscription = advertise(topics, "/a", peers=True), subscribe(topics, "/a")
     for id_ in (publisher.id, subscription.id):
-        hears(session, "peers", id=id_, topic="/a", nodes=["/b"])
+        deliver(session, "peers", id=id_, topic="/a", nodes=["/b"])
     match end:
         case "disconnect":
             session.on_disconnect()
@@ -285,7 +287,7 @@ async def test_peers_are_forgotten(session: FakeSession, topics: Topics, end: st
             subscription.close()
         case "refuse":
             for id_ in (publisher.id, subscription.id):
-                hears(session, "status", level="error", id=id_, msg="no")
+                deliver(session, "status", level="error", id=id_, msg="no")
         case "end":
             session.end()
     assert publisher.peers.names == subscription.peers.names == []
@@ -311,7 +313,7 @@ async def test_readers_get_a_turn_when_a_queue_is_full(
 async def test_queue_size_is_sent_to_the_hub(session: FakeSession, topics: Topics) -> None:
     subscribe(topics, "/a", queue_size=3)
     subscribe(topics, "/b", queue_size=None)
-    assert [each["queue_length"] for each in said(session)] == [3, 10_000]
+    assert [each["queue_length"] for each in sent_operations(session)] == [3, 10_000]
 
 
 async def test_reconnection_repeats_registrations_with_their_ids(

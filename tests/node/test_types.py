@@ -105,5 +105,5 @@ async def test_definition_is_sent_with_the_advertisement(
         peer = await hub.peer()
         beds = await node.advertise("beds", "garden/Bed")
         await beds.publish("beans", [])
-        assert "MSG: garden/Plant" in (await peer.hears("advertise"))["definition"]
-        assert (await peer.hears("publish"))["msg"] == {"crop": "beans", "plants": []}
+        assert "MSG: garden/Plant" in (await peer.expect("advertise"))["definition"]
+        assert (await peer.expect("publish"))["msg"] == {"crop": "beans", "plants": []}

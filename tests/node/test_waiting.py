@@ -15,9 +15,9 @@ from .conftest import Peer, ScriptedHub
 
 async def answers(peer: Peer, type_: str, service: str = "/add") -> None:
     """Say which type the service has that the node asks for."""
-    call = await peer.hears("call_service")
+    call = await peer.expect("call_service")
     assert (call["service"], call["args"]) == ("/rosapi/service_type", {"service": service})
-    await peer.says(
+    await peer.send(
         "service_response",
         id=call["id"],
         service=call["service"],
@@ -55,7 +55,7 @@ async def test_service_may_appear_with_the_next_hub(hub: ScriptedHub) -> None:
     async with fibws.Node("node", hub=hub.url) as node, asyncio.timeout(60):
         peer = await hub.peer()
         waiting = asyncio.create_task(node.wait_for_service("add"))
-        await peer.hears("call_service")
+        await peer.expect("call_service")
         peer.websocket.transport.abort()
         await answers(await hub.peer(), "rospy_tutorials/AddTwoInts")
         await waiting
@@ -73,8 +73,8 @@ async def test_hub_without_rosapi_is_not_polled(hub: ScriptedHub) -> None:
     async with fibws.Node("node", hub=hub.url) as node:
         peer = await hub.peer()
         waiting = asyncio.create_task(node.wait_for_service("add"))
-        call = await peer.hears("call_service")
-        await peer.says(
+        call = await peer.expect("call_service")
+        await peer.send(
             "service_response",
             id=call["id"],
             service=call["service"],
@@ -91,7 +91,7 @@ async def test_end_of_the_node_ends_wait_for_service(hub: ScriptedHub) -> None:
         waiting = asyncio.create_task(node.wait_for_service("add"))
         await answers(peer, "")
         asked = asyncio.create_task(node.wait_for_service("add"))
-        await peer.hears("call_service")
+        await peer.expect("call_service")
     for each in (waiting, asked):
         with pytest.raises(fibws.NodeClosed):
             await each
@@ -101,11 +101,11 @@ async def test_wait_for_message_returns_one_message(hub: ScriptedHub) -> None:
     async with fibws.Node("node", hub=hub.url) as node, asyncio.timeout(60):
         peer = await hub.peer()
         waiting = asyncio.create_task(node.wait_for_message("numbers", Int32))
-        subscribe = await peer.hears("subscribe")
+        subscribe = await peer.expect("subscribe")
         assert (subscribe["topic"], subscribe["queue_length"]) == ("/numbers", 1)
-        await peer.says("publish", topic="/numbers", msg={"data": 8})
+        await peer.send("publish", topic="/numbers", msg={"data": 8})
         assert await waiting == Int32(8)
-        assert (await peer.hears("unsubscribe"))["id"] == subscribe["id"]
+        assert (await peer.expect("unsubscribe"))["id"] == subscribe["id"]
 
 
 async def test_wait_for_message_times_out(hub: ScriptedHub) -> None:
@@ -114,16 +114,16 @@ async def test_wait_for_message_times_out(hub: ScriptedHub) -> None:
         text = "^timeout exceeded while waiting for message on topic /numbers$"
         with pytest.raises(fibws.WaitTimeout, match=text):
             await node.wait_for_message("numbers", "std_msgs/Int32", timeout=0.01)
-        await peer.hears("subscribe")
-        await peer.hears("unsubscribe")
+        await peer.expect("subscribe")
+        await peer.expect("unsubscribe")
 
 
 async def test_refused_subscription_is_raised_by_wait_for_message(hub: ScriptedHub) -> None:
     async with fibws.Node("node", hub=hub.url) as node:
         peer = await hub.peer()
         waiting = asyncio.create_task(node.wait_for_message("numbers", Int32))
-        subscribe = await peer.hears("subscribe")
-        await peer.says("status", level="error", id=subscribe["id"], msg="no")
+        subscribe = await peer.expect("subscribe")
+        await peer.send("status", level="error", id=subscribe["id"], msg="no")
         with pytest.raises(fibws.OperationRejected, match="no"):
             await waiting
 
@@ -132,7 +132,7 @@ async def test_end_of_the_node_ends_wait_for_message(hub: ScriptedHub) -> None:
     async with fibws.Node("node", hub=hub.url) as node:
         peer = await hub.peer()
         waiting = asyncio.create_task(node.wait_for_message("numbers", Int32))
-        await peer.hears("subscribe")
+        await peer.expect("subscribe")
     with pytest.raises(fibws.NodeClosed, match="ended while waiting for message on topic /numbers"):
         await waiting
 

@@ -103,11 +103,11 @@ async def test_definition_of_a_custom_type_reaches_the_hub(
     monkeypatch.setenv("FIBWS_INTERFACES", str(tmp_path))
     async with fibws.Node("node", hub=real_hub.url) as node:
         trees = await node.advertise("trees", "orchard/Tree")
-        heard = node.subscribe("trees", "orchard/Tree")
+        subscription = node.subscribe("trees", "orchard/Tree")
         with pytest.raises(fibws.InvalidMessage, match="apples"):
             await trees.publish("apple", 256)
         await trees.publish("apple", 255)
-        assert (await anext(heard)).apples == 255
+        assert (await anext(subscription)).apples == 255
 
 
 async def test_wait_for_message_loses_no_message_of_another_subscription(real_hub: Hub) -> None:
@@ -127,10 +127,10 @@ async def test_wait_for_message_loses_no_message_of_another_subscription(real_hu
             await publisher.publish(number)
         await talker.graph.nodes()
         queue.resume()
-        heard = [(await anext(numbers)).data]
-        while heard[-1] != count - 1:
-            heard.append((await anext(numbers)).data)
-        assert heard == [*range(count)]
+        received = [(await anext(numbers)).data]
+        while received[-1] != count - 1:
+            received.append((await anext(numbers)).data)
+        assert received == [*range(count)]
         assert (await first).data == 0
 
 
@@ -183,8 +183,8 @@ async def test_node_can_read_the_graph_and_the_statistics(real_hub: Hub) -> None
         assert topic.publishers == [PublisherInfo("/node")]
         statistics = await node.call("/rosapi/statistics", GetStatistics)
         assert statistics.revision == graph.revision
-        (told,) = [each for each in statistics.topics if each.topic == "/numbers"]
-        assert told.subscriptions == [SubscriptionStatistics("/node", messages=1)]
+        (topic_statistics,) = [each for each in statistics.topics if each.topic == "/numbers"]
+        assert topic_statistics.subscriptions == [SubscriptionStatistics("/node", messages=1)]
         assert [each.node for each in statistics.clients] == ["/node"]
 
 
@@ -467,11 +467,11 @@ async def test_publishers_and_subscribers_know_each_other(real_hub: Hub) -> None
         listeners = numbers.peers.changes()
         assert await anext(listeners) == []
         async with fibws.Node("ear", hub=url) as ear:
-            heard = ear.subscribe("numbers", Int32, peers=True)
+            subscription = ear.subscribe("numbers", Int32, peers=True)
             assert await anext(listeners) == ["/ear"]
             assert numbers.peers.names == ["/ear"]
-            assert await anext(heard.peers.changes()) == ["/talker"]
-            talkers = heard.peers.changes()
+            assert await anext(subscription.peers.changes()) == ["/talker"]
+            talkers = subscription.peers.changes()
             await anext(talkers)
             async with fibws.Node("second", hub=url) as second:
                 await second.advertise("numbers", Int32)
@@ -480,7 +480,7 @@ async def test_publishers_and_subscribers_know_each_other(real_hub: Hub) -> None
         assert await anext(listeners) == []
     with pytest.raises(StopAsyncIteration):
         await anext(listeners)
-    assert heard.peers.names == []
+    assert subscription.peers.names == []
 
 
 async def test_message_for_a_new_subscriber_reaches_only_that_one(real_hub: Hub) -> None:
@@ -531,14 +531,14 @@ async def test_unbounded_queue_loses_nothing(real_hub: Hub) -> None:
     count = 5000
     async with fibws.Node("talker", hub=real_hub.url) as node:
         numbers = await node.advertise("numbers", Int32, queue_size=count)
-        heard = node.subscribe("numbers", Int32, queue_size=None)
+        subscription = node.subscribe("numbers", Int32, queue_size=None)
         for number in range(count):
             numbers.send(numbers.encode(number))
         last = count - 1
         got: list[int] = []
         async with asyncio.timeout(60):
             while got[-1:] != [last]:
-                got.append((await anext(heard)).data)
+                got.append((await anext(subscription)).data)
         assert got == list(range(count))
 
 
@@ -562,10 +562,10 @@ async def test_messages_of_any_type_are_not_decoded(real_hub: Hub) -> None:
 async def test_infinity_and_nan_arrive_unchanged(real_hub: Hub) -> None:
     async with fibws.Node("node", hub=real_hub.url) as node:
         floats = await node.advertise("floats", Float64, latch=True)
-        heard = node.subscribe("floats", Float64)
+        subscription = node.subscribe("floats", Float64)
         for value in (math.inf, -math.inf, math.nan):
             await floats.publish(value)
-        received = [(await anext(heard)).data for _ in range(3)]
+        received = [(await anext(subscription)).data for _ in range(3)]
         assert received[:2] == [math.inf, -math.inf]
         assert math.isnan(received[2])
 
@@ -573,9 +573,9 @@ async def test_infinity_and_nan_arrive_unchanged(real_hub: Hub) -> None:
 async def test_serialized_message_is_forwarded(real_hub: Hub) -> None:
     async with fibws.Node("node", hub=real_hub.url) as node:
         numbers = await node.advertise("numbers", Int32, latch=True)
-        heard = node.subscribe("numbers", Int32)
+        subscription = node.subscribe("numbers", Int32)
         numbers.send(numbers.encode_serialized(b"\x07\x00\x00\x00"))
-        assert (await anext(heard)).data == 7
+        assert (await anext(subscription)).data == 7
 
 
 async def test_subscriber_may_define_a_custom_type_first(
@@ -585,16 +585,16 @@ async def test_subscriber_may_define_a_custom_type_first(
     (tmp_path / "vineyard" / "msg" / "Tree.msg").write_text("uint8 apples\n")
     monkeypatch.setenv("FIBWS_INTERFACES", str(tmp_path))
     async with fibws.Node("node", hub=real_hub.url) as node:
-        heard = node.subscribe("trees", "vineyard/Tree")
+        subscription = node.subscribe("trees", "vineyard/Tree")
         await node.graph.topics()
         trees = await node.advertise("trees", "vineyard/Tree", latch=True)
         await trees.publish(apples=5)
-        assert (await anext(heard)).apples == 5
+        assert (await anext(subscription)).apples == 5
 
 
 async def test_type_with_another_md5_is_refused(real_hub: Hub) -> None:
     async with fibws.Node("node", hub=real_hub.url) as node:
-        heard = node.subscribe("numbers", Int32)
+        subscription = node.subscribe("numbers", Int32)
         codec = node._types.codec(Int32)
         codec.md5sum = "0" * 32
         refused = node._topics.subscribe("/numbers", codec, queue_size=1)
@@ -602,4 +602,4 @@ async def test_type_with_another_md5_is_refused(real_hub: Hub) -> None:
             await anext(refused)
         numbers = await node.advertise("numbers", Int32, latch=True)
         await numbers.publish(1)
-        assert (await anext(heard)).data == 1
+        assert (await anext(subscription)).data == 1

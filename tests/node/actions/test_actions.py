@@ -11,7 +11,7 @@ from fibws.node.actions.actions import Actions, Over
 from fibws.node.actions.operations import OperationActionClient, OperationActionServer
 from fibws.node.actions.topics import TopicActionClient, TopicActionServer
 
-from ..conftest import FakeSession, said
+from ..conftest import FakeSession, sent_operations
 
 
 def execute(goal: Any) -> Any:
@@ -39,4 +39,4 @@ async def test_invalid_over_is_refused(actions: Actions, session: FakeSession) -
         actions.serve("/fibonacci", Fibonacci, execute, over=smoke)
     with pytest.raises(ValueError, match=text):
         actions.client("/fibonacci", Fibonacci, over=smoke)
-    assert said(session) == []
+    assert sent_operations(session) == []

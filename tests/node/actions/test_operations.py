@@ -16,7 +16,7 @@ from fibws.node.actions.operations import OperationActionClient
 from fibws.node.actions.server import ActionServer, ServerGoal
 from fibws.protocol.goals import GoalStatus
 
-from ..conftest import FakeSession, Lines, hears, reconnected, said, says
+from ..conftest import FakeSession, Lines, deliver, next_operation, reconnected, sent_operations
 from .conftest import FibonacciType
 
 FibonacciServer = ActionServer[FibonacciGoal, FibonacciResult, FibonacciFeedback]
@@ -55,7 +55,7 @@ async def server(actions: Actions) -> FibonacciServer:
 def receive_goal(
     session: FakeSession, order: Any = 5, id_: str = "action_goal:/fibonacci:1"
 ) -> None:
-    hears(
+    deliver(
         session,
         "send_action_goal",
         id=id_,
@@ -67,7 +67,7 @@ def receive_goal(
 
 
 def receive_cancel(session: FakeSession, id_: str = "action_goal:/fibonacci:1") -> None:
-    hears(session, "cancel_action_goal", id=id_, action="/fibonacci")
+    deliver(session, "cancel_action_goal", id=id_, action="/fibonacci")
 
 
 ADVERTISED = {
@@ -80,22 +80,22 @@ ADVERTISED = {
 
 @pytest.mark.usefixtures("server")
 async def test_server_is_advertised_on_every_connection(session: FakeSession) -> None:
-    assert said(session) == [ADVERTISED]
+    assert sent_operations(session) == [ADVERTISED]
     session.on_disconnect()
     assert reconnected(session) == [ADVERTISED]
 
 
 @pytest.mark.usefixtures("server")
 async def test_feedback_and_result_are_sent(session: FakeSession) -> None:
-    said(session)
+    sent_operations(session)
     receive_goal(session)
     about = {"id": "action_goal:/fibonacci:1", "action": "/fibonacci"}
-    assert await says(session) == {
+    assert await next_operation(session) == {
         "op": "action_feedback",
         **about,
         "values": {"sequence": [0]},
     }
-    assert await says(session) == {
+    assert await next_operation(session) == {
         "op": "action_result",
         **about,
         "values": {"sequence": [0, 1]},
@@ -123,55 +123,58 @@ async def test_feedback_and_result_are_sent(session: FakeSession) -> None:
 async def test_failed_goal_has_a_result_or_a_text(
     session: FakeSession, order: int, status: int, result: bool, values: Any
 ) -> None:
-    said(session)
+    sent_operations(session)
     receive_goal(session, order)
-    await says(session)
+    await next_operation(session)
     receive_cancel(session)
-    await says(session)
-    sent = await says(session)
+    await next_operation(session)
+    sent = await next_operation(session)
     assert (sent["status"], sent["result"], sent["values"]) == (status, result, values)
 
 
 @pytest.mark.usefixtures("server")
 async def test_invalid_goal_is_aborted_with_the_reason(session: FakeSession) -> None:
-    said(session)
+    sent_operations(session)
     receive_goal(session, order="five")
-    sent = await says(session)
+    sent = await next_operation(session)
     assert (sent["op"], sent["status"], sent["result"]) == ("action_result", 6, False)
     assert "FibonacciGoal message requires a int32 for field order" in sent["values"]
 
 
 @pytest.mark.usefixtures("server")
 async def test_operations_of_other_actions_are_ignored(session: FakeSession) -> None:
-    said(session)
-    hears(session, "send_action_goal", id="x", action="/other", action_type="a/B")
-    hears(session, "action_feedback", id="x", action="/fibonacci")
-    assert said(session) == []
+    sent_operations(session)
+    deliver(session, "send_action_goal", id="x", action="/other", action_type="a/B")
+    deliver(session, "action_feedback", id="x", action="/fibonacci")
+    assert sent_operations(session) == []
 
 
 @pytest.mark.usefixtures("server")
 async def test_disconnect_cancels_goals_and_drops_their_results(
     session: FakeSession,
 ) -> None:
-    said(session)
+    sent_operations(session)
     receive_goal(session, order=-1)
-    await says(session)
+    await next_operation(session)
     session.on_disconnect()
     session.reopen()
     receive_goal(session, order=5)
-    assert [(await says(session))["op"] for _ in range(2)] == ["action_feedback", "action_result"]
+    assert [(await next_operation(session))["op"] for _ in range(2)] == [
+        "action_feedback",
+        "action_result",
+    ]
     await session.tasks.finished()
-    assert said(session) == []
+    assert sent_operations(session) == []
 
 
 async def test_close_aborts_goals_before_unadvertising(
     session: FakeSession, server: FibonacciServer
 ) -> None:
-    said(session)
+    sent_operations(session)
     receive_goal(session, order=-1)
-    await says(session)
+    await next_operation(session)
     server.close()
-    result, unadvertise = said(session)
+    result, unadvertise = sent_operations(session)
     assert (result["status"], result["values"]) == (6, "the action server has ended")
     assert unadvertise == {
         "op": "unadvertise_action",
@@ -184,8 +187,8 @@ async def test_close_aborts_goals_before_unadvertising(
 async def test_refusal_by_the_hub_ends_the_server(
     session: FakeSession, server: FibonacciServer
 ) -> None:
-    hears(session, "status", level="error", id="another", msg="not mine")
-    hears(session, "status", level="error", id=ADVERTISED["id"], msg="no")
+    deliver(session, "status", level="error", id="another", msg="not mine")
+    deliver(session, "status", level="error", id=ADVERTISED["id"], msg="no")
     async with asyncio.timeout(60):
         with pytest.raises(OperationRejected, match="no"):
             await server.spin()
@@ -201,14 +204,14 @@ def client(actions: Actions) -> FibonacciClient:
 
 
 def receive(session: FakeSession, op: str, id_: str, **fields: Any) -> None:
-    hears(session, op, id=id_, action="/fibonacci", **fields)
+    deliver(session, op, id=id_, action="/fibonacci", **fields)
 
 
 async def test_goal_and_cancel_are_sent(session: FakeSession, client: FibonacciClient) -> None:
     goal = await client.send(FibonacciGoal(5))
     await goal.cancel()
     assert goal.id == "send_action_goal:/fibonacci:1"
-    assert said(session) == [
+    assert sent_operations(session) == [
         {
             "op": "send_action_goal",
             "id": goal.id,

@@ -16,7 +16,7 @@ from fibws.node.actions.actions import Actions
 from fibws.node.actions.client import ActionClient
 from fibws.protocol.goals import GoalStatus
 
-from ..conftest import FakeSession, hears, reconnected, said
+from ..conftest import FakeSession, deliver, reconnected, sent_operations
 
 FibonacciClient = ActionClient[FibonacciGoal, FibonacciResult, FibonacciFeedback]
 
@@ -33,11 +33,11 @@ def status(id_: str, number: int, text: str = "") -> dict[str, Any]:
 
 def receive_status(session: FakeSession, *statuses: dict[str, Any]) -> None:
     msg = {"status_list": statuses}
-    hears(session, "publish", topic="/fibonacci/status", msg=msg)
+    deliver(session, "publish", topic="/fibonacci/status", msg=msg)
 
 
 def receive(session: FakeSession, kind: str, of: dict[str, Any], **content: Any) -> None:
-    hears(session, "publish", topic=f"/fibonacci/{kind}", msg={"status": of, **content})
+    deliver(session, "publish", topic=f"/fibonacci/{kind}", msg={"status": of, **content})
 
 
 @pytest.mark.usefixtures("client")
@@ -52,10 +52,10 @@ async def test_client_registers_its_topics(session: FakeSession) -> None:
 
 
 async def test_goal_and_cancel_are_published(session: FakeSession, client: FibonacciClient) -> None:
-    said(session)
+    sent_operations(session)
     goal = await client.send(FibonacciGoal(5))
     await goal.cancel()
-    sent, cancel = said(session)
+    sent, cancel = sent_operations(session)
     assert sent["topic"] == "/fibonacci/goal"
     assert sent["msg"]["goal"] == {"order": 5}
     assert sent["msg"]["goal_id"]["id"] == goal.id == "/node-1-1700000000.500"
@@ -276,11 +276,13 @@ async def test_close_ends_pending_wait_for_server(
 async def test_refused_topic_ends_the_client(
     session: FakeSession, client: FibonacciClient, topic: str
 ) -> None:
-    (id_,) = [each["id"] for each in said(session) if each["topic"] == f"/fibonacci/{topic}"]
+    (id_,) = [
+        each["id"] for each in sent_operations(session) if each["topic"] == f"/fibonacci/{topic}"
+    ]
     goal = await client.send(FibonacciGoal(5))
     waiting = asyncio.create_task(client.wait_for_server())
     await asyncio.sleep(0)
-    hears(session, "status", level="error", id=id_, msg="no")
+    deliver(session, "status", level="error", id=id_, msg="no")
     async with asyncio.timeout(60):
         for call in (waiting, goal.result(), client.send(FibonacciGoal(5))):
             with pytest.raises(OperationRejected, match="no"):
@@ -290,7 +292,7 @@ async def test_refused_topic_ends_the_client(
 async def test_first_refusal_is_the_one_that_is_raised(
     session: FakeSession, client: FibonacciClient
 ) -> None:
-    for each in said(session):
-        hears(session, "status", level="error", id=each["id"], msg=each["topic"])
+    for each in sent_operations(session):
+        deliver(session, "status", level="error", id=each["id"], msg=each["topic"])
     with pytest.raises(OperationRejected, match="/fibonacci/status"):
         await client.wait_for_server()

@@ -14,7 +14,7 @@ from fibws.node.actions import topics
 from fibws.node.actions.actions import Actions
 from fibws.node.actions.server import ActionServer, ServerGoal
 
-from ..conftest import FakeSession, hears, reconnected, said, says
+from ..conftest import FakeSession, deliver, next_operation, reconnected, sent_operations
 from .conftest import NOW
 
 FibonacciServer = ActionServer[FibonacciGoal, FibonacciResult, FibonacciFeedback]
@@ -41,17 +41,17 @@ async def server(actions: Actions, monkeypatch: pytest.MonkeyPatch) -> Fibonacci
 
 def receive_goal(session: FakeSession, id_: str = "a", order: int = 5, **stamp: int) -> None:
     msg = {"goal_id": {"id": id_, "stamp": stamp}, "goal": {"order": order}}
-    hears(session, "publish", topic="/fibonacci/goal", msg=msg)
+    deliver(session, "publish", topic="/fibonacci/goal", msg=msg)
 
 
 def receive_cancel(session: FakeSession, **goal_id: Any) -> None:
-    hears(session, "publish", topic="/fibonacci/cancel", msg=goal_id)
+    deliver(session, "publish", topic="/fibonacci/cancel", msg=goal_id)
 
 
 async def published(session: FakeSession, kind: str) -> dict[str, Any]:
     """The next message that is published on one of the topics."""
     while True:
-        operation = await says(session)
+        operation = await next_operation(session)
         if operation["op"] == "publish" and operation["topic"] == f"/fibonacci/{kind}":
             message: dict[str, Any] = operation["msg"]
             return message
@@ -164,7 +164,7 @@ async def test_close_aborts_goals_and_unregisters_topics(
         4,
         "the action server has ended",
     )
-    operations = sorted(each["op"] for each in said(session))
+    operations = sorted(each["op"] for each in sent_operations(session))
     assert operations == ["unadvertise"] * 3 + ["unsubscribe"] * 2
     await session.tasks.finished()
 
@@ -183,7 +183,7 @@ async def test_goals_continue_without_a_hub_but_no_status_is_queued(session: Fak
     receive_goal(session, order=-1)
     await published(session, "feedback")
     session.on_disconnect()
-    said(session)
+    sent_operations(session)
     receive_cancel(session, id="a")
     for _ in range(10):  # Let the tasks of the goal and of the status run.
         await asyncio.sleep(0)
@@ -200,7 +200,7 @@ async def test_refused_topic_ends_the_server(
     (id_,) = [
         each["id"] for each in reconnected(session) if "id" in each and each["topic"] == topic
     ]
-    hears(session, "status", level="error", id=id_, msg="no")
+    deliver(session, "status", level="error", id=id_, msg="no")
     receive_goal(session)
     async with asyncio.timeout(60):
         with pytest.raises(OperationRejected, match="no"):

@@ -12,7 +12,7 @@ from fibws.node.topics import Topics
 from fibws.node.types import Types
 from fibws.protocol.goals import CANCEL, FEEDBACK, GOAL, RESULT, STATUS
 
-from ..conftest import FakeSession, Lines, hears, reconnected, said
+from ..conftest import FakeSession, Lines, deliver, reconnected, sent_operations
 from .conftest import NOW
 
 
@@ -42,7 +42,7 @@ async def test_topics_have_the_names_and_types_of_actionlib(
     for topic in (GOAL, CANCEL, STATUS, FEEDBACK, RESULT):
         topics.advertise(topic, queue_size=1)
         topics.subscribe(topic, print, queue_size=7)
-    names = {(each["op"], each["topic"], each["type"]) for each in said(session)}
+    names = {(each["op"], each["topic"], each["type"]) for each in sent_operations(session)}
     assert names == {
         (op, f"/fibonacci/{topic}", type_)
         for op in ("advertise", "subscribe")
@@ -64,8 +64,8 @@ async def test_messages_of_several_topics_stay_in_order(
     topics.subscribe(GOAL, lambda message: received.append(message.goal.order), queue_size=1)
     topics.subscribe(CANCEL, lambda message: received.append(message.id), queue_size=1)
     for number in range(3):
-        hears(session, "publish", topic="/fibonacci/goal", msg={"goal": {"order": number}})
-        hears(session, "publish", topic="/fibonacci/cancel", msg={"id": f"c{number}"})
+        deliver(session, "publish", topic="/fibonacci/goal", msg={"goal": {"order": number}})
+        deliver(session, "publish", topic="/fibonacci/cancel", msg={"id": f"c{number}"})
     assert received == [0, "c0", 1, "c1", 2, "c2"]
 
 
@@ -73,7 +73,7 @@ async def test_invalid_message_is_dropped_and_logged(
     session: FakeSession, topics: ActionTopics, lines: Lines
 ) -> None:
     topics.subscribe(CANCEL, print, queue_size=1)
-    hears(session, "publish", topic="/fibonacci/cancel", msg={"id": 5})
+    deliver(session, "publish", topic="/fibonacci/cancel", msg={"id": 5})
     (line,) = lines.seen()
     assert line.startswith("Dropped a message on /fibonacci/cancel: actionlib_msgs/GoalID message")
 
@@ -83,7 +83,7 @@ async def test_default_stamp_of_a_header_is_the_time(
 ) -> None:
     publisher = topics.advertise(GOAL, queue_size=1)
     publisher.publish(goal_id={"id": "a"}, goal={"order": 3})
-    _, message = said(session)
+    _, message = sent_operations(session)
     assert message["msg"]["header"]["stamp"]["secs"] > 1_700_000_000
     assert message["msg"]["goal_id"] == {"stamp": {"secs": 0, "nsecs": 0}, "id": "a"}
     assert message["msg"]["goal"] == {"order": 3}
@@ -93,7 +93,7 @@ async def test_latched_message_is_sent_on_the_next_connection(
     session: FakeSession, topics: ActionTopics
 ) -> None:
     topics.advertise(STATUS, queue_size=1, latch=True).publish(status_list=[])
-    said(session)
+    sent_operations(session)
     assert [each["op"] for each in reconnected(session)] == ["advertise", "publish"]
 
 
@@ -102,10 +102,10 @@ async def test_close_unregisters_and_stops_publishing(
 ) -> None:
     publisher = topics.advertise(STATUS, queue_size=1)
     topics.subscribe(CANCEL, print, queue_size=1)
-    said(session)
+    sent_operations(session)
     topics.close()
     publisher.publish(status_list=[])
-    assert [each["op"] for each in said(session)] == ["unadvertise", "unsubscribe"]
+    assert [each["op"] for each in sent_operations(session)] == ["unadvertise", "unsubscribe"]
     assert (reconnected(session), refusals) == ([], [])
 
 
@@ -113,8 +113,8 @@ async def test_refused_subscription_is_reported(
     session: FakeSession, topics: ActionTopics, refusals: list[NodeError]
 ) -> None:
     topics.subscribe(CANCEL, print, queue_size=1)
-    (subscribe,) = said(session)
-    hears(session, "status", level="error", id=subscribe["id"], msg="no")
+    (subscribe,) = sent_operations(session)
+    deliver(session, "status", level="error", id=subscribe["id"], msg="no")
     assert [str(error) for error in refusals] == ["no"]
 
 
@@ -122,8 +122,8 @@ async def test_refused_advertisement_is_reported(
     session: FakeSession, topics: ActionTopics, refusals: list[NodeError]
 ) -> None:
     publisher = topics.advertise(STATUS, queue_size=1)
-    (advertise,) = said(session)
-    hears(session, "status", level="error", id=advertise["id"], msg="no")
+    (advertise,) = sent_operations(session)
+    deliver(session, "status", level="error", id=advertise["id"], msg="no")
     assert [str(error) for error in refusals] == ["no"]
     publisher.publish(status_list=[])
-    assert (len(refusals), said(session)) == (1, [])
+    assert (len(refusals), sent_operations(session)) == (1, [])

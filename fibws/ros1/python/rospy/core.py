@@ -158,7 +158,7 @@ def count_peers(peers: Peers, question: Coroutine[Any, Any, list[str]]) -> int:
         peers: the nodes as the hub reports them.
         question: asks a rosbridge_suite server for them, which does not report them.
     """
-    if peers.told:
+    if peers.known:
         question.close()
         return len(peers.names)
     return len(ask(question, []))
