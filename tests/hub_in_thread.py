@@ -83,8 +83,8 @@ def publish(client: HubClient) -> Publish:
         client.send({"op": "advertise", "topic": topic, "type": type_, "latch": True})
         client.send({"op": "publish", "topic": topic, "msg": msg})
         client.call("/rosapi/get_time")
-        while (said := client.receive(0)) is not None:
-            assert said.get("op") != "status", said
+        while (operation := client.receive(0)) is not None:
+            assert operation.get("op") != "status", operation
         return client
 
     return publish

@@ -74,7 +74,7 @@ async def _process(*command: str, take: Take, **environment: str) -> AsyncIterat
 
 @asynccontextmanager
 async def _page(cast: Cast, url: str, take: Take) -> AsyncIterator[None]:
-    def said(message: ConsoleMessage) -> None:
+    def on_console(message: ConsoleMessage) -> None:
         if message.type in ("error", "warning"):
             take({"complaint": f"console.{message.type}: {message.text}"})
         else:
@@ -84,7 +84,7 @@ async def _page(cast: Cast, url: str, take: Take) -> AsyncIterator[None]:
         async with async_playwright() as playwright:
             browser = await playwright.chromium.launch(executable_path=CHROMIUM, args=QUIET)
             page = await browser.new_page()
-            page.on("console", said)
+            page.on("console", on_console)
             page.on("pageerror", lambda error: take({"complaint": f"uncaught: {error}"}))
             query = {"library": cast.library, "url": url, "scenarios": ",".join(cast.scenarios)}
             await page.goto(f"{origin}/page.html?{urlencode(query)}")

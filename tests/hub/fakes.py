@@ -171,33 +171,33 @@ class Client:
     def receive_frames(self) -> list[tuple[int, bytes]]:
         """Return the frames that came since the last call, at the end of the loop's turn."""
         self._hub.clock.turn()
-        heard = list(frames(b"".join(self.writes)))
+        received = list(frames(b"".join(self.writes)))
         self.writes.clear()
-        return heard
+        return received
 
     def receive(self) -> list[dict[str, Any]]:
         """Return the operations that came; all are JSON text."""
-        heard = self.receive_frames()
-        assert {first for first, _ in heard} <= {TEXT}
-        return [json.loads(payload) for _, payload in heard]
+        received = self.receive_frames()
+        assert {first for first, _ in received} <= {TEXT}
+        return [json.loads(payload) for _, payload in received]
 
     def receive_one(self, op: str) -> dict[str, Any]:
         """Return the one operation that came."""
-        [heard] = self.receive()
-        assert heard["op"] == op, heard
-        return heard
+        [received] = self.receive()
+        assert received["op"] == op, received
+        return received
 
     def receive_cbor(self) -> list[dict[str, Any]]:
         """Return the operations that came; all are CBOR."""
-        heard = self.receive_frames()
-        assert {first for first, _ in heard} <= {BINARY}
-        return [cbor2.loads(payload) for _, payload in heard]
+        received = self.receive_frames()
+        assert {first for first, _ in received} <= {BINARY}
+        return [cbor2.loads(payload) for _, payload in received]
 
     def receive_messages(self, topic: str) -> list[dict[str, Any]]:
         """Return the messages of one topic, in this spelling; nothing else may have come."""
-        heard = self.receive()
-        assert all((each["op"], each["topic"]) == ("publish", topic) for each in heard), heard
-        return [each["msg"] for each in heard]
+        received = self.receive()
+        assert all((each["op"], each["topic"]) == ("publish", topic) for each in received), received
+        return [each["msg"] for each in received]
 
     def receive_numbers(self, topic: str) -> list[int]:
         """Return the ``data`` of a topic's messages; nothing else may have come."""
@@ -205,14 +205,14 @@ class Client:
 
     def receive_statuses(self, level: str = "error") -> list[str]:
         """Return the texts of the statuses that came, all of one level; nothing else may have."""
-        heard = self.receive()
-        assert all((each["op"], each["level"]) == ("status", level) for each in heard), heard
-        return [each["msg"] for each in heard]
+        received = self.receive()
+        assert all((each["op"], each["level"]) == ("status", level) for each in received), received
+        return [each["msg"] for each in received]
 
     def fail(self) -> None:
         raise AssertionError("a write failed")
 
-    def leaves(self) -> None:
+    def disconnect(self) -> None:
         self.session.leave()
 
     @property

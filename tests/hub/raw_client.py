@@ -138,8 +138,8 @@ class Client:
         """Return the next operation."""
         opcode, payload = await self.frame()
         assert opcode == TEXT, (opcode, payload)
-        heard: dict[str, Any] = json.loads(payload)
-        return heard
+        received: dict[str, Any] = json.loads(payload)
+        return received
 
     async def receive_data(self, count: int) -> list[Any]:
         """Return the data of the next messages."""

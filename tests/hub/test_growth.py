@@ -99,7 +99,7 @@ def test_early_messages_take_the_same_however_many_topics() -> None:
             assert (
                 sum(source.messages for source in client.session.topics.sources.values()) == count
             )
-            client.leaves()
+            client.disconnect()
 
         return perform
 

@@ -108,12 +108,12 @@ class TestDelivery:
         async with connected(hub.port) as talker, connected(hub.port) as listener:
             await listener.subscribes("/t")
             await talker.advertises("/t")
-            _, heard = await asyncio.gather(
+            _, received = await asyncio.gather(
                 talker.send(*(publish("/t", number) for number in numbers)),
                 listener.receive_data(len(numbers)),
             )
             await listener.is_processed()
-        assert heard == numbers
+        assert received == numbers
 
     async def test_ten_subscribers_get_the_messages_of_ten_publishers_in_order(
         self, hub: Hub
@@ -133,16 +133,16 @@ class TestDelivery:
                         *(publish("/t", 1000 * which + n) for n in range(start, start + 30))
                     )
 
-            *heard, _ = await asyncio.gather(
+            *received, _ = await asyncio.gather(
                 *(listener.receive_data(10 * count) for listener in listeners),
                 asyncio.gather(*map(talk, range(10))),
             )
             for listener in listeners:
                 await listener.is_processed()
-        for each in heard:
+        for each in received:
             for which in range(10):
                 assert [n % 1000 for n in each if n // 1000 == which] == list(range(count))
-        assert all(each == heard[0] for each in heard)
+        assert all(each == received[0] for each in received)
 
     async def test_messages_of_several_topics_keep_their_order(self, hub: Hub) -> None:
         async with connected(hub.port) as client:
@@ -150,24 +150,24 @@ class TestDelivery:
                 await client.subscribes(topic)
             sent = [("/a", 1), ("/c", 2), ("/b", 3), ("/a", 4), ("/b", 5)]
             await client.send(*(publish(topic, data) for topic, data in sent))
-            heard = [await client.receive() for _ in sent]
-        assert [(each["topic"], each["msg"]["data"]) for each in heard] == sent
+            received = [await client.receive() for _ in sent]
+        assert [(each["topic"], each["msg"]["data"]) for each in received] == sent
 
     async def test_replies_and_messages_keep_their_order(self, hub: Hub) -> None:
         async with connected(hub.port) as client:
             await client.subscribes("/t")
             await client.send(publish("/t", 1), operation("nope", id=7), publish("/t", 2))
-            heard = [await client.receive() for _ in range(3)]
-        assert [each["op"] for each in heard] == ["publish", "status", "publish"]
-        assert heard[1]["id"] == 7
+            received = [await client.receive() for _ in range(3)]
+        assert [each["op"] for each in received] == ["publish", "status", "publish"]
+        assert received[1]["id"] == 7
 
     @pytest.mark.parametrize("id_", ["x", 5, 1.5, True, [1], {"a": 1}, None])
     async def test_errors_are_answered_for_any_id(self, hub: Hub, id_: object) -> None:
         async with connected(hub.port) as client:
             await client.send_operation("nope", id=id_)
-            heard = await client.receive()
-        assert heard["op"] == "status"
-        assert heard.get("id") == (id_ if isinstance(id_, str | int | float) else None)
+            received = await client.receive()
+        assert received["op"] == "status"
+        assert received.get("id") == (id_ if isinstance(id_, str | int | float) else None)
 
     async def test_message_is_sent_at_once(self, hub: Hub) -> None:
         # R9: coalescing may not add delay at low load: each message is heard before the next goes.

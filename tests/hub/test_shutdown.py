@@ -37,8 +37,8 @@ class TestEnd:
             await talker.advertises("/t")
             await talker.send(publish("/t", 1))
             await talker.is_processed()
-            _, heard = await asyncio.gather(hub.close(), client.receive_all())
-        assert heard == ([1], 1001, "the hub is shutting down")
+            _, received = await asyncio.gather(hub.close(), client.receive_all())
+        assert received == ([1], 1001, "the hub is shutting down")
 
     async def test_clients_that_do_not_answer_are_cut_off_in_time(
         self, start_hub: StartHub

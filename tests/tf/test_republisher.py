@@ -88,7 +88,7 @@ async def client(node: fibws.Node, way: Way) -> AsyncIterator[Client]:
         yield client
 
 
-async def heard(messages: AsyncIterator[Any]) -> list[Place]:
+async def next_places(messages: AsyncIterator[Any]) -> list[Place]:
     """The transforms in the next array or feedback."""
     async with asyncio.timeout(PATIENCE):
         return places((await anext(messages)).transforms)
@@ -116,8 +116,8 @@ async def test_call_opens_a_topic(node: fibws.Node, publish: Publish) -> None:
     assert names == [f"{ACTION}/tf_repub_0", f"{ACTION}/tf_repub_1"]
     base, arm = (node.subscribe(name, TFArray) for name in names)
     await publish(("arm", "base", 10), ("base", "map", 1))
-    assert await heard(base) == [("base", "map", 1)]
-    assert await heard(arm) == [("arm", "map", 11)]
+    assert await next_places(base) == [("base", "map", 1)]
+    assert await next_places(arm) == [("arm", "map", 11)]
 
 
 async def test_stamp_is_the_time_of_publishing(node: fibws.Node, publish: Publish) -> None:
@@ -134,12 +134,12 @@ async def test_only_changes_above_the_threshold_are_published(
 ) -> None:
     arrays = node.subscribe(await open_topic(node, "/arm", "/base", target="/map"), TFArray)
     await publish(("base", "map", 1), ("arm", "map", 1))
-    assert await heard(arrays) == [("arm", "map", 1), ("base", "map", 1)]
+    assert await next_places(arrays) == [("arm", "map", 1), ("base", "map", 1)]
     for x in count(2):
         await publish(("base", "map", 1 + 0.009 * (x % 2)), ("arm", "map", x))
-        while ("arm", "map", x) not in (told := await heard(arrays)):
+        while ("arm", "map", x) not in (received := await next_places(arrays)):
             pass
-        if len(told) == 1:  # The republisher may learn late that somebody listens.
+        if len(received) == 1:  # The republisher may learn late that somebody listens.
             break
 
 
@@ -149,7 +149,7 @@ async def test_with_a_threshold_of_0_all_transforms_are_published(
     arrays = node.subscribe(await open_topic(node, "base", thresholds=0), TFArray)
     await publish(("base", "map", 1))
     for _ in range(5):
-        assert await heard(arrays) == [("base", "map", 1)]
+        assert await next_places(arrays) == [("base", "map", 1)]
 
 
 async def test_late_subscriber_receives_all_transforms(
@@ -160,9 +160,9 @@ async def test_late_subscriber_receives_all_transforms(
     await publish(("base", "map", 1))
     for x in (2, 3, 4):
         await publish(("arm", "map", x))
-        assert await heard(witness) == [("arm", "map", x)]
+        assert await next_places(witness) == [("arm", "map", x)]
     arrays = node.subscribe(name, TFArray)
-    assert ("base", "map", 1) in await heard(arrays)
+    assert ("base", "map", 1) in await next_places(arrays)
 
 
 async def test_second_subscriber_receives_all_transforms(
@@ -173,19 +173,19 @@ async def test_second_subscriber_receives_all_transforms(
         arrays = first.subscribe(name, TFArray)
         for frame in ("base", "arm"):
             await publish((frame, "map", 1))
-            while (frame, "map", 1) not in await heard(arrays):
+            while (frame, "map", 1) not in await next_places(arrays):
                 pass
     async with fibws.Node("second", hub=hub.url) as second:
         arrays = second.subscribe(name, TFArray)
-        while ("base", "map", 1) not in await heard(arrays):
+        while ("base", "map", 1) not in await next_places(arrays):
             pass
 
 
 async def test_refused_topic_is_logged(node: fibws.Node, line: Line) -> None:
     node.subscribe(f"{ACTION}/tf_repub_0", String)
     name = await open_topic(node, "map", thresholds=0)
-    said = await line(f"Tried to register topic {name} with type tf2_web_republisher/TFArray")
-    assert (said.level, said.name) == (Log.ERROR, ACTION)
+    message = await line(f"Tried to register topic {name} with type tf2_web_republisher/TFArray")
+    assert (message.level, message.name) == (Log.ERROR, ACTION)
 
 
 async def test_topic_is_closed_after_the_timeout_without_subscribers(
@@ -194,7 +194,7 @@ async def test_topic_is_closed_after_the_timeout_without_subscribers(
     await publish(("base", "map", 1))
     name = await open_topic(node, "base", patience=0.2)
     with_listener = node.subscribe(name, TFArray)
-    await heard(with_listener)
+    await next_places(with_listener)
     other = await open_topic(node, "base", patience=0.2)
     assert other in (await line("Closed")).msg
     topics = await node.graph.topics()
@@ -247,7 +247,7 @@ async def test_goal_gets_changes_until_it_is_canceled(
     feedback = goal.feedback()
     for x in (1.0, 2.0):
         await publish(("base", "map", x))
-        assert await heard(feedback) == [("base", "map", x)]
+        assert await next_places(feedback) == [("base", "map", x)]
     await goal.cancel()
     assert await end(goal) is way.canceled
 
@@ -256,12 +256,12 @@ async def test_goals_are_independent(publish: Publish, client: Client) -> None:
     forth = await client.send(wish("base"))
     back = await client.send(wish("map", target="base"))
     await publish(("base", "map", 1))
-    assert await heard(forth.feedback()) == [("base", "map", 1)]
-    assert await heard(back.feedback()) == [("map", "base", -1)]
+    assert await next_places(forth.feedback()) == [("base", "map", 1)]
+    assert await next_places(back.feedback()) == [("map", "base", -1)]
     await forth.cancel()
     await end(forth)
     await publish(("base", "map", 2))
-    assert await heard(back.feedback()) == [("map", "base", -2)]
+    assert await next_places(back.feedback()) == [("map", "base", -2)]
 
 
 @pytest.mark.parametrize(
@@ -286,7 +286,7 @@ async def test_oldest_goal_is_aborted_at_the_limit(
     assert "limit 2" in await fault(first)
     await publish(("base", "map", 1))
     for goal in others:
-        assert await heard(goal.feedback()) == [("base", "map", 1)]
+        assert await next_places(goal.feedback()) == [("base", "map", 1)]
 
 
 async def test_limit_counts_goals_over_topics_and_operations(
@@ -297,10 +297,10 @@ async def test_limit_counts_goals_over_topics_and_operations(
     async with ROS1.client(node) as over_topics, ROS2.client(node) as over_operations:
         await over_topics.wait_for_server(timeout=PATIENCE)
         older = await over_topics.send(wish("base"))
-        await heard(older.feedback())
+        await next_places(older.feedback())
         newer = await over_operations.send(wish("base"))
         assert "newer goal" in await fault(older)
-        assert await heard(newer.feedback()) == [("base", "map", 1)]
+        assert await next_places(newer.feedback()) == [("base", "map", 1)]
 
 
 async def test_goal_over_topics_pauses_without_subscribers(
@@ -315,7 +315,7 @@ async def test_goal_over_topics_pauses_without_subscribers(
         while [each.status for each in (await anext(statuses)).status_list] != [ACTIVE]:
             pass
         # When this has come, there could have been feedback, too.
-        await heard(node.subscribe(await open_topic(node, "base"), TFArray))
+        await next_places(node.subscribe(await open_topic(node, "base"), TFArray))
         subscription = node.subscribe(f"{ACTION}/feedback", TFSubscriptionActionFeedback)
         feedback = await anext(subscription)
     assert feedback.status.goal_id.id == "page"
@@ -341,7 +341,7 @@ async def test_subscribers_are_watched_only_while_there_are_goals_over_topics(
         numbers = [len(watching)]
         goals = [await client.send(wish("base")) for _ in range(2)]
         for goal in goals:
-            await heard(goal.feedback())
+            await next_places(goal.feedback())
         numbers.append(len(watching))
         for goal in goals:
             await goal.cancel()
@@ -359,7 +359,7 @@ async def test_action_can_be_renamed(hub: Hub, node: fibws.Node, publish: Publis
             await client.wait_for_server(timeout=PATIENCE)
             await publish(("base", "map", 1))
             goal = await client.send(wish("base"))
-            assert await heard(goal.feedback()) == [("base", "map", 1)]
+            assert await next_places(goal.feedback()) == [("base", "map", 1)]
         serving.cancel()
 
 

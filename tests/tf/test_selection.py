@@ -45,20 +45,20 @@ def test_first_transform_counts_as_a_change(buffer: Buffer) -> None:
 
 def test_translation_above_the_threshold_is_a_change(buffer: Buffer) -> None:
     selection = select("base")
-    told = []
+    reported = []
     for x in (1.0, 1.009, 1.0101, 1.02, 1.0001):
         place(buffer, "base", x)
-        told += [change.translation[0] for change in selection.changes(buffer).values()]
-    assert told == [1.0, 1.0101, 1.0001]
+        reported += [change.translation[0] for change in selection.changes(buffer).values()]
+    assert reported == [1.0, 1.0101, 1.0001]
 
 
 def test_rotation_above_the_threshold_is_a_change(buffer: Buffer) -> None:
     selection = select("base")
-    told = []
+    reported = []
     for yaw in (1.0, 1.099, 1.101, 1.19, 0.9):
         place(buffer, "base", yaw=yaw)
-        told += [yaw for _ in selection.changes(buffer)]
-    assert told == [1.0, 1.101, 0.9]
+        reported += [yaw for _ in selection.changes(buffer)]
+    assert reported == [1.0, 1.101, 0.9]
 
 
 def test_quaternion_of_opposite_sign_is_not_a_change(buffer: Buffer) -> None:
@@ -71,11 +71,11 @@ def test_quaternion_of_opposite_sign_is_not_a_change(buffer: Buffer) -> None:
 
 def test_small_steps_add_up_to_a_change(buffer: Buffer) -> None:
     selection = select("base")
-    told = 0
+    reported = 0
     for step in range(101):
         place(buffer, "base", step * 0.001)
-        told += len(selection.changes(buffer))
-    assert told == 1 + 9
+        reported += len(selection.changes(buffer))
+    assert reported == 1 + 9
 
 
 @pytest.mark.parametrize(("angular", "translational"), [(0, 1), (1, 0), (0, 0), (-1, 1)])

@@ -230,7 +230,7 @@ def test_a_serialized_topic_under_two_spellings_is_delivered_once(
     client.send("unsubscribe", first)
     talker.send("publish", "/a", msg=number(2))
     assert len(client.receive_frames()) == 1
-    client.leaves()
+    client.disconnect()
     assert hub.rosbridge.groups == {}
 
 
@@ -244,7 +244,7 @@ def test_empty_groups_are_forgotten(hub: FakeHub, talker: Client) -> None:
     assert len(hub.rosbridge.groups) == 2
     client.send("unsubscribe", "/a")
     assert len(hub.rosbridge.groups) == 1
-    client.leaves()
+    client.disconnect()
     assert hub.rosbridge.groups == {}
 
 

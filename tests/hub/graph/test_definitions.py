@@ -56,7 +56,7 @@ def test_a_node_may_come_back_with_another_definition(kind: str, end: str) -> No
     assert "is known here with other fields" in status
     assert "in use by /older (/a)" in status
     if end == "leave":
-        older.leaves()
+        older.disconnect()
     else:
         unadvertise(older, kind, "/a")
     assert not known(hub)
@@ -71,10 +71,10 @@ def test_a_definition_is_kept_for_its_last_user(kind: str) -> None:
     first, second, newer = hub.client(), hub.client("/second"), hub.client()
     advertise(first, kind, "/a", OLDER)
     advertise(second, kind, "/b", OLDER)
-    first.leaves()
+    first.disconnect()
     advertise(newer, kind, "/c", NEWER)
     assert "in use by /second (/b)" in newer.receive_statuses()[0]
-    second.leaves()
+    second.disconnect()
     advertise(newer, kind, "/c", NEWER)
     assert newer.receive() == []
 
@@ -84,11 +84,11 @@ def test_a_publisher_without_a_definition_uses_a_known_one_and_keeps_it() -> Non
     first, second = hub.client(), hub.client("/second")
     advertise(first, "topic", "/a", OLDER)
     second.send("advertise", "/b", type=THING)
-    first.leaves()
+    first.disconnect()
     second.send("publish", "/b", msg={"one": 1000})
     assert "1000 is not in -128..127" in second.receive_statuses()[0]
     assert known(hub) == {THING}
-    second.leaves()
+    second.disconnect()
     assert not known(hub)
 
 
@@ -98,7 +98,7 @@ def test_a_server_or_publisher_may_be_replaced_by_one_of_another_type(kind: str)
     first, second = hub.client(), hub.client()
     advertise(first, kind, "/a", OLDER)
     if kind == "topic":
-        first.leaves()
+        first.disconnect()
         second.send("advertise", "/a", type=INT32)
     elif kind == "service":
         second.send("advertise_service", service="/a", type="std_srvs/Empty")
@@ -113,10 +113,10 @@ def test_nested_types_are_forgotten_with_the_type_that_has_them() -> None:
     first, second = hub.client(), hub.client("/second")
     advertise(first, "topic", "/a", f"Point at\n{POINT}int8 x")
     second.send("advertise", "/b", type="my_msgs/Point")
-    first.leaves()
+    first.disconnect()
     second.send("publish", "/b", msg={"x": "1"})
     assert "requires a int8 for field x" in second.receive_statuses()[0]
-    second.leaves()
+    second.disconnect()
     assert not known(hub)
 
 
@@ -181,7 +181,7 @@ def test_a_subscriber_that_names_a_type_follows_its_new_definition(compression: 
     page.send("subscribe", "/a", type=THING, compression=compression)
     advertise(older, "topic", "/a", OLDER)
     older.send("publish", "/a", msg={"one": 1})
-    older.leaves()
+    older.disconnect()
     assert not known(hub)
     newer.send("advertise", "/a", type=INT32)
     assert f"already established with type {THING}" in newer.receive_statuses()[0]
@@ -204,7 +204,7 @@ def test_a_subscriber_that_relies_on_the_fields_keeps_the_definition(
     listener = hub.client("/listener", serialized=True)
     advertise(older, "topic", "/a", OLDER)
     listener.send("subscribe", "/a", type=THING, **fields)
-    older.leaves()
+    older.disconnect()
     advertise(newer, "topic", "/b", NEWER)
     assert "in use by /listener (/a)" in newer.receive_statuses()[0]
     listener.send("unsubscribe", "/a")
@@ -217,7 +217,7 @@ def test_a_subscriber_that_names_a_type_keeps_its_definition_if_types_are_strict
     older, newer, listener = hub.client(), hub.client(), hub.client("/listener")
     advertise(older, "topic", "/a", OLDER)
     listener.send("subscribe", "/a", type=THING)
-    older.leaves()
+    older.disconnect()
     advertise(newer, "topic", "/a", NEWER)
     assert "in use by /listener (/a)" in newer.receive_statuses()[0]
 
@@ -241,7 +241,7 @@ def test_serialized_messages_of_another_definition_have_another_number() -> None
         advertise(client, "topic", "/a", fields)
         client.send("publish", "/a")
         answers.append(listener.receive_frames()[0][1])
-        client.leaves()
+        client.disconnect()
     assert answers[0] != answers[1]
     numbers = {answer.partition(b'"topic_id":')[2].partition(b",")[0] for answer in answers}
     assert len(numbers) == 2
@@ -347,8 +347,8 @@ def test_nothing_is_left_of_definitions_that_are_forgotten(
         advertise(client, kind, "/a", f"int8 x{each}\nfloat32 y\n{nested}")
         if kind == "topic":
             client.send("publish", "/a")
-        client.leaves()
-    listener.leaves()
+        client.disconnect()
+    listener.disconnect()
     definitions = hub.graph.definitions
     assert not (definitions._by_type or definitions._holders or definitions._usage)
     assert not hub.graph._types._brought
@@ -365,6 +365,6 @@ def test_types_of_the_standard_packages_are_kept() -> None:
         client.send("advertise", "/a", type=INT32, definition="int32 data")
         types.append(hub.graph.topics["/a"].type)
         client.send("publish", "/a", msg=number(1))
-        client.leaves()
+        client.disconnect()
     assert isinstance(types[0], CheckedType)
     assert types[0] is types[1]

@@ -42,7 +42,7 @@ class Watcher:
     def __init__(self, peers: PeerWatch, *, paused: bool = False) -> None:
         self.paused = paused
         self.announced = 0
-        self.heard: list[object] = []
+        self.received: list[object] = []
         self.nodes: set[str] = set()
         self._peers = peers
 
@@ -56,7 +56,7 @@ class Watcher:
         nodes = json.loads(news.names)
         assert nodes == sorted(set(nodes))
         if news.changes is None:
-            self.heard.append(nodes)
+            self.received.append(nodes)
             self.nodes = set(nodes)
         else:
             removed, added = map(json.loads, news.changes)
@@ -66,20 +66,20 @@ class Watcher:
             between = sorted(set(nodes) - set(removed)) if set(removed) & set(added) else None
             assert between == (news.names_between and json.loads(news.names_between))
             self.nodes |= set(added)
-            self.heard.append((removed, added))
+            self.received.append((removed, added))
         assert self.nodes == set(nodes)
 
     def read(self) -> list[object]:
         """Return what it heard since the last time."""
         self.report()
-        heard, self.heard = self.heard, []
-        return heard
+        received, self.received = self.received, []
+        return received
 
 
 def test_a_watcher_gets_all_names_at_once_and_changes_later() -> None:
     topic = Topic()
     watcher = topic.watched()
-    assert watcher.heard == [[]]
+    assert watcher.received == [[]]
     topic.join("/b")
     other = topic.watched("/other")
     topic.join("/c")
@@ -142,7 +142,7 @@ def test_a_request_replaces_an_older_one_of_the_same_id() -> None:
     older, newer = topic.watched(), topic.watched()
     topic.join("/b")
     topic.peers.report()
-    assert (older.heard, newer.heard) == ([[]], [[], ([], ["/b"])])
+    assert (older.received, newer.received) == ([[]], [[], ([], ["/b"])])
 
 
 def test_all_watchers_may_be_made_to_report() -> None:
@@ -150,11 +150,11 @@ def test_all_watchers_may_be_made_to_report() -> None:
     slow, quick = topic.watched("/slow", paused=True), topic.watched("/quick")
     topic.join("/b")
     topic.peers.report()
-    assert (slow.heard, quick.heard) == ([], [[], ([], ["/b"])])
+    assert (slow.received, quick.received) == ([], [[], ([], ["/b"])])
     slow.paused = False
     topic.peers.report()
-    assert slow.heard == [["/b"]]
-    assert len(quick.heard) == 2
+    assert slow.received == [["/b"]]
+    assert len(quick.received) == 2
 
 
 def test_a_slow_watcher_reads_all_changes_at_once_or_all_names() -> None:
@@ -188,10 +188,10 @@ def test_requests_end_one_by_one_or_with_their_owner() -> None:
         topic.join(f"/before{number}")
         step(topic.peers)
         for watcher in watchers:
-            watcher.heard.clear()
+            watcher.received.clear()
         topic.join(f"/n{number}")
         topic.peers.report()
-        assert [bool(watcher.heard) for watcher in watchers] == expected
+        assert [bool(watcher.received) for watcher in watchers] == expected
     assert not topic.peers
     assert not topic.peers._changes
 

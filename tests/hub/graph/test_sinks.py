@@ -352,7 +352,7 @@ def test_a_sink_may_watch_the_publishers() -> None:
     talker = hub.client("/talker")
     talker.send("advertise", "/fib", type=INT32)
     assert [each["nodes"] for each in client.receive()] == [[], ["/talker"]]
-    talker.leaves()
+    talker.disconnect()
     assert client.receive_one("peers")["nodes"] == []
     hub.graph.unsubscribe(topic, recorder)
     assert not topic.watching_sources
@@ -380,7 +380,7 @@ def test_rosapi_lists_a_sink_as_a_subscriber() -> None:
     assert entry("/rosapi/statistics", "topic")["subscriptions"] == [
         {"node": "/recorder", "messages": 1, "dropped": 2, "throttled": 0}
     ]
-    talker.leaves()
+    talker.disconnect()
     assert rosapi.call("/rosapi/topic_type", topic="/fib") == {"type": INT32}
     graph.unsubscribe(topic, recorder)
     assert rosapi.call("/rosapi/subscribers", topic="/fib") == {"subscribers": []}

@@ -92,7 +92,7 @@ def test_a_type_is_free_when_its_last_holder_leaves(end: str) -> None:
     hub = FakeHub()
     talker, _ = talker_and_listener(hub)
     if end == "leave":
-        talker.leaves()
+        talker.disconnect()
     else:
         talker.send("unadvertise", "/fib")
     assert hub.graph.topics["/fib"].type is None

@@ -30,7 +30,7 @@ class Connection:
 
     def close(self, closing: CloseReason) -> None:
         self.closings.append(closing)
-        self.client.leaves()
+        self.client.disconnect()
 
 
 class RosapiClient:

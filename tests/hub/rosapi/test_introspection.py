@@ -183,7 +183,7 @@ def test_types_that_clients_bring_are_described_while_they_are_used(rosapi: Rosa
         ):
             [details] = rosapi.call(f"/rosapi/{service}", type=type_)["typedefs"]
             assert details["fieldtypes"] == [line.removesuffix(" x")]
-        client.leaves()
+        client.disconnect()
         for service in ("message_details", "service_request_details", "service_response_details"):
             assert "my_msgs" in rosapi.refusal(f"/rosapi/{service}", type="my_msgs/Thing")
 
@@ -283,7 +283,7 @@ def test_nodes_lists_clients_and_the_hubs_own_nodes(rosapi: RosapiClient) -> Non
     assert rosapi.call("/rosapi/nodes") == {"nodes": ["/caller", *own]}
     client = talker(rosapi)
     assert rosapi.call("/rosapi/nodes") == {"nodes": ["/caller", *own, "/talker"]}
-    client.leaves()
+    client.disconnect()
     assert rosapi.call("/rosapi/nodes") == {"nodes": ["/caller", *own]}
 
 
@@ -341,5 +341,5 @@ def test_actions_of_ros_2_are_listed_too(rosapi: RosapiClient) -> None:
     topics = {f"fib/{each}": STRING for each in introspection.ACTION_TOPICS}
     talker(rosapi, **topics)
     assert rosapi.call("/rosapi/action_servers") == {"action_servers": ["/count", "/fib"]}
-    client.leaves()
+    client.disconnect()
     assert rosapi.call("/rosapi/action_servers") == {"action_servers": ["/fib"]}

@@ -95,9 +95,9 @@ def test_an_own_node_is_never_replaced() -> None:
 def test_closing_removes_all_nodes_topics_and_services(rosapi: RosapiClient) -> None:
     connections = [rosapi.connect() for _ in range(2)]
     rosapi.client.send("advertise", "/fib", type=INT32)
-    rosapi.client.leaves()
+    rosapi.client.disconnect()
     for connection in connections:
-        connection.client.leaves()
+        connection.client.disconnect()
     rosapi.own.close()
     graph = rosapi.graph
     assert (graph.nodes, graph.topics, graph.services) == ({}, {}, {})

@@ -129,7 +129,7 @@ def test_other_nodes_that_leave_do_not_affect_a_ping(pinger: Pinger) -> None:
 
 def test_nothing_is_kept_for_a_caller_that_leaves(pinger: Pinger) -> None:
     pinger.ping()
-    pinger.client.leaves()
+    pinger.client.disconnect()
     assert pinger.forgotten
     pong(pinger, pinger.talker)
     assert pinger.is_waiting()
@@ -196,7 +196,7 @@ def test_a_ping_fails_when_the_hub_closes(pinger: Pinger) -> None:
     response = pinger.response_to("/rosapi/ping_node")
     assert response["values"]["message"] == "the hub is shutting down"
     assert pinger.hub.clock.timers == 0
-    pinger.client.leaves()
+    pinger.client.disconnect()
 
 
 # Kills.

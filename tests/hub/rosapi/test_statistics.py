@@ -328,7 +328,7 @@ def test_clients_that_have_left_the_graph_are_not_listed(rosapi: RosapiClient) -
     rosapi.connect("/talker")
     rosapi.connect("/talker")
     leaving = rosapi.connect("/leaving")
-    leaving.client.leaves()
+    leaving.client.disconnect()
     clients = rosapi.call("/rosapi/statistics")["clients"]
     assert [(each["node"], each["address"]) for each in clients] == [("/talker", "10.0.0.1:50002")]
 

@@ -29,9 +29,9 @@ def send_goal(client: Client, order: int = 5, *, action: str = "/fib", **fields:
 
 def received_goals(server: Client) -> list[str]:
     """Return the ids of the goals that a server received; nothing else may have come."""
-    heard = server.receive()
-    assert all(each["op"] == "send_action_goal" for each in heard), heard
-    return [each["id"] for each in heard]
+    received = server.receive()
+    assert all(each["op"] == "send_action_goal" for each in received), received
+    return [each["id"] for each in received]
 
 
 def received_goal(server: Client) -> str:
@@ -53,5 +53,5 @@ def send_result(server: Client, id_: str, *sequence: int, status: int = 4) -> No
 
 def received_result(client: Client) -> tuple[int, bool, Any]:
     """Return status, success and values of the one result that came."""
-    heard = client.receive_one("action_result")
-    return heard["status"], heard["result"], heard["values"]
+    received = client.receive_one("action_result")
+    return received["status"], received["result"], received["values"]

@@ -30,9 +30,9 @@ def call_add(
 
 def received_calls(provider: Client) -> list[str]:
     """Return the ids of the calls that a server received; nothing else may have come."""
-    heard = provider.receive()
-    assert all(each["op"] == "call_service" for each in heard), heard
-    return [each["id"] for each in heard]
+    received = provider.receive()
+    assert all(each["op"] == "call_service" for each in received), received
+    return [each["id"] for each in received]
 
 
 def received_call(provider: Client) -> str:
@@ -49,9 +49,9 @@ def respond(provider: Client, id_: str, total: int = 3, service: str = "/add") -
 
 def received_sums(client: Client) -> list[int]:
     """Return the sums of the responses that came; nothing else may have come."""
-    heard = client.receive()
-    assert all(each["op"] == "service_response" and each["result"] for each in heard), heard
-    return [each["values"]["sum"] for each in heard]
+    received = client.receive()
+    assert all(each["op"] == "service_response" and each["result"] for each in received), received
+    return [each["values"]["sum"] for each in received]
 
 
 def received_failure(client: Client) -> str:

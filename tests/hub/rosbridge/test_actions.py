@@ -130,7 +130,7 @@ def test_older_server_cannot_remove_the_newer(end: str) -> None:
     hub, older, client = server_and_client()
     newer = server(hub, "/newer")
     if end == "leave":
-        older.leaves()
+        older.disconnect()
     else:
         older.send("unadvertise_action", action="/fib")
     send_goal(client)
@@ -192,7 +192,7 @@ def test_goals_continue_and_can_be_cancelled_after_the_server_is_replaced(by: st
         assert received_ids(client, "action_result") == running, events
         assert client.forgotten
         for each in (client, *servers.values()):
-            each.leaves()
+            each.disconnect()
         assert hub.empty
 
 
@@ -234,7 +234,7 @@ def test_goals_are_aborted_when_the_server_leaves(replaced: bool) -> None:
     if replaced:
         hub.client("/server")
     else:
-        pursuer.leaves()
+        pursuer.disconnect()
     assert [(each["id"], each["status"], each["result"]) for each in client.receive()] == [
         (id_, 6, False) for id_ in "ab"
     ]
@@ -248,7 +248,7 @@ def test_leaving_client_cancels_its_goals() -> None:
     send_goal(client, id="x", feedback=True)
     send_goal(other, id="x")
     [sent, others] = received_goals(pursuer)
-    client.leaves()
+    client.disconnect()
     assert pursuer.receive() == [{"op": "cancel_action_goal", "id": sent, "action": "/fib"}]
     send_feedback(pursuer, sent)
     send_result(pursuer, sent, status=5)

@@ -98,11 +98,11 @@ def test_arrays_may_be_typed(data: object) -> None:
     client.send("advertise", "/a", type="std_msgs/Int32MultiArray")
     client.send("subscribe", "/a")
     send_cbor(client, op="publish", topic="/a", msg={"data": data}, id=b"\xff" * 3)
-    heard = client.receive()[0]
+    received = client.receive()[0]
     if isinstance(data, bytes):
-        assert "for field data, but got a bytes" in heard["msg"]
+        assert "for field data, but got a bytes" in received["msg"]
     else:
-        assert heard["msg"]["data"] == [1, 2, 3]
+        assert received["msg"]["data"] == [1, 2, 3]
 
 
 def test_byte_strings_are_accepted_for_uint8_arrays() -> None:
@@ -205,9 +205,9 @@ def test_calls_and_goals_of_an_unknown_type_may_hold_bytes(value: object) -> Non
     for each in asked:
         assert each["args"] == {"any": as_json(value)}
         send_cbor(provider, op=ops[each["op"]], id=each["id"], x=b"\xff", **answering)
-    heard = caller.receive()
-    assert [each["op"] for each in heard] == [*ops.values()]
-    assert all(each["values"] == {"any": as_json(value)} for each in heard)
+    received = caller.receive()
+    assert [each["op"] for each in received] == [*ops.values()]
+    assert all(each["values"] == {"any": as_json(value)} for each in received)
     assert provider.receive() == []
     assert caller.forgotten
 
@@ -255,6 +255,6 @@ def test_random_binary_raises_nothing_and_leaves_nothing(data: bytes) -> None:
     talker.send("publish", "/fib", msg=number(1))
     assert listener.receive_numbers("/fib")[-1] == 1
     for each in (talker, listener):
-        each.leaves()
+        each.disconnect()
         assert each.forgotten
     assert hub.empty

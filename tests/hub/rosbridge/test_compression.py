@@ -44,10 +44,10 @@ def talker_and_listeners(*asked: dict[str, Any]) -> tuple[FakeHub, Client, list[
 def test_each_subscriber_gets_the_message_in_its_compression() -> None:
     _, talker, listeners = talker_and_listeners(*({"compression": each} for each in WAYS))
     talker.send("publish", "/fib", msg=number(8))
-    heard = [listener.receive_frames() for listener in listeners]
-    assert [first for [(first, _)] in heard] == [TEXT, TEXT, BINARY, BINARY]
+    received = [listener.receive_frames() for listener in listeners]
+    assert [first for [(first, _)] in received] == [TEXT, TEXT, BINARY, BINARY]
     raw = {"secs": SECS, "nsecs": NSECS, "bytes": pack("<i", 8)}
-    assert [meaning(frame) for [frame] in heard] == [
+    assert [meaning(frame) for [frame] in received] == [
         {"op": "publish", "topic": "/fib", "msg": msg}
         for msg in (number(8), number(8), number(8), raw)
     ]
@@ -73,7 +73,7 @@ def test_unknown_compression_counts_as_none(compression: str) -> None:
 def test_compression_ends_with_the_request_that_asked_for_it() -> None:
     hub, talker, [listener] = talker_and_listeners({"id": "plain"})
 
-    def heard() -> str:
+    def next_encoding() -> str:
         talker.send("publish", "/fib", msg=number(8))
         [frame] = listener.receive_frames()
         if frame[0] == BINARY:
@@ -82,14 +82,14 @@ def test_compression_ends_with_the_request_that_asked_for_it() -> None:
         return op
 
     listener.receive_frames()
-    found = [heard()]
+    found = [next_encoding()]
     for way in ("png", "cbor", "cbor-raw"):
         listener.send("subscribe", "/fib", id=way, compression=way)
         listener.receive_frames()
-        found.append(heard())
+        found.append(next_encoding())
     for way in ("cbor-raw", "png", "cbor"):
         listener.send("unsubscribe", "/fib", id=way)
-        found.append(heard())
+        found.append(next_encoding())
     assert found == ["publish", "png", "cbor", "cbor-raw", "cbor", "cbor", "publish"]
     assert len(hub.rosbridge.groups) == 1
     listener.send("unsubscribe", "/fib")
@@ -191,8 +191,8 @@ def test_cbor_raw_subscriber_gets_an_error_when_the_type_is_unknown() -> None:
     talker.send("publish", "/a", msg={"any": 2})
     assert talker.receive() == []
     assert other.receive_messages("/a") == [{"any": 1}, {"any": 2}]
-    [told] = listener.receive_statuses()
-    assert "definition of my_msgs/Thing" in told
+    [status] = listener.receive_statuses()
+    assert "definition of my_msgs/Thing" in status
 
 
 def test_cbor_raw_subscriber_gets_messages_once_the_type_is_known() -> None:
@@ -201,5 +201,5 @@ def test_cbor_raw_subscriber_gets_messages_once_the_type_is_known() -> None:
     listener.send("subscribe", "/a", compression="cbor-raw")
     talker.send("advertise", "/a", type="my_msgs/Thing", definition="int8 one\n")
     talker.send("publish", "/a", msg={"one": 5})
-    [heard] = listener.receive_cbor()
-    assert heard["msg"]["bytes"] == b"\5"
+    [received] = listener.receive_cbor()
+    assert received["msg"]["bytes"] == b"\5"

@@ -192,7 +192,7 @@ RESPONSES: dict[str, tuple[str, Provoke]] = {
     "invalid name": ("invalid_name", operation("call_service", **call("a b"))),
     "forbidden": ("not_allowed", operation("call_service", **call("/secret"))),
     "timeout": ("timeout", time_passes),
-    "server leaves": ("server_lost", called(lambda server, id_: server.leaves())),
+    "server leaves": ("server_lost", called(lambda server, id_: server.disconnect())),
     "server unadvertises": (
         "server_lost",
         called(lambda server, id_: server.send("unadvertise_service", service="/add")),
@@ -306,7 +306,7 @@ RESULTS: dict[str, tuple[str, Provoke]] = {
         "invalid_message",
         with_action_server(operation("send_action_goal", **goal(args={"order": "many"}))),
     ),
-    "server leaves": ("server_lost", sent(lambda server, id_: server.leaves())),
+    "server leaves": ("server_lost", sent(lambda server, id_: server.disconnect())),
     "server unadvertises": (
         "server_lost",
         sent(lambda server, id_: server.send("unadvertise_action", action="/fib")),

@@ -47,9 +47,9 @@ class Company:
 
         As its own provider it may be told once by a status and once by the answer to its call.
         """
-        heard = [each for each in self.client.receive() if _is_fault(each)]
-        assert len({each["op"] for each in heard}) == len(heard)
-        texts: list[str] = [each.get("msg") or each["values"] for each in heard]
+        received = [each for each in self.client.receive() if _is_fault(each)]
+        assert len({each["op"] for each in received}) == len(received)
+        texts: list[str] = [each.get("msg") or each["values"] for each in received]
         assert all(len(text) <= 1003 for text in texts)
         return texts
 
@@ -63,16 +63,16 @@ class Company:
         everyone = (self.client, self.talker, self.listener)
         assert not any(each.closings for each in everyone)
         for each in everyone:
-            each.leaves()
+            each.disconnect()
             assert each.forgotten
         assert self.hub.empty
         assert self.hub.clock.timers == 0
 
 
-def _is_fault(heard: dict[str, Any]) -> bool:
-    if heard["op"] in ("service_response", "action_result"):
-        return not heard["result"] and heard["values"] != "the goal failed"
-    return bool(heard["op"] == "status")
+def _is_fault(received: dict[str, Any]) -> bool:
+    if received["op"] in ("service_response", "action_result"):
+        return not received["result"] and received["values"] != "the goal failed"
+    return bool(received["op"] == "status")
 
 
 def operation(op: str, field: str, value: str) -> str:
@@ -191,7 +191,7 @@ def test_thousand_invalid_operations_in_one_text_do_no_harm(op: str, field: str)
     company = Company(FakeHub())
     text = operation(op, field, '{"wrong":[1]}')
     company.client.send_text(text * 1000)
-    heard: list[Client] = [company.talker, company.listener]
-    assert [each.receive() for each in heard] == [[], []]
+    others: list[Client] = [company.talker, company.listener]
+    assert [each.receive() for each in others] == [[], []]
     assert len(company.client.receive()) <= 2000
     company.part()

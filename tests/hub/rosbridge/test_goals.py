@@ -59,15 +59,15 @@ def test_goal_goes_to_the_server_and_feedback_and_result_to_the_client() -> None
     assert hub.graph.actions["/fib"].goals == {}
 
 
-@pytest.mark.parametrize(("wanted", "heard"), [(True, 2), (False, 0), (None, 0)])
-def test_feedback_is_sent_only_if_requested(wanted: bool | None, heard: int) -> None:
+@pytest.mark.parametrize(("wanted", "received"), [(True, 2), (False, 0), (None, 0)])
+def test_feedback_is_sent_only_if_requested(wanted: bool | None, received: int) -> None:
     _, pursuer, client = server_and_client()
     send_goal(client, feedback=wanted)
     sent = pursuer.receive_one("send_action_goal")
     assert sent["feedback"] is True
     for number in range(2):
         send_feedback(pursuer, sent["id"], number)
-    assert len(client.receive()) == heard
+    assert len(client.receive()) == received
     assert pursuer.receive() == []
 
 
@@ -135,8 +135,8 @@ def test_feedback_and_result_carry_the_id_as_it_was_sent(id_: object, action: st
     for sent in received_goals(pursuer):
         send_feedback(pursuer, sent)
         send_result(pursuer, sent)
-    for heard in client.receive():
-        assert (heard["id"], type(heard["id"])) == (id_, type(id_))
+    for received in client.receive():
+        assert (received["id"], type(received["id"])) == (id_, type(id_))
 
 
 def test_goal_without_an_id_has_a_result_without_one() -> None:
@@ -146,9 +146,9 @@ def test_goal_without_an_id_has_a_result_without_one() -> None:
     for sent in received_goals(pursuer):
         send_feedback(pursuer, sent)
         send_result(pursuer, sent)
-    heard = client.receive()
-    assert [each["op"] for each in heard] == ["action_feedback", "action_result"] * 2
-    assert all("id" not in each for each in heard)
+    received = client.receive()
+    assert [each["op"] for each in received] == ["action_feedback", "action_result"] * 2
+    assert all("id" not in each for each in received)
 
 
 def test_id_is_free_again_when_its_goal_has_ended() -> None:
@@ -208,7 +208,7 @@ def test_client_may_serve_its_own_goals() -> None:
     assert client.receive() == [{"op": "cancel_action_goal", "action": "/fib", "id": sent}]
     send_result(client, sent, status=5)
     assert received_result(client) == (5, True, {"sequence": []})
-    client.leaves()
+    client.disconnect()
     assert client.forgotten
 
 

@@ -55,15 +55,15 @@ def test_latched_message_has_the_subscribers_spelling() -> None:
     assert listener.receive_numbers("fib") == [1]
 
 
-@pytest.mark.parametrize(("latch", "heard"), [(True, [1]), (False, [])])
-def test_first_advertisement_decides_on_latching(latch: bool, heard: list[int]) -> None:
+@pytest.mark.parametrize(("latch", "received"), [(True, [1]), (False, [])])
+def test_first_advertisement_decides_on_latching(latch: bool, received: list[int]) -> None:
     hub = FakeHub()
     talker, listener = hub.client(), hub.client()
     talker.send("advertise", "/fib", type=INT32, id="a", latch=latch)
     talker.send("advertise", "/fib", type=INT32, id="b", latch=not latch)
     talker.send("publish", "/fib", msg=number(1), latch=not latch)
     listener.send("subscribe", "/fib")
-    assert listener.receive_numbers("/fib") == heard
+    assert listener.receive_numbers("/fib") == received
 
 
 def test_publish_that_advertises_may_latch() -> None:
@@ -81,7 +81,7 @@ def test_latched_message_is_forgotten_with_its_publisher(end: str) -> None:
     talker = latched(hub, "/a", 1)
     other = latched(hub, "/b", 2)
     if end == "leave":
-        talker.leaves()
+        talker.disconnect()
     else:
         talker.send("unadvertise", "/fib")
     listener = hub.client()
@@ -114,10 +114,10 @@ def test_message_too_large_to_latch_is_delivered_and_reported() -> None:
     talker.send("advertise", "/a", type=STRING, latch=True)
     listener.send("subscribe", "/a")
     talker.send("publish", "/a", msg=EIGHT, id="p")
-    [told] = talker.receive()
-    assert (told["level"], told["id"]) == ("error", "p")
-    assert told["msg"].startswith("publish: ")
-    assert all(each in told["msg"] for each in ("/a", "11 bytes", "--max-latched-bytes"))
+    [status] = talker.receive()
+    assert (status["level"], status["id"]) == ("error", "p")
+    assert status["msg"].startswith("publish: ")
+    assert all(each in status["msg"] for each in ("/a", "11 bytes", "--max-latched-bytes"))
     assert listener.receive_messages("/a") == [EIGHT]
     late.send("subscribe", "/a")
     assert late.receive() == []
@@ -151,7 +151,7 @@ def test_latched_messages_of_one_client_count_together() -> None:
     talker.send("unadvertise", "/a")
     talker.send("publish", "/c", msg=EIGHT)
     assert talker.receive() == []
-    talker.leaves()
+    talker.disconnect()
     assert talker.forgotten
 
 
@@ -177,7 +177,7 @@ def test_latched_message_has_the_header_that_it_was_published_with() -> None:
     for _ in range(2):
         plain.send("subscribe", "/fib")
         asking.send("subscribe", "/fib", headers=True)
-        [heard] = asking.receive()
-        assert heard["header"] == {"callerid": "/talker", "latching": "1", "user": "ann"}
-        [heard] = plain.receive()
-        assert "header" not in heard
+        [received] = asking.receive()
+        assert received["header"] == {"callerid": "/talker", "latching": "1", "user": "ann"}
+        [received] = plain.receive()
+        assert "header" not in received

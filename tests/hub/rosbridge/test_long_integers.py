@@ -75,9 +75,9 @@ def test_infinity_is_as_without(headers: bool | None) -> None:
     asking = subscribed(hub, int64="string", headers=headers)
     client = talker(hub, "my_msgs/Both", definition=definition)
     client.send("publish", "/n", msg={"long": 1, "real": math.inf})
-    heard = asking.receive_one("publish")
-    assert heard["msg"] == {"long": "1", "real": math.inf if headers else None}
-    assert ("header" in heard) == bool(headers)
+    received = asking.receive_one("publish")
+    assert received["msg"] == {"long": "1", "real": math.inf if headers else None}
+    assert ("header" in received) == bool(headers)
 
 
 def test_another_value_is_refused() -> None:

@@ -16,29 +16,29 @@ SIDES = {"advertise": "subscribe", "subscribe": "advertise"}
 """For each operation, the one whose nodes are its peers."""
 
 
-def asks(hub: FakeHub, op: str, node: str = "/asking", **fields: Any) -> Client:
+def connect_watcher(hub: FakeHub, op: str, node: str = "/asking", **fields: Any) -> Client:
     client = hub.client(node)
     client.send(op, "/a", type=INT32, **{"id": "asked", "peers": True, **fields})
     return client
 
 
-def joins(hub: FakeHub, op: str, node: str, topic: str = "/a") -> Client:
+def connect_node(hub: FakeHub, op: str, node: str, topic: str = "/a") -> Client:
     client = hub.client(node)
     client.send(op, topic, type=INT32)
     return client
 
 
-def told(client: Client) -> list[list[str]]:
+def received_peers(client: Client) -> list[list[str]]:
     """Return the peers lists that came since the last call; nothing else may have come."""
-    heard = client.receive()
-    assert all(each.keys() == {"op", "id", "topic", "nodes"} for each in heard), heard
-    return [each["nodes"] for each in heard]
+    received = client.receive()
+    assert all(each.keys() == {"op", "id", "topic", "nodes"} for each in received), received
+    return [each["nodes"] for each in received]
 
 
 @pytest.mark.parametrize(("op", "other"), SIDES.items())
 def test_peers_come_at_once_with_the_requests_id_and_spelling(op: str, other: str) -> None:
     hub = FakeHub()
-    joins(hub, other, "/b")
+    connect_node(hub, other, "/b")
     client = hub.client()
     client.send(op, "a", type=INT32, id=5, peers=True)
     assert client.receive() == [{"op": "peers", "id": 5, "topic": "a", "nodes": ["/b"]}]
@@ -50,61 +50,64 @@ def test_peers_come_at_once_with_the_requests_id_and_spelling(op: str, other: st
 @pytest.mark.parametrize(("op", "other"), SIDES.items())
 def test_peers_are_not_sent_unless_requested(op: str, other: str, peers: bool | None) -> None:
     hub = FakeHub()
-    client = asks(hub, op, peers=peers)
-    joins(hub, other, "/b").leaves()
+    client = connect_watcher(hub, op, peers=peers)
+    connect_node(hub, other, "/b").disconnect()
     assert client.receive() == []
 
 
 @pytest.mark.parametrize(("op", "other"), SIDES.items())
 def test_each_change_of_the_peers_is_sent(op: str, other: str) -> None:
     hub = FakeHub()
-    client = asks(hub, op)
-    assert told(client) == [[]]
-    second = joins(hub, other, "/b2")
-    assert told(client) == [["/b2"]]
-    first = joins(hub, other, "/b1")
-    assert told(client) == [["/b1", "/b2"]]
-    joins(hub, op, "/of the same side")
-    joins(hub, other, "/elsewhere", "/other")
-    assert told(client) == []
-    first.leaves()
-    assert told(client) == [["/b2"]]
+    client = connect_watcher(hub, op)
+    assert received_peers(client) == [[]]
+    second = connect_node(hub, other, "/b2")
+    assert received_peers(client) == [["/b2"]]
+    first = connect_node(hub, other, "/b1")
+    assert received_peers(client) == [["/b1", "/b2"]]
+    connect_node(hub, op, "/of the same side")
+    connect_node(hub, other, "/elsewhere", "/other")
+    assert received_peers(client) == []
+    first.disconnect()
+    assert received_peers(client) == [["/b2"]]
     second.send(f"un{other}", "/a")
-    assert told(client) == [[]]
+    assert received_peers(client) == [[]]
 
 
 @pytest.mark.parametrize(("op", "other"), SIDES.items())
 def test_client_that_supports_changes_receives_them(op: str, other: str) -> None:
     hub = FakeHub()
-    third = joins(hub, other, "/b3")
-    client = asks(hub, op, peer_changes=True)
+    third = connect_node(hub, other, "/b3")
+    client = connect_watcher(hub, op, peer_changes=True)
     report = {"op": "peers", "id": "asked"}
     assert client.receive() == [{**report, "topic": "/a", "nodes": ["/b3"]}]
-    first, _ = joins(hub, other, "/b1"), joins(hub, other, "/b2")
+    first, _ = connect_node(hub, other, "/b1"), connect_node(hub, other, "/b2")
     assert client.receive() == [{**report, "added": ["/b1", "/b2"]}]
-    first.leaves()
-    third.leaves()
+    first.disconnect()
+    third.disconnect()
     assert client.receive() == [{**report, "removed": ["/b1", "/b3"]}]
-    joins(hub, other, "/b2")
+    connect_node(hub, other, "/b2")
     assert client.receive() == [{**report, "removed": ["/b2"], "added": ["/b2"]}]
-    client.leaves()
-    client = asks(hub, op, id=None, peer_changes=True)
-    joins(hub, other, "/b3")
+    client.disconnect()
+    client = connect_watcher(hub, op, id=None, peer_changes=True)
+    connect_node(hub, other, "/b3")
     assert [(each["topic"], "id" in each) for each in client.receive()] == [("/a", False)] * 2
 
 
 @pytest.mark.parametrize(("op", "other"), SIDES.items())
 def test_changes_of_one_turn_are_one_report(op: str, other: str) -> None:
     hub = FakeHub()
-    whole, changes = asks(hub, op, "/whole"), asks(hub, op, "/changes", peer_changes=True)
+    whole, changes = (
+        connect_watcher(hub, op, "/whole"),
+        connect_watcher(hub, op, "/changes", peer_changes=True),
+    )
     for client in (whole, changes):
         client.receive()
     nodes = [f"/b{number}" for number in range(10)]
-    passing = joins(hub, other, "/passing")
+    passing = connect_node(hub, other, "/passing")
     for node in nodes:
-        joins(hub, other, node)
-    passing.leaves()
-    assert told(whole) == [nodes]
+        connect_node(hub, other, node)
+    passing.disconnect()
+    assert received_peers(whole) == [nodes]
     assert changes.receive_one("peers")["added"] == nodes
 
 
@@ -131,11 +134,11 @@ def test_four_hundred_nodes_on_tf_take_less_than_20_megabytes(
 @pytest.mark.parametrize(("op", "other"), SIDES.items())
 def test_many_watchers_receive_several_changes_at_once(op: str, other: str) -> None:
     hub = FakeHub()
-    watchers = [asks(hub, op, f"/n{count}", peer_changes=True) for count in range(400)]
+    watchers = [connect_watcher(hub, op, f"/n{count}", peer_changes=True) for count in range(400)]
     for watcher in watchers:
         watcher.receive()
     for name in ("/b1", "/b2", "/b3"):
-        joins(hub, other, name)
+        connect_node(hub, other, name)
         hub.clock.turn()
         hub.clock.advance(0.03)
     hub.clock.advance(0.03)
@@ -145,10 +148,12 @@ def test_many_watchers_receive_several_changes_at_once(op: str, other: str) -> N
 
 def test_many_subscribers_learn_of_a_publisher_before_its_messages() -> None:
     hub = FakeHub()
-    watchers = [asks(hub, "subscribe", f"/n{count}", peer_changes=True) for count in range(100)]
+    watchers = [
+        connect_watcher(hub, "subscribe", f"/n{count}", peer_changes=True) for count in range(100)
+    ]
     for watcher in watchers:
         watcher.receive()
-    joins(hub, "advertise", "/b").send("publish", "/a", msg=number(1))
+    connect_node(hub, "advertise", "/b").send("publish", "/a", msg=number(1))
     hub.clock.advance(1)
     for watcher in watchers:
         assert [each.get("added") for each in watcher.receive()] == [["/b"], None]
@@ -157,76 +162,76 @@ def test_many_subscribers_learn_of_a_publisher_before_its_messages() -> None:
 @pytest.mark.parametrize(("op", "other"), SIDES.items())
 def test_node_is_listed_once_while_it_has_any_registration(op: str, other: str) -> None:
     hub = FakeHub()
-    client = asks(hub, op)
+    client = connect_watcher(hub, op)
     node = hub.client("/b")
     registrations = [("/a", 1), ("/a", 2), ("a", 3), ("a", 4)]
     for spelling, id_ in registrations:
         node.send(other, spelling, type=INT32, id=id_)
     for spelling, id_ in registrations:
-        assert told(client)[-1:] in ([], [["/b"]])
+        assert received_peers(client)[-1:] in ([], [["/b"]])
         node.send(f"un{other}", spelling, id=id_)
-    assert told(client) == [[]]
+    assert received_peers(client) == [[]]
 
 
 @pytest.mark.parametrize(("op", "other"), SIDES.items())
 def test_replaced_node_is_removed_before_the_newer_is_added(op: str, other: str) -> None:
     hub = FakeHub()
-    client = asks(hub, op)
-    joins(hub, other, "/b")
-    assert told(client) == [[], ["/b"]]
-    joins(hub, other, "/b")
-    assert told(client) == [[], ["/b"]]
+    client = connect_watcher(hub, op)
+    connect_node(hub, other, "/b")
+    assert received_peers(client) == [[], ["/b"]]
+    connect_node(hub, other, "/b")
+    assert received_peers(client) == [[], ["/b"]]
 
 
 @pytest.mark.parametrize(("op", "other"), SIDES.items())
 def test_node_may_be_its_own_peer(op: str, other: str) -> None:
     hub = FakeHub()
-    client = asks(hub, op)
+    client = connect_watcher(hub, op)
     client.send(other, "/a", type=INT32, peers=True, id="other")
     assert [(each["id"], each["nodes"]) for each in client.receive()] == [
         ("asked", []),
         ("other", ["/asking"]),
         ("asked", ["/asking"]),
     ]
-    client.leaves()
+    client.disconnect()
     assert hub.empty
 
 
 @pytest.mark.parametrize(("op", "other"), SIDES.items())
 def test_requests_end_by_their_ids(op: str, other: str) -> None:
     hub = FakeHub()
-    client = asks(hub, op, id=1)
+    client = connect_watcher(hub, op, id=1)
     for id_ in (2, 3):
         client.send(op, "/a", type=INT32, id=id_, peers=True)
     client.send(op, "/a", type=INT32, id=4)
     client.receive()
     client.send(f"un{op}", "/a", id=1)
     client.send(op, "/a", type=INT32, id=3)  # which asks no more
-    joins(hub, other, "/b")
+    connect_node(hub, other, "/b")
     assert [each["id"] for each in client.receive()] == [2]
     client.send(f"un{op}", "/a")
-    joins(hub, other, "/c")
+    connect_node(hub, other, "/c")
     assert client.receive() == []
 
 
 @pytest.mark.parametrize(("op", "other"), SIDES.items())
 def test_clients_that_left_or_were_refused_get_no_peers(op: str, other: str) -> None:
     hub = FakeHub()
-    client, refused = asks(hub, op), hub.client()
+    client, refused = connect_watcher(hub, op), hub.client()
     refused.send(op, "/a", type=STRING, peers=True)
     assert len(refused.receive_statuses()) == 1
-    client.leaves()
+    client.disconnect()
     client.receive()
-    joins(hub, other, "/b")
+    connect_node(hub, other, "/b")
     assert client.receive() == refused.receive() == []
 
 
 def test_publisher_learns_of_a_subscriber_that_gets_its_messages() -> None:
     hub = FakeHub()
-    talker = asks(hub, "advertise", "/talker")
-    told(talker)
-    listener = joins(hub, "subscribe", "/listener")
-    [nodes] = told(talker)
+    talker = connect_watcher(hub, "advertise", "/talker")
+    received_peers(talker)
+    listener = connect_node(hub, "subscribe", "/listener")
+    [nodes] = received_peers(talker)
     talker.send("publish", "/a", msg=number(1), to=nodes[0])
     assert listener.receive_numbers("/a") == [1]
 
@@ -236,8 +241,11 @@ def test_subscriber_learns_of_a_publisher_before_its_messages() -> None:
     talker = hub.client("/talker")
     talker.send("advertise", "/a", type=INT32, latch=True)
     talker.send("publish", "/a", msg=number(1))
-    late, early = asks(hub, "subscribe", "/late"), asks(hub, "subscribe", "/early", id="early")
-    other = joins(hub, "advertise", "/other")
+    late, early = (
+        connect_watcher(hub, "subscribe", "/late"),
+        connect_watcher(hub, "subscribe", "/early", id="early"),
+    )
+    other = connect_node(hub, "advertise", "/other")
     other.send("publish", "/a", msg=number(2))
     for client in (late, early):
         assert [each["op"] for each in client.receive()] == ["peers", "publish", "peers", "publish"]
@@ -245,14 +253,14 @@ def test_subscriber_learns_of_a_publisher_before_its_messages() -> None:
 
 def test_publisher_without_advertise_is_a_peer() -> None:
     hub = FakeHub()
-    client = asks(hub, "subscribe")
+    client = connect_watcher(hub, "subscribe")
     hub.client("/b").send("publish", "/a", msg=number(1))
     assert [each.get("nodes") for each in client.receive()] == [[], ["/b"], None]
 
 
 def test_subscriber_learns_of_a_publisher_before_its_message_for_one_node() -> None:
     hub = FakeHub()
-    client = asks(hub, "subscribe", peer_changes=True)
+    client = connect_watcher(hub, "subscribe", peer_changes=True)
     talker = hub.client("/talker")
     talker.send("advertise", "/a", type=INT32)
     talker.send("publish", "/a", msg=number(1), to="/asking")
@@ -261,29 +269,31 @@ def test_subscriber_learns_of_a_publisher_before_its_message_for_one_node() -> N
 
 def test_slow_client_gets_one_change_or_only_the_newest_peers() -> None:
     hub = FakeHub(max_queued_bytes=1000)
-    client = asks(hub, "advertise", peer_changes=True)
+    client = connect_watcher(hub, "advertise", peer_changes=True)
     client.receive()
     for many in (False, True):
         client.queue.pause()
-        others = [joins(hub, "subscribe", f"/b{name % 7}") for name in range(500 if many else 10)]
+        others = [
+            connect_node(hub, "subscribe", f"/b{name % 7}") for name in range(500 if many else 10)
+        ]
         assert client.queue.kept_bytes == 0
         client.queue.resume()
         nodes = [f"/b{name}" for name in range(7)]
         report = client.receive_one("peers")
         assert report.get("nodes" if many else "added") == nodes
         for other in others:
-            other.leaves()
+            other.disconnect()
         assert client.receive_one("peers")["removed"] == nodes
 
 
 def test_slow_client_gets_only_the_newest_peers() -> None:
     hub = FakeHub(max_queued_bytes=1000)
-    client = asks(hub, "advertise")
+    client = connect_watcher(hub, "advertise")
     client.send("advertise", "/a", type=INT32, peers=True, id="again")
     client.receive()
     client.queue.pause()
     for name in range(100):
-        joins(hub, "subscribe", f"/b{name % 7}")
+        connect_node(hub, "subscribe", f"/b{name % 7}")
     assert not client.queue.overfull
     client.queue.resume()
     assert [(each["id"], len(each["nodes"])) for each in client.receive()] == [
@@ -296,9 +306,12 @@ def test_slow_client_gets_only_the_newest_peers() -> None:
 def test_peers_are_right_after_random_changes(seed: int) -> None:
     chance = random.Random(seed)
     hub = FakeHub()
-    publisher, subscriber = asks(hub, "advertise", "/p"), asks(hub, "subscribe", "/s")
+    publisher, subscriber = (
+        connect_watcher(hub, "advertise", "/p"),
+        connect_watcher(hub, "subscribe", "/s"),
+    )
     others: dict[str, Client] = {}
-    heard: dict[Client, list[str]] = {}
+    reported: dict[Client, list[str]] = {}
     for _ in range(300):
         name = f"/n{chance.randrange(4)}"
         spelling = chance.choice(["/a", "a", "/other"])
@@ -307,7 +320,7 @@ def test_peers_are_right_after_random_changes(seed: int) -> None:
         other = others[name]
         match chance.randrange(6):
             case 0:
-                other.leaves()
+                other.disconnect()
                 del others[name]
             case 1 | 2:
                 op = chance.choice(["advertise", "subscribe"])
@@ -317,11 +330,11 @@ def test_peers_are_right_after_random_changes(seed: int) -> None:
                 other.send(op, spelling, id=chance.choice([0, 1, None]))
         topic = hub.graph.topics["/a"]
         for client in (publisher, subscriber):
-            for nodes in told(client):
-                assert nodes != heard.get(client)
-                heard[client] = nodes
-        assert heard[publisher] == sorted(topic.subscribers())
-        assert heard[subscriber] == sorted(topic.sources)
+            for nodes in received_peers(client):
+                assert nodes != reported.get(client)
+                reported[client] = nodes
+        assert reported[publisher] == sorted(topic.subscribers())
+        assert reported[subscriber] == sorted(topic.sources)
 
 
 @pytest.mark.parametrize("op", SIDES)
@@ -330,11 +343,11 @@ def test_number_of_peers_requests_is_limited(op: str) -> None:
     client = hub.client("/asking")
     for count in range(MOST_REQUESTS):
         client.send(op, "/a", type=INT32, id=count, peers=True)
-    assert len(told(client)) == MOST_REQUESTS
+    assert len(received_peers(client)) == MOST_REQUESTS
     client.send(op, "/a", type=INT32, id="too many", peers=True)
     (refused,) = client.receive()
     assert (refused["op"], refused["level"], refused["id"]) == ("status", "error", "too many")
     assert f"limit {MOST_REQUESTS}" in refused["msg"]
     client.send(op, "/a", type=INT32, id=3, peers=True)
     client.send(op, "/a", type=INT32, id="does not ask")
-    assert told(client) == [[]], "the same one may ask again, others need not ask"
+    assert received_peers(client) == [[]], "the same one may ask again, others need not ask"

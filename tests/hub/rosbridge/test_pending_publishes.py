@@ -46,7 +46,7 @@ def test_pending_messages_are_refused_after_the_grace_period() -> None:
     ]
     client.send("advertise", "/fib", type=INT32)
     assert client.receive() == []
-    client.leaves()
+    client.disconnect()
     assert hub.empty
     assert hub.clock.timers == 0
 
@@ -95,9 +95,9 @@ def test_messages_of_a_refused_topic_are_refused_at_once_with_its_reason(
     assert reason in refusal
     for id_ in range(1000):
         client.send("publish", topic, msg=number(1), id=id_)
-    heard = client.receive()
-    assert [each["id"] for each in heard] == [0, 9, 99, 999]
-    for count, each in zip((1, 10, 100, 1000), heard, strict=True):
+    received = client.receive()
+    assert [each["id"] for each in received] == [0, 9, 99, 999]
+    for count, each in zip((1, 10, 100, 1000), received, strict=True):
         why = refusal.removeprefix("advertise: ")
         text = f"publish: {topic} could not be advertised: {why} (messages dropped: {count})"
         assert (each["level"], each["msg"]) == ("error", text)
@@ -113,8 +113,8 @@ def test_waiting_messages_of_a_refused_topic_are_refused_with_it(spelling: str) 
         client.send("publish", spelling, msg=number(1))
     client.send("publish", "/other", msg=number(2))
     client.send("advertise", "/fib", type="std_msgs/Int33")
-    told = [text.partition(":")[0] for text in client.receive_statuses()]
-    assert sorted(told) == ["advertise", "publish"]
+    operations = [text.partition(":")[0] for text in client.receive_statuses()]
+    assert sorted(operations) == ["advertise", "publish"]
     client.send("advertise", "/other", type=INT32)
     hub.clock.advance(2 * GRACE)
     assert client.receive() == []
@@ -219,7 +219,7 @@ def test_pending_messages_are_forgotten_when_the_client_leaves() -> None:
     hub = FakeHub()
     client, other = hub.client(), hub.client()
     client.send("publish", "/fib", msg=number(1))
-    client.leaves()
+    client.disconnect()
     assert hub.clock.timers == 0
     other.send("subscribe", "/fib")
     other.send("advertise", "/fib", type=INT32)

@@ -117,7 +117,7 @@ def test_publish_advertises_if_the_type_is_known() -> None:
     talker, listener = talker_and_listener(hub)
     other = hub.client("/other")
     other.send("publish", "/fib", msg=number(1))
-    talker.leaves()
+    talker.disconnect()
     other.send("publish", "/fib", msg=number(2))
     assert listener.receive_numbers("/fib") == [1, 2]
     assert list(hub.graph.topics["/fib"].sources) == ["/other"]
@@ -161,7 +161,7 @@ def test_subscription_without_a_type_waits_for_a_publisher() -> None:
 def test_subscription_outlives_its_publishers() -> None:
     hub = FakeHub()
     talker, listener = talker_and_listener(hub)
-    talker.leaves()
+    talker.disconnect()
     other = hub.client()
     other.send("advertise", "/fib", type=STRING)
     other.send("publish", "/fib", msg={"data": "now text"})
@@ -258,7 +258,7 @@ def test_taking_back_unknown_topics_is_harmless(op: str, id_: str | None) -> Non
 
 
 @pytest.mark.parametrize(
-    ("ids", "hears"),
+    ("ids", "expected"),
     [
         (["a"], [1]),
         (["a", "b"], []),
@@ -267,7 +267,7 @@ def test_taking_back_unknown_topics_is_harmless(op: str, id_: str | None) -> Non
         (["a", "a"], [1]),
     ],
 )
-def test_unsubscribe_by_id_or_all(ids: list[str | None], hears: list[int]) -> None:
+def test_unsubscribe_by_id_or_all(ids: list[str | None], expected: list[int]) -> None:
     hub = FakeHub()
     talker, listener = hub.client(), hub.client()
     talker.send("advertise", "/fib", type=INT32)
@@ -276,7 +276,7 @@ def test_unsubscribe_by_id_or_all(ids: list[str | None], hears: list[int]) -> No
     for unsubscribed in ids:
         listener.send("unsubscribe", "/fib", id=unsubscribed)
     talker.send("publish", "/fib", msg=number(1))
-    assert listener.receive_numbers("/fib") == hears
+    assert listener.receive_numbers("/fib") == expected
 
 
 def test_client_may_subscribe_again_after_unsubscribe() -> None:
@@ -300,5 +300,5 @@ def test_number_of_ids_per_topic_is_limited(op: str) -> None:
     statuses = client.receive()
     assert [each["id"] for each in statuses] == [100, 101]
     assert all("/fib" in each["msg"] and "limit 100" in each["msg"] for each in statuses)
-    client.leaves()
+    client.disconnect()
     assert hub.empty

@@ -17,7 +17,7 @@ from hypothesis.stateful import (
 from random_inputs import times
 
 from ..fakes import Client, FakeHub
-from .client_group import Company
+from .client_group import ClientGroup
 
 LIMITS = {"max_calls": 5, "max_goals": 5, "max_advertisements": 2, "max_queued_bytes": 3000}
 NODES = st.sampled_from(["/a", "/b", "/c", None])
@@ -32,108 +32,108 @@ OTHER = st.sampled_from(
 
 
 class RandomClients(RuleBasedStateMachine):
-    """No exception leaves a session, and `Company` finds one answer to everything."""
+    """No exception leaves a session, and `ClientGroup` finds one answer to everything."""
 
     clients: Bundle[Client] = Bundle("clients")
-    asked: Bundle[tuple[Client, dict[str, Any]]] = Bundle("asked")
+    requests: Bundle[tuple[Client, dict[str, Any]]] = Bundle("requests")
 
     def __init__(self) -> None:
         super().__init__()
         self.hub = FakeHub(policy=None, **LIMITS)
-        self.company = Company(self.hub)
+        self.group = ClientGroup(self.hub)
 
     @rule(target=clients, node=NODES)
-    def somebody_enters(self, node: str | None) -> Client:
-        return self.company.enters(node)
+    def client_connects(self, node: str | None) -> Client:
+        return self.group.connect(node)
 
     @rule(client=consumes(clients))
-    def somebody_leaves(self, client: Client) -> None:
-        self.company.leaves(client)
+    def client_disconnects(self, client: Client) -> None:
+        self.group.disconnect(client)
 
     @rule(client=clients, name=NAMES)
-    def somebody_provides(self, client: Client, name: str) -> None:
-        self.company.provides(client, name)
+    def client_advertises_a_service(self, client: Client, name: str) -> None:
+        self.group.advertise_service(client, name)
 
     @rule(client=clients, name=NAMES)
-    def somebody_provides_no_more(self, client: Client, name: str) -> None:
-        self.company.send(client, "unadvertise_service", service=name)
+    def client_unadvertises_a_service(self, client: Client, name: str) -> None:
+        self.group.send(client, "unadvertise_service", service=name)
 
     @rule(client=clients, name=NAMES, id_=IDS, timeout=TIMEOUTS)
-    def somebody_calls(self, client: Client, name: str, id_: object, timeout: object) -> None:
+    def client_calls(self, client: Client, name: str, id_: object, timeout: object) -> None:
         if "#" in name and id_ is None:
             id_ = name.partition("#")[2]
-            self.company.calls(client, name, id_)
+            self.group.call(client, name, id_)
         else:
-            self.company.calls(client, name, id_, timeout=timeout)
+            self.group.call(client, name, id_, timeout=timeout)
 
     @rule(client=clients, name=NAMES)
-    def somebody_serves(self, client: Client, name: str) -> None:
-        self.company.serves(client, name)
+    def client_advertises_an_action(self, client: Client, name: str) -> None:
+        self.group.advertise_action(client, name)
 
     @rule(client=clients, name=NAMES)
-    def somebody_serves_no_more(self, client: Client, name: str) -> None:
-        self.company.send(client, "unadvertise_action", action=name)
+    def client_unadvertises_an_action(self, client: Client, name: str) -> None:
+        self.group.send(client, "unadvertise_action", action=name)
 
     @rule(client=clients, name=NAMES, id_=IDS, feedback=st.booleans())
-    def somebody_sends_a_goal(self, client: Client, name: str, id_: object, feedback: bool) -> None:
-        self.company.sends_goal(client, name, id_, feedback=feedback)
+    def client_sends_a_goal(self, client: Client, name: str, id_: object, feedback: bool) -> None:
+        self.group.send_goal(client, name, id_, feedback=feedback)
 
     @rule(client=clients, name=NAMES, id_=IDS)
-    def somebody_cancels(self, client: Client, name: str, id_: object) -> None:
-        self.company.send(client, "cancel_action_goal", action=name, id=id_)
+    def client_cancels(self, client: Client, name: str, id_: object) -> None:
+        self.group.send(client, "cancel_action_goal", action=name, id=id_)
 
     @rule(client=clients, id_=IDS)
-    def somebody_cancels_all(self, client: Client, id_: object) -> None:
-        self.company.calls(client, "/x/_action/cancel_goal", id_)
+    def client_cancels_all(self, client: Client, id_: object) -> None:
+        self.group.call(client, "/x/_action/cancel_goal", id_)
 
-    @rule(target=asked, client=clients)
-    def somebody_looks_at_what_it_is_asked(self, client: Client) -> Any:
-        return multiple(*((client, each) for each in self.company.due[client]))
+    @rule(target=requests, client=clients)
+    def client_reads_its_requests(self, client: Client) -> Any:
+        return multiple(*((client, each) for each in self.group.due[client]))
 
-    @rule(asked=asked, values=VALUES, result=st.booleans())
-    def somebody_answers(
-        self, asked: tuple[Client, dict[str, Any]], values: object, result: bool
+    @rule(request=requests, values=VALUES, result=st.booleans())
+    def client_responds(
+        self, request: tuple[Client, dict[str, Any]], values: object, result: bool
     ) -> None:
-        client, what = asked
-        self.company.answers(client, what, values=values, result=result)
+        client, operation = request
+        self.group.respond(client, operation, values=values, result=result)
 
-    @rule(client=clients, asked=asked)
-    def somebody_answers_for_another(
-        self, client: Client, asked: tuple[Client, dict[str, Any]]
+    @rule(client=clients, request=requests)
+    def client_responds_for_another(
+        self, client: Client, request: tuple[Client, dict[str, Any]]
     ) -> None:
-        self.company.answers(client, asked[1], values={})
+        self.group.respond(client, request[1], values={})
 
     @rule(client=clients, name=NAMES, values=VALUES)
-    def somebody_answers_without_an_id(self, client: Client, name: str, values: object) -> None:
-        self.company.send(client, "service_response", service=name, values=values, result=True)
+    def client_responds_without_an_id(self, client: Client, name: str, values: object) -> None:
+        self.group.send(client, "service_response", service=name, values=values, result=True)
 
-    @rule(asked=asked)
-    def somebody_tells_how_far_it_has_come(self, asked: tuple[Client, dict[str, Any]]) -> None:
-        self.company.tells(*asked)
+    @rule(request=requests)
+    def client_sends_feedback(self, request: tuple[Client, dict[str, Any]]) -> None:
+        self.group.send_feedback(*request)
 
     @rule(client=clients, text=OTHER)
-    def somebody_says_something_else(self, client: Client, text: str) -> None:
-        if client in self.company.present:
+    def client_sends_another_operation(self, client: Client, text: str) -> None:
+        if client in self.group.present:
             client.send_text(text)
-        self.company.listen()
+        self.group.receive_all()
 
     @rule(seconds=st.sampled_from([0.5, 3, 61]))
     def time_passes(self, seconds: float) -> None:
-        self.company.passes(seconds)
+        self.group.advance(seconds)
 
     @rule(client=clients)
-    def somebody_stops_reading(self, client: Client) -> None:
+    def client_stops_reading(self, client: Client) -> None:
         client.queue.pause()
 
     @rule(client=clients)
-    def somebody_reads_again(self, client: Client) -> None:
-        if client in self.company.present:
+    def client_resumes_reading(self, client: Client) -> None:
+        if client in self.group.present:
             client.queue.resume()
-        self.company.listen()
+        self.group.receive_all()
 
     @invariant()
-    def the_graph_holds_only_who_is_there(self) -> None:
-        present = {client.session.node for client in self.company.present}
+    def graph_contains_only_connected_clients(self) -> None:
+        present = {client.session.node for client in self.group.present}
         graph = self.hub.graph
         assert graph.nodes.keys() == present
         assert {each.node for each in graph.services.values()} <= present
@@ -141,8 +141,8 @@ class RandomClients(RuleBasedStateMachine):
         assert self.hub.clock.timers <= len(present)
 
     @invariant()
-    def what_one_waits_for_another_is_to_answer(self) -> None:
-        sessions = [client.session for client in self.company.present]
+    def each_pending_request_has_a_server(self) -> None:
+        sessions = [client.session for client in self.group.present]
         calls = {call for each in sessions for call in each.calls._waiting}
         due = {call for each in sessions for call in each.services._calls.values()}
         assert calls == due
@@ -154,7 +154,7 @@ class RandomClients(RuleBasedStateMachine):
         assert all(goal.action.goals[goal.uuid] is goal for goal in sent)
 
     def teardown(self) -> None:
-        self.company.end()
+        self.group.end()
 
 
 RandomClients.TestCase.settings = settings(max_examples=times(0.5), stateful_step_count=40)

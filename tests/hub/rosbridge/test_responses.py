@@ -68,13 +68,13 @@ def test_invalid_response_is_reported_to_server_and_caller(
     call_add(caller)
     responds(provider, values=values, result=result)
     text = received_failure(caller)
-    told = provider.receive_statuses()
+    statuses = provider.receive_statuses()
     if result or isinstance(values, dict):
         assert fault in text
-        assert told == [f"service_response: {text}"]
+        assert statuses == [f"service_response: {text}"]
     else:
         assert text == (values if isinstance(values, str) else FAILED)
-        assert told == []
+        assert statuses == []
     assert caller.forgotten
     assert not provider.kept["calls to answer"]
 
@@ -163,8 +163,8 @@ def test_response_to_an_unknown_call_changes_nothing(fields: dict[str, Any]) -> 
     asked = received_call(provider)
     provider.send("set_level", level="info")
     provider.send("service_response", **{"service": "/add", "result": True, **fields})
-    [told] = provider.receive_statuses("info")
-    assert told == f"service_response: no call of {fields.get('service', '/add')} waits for this"
+    [status] = provider.receive_statuses("info")
+    assert status == f"service_response: no call of {fields.get('service', '/add')} waits for this"
     assert caller.receive() == []
     respond(provider, asked)
     assert received_sums(caller) == [3]
@@ -205,7 +205,7 @@ def test_response_may_come_on_another_connection(is_served_there: bool) -> None:
     assert len(provider.kept["calls to answer"]) == 1
     respond(provider, first)
     assert received_sums(caller) == [3]
-    other.leaves()
+    other.disconnect()
     call_add(caller)
     respond(provider, received_call(provider))
     assert received_sums(caller) == [3]
@@ -236,12 +236,12 @@ def test_call_fails_when_its_server_leaves_before_the_other_connection_responds(
     other = hub.client()
     call_add(caller)
     asked = received_call(provider)
-    provider.leaves()
+    provider.disconnect()
     assert received_failure(caller) == "service [/add] unavailable: /adder has left"
     respond(other, asked)
     assert caller.receive() == other.receive() == []
     for client in (caller, other):
-        client.leaves()
+        client.disconnect()
     assert hub.empty
 
 
@@ -260,8 +260,8 @@ def test_response_on_another_connection_without_the_calls_id_changes_nothing() -
     ):
         stranger.send("service_response", service="/add", id=id_, result=True, values={"sum": 9})
         stranger.send("service_response", service="/add", id=id_, values={"sum": 9})
-    heard = stranger.receive()
-    assert all(each["op"] == "status" for each in heard)
+    received = stranger.receive()
+    assert all(each["op"] == "status" for each in received)
     assert caller.receive() == []
     respond(provider, asked)
     respond(stranger, own)

@@ -63,16 +63,16 @@ def test_invalid_feedback_is_refused_and_an_invalid_result_ends_the_goal(
     send_goal(client, feedback=True)
     sent = received_goal(pursuer)
     pursuer.send("action_feedback", action="/fib", id=sent, values=values)
-    [told] = pursuer.receive_statuses()
-    assert told.startswith("action_feedback: ")
-    assert fault in told
+    [refusal] = pursuer.receive_statuses()
+    assert refusal.startswith("action_feedback: ")
+    assert fault in refusal
     assert client.receive() == []
     pursuer.send("action_result", action="/fib", id=sent, values=values, result=True)
-    [told] = pursuer.receive_statuses()
+    [refusal] = pursuer.receive_statuses()
     status, ok, text = received_result(client)
     assert (status, ok) == (6, False)
     assert fault in text
-    assert told == f"action_result: {text}"
+    assert refusal == f"action_result: {text}"
     assert client.forgotten
     assert not (pursuer.kept["goals to execute"] or hub.graph.actions["/fib"].goals)
 
@@ -94,8 +94,8 @@ def test_malformed_result_aborts_the_goal(fields: dict[str, Any], fault: str) ->
         send_goal(client, id=id_)
     sent, other = received_goals(pursuer)
     pursuer.send("action_result", **{"action": "/fib", "id": sent, **fields})
-    [told] = pursuer.receive_statuses()
-    assert told.startswith(f"action_result: {fault}")
+    [refusal] = pursuer.receive_statuses()
+    assert refusal.startswith(f"action_result: {fault}")
     status, ok, text = received_result(client)
     assert (status, ok) == (6, False)
     assert text.startswith(fault)
@@ -134,8 +134,8 @@ def test_feedback_and_results_of_unknown_goals_change_nothing(op: str, id_: obje
     received_result(client)
     known = {"ended": ended, "another's": received_goals(other)[0]}
     pursuer.send("set_level", level="info")
-    told = known.get(id_, id_) if isinstance(id_, str) else id_
-    pursuer.send(op, action="/fib", id=told, values={}, result=True)
+    goal_id = known.get(id_, id_) if isinstance(id_, str) else id_
+    pursuer.send(op, action="/fib", id=goal_id, values={}, result=True)
     assert pursuer.receive_statuses("info") == [f"{op}: no goal of /fib has this id"]
     assert client.receive() == other.receive() == []
     send_result(pursuer, open_)

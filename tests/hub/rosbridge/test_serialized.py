@@ -322,7 +322,7 @@ def test_nothing_is_left_when_the_clients_have_left() -> None:
     client, _ = listener(hub)
     publish(publisher, int32(1))
     for each in (client, publisher):
-        each.leaves()
+        each.disconnect()
         assert each.forgotten
     assert hub.empty
 
@@ -632,13 +632,13 @@ def test_one_warning_for_strings_that_are_not_utf8_to_a_json_subscriber() -> Non
     client.send("subscribe", "/n", id="s")
     for _ in range(3):
         publish(publisher, string(b"caf\xe9"))
-    heard = client.receive()
-    statuses = [each for each in heard if each["op"] == "status"]
+    received = client.receive()
+    statuses = [each for each in received if each["op"] == "status"]
     [status] = statuses
     assert (status["level"], status["id"]) == ("warning", "s")
     assert "/n" in status["msg"]
     assert "UTF-8" in status["msg"]
-    assert [each["msg"]["data"] for each in heard if each not in statuses] == ["caf\ufffd"] * 3
+    assert [each["msg"]["data"] for each in received if each not in statuses] == ["caf\ufffd"] * 3
 
 
 def test_warning_about_utf8_for_a_message_to_one_node() -> None:

@@ -133,8 +133,8 @@ def test_server_that_asks_for_headers_gets_the_callers_header() -> None:
     provider.send("advertise_service", service="add", type=ADD, headers=True)
     call_add(caller, headers={"user": "ann"})
     call_add(caller)
-    told = [each["header"] for each in provider.receive()]
-    assert told == [{"callerid": "/caller", "user": "ann"}, {"callerid": "/caller"}]
+    headers = [each["header"] for each in provider.receive()]
+    assert headers == [{"callerid": "/caller", "user": "ann"}, {"callerid": "/caller"}]
 
 
 def test_server_that_does_not_ask_gets_no_header() -> None:
@@ -213,7 +213,7 @@ def test_older_server_still_answers_the_calls_it_has(fate: str) -> None:
         respond(older, asked)
         assert received_sums(caller) == [3]
     elif fate == "leaves":
-        older.leaves()
+        older.disconnect()
         assert received_failure(caller) == "service [/add] unavailable: /adder has left"
     else:
         hub.clock.advance(60)
@@ -226,7 +226,7 @@ def test_older_service_server_cannot_remove_the_newer(end: str) -> None:
     hub, older, caller = adder_and_caller()
     newer = adder(hub, "/newer")
     if end == "leave":
-        older.leaves()
+        older.disconnect()
     else:
         older.send("unadvertise_service", service="/add")
     call_add(caller)
@@ -339,7 +339,7 @@ def test_calls_fail_when_the_server_leaves() -> None:
     hub, provider, caller = adder_and_caller()
     for id_ in "ab":
         call_add(caller, id=id_)
-    provider.leaves()
+    provider.disconnect()
     assert [(each["id"], each["values"]) for each in caller.receive()] == [
         (id_, "service [/add] unavailable: /adder has left") for id_ in "ab"
     ]
@@ -362,7 +362,7 @@ def test_calls_of_a_client_that_leaves_are_forgotten() -> None:
     hub, provider, caller = adder_and_caller()
     call_add(caller)
     asked = received_call(provider)
-    caller.leaves()
+    caller.disconnect()
     assert hub.clock.timers == 0
     assert not provider.kept["calls to answer"]
     respond(provider, asked)

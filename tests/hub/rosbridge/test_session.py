@@ -25,7 +25,7 @@ def test_leaving_removes_everything_of_a_client() -> None:
     client.send("publish", "/a", msg=number(2))
     client.send("publish", "/a", msg=number(3))
     fragment(client, "", 0, 2)
-    client.leaves()
+    client.disconnect()
     assert hub.empty
     assert hub.clock.timers == 0
     assert not client.session.topics.sources
@@ -35,9 +35,9 @@ def test_leaving_removes_everything_of_a_client() -> None:
 def test_leaving_twice_is_harmless() -> None:
     hub = FakeHub()
     client = hub.client("/a")
-    client.leaves()
+    client.disconnect()
     newer = hub.client("/a")
-    client.leaves()
+    client.disconnect()
     assert list(hub.graph.nodes) == ["/a"]
     assert newer.closings == []
 
@@ -63,8 +63,8 @@ def test_refused_subscription_does_not_change_the_others() -> None:
     assert len(listener.receive_statuses()) == 1
     talker.send("publish", "/fib", msg=number(1))
     assert listener.receive_numbers("/fib") == [1]
-    listener.leaves()
-    talker.leaves()
+    listener.disconnect()
+    talker.disconnect()
     assert hub.empty
 
 
@@ -87,11 +87,11 @@ def test_newer_node_keeps_its_registrations_when_the_older_leaves() -> None:
     older, listener = talker_and_listener(hub)
     newer = hub.client("/talker")
     newer.send("advertise", "/fib", type=INT32)
-    older.leaves()
+    older.disconnect()
     newer.send("publish", "/fib", msg=number(1))
     assert listener.receive_numbers("/fib") == [1]
-    newer.leaves()
-    listener.leaves()
+    newer.disconnect()
+    listener.disconnect()
     assert hub.empty
 
 
@@ -179,7 +179,7 @@ def test_random_operations_raise_nothing_and_leave_nothing(
                 for text in step:
                     client.send_text(text)
     for client in clients:
-        client.leaves()
+        client.disconnect()
     assert hub.empty
     assert hub.clock.timers == 0
     assert all(client.forgotten for client in clients)

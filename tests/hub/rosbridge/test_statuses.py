@@ -94,7 +94,7 @@ def test_invalid_id_of_a_publish_is_ignored() -> None:
 
 
 @pytest.mark.parametrize(
-    ("level", "heard"),
+    ("level", "received"),
     [
         ("none", []),
         ("error", ["error"]),
@@ -102,12 +102,12 @@ def test_invalid_id_of_a_publish_is_ignored() -> None:
         ("info", ["warning", "info", "error"]),
     ],
 )
-def test_client_gets_statuses_of_its_level_and_above(level: str, heard: list[str]) -> None:
+def test_client_gets_statuses_of_its_level_and_above(level: str, received: list[str]) -> None:
     client = FakeHub().client()
     client.send("set_level", level=level)
     client.send("advertise", "/a", type="my_msgs/Thing")
     client.send("fly")
-    assert [each["level"] for each in client.receive()] == heard
+    assert [each["level"] for each in client.receive()] == received
 
 
 def test_only_errors_are_sent_by_default() -> None:
@@ -244,10 +244,10 @@ class RecordedStatuses:
 
 
 @pytest.mark.parametrize(
-    ("level", "heard"),
+    ("level", "received"),
     [("none", ""), ("error", "e"), ("warning", "ew"), ("info", "ewi"), (None, "e")],
 )
-def test_level_can_be_changed(level: Level | None, heard: str) -> None:
+def test_level_can_be_changed(level: Level | None, received: str) -> None:
     recorded = RecordedStatuses()
     if level is not None:
         recorded.statuses.set_level("info")
@@ -255,7 +255,7 @@ def test_level_can_be_changed(level: Level | None, heard: str) -> None:
     recorded.statuses.error(1, "e")
     recorded.statuses.warning(1, "w")
     recorded.statuses.info(1, "i")
-    assert "".join(each["msg"] for each in recorded.sent()) == heard
+    assert "".join(each["msg"] for each in recorded.sent()) == received
     assert recorded.statuses.wants_info is (level == "info")
 
 
@@ -276,9 +276,9 @@ def test_log_gets_no_line_breaks_and_clients_get_short_texts(
 ) -> None:
     recorded = RecordedStatuses()
     recorded.statuses.error(None, "a\nb" + "x" * 10_000)
-    [heard] = recorded.sent()
-    assert heard["msg"].startswith("a\nbx")
-    assert len(heard["msg"]) < 2000
+    [received] = recorded.sent()
+    assert received["msg"].startswith("a\nbx")
+    assert len(received["msg"]) < 2000
     [record] = caplog.records
     assert record.message.startswith("/node: a\\nbx")
     assert len(record.message) < 2000

@@ -111,7 +111,7 @@ def test_any_integer_is_a_valid_queue_length(queue_length: int) -> None:
     subscriber.publish(1)
     assert subscriber.received() == [1]
     for client in (subscriber.client, subscriber.talker):
-        client.leaves()
+        client.disconnect()
     assert subscriber.hub.empty
 
 
@@ -198,7 +198,7 @@ def test_many_throttle_queues_are_bounded_together() -> None:
         for _ in range(2):
             client.send("publish", f"/a{each}", msg={"data": "x" * 200})
             assert client.queue.kept_bytes <= 2000
-    client.leaves()
+    client.disconnect()
     assert client.queue.kept_bytes == 0
 
 

@@ -57,7 +57,7 @@ def test_service_timeout_of_0_means_no_limit() -> None:
     hub.clock.advance(1e6)
     assert caller.receive() == []
     assert hub.clock.timers == 0
-    provider.leaves()
+    provider.disconnect()
     assert "has left" in received_failure(caller)
 
 
@@ -111,7 +111,7 @@ def test_calls_time_out_neither_early_nor_late(
     expected: list[tuple[float, int, bool]] = []
     answering: list[tuple[float, str]] = []
     moment = 0.0
-    heard: list[tuple[float, int, bool]] = []
+    received: list[tuple[float, int, bool]] = []
 
     def lives_until(end: float) -> None:
         while hub.clock.time() < end:
@@ -119,7 +119,7 @@ def test_calls_time_out_neither_early_nor_late(
             for when, id_ in answering:
                 if when == hub.clock.time():
                     respond(provider, id_)
-            heard.extend(
+            received.extend(
                 (hub.clock.time(), each["id"], each["result"]) for each in caller.receive()
             )
 
@@ -133,5 +133,5 @@ def test_calls_time_out_neither_early_nor_late(
         answering.append((when, id_))
         expected.append((min(when, due), number, when < due))
     lives_until(moment + 30)
-    assert sorted(heard) == sorted(expected)
+    assert sorted(received) == sorted(expected)
     assert (provider.receive(), hub.clock.timers) == ([], 0)

@@ -56,7 +56,7 @@ def test_session_lists_the_topics_of_its_client() -> None:
         client.send("subscribe", topic)
     assert client.session.publishing() == {"/a", "/talker/b"}
     assert client.session.subscribing() == {"/c", "/talker/d"}
-    client.leaves()
+    client.disconnect()
     assert client.session.publishing() == client.session.subscribing() == set()
 
 
@@ -79,11 +79,11 @@ def test_leaving_client_removes_only_its_own_registrations() -> None:
     talker, listener = talker_and_listener(hub, latch=True)
     talker.send("publish", "/fib", msg=number(1))
     talker.send("subscribe", "/fib", throttle_rate=100, queue_length=10)
-    talker.leaves()
+    talker.disconnect()
     assert talker.forgotten
     assert list(hub.graph.topics["/fib"].subscribers()) == ["/listener"]
     assert hub.clock.timers == 0
-    listener.leaves()
+    listener.disconnect()
     assert hub.empty
 
 
@@ -223,8 +223,8 @@ def test_client_may_use_both_spellings_at_once() -> None:
     listener.send("subscribe", "fib", throttle_rate=1000)
     for each in range(2):
         talker.send("publish", "/fib", msg=number(each))
-    heard = [(each["topic"], each["msg"]["data"]) for each in listener.receive()]
-    assert sorted(heard) == [("/fib", 0), ("/fib", 1), ("fib", 0)]
+    received = [(each["topic"], each["msg"]["data"]) for each in listener.receive()]
+    assert sorted(received) == [("/fib", 0), ("/fib", 1), ("fib", 0)]
     listener.send("unsubscribe", "/fib")
     hub.clock.advance(1)
     talker.send("publish", "/fib", msg=number(2))

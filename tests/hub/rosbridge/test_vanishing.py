@@ -9,36 +9,36 @@ from typing import TypeAlias
 import pytest
 
 from ..fakes import Client, FakeHub
-from .client_group import Company
+from .client_group import ClientGroup
 
 
 class Pair:
     """A caller, a server, and a second server of the same names."""
 
     def __init__(self, hub: FakeHub) -> None:
-        self.company = Company(hub)
+        self.group = ClientGroup(hub)
         self.asker, self.answerer, self.rival = map(
-            self.company.enters, ("/asker", "/answerer", "/rival")
+            self.group.connect, ("/asker", "/answerer", "/rival")
         )
 
     def answer(self, client: Client) -> None:
-        """All that anybody was ever asked is answered by one client: most is not its to answer."""
-        for asked in [each for due in self.company.due.values() for each in due]:
-            self.company.answers(client, asked)
+        """Respond to all requests of all clients, also to those of other servers."""
+        for request in [each for due in self.group.due.values() for each in due]:
+            self.group.respond(client, request)
 
     def tell(self) -> None:
-        for asked in list(self.company.due[self.answerer]):
-            self.company.tells(self.answerer, asked)
+        for request in list(self.group.due[self.answerer]):
+            self.group.send_feedback(self.answerer, request)
 
     def cancel(self) -> None:
-        ids = self.company.asked[self.asker]
-        self.company.send(self.asker, "cancel_action_goal", action="/a", id=next(iter(ids), 0))
+        ids = self.group.requests[self.asker]
+        self.group.send(self.asker, "cancel_action_goal", action="/a", id=next(iter(ids), 0))
 
     def new_asker(self) -> None:
-        self.asker = self.company.enters("/asker")
+        self.asker = self.group.connect("/asker")
 
     def new_answerer(self) -> None:
-        self.answerer = self.company.enters("/answerer")
+        self.answerer = self.group.connect("/answerer")
 
     def pause(self) -> None:
         self.answerer.queue.pause()
@@ -47,52 +47,50 @@ class Pair:
     def resume(self) -> None:
         for client in (self.answerer, self.asker):
             client.queue.resume()
-        self.company.listen()
+        self.group.receive_all()
 
 
 Step: TypeAlias = Callable[[Pair], object]
 
 DISTURBANCES: dict[str, Step] = {
-    "the asker leaves": lambda pair: pair.company.leaves(pair.asker),
-    "the answerer leaves": lambda pair: pair.company.leaves(pair.answerer),
+    "the asker leaves": lambda pair: pair.group.disconnect(pair.asker),
+    "the answerer leaves": lambda pair: pair.group.disconnect(pair.answerer),
     "a new asker": Pair.new_asker,
     "a new answerer": Pair.new_answerer,
-    "the rival leaves": lambda pair: pair.company.leaves(pair.rival),
+    "the rival leaves": lambda pair: pair.group.disconnect(pair.rival),
     "the rival answers": lambda pair: pair.answer(pair.rival),
-    "time passes": lambda pair: pair.company.passes(61),
+    "time passes": lambda pair: pair.group.advance(61),
     "nobody reads": Pair.pause,
     "all read": Pair.resume,
 }
 SERVICE: dict[str, Step] = {
-    "provide": lambda pair: pair.company.provides(pair.answerer, "/s"),
-    "call": lambda pair: pair.company.calls(pair.asker, "/s"),
+    "provide": lambda pair: pair.group.advertise_service(pair.answerer, "/s"),
+    "call": lambda pair: pair.group.call(pair.asker, "/s"),
     "respond": lambda pair: pair.answer(pair.answerer),
 }
 SERVICE_DISTURBANCES: dict[str, Step] = {
     **DISTURBANCES,
-    "unadvertise": lambda pair: pair.company.send(
-        pair.answerer, "unadvertise_service", service="/s"
-    ),
-    "the rival provides": lambda pair: pair.company.provides(pair.rival, "/s"),
-    "provide again": lambda pair: pair.company.provides(pair.answerer, "s"),
-    "call again": lambda pair: pair.company.calls(pair.asker, "/s", timeout=30),
-    "the answerer calls": lambda pair: pair.company.calls(pair.answerer, "/s"),
+    "unadvertise": lambda pair: pair.group.send(pair.answerer, "unadvertise_service", service="/s"),
+    "the rival provides": lambda pair: pair.group.advertise_service(pair.rival, "/s"),
+    "provide again": lambda pair: pair.group.advertise_service(pair.answerer, "s"),
+    "call again": lambda pair: pair.group.call(pair.asker, "/s", timeout=30),
+    "the answerer calls": lambda pair: pair.group.call(pair.answerer, "/s"),
 }
 ACTION: dict[str, Step] = {
-    "serve": lambda pair: pair.company.serves(pair.answerer, "/a"),
-    "send": lambda pair: pair.company.sends_goal(pair.asker, "/a"),
+    "serve": lambda pair: pair.group.advertise_action(pair.answerer, "/a"),
+    "send": lambda pair: pair.group.send_goal(pair.asker, "/a"),
     "tell": Pair.tell,
     "finish": lambda pair: pair.answer(pair.answerer),
 }
 ACTION_DISTURBANCES: dict[str, Step] = {
     **DISTURBANCES,
-    "unadvertise": lambda pair: pair.company.send(pair.answerer, "unadvertise_action", action="/a"),
-    "the rival serves": lambda pair: pair.company.serves(pair.rival, "/a"),
-    "serve again": lambda pair: pair.company.serves(pair.answerer, "a"),
+    "unadvertise": lambda pair: pair.group.send(pair.answerer, "unadvertise_action", action="/a"),
+    "the rival serves": lambda pair: pair.group.advertise_action(pair.rival, "/a"),
+    "serve again": lambda pair: pair.group.advertise_action(pair.answerer, "a"),
     "cancel": Pair.cancel,
-    "cancel all": lambda pair: pair.company.calls(pair.rival, "/a/_action/cancel_goal"),
-    "send again": lambda pair: pair.company.sends_goal(pair.asker, "/a"),
-    "the answerer sends": lambda pair: pair.company.sends_goal(pair.answerer, "/a"),
+    "cancel all": lambda pair: pair.group.call(pair.rival, "/a/_action/cancel_goal"),
+    "send again": lambda pair: pair.group.send_goal(pair.asker, "/a"),
+    "the answerer sends": lambda pair: pair.group.send_goal(pair.answerer, "/a"),
 }
 
 
@@ -109,7 +107,7 @@ def play(hub: FakeHub, steps: dict[str, Step], names: tuple[str, ...]) -> None:
     try:
         for name in names:
             steps[name](pair)
-        pair.company.end()
+        pair.group.end()
     except Exception as error:
         error.add_note(f"when: {', '.join(names)}")
         raise

@@ -50,9 +50,9 @@ class TestMessages:
     ) -> None:
         async with connected(any_hub.port) as client:
             await client.send(frame(TEXT, payload))
-            heard = await client.receive() if payload.strip() else None
+            received = await client.receive() if payload.strip() else None
             await client.is_processed()
-        assert heard is None or (heard["op"], heard["level"]) == ("status", "error")
+        assert received is None or (received["op"], received["level"]) == ("status", "error")
 
     async def test_message_of_the_maximum_size_is_read_fast(self, hub: Hub) -> None:
         # R6: half a minute if the tail grew by copying; see tests/protocol, too.
@@ -154,8 +154,8 @@ class TestRealClient:
                 {"op": "publish", "topic": "/t", "msg": {"data": text}},
             ):
                 await websocket.send(json.dumps(fields, ensure_ascii=False))
-            heard = json.loads(await websocket.recv())
-            assert heard["msg"]["data"] == text
+            received = json.loads(await websocket.recv())
+            assert received["msg"]["data"] == text
 
     async def test_fragments_and_pings_go_both_ways(self, start_hub: StartHub) -> None:
         hub = await start_hub(ping_interval=0.05)

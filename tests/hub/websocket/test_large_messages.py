@@ -263,9 +263,9 @@ async def test_half_written_message_is_completed_after_unsubscribe(hub: Hub) -> 
         await slow.send_operation("unsubscribe", topic="/t")
         await slow.send_operation("subscribe", topic="/u", type="std_msgs/String")
         await slow.send(publish("/u", "after"))
-        heard = await slow.receive_data(2)
-        assert heard[0] == large
-        assert heard[1] in (large, "after")
+        received = await slow.receive_data(2)
+        assert received[0] == large
+        assert received[1] in (large, "after")
 
 
 async def test_pings_are_answered_between_large_messages(hub: Hub) -> None:

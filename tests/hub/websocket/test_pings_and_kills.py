@@ -42,7 +42,7 @@ async def receive_values(client: Client) -> dict[str, Any]:
     return values
 
 
-async def asks(websocket: ClientConnection, service: str, node: str) -> dict[str, Any]:
+async def call_rosapi(websocket: ClientConnection, service: str, node: str) -> dict[str, Any]:
     """Return what a plain client of the websockets library gets."""
     fields = {"op": "call_service", "service": f"/rosapi/{service}", "args": {"node": node}}
     await websocket.send(json.dumps(fields))
@@ -69,8 +69,8 @@ async def test_pong_answers_the_ping(any_hub: Hub) -> None:
 
 async def test_raw_client_answers_a_ping_and_may_ping_itself(hub: Hub) -> None:
     async with connect(f"{hub.url}/?node=/bare") as bare, connect(hub.url) as asker:
-        assert (await asks(asker, "ping_node", "/bare"))["success"]
-        assert (await asks(bare, "ping_node", "/bare"))["success"]
+        assert (await call_rosapi(asker, "ping_node", "/bare"))["success"]
+        assert (await call_rosapi(bare, "ping_node", "/bare"))["success"]
 
 
 async def test_client_that_leaves_during_a_ping_is_reported_as_gone(any_hub: Hub) -> None:
@@ -123,7 +123,7 @@ async def test_client_that_is_killed_is_closed_with_a_reason(any_hub: Hub) -> No
 
 async def test_raw_client_gets_the_reason_for_being_killed(hub: Hub) -> None:
     async with connect(f"{hub.url}/?node=/bare") as bare:
-        assert (await asks(bare, "kill_node", "/bare"))["success"]
+        assert (await call_rosapi(bare, "kill_node", "/bare"))["success"]
         with pytest.raises(ConnectionClosed) as closed:
             await bare.recv()
     assert closed.value.rcvd is not None

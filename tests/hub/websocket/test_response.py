@@ -12,16 +12,16 @@ from fibws.hub.websocket.http import response, text_response
 
 
 @pytest.mark.parametrize(
-    ("content_type", "told"),
+    ("content_type", "expected"),
     [
         ("text/html", "text/html; charset=utf-8"),
         ("application/json", "application/json; charset=utf-8"),
         ("image/png", "image/png"),
     ],
 )
-def test_text_has_charset_utf_8(content_type: str, told: str) -> None:
+def test_text_has_charset_utf_8(content_type: str, expected: str) -> None:
     found = response(http.HTTPStatus.OK, content_type, b"8")
-    assert found.headers["Content-Type"] == told
+    assert found.headers["Content-Type"] == expected
     assert (found.status_code, found.reason_phrase, found.body) == (200, "OK", b"8")
 
 

@@ -44,9 +44,9 @@ def numbered(number: int) -> bytes:
     return publish("/t", f"{number} {FILLER}")
 
 
-def numbers(heard: list[Any]) -> list[int]:
+def numbers(received: list[Any]) -> list[int]:
     """Return the numbers of such messages."""
-    return [int(each.split()[0]) for each in heard]
+    return [int(each.split()[0]) for each in received]
 
 
 class TestStuckConsumer:
@@ -58,7 +58,9 @@ class TestStuckConsumer:
         hub = await start_hub()
         count = 20_000
         async with _company(hub) as (_stuck, listener, talker):
-            assert numbers(await _told(talker, listener, range(count))) == list(range(count))
+            assert numbers(await _publish_and_receive(talker, listener, range(count))) == list(
+                range(count)
+            )
             (slow,) = [each for each in hub._connections if each.queue.dropped]
             assert slow.queue.kept_bytes < 2 * QUEUE * KIB
             assert slow._transport.get_write_buffer_size() < MIB
@@ -76,7 +78,7 @@ class TestStuckConsumer:
             for client in (sleeper, listener):
                 await client.subscribes("/t", "std_msgs/String", queue_length=QUEUE)
             await talker.advertises("/t", "std_msgs/String")
-            await _told(talker, listener, range(count))
+            await _publish_and_receive(talker, listener, range(count))
             dropped = hub.health()["dropped"]
             assert isinstance(dropped, int)
             (slow,) = await _slow_clients(hub)
@@ -84,28 +86,28 @@ class TestStuckConsumer:
             assert slow["dropped"] == dropped
             await until(lambda: "/sleeper reads too slowly: " in caplog.text)
 
-            heard = numbers(await sleeper.receive_data(count - dropped))
+            received = numbers(await sleeper.receive_data(count - dropped))
             await talker.send(numbered(count))
-            heard += numbers(await sleeper.receive_data(1))
-        stale = len(heard) - QUEUE - 1
-        assert heard[:stale] == list(range(stale))
-        assert heard[stale:] == list(range(count - QUEUE, count + 1))
+            received += numbers(await sleeper.receive_data(1))
+        stale = len(received) - QUEUE - 1
+        assert received[:stale] == list(range(stale))
+        assert received[stale:] == list(range(count - QUEUE, count + 1))
 
     async def test_replies_to_a_stuck_client_are_kept(self, start_hub: StartHub) -> None:
         hub = await start_hub()
         async with _company(hub) as (stuck, listener, talker):
-            await _told(talker, listener, range(5000))
+            await _publish_and_receive(talker, listener, range(5000))
             await stuck.send_operation("nope", id="mine")
-            while (heard := await stuck.receive())["op"] == "publish":
+            while (received := await stuck.receive())["op"] == "publish":
                 pass
-            assert heard["id"] == "mine"
+            assert received["id"] == "mine"
 
     async def test_stuck_client_is_closed_with_the_reason(
         self, start_hub: StartHub, caplog: pytest.LogCaptureFixture
     ) -> None:
         hub = await start_hub(stall_timeout=0.2, close_timeout=5.0)
         async with _company(hub) as (stuck, listener, talker):
-            await _told(talker, listener, range(5000))
+            await _publish_and_receive(talker, listener, range(5000))
             await until(lambda: "/stuck is closed" in caplog.text)
             assert "/stuck" not in hub.graph.nodes
             _, code, reason = await stuck.receive_all()
@@ -119,7 +121,7 @@ class TestStuckConsumer:
     ) -> None:
         hub = await start_hub(stall_timeout=0.1, close_timeout=0.1)
         async with _company(hub) as (stuck, listener, talker):
-            await _told(talker, listener, range(5000))
+            await _publish_and_receive(talker, listener, range(5000))
             await until(lambda: len(hub._connections) == 2)
             with pytest.raises((Gone, ConnectionError)):
                 await stuck.receive_all()
@@ -148,7 +150,7 @@ class TestStuckConsumer:
     async def test_hub_closes_in_time_despite_a_stuck_client(self, start_hub: StartHub) -> None:
         hub = await start_hub(close_timeout=0.3)
         async with _company(hub) as (_stuck, listener, talker):
-            await _told(talker, listener, range(5000))
+            await _publish_and_receive(talker, listener, range(5000))
             loop = asyncio.get_running_loop()
             began = loop.time()
             await hub.close()
@@ -160,10 +162,10 @@ class TestStuckConsumer:
     ) -> None:
         hub = await start_hub(close_timeout=0.1)
         async with _company(hub) as (stuck, listener, talker):
-            await _told(talker, listener, range(2000))
+            await _publish_and_receive(talker, listener, range(2000))
             stuck.socket.shutdown(socket.SHUT_WR)
             await until(lambda: len(hub._connections) == 2)
-            await _told(talker, listener, range(10))
+            await _publish_and_receive(talker, listener, range(10))
 
     async def test_client_that_never_reads_replies_is_closed(
         self, start_hub: StartHub, caplog: pytest.LogCaptureFixture
@@ -262,9 +264,9 @@ class TestStuckConsumer:
                     *(publish("/t", f"{number} {filler}") for number in range(end - at_once, end))
                 )
                 await talker.is_processed()
-                heard = numbers(await slow.receive_data(at_once // 10))
-                assert heard == sorted(heard)
-                ages += [(end - number) * size for number in heard]
+                received = numbers(await slow.receive_data(at_once // 10))
+                assert received == sorted(received)
+                ages += [(end - number) * size for number in received]
             (queue,) = [each.queue for each in hub._connections if each.name == "/slow"]
             assert queue.kept_bytes <= hub.settings.max_queued_bytes
         assert max(ages) <= 20_000_000
@@ -322,7 +324,7 @@ class TestStuckConsumer:
             await talker.advertises("/t", "std_msgs/String")
             async with connected(hub.port, receive_buffer=4 * KIB) as stuck:
                 await stuck.subscribes("/t", "std_msgs/String", queue_length=QUEUE)
-                await _told(talker, listener, range(20_000))
+                await _publish_and_receive(talker, listener, range(20_000))
                 dropped = hub.health()["dropped"]
                 assert isinstance(dropped, int)
                 assert dropped > 0
@@ -353,7 +355,7 @@ def _requests(hub: Hub, node: str) -> int:
     return sum(len(each.requests) for each in session.topics.subscriptions.values())
 
 
-async def _told(talker: Client, listener: Client, which: range) -> list[Any]:
+async def _publish_and_receive(talker: Client, listener: Client, which: range) -> list[Any]:
     """Publish numbered messages, and return those that a subscriber received."""
 
     async def talk() -> None:
@@ -362,17 +364,17 @@ async def _told(talker: Client, listener: Client, which: range) -> list[Any]:
             await talker.send(*(numbered(number) for number in range(start, stop)))
 
     talking = asyncio.create_task(talk())
-    heard = await listener.receive_data(len(which))
+    received = await listener.receive_data(len(which))
     await talking
-    return heard
+    return received
 
 
 async def _last_words(client: Client) -> tuple[int, int, str]:
     """Return how many frames came before the close, and its code and reason."""
     count = 0
-    while (heard := await client.frame())[0] != CLOSE:
+    while (received := await client.frame())[0] != CLOSE:
         count += 1
-    return count, int.from_bytes(heard[1][:2], "big"), heard[1][2:].decode()
+    return count, int.from_bytes(received[1][:2], "big"), received[1][2:].decode()
 
 
 async def _slow_clients(hub: Hub) -> list[dict[str, Any]]:
