@@ -1,4 +1,4 @@
-"""``fibws demo``: the first tutorial in one process."""
+"""The first tutorial in one process: ``fibws demo``, or ``python -m fibws.demo``."""
 
 from __future__ import annotations
 
@@ -81,3 +81,7 @@ def _is_hub(url: str) -> bool:
 def command(port: int, rate: float) -> None:
     """Run the first tutorial: a hub, a broadcaster of Fibonacci numbers, and a listener."""
     node_program.run(demo(port, rate))
+
+
+if __name__ == "__main__":
+    command(prog_name="python -m fibws.demo")

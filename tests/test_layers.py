@@ -1,6 +1,6 @@
 """Dependencies point down only, and the pure layers use no sockets, tasks or clocks.
 
-programs    broadcaster  listener  examples/  tf/ (its programs)
+programs    demo  broadcaster  listener  examples/  tf/ (its programs)
 tools       cli/                        ros1/ (launch, workspace, shell; python/ for scripts)
                 \\                        /
 ends of         client/ (synchronous)    node/ (asyncio; with msg/, srv/, action/)    hub/
@@ -46,10 +46,10 @@ BELOW = {
     | {"command_names", "definition_folders", "processes"},
     "broadcaster": {*fibws.__all__, *CLASSES, "cli"},
     "listener": {*fibws.__all__, *CLASSES, "cli"},
+    "demo": {*fibws.__all__, "errors", "cli", "client", "hub", "broadcaster", "listener"},
     "examples": {*fibws.__all__, *CLASSES, "cli"},
     "cli": {*fibws.__all__, *LOWEST, "values", "client", "interfaces", "msg", "ros1"}
-    | {"command_names", "definition_folders", "processes", "broadcaster", "listener", "hub"}
-    | {"protocol", "__version__", "__main__"},
+    | {"command_names", "definition_folders", "processes", "protocol", "__version__", "__main__"},
 }
 """The parts of fibws that each part may import, besides itself."""
 
@@ -76,7 +76,7 @@ ONLY = {
 
 QUICK = ["client/**/*.py", "values/**/*.py", "cli/**/*.py"]
 SLOW = {"asyncio", "pydantic", "pydantic_core", "yaml", "rich", "ssl", "cbor2", "fibws.interfaces"}
-NODES = {"cli/demo.py", "cli/launch/run.py", "cli/node_program.py"}
+NODES = {"cli/launch/run.py", "cli/node_program.py"}
 """Commands that are nodes themselves, or run some."""
 
 
@@ -186,9 +186,3 @@ def test_a_library_knows_no_command_line() -> None:
     for path in modules("client/**/*.py", "values/**/*.py", "node/**/*.py", "ros1/**/*.py"):
         found = {name for name in imports(path) if name.partition(".")[0] in ("click", "rich")}
         assert not found, f"{name_of(path)} imports {found}"
-
-
-def test_only_the_hub_and_its_program_import_the_hub() -> None:
-    for path in modules("cli/**/*.py"):
-        if "hub" in {name.partition(".")[0] for name in own_imports(path)}:
-            assert name_of(path) in {"cli/demo.py", "cli/commands.py", "cli/core.py"}

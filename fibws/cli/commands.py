@@ -16,7 +16,7 @@ BEGIN, LOOK, NOUNS, TYPES, MORE = "Begin", "See it live", "Look and act", "Types
 
 COMMANDS = {
     "demo": Command(
-        "fibws.cli.demo", "Run the first tutorial: a hub, a broadcaster, a listener.", BEGIN
+        "fibws.demo", "Run the first tutorial: a hub, a broadcaster, a listener.", BEGIN
     ),
     "hub": Command("fibws.hub.__main__", "Run a hub, which nodes and web pages connect to.", BEGIN),
     "core": Command("fibws.cli.core", "Run a hub as roscore does: one for all nodes.", BEGIN),
