@@ -33,7 +33,7 @@ PROGRAMS = (
 
 @dataclass(frozen=True)
 class Cast:
-    """A client library, what it runs in, its scenarios, and the programs that these need."""
+    """A client library with its runtime, its scenarios and the programs that they need."""
 
     library: str
     runtime: str
@@ -86,6 +86,6 @@ def playing(scenarios: str) -> pytest.MarkDecorator:
 
 
 def marked(cast: Cast, id: str) -> Any:
-    """Return a test's parameter with the marks of what the client needs."""
+    """Return a test parameter with the marks that the client requires."""
     marks = {"Node": [pytest.mark.npm], "Chromium": [pytest.mark.npm, pytest.mark.browser]}
     return pytest.param(cast, id=id, marks=marks.get(cast.runtime, []))

@@ -1,4 +1,4 @@
-"""The clients' packages, and what each client saw in its scenarios."""
+"""The clients' packages, and the observations of each client in its scenarios."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def _versions(lock: Path) -> dict[str, str]:
 
 @pytest.fixture(scope="session")
 def observe(request: pytest.FixtureRequest) -> Observe:
-    """What a client sees, played once however many tests ask."""
+    """The observations of a client, whose scenarios run once for all tests."""
     observed: dict[Cast, Observations] = {}
 
     def observe(cast: Cast) -> Observations:
@@ -69,6 +69,6 @@ def observe(request: pytest.FixtureRequest) -> Observe:
 
 @pytest.fixture
 def seen(cast: Cast, observe: Observe, request: pytest.FixtureRequest) -> Any:
-    """What the client saw in the scenario that is called as the test."""
+    """The client's observation in the scenario with the name of the test."""
     test: str = request.node.originalname
     return observe(cast).of(test.removeprefix("test_").replace("_", " "))

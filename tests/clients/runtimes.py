@@ -1,4 +1,4 @@
-"""What clients run in: Node, a browser, Python."""
+"""Runtimes of the clients: Node.js, a browser, Python."""
 
 from __future__ import annotations
 
@@ -117,6 +117,6 @@ def _web_server() -> Iterator[str]:
 
 
 def _take_line(line: str, take: Take) -> None:
-    """Our own lines are JSON objects; a library may print what it likes."""
+    """Our own lines are JSON objects; libraries may print other lines."""
     if line.startswith("{"):
         take(json.loads(line))

@@ -1,4 +1,4 @@
-"""Plays a client's scenarios at a hub of its own, and keeps what was seen."""
+"""Runs a client's scenarios with a hub of their own, and keeps the observations."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ PATIENCE = 120
 
 @dataclass
 class Observations:
-    """What a client saw in its scenarios, and what it and the hub complained of."""
+    """A client's observations in its scenarios, and the complaints of client and hub."""
 
     saw: dict[str, Any] = field(default_factory=dict)
     failed: dict[str, str] = field(default_factory=dict)
@@ -25,7 +25,7 @@ class Observations:
     """The errors in the hub's log."""
 
     def of(self, scenario: str) -> Any:
-        """What was seen in a scenario.
+        """Return the observation of a scenario.
 
         Raises:
             AssertionError: it failed, did not come to its end, or is none.
@@ -48,7 +48,7 @@ async def play(cast: Cast) -> Observations:
             async with asyncio.timeout(PATIENCE):
                 await _watch(lines, hub, observations)
         except TimeoutError:
-            pass  # Each scenario that did not end has a test that says so.
+            pass  # The test of each unfinished scenario fails.
     observations.faults = [line for line in hub.log if "ERROR" in line or "Traceback" in line]
     return observations
 

@@ -1,4 +1,4 @@
-"""What roslib in JavaScript has of actionlib, and roslibpy has not."""
+"""Features of actionlib that roslib in JavaScript has and roslibpy lacks."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ UNAVOIDABLE = {
     # Chromium of the time between two hubs.
     "reconnection": "net::ERR_CONNECTION_REFUSED",
 }
-"""What clients complain of just as much when they meet a rosbridge."""
+"""Complaints of clients that also occur with rosbridge_suite."""
 
 
 @pytest.mark.parametrize(

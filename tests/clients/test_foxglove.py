@@ -1,4 +1,4 @@
-"""What Foxglove does with the hub."""
+"""Foxglove's rosbridge client with the hub."""
 
 from __future__ import annotations
 

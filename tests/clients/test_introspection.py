@@ -1,4 +1,4 @@
-"""What each client can find out about the graph."""
+"""Introspection of the graph by each client."""
 
 from __future__ import annotations
 

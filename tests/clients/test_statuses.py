@@ -1,4 +1,4 @@
-"""What the hub says when an operation was wrong."""
+"""Statuses of the hub for invalid operations."""
 
 from __future__ import annotations
 

@@ -11,7 +11,7 @@ from .casts import playing
 pytestmark = playing("tf_operations")
 
 SUCCEEDED = 4
-"""What roslib takes for the end of a goal without an error."""
+"""The end of a goal without an error, as roslib reports it."""
 
 
 def test_transforms_arrive_by_operation(seen: Any) -> None:

@@ -1,4 +1,4 @@
-"""The programs of this package that serve what ROS's tutorials do."""
+"""The example servers with the services and actions of the ROS tutorials."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ from .world import World
 
 
 class _Complaints(logging.Handler):
-    """What roslibpy, Twisted and asyncio log of warnings and errors."""
+    """The warnings and errors that roslibpy, Twisted and asyncio log."""
 
     def __init__(self, world: World) -> None:
         super().__init__(logging.WARNING)

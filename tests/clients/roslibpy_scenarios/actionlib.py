@@ -50,7 +50,7 @@ def _serve_until_cancelled(server: Any) -> None:
     server.start(execute)
 
 
-def an_action_tells_its_progress_and_its_result(world: World) -> Any:
+def action_sends_feedback_and_a_result(world: World) -> Any:
     server, client = _pair(world, "/quick")
 
     def execute(goal: Any) -> None:
@@ -64,7 +64,7 @@ def an_action_tells_its_progress_and_its_result(world: World) -> Any:
     return _Followed(client, 5).outcome()
 
 
-def a_goal_can_be_cancelled(world: World) -> Any:
+def goal_can_be_cancelled(world: World) -> Any:
     server, client = _pair(world, "/patient")
     _serve_until_cancelled(server)
     followed = _Followed(client, 5)
@@ -80,7 +80,7 @@ def all_goals_can_be_cancelled(world: World) -> Any:
     return followed.outcome()
 
 
-def a_newer_goal_takes_the_place_of_the_older_one(world: World) -> Any:
+def newer_goal_replaces_the_older_one(world: World) -> Any:
     server, client = _pair(world, "/busy")
 
     def execute(goal: Any) -> None:

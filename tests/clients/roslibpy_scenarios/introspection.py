@@ -1,4 +1,4 @@
-"""What roslibpy asks of the hub about the graph."""
+"""Requests of roslibpy about the graph."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def services_can_be_listed_and_found_by_type_and_types_by_service(world: World) 
     }
 
 
-def nodes_can_be_listed_and_looked_into(world: World) -> Any:
+def nodes_are_listed_with_their_details(world: World) -> Any:
     ros = _graph(world, "/looked_into")
     nodes = ros.get_nodes()
     return {
@@ -49,7 +49,7 @@ def nodes_can_be_listed_and_looked_into(world: World) -> Any:
     }
 
 
-def a_message_type_is_described_field_by_field(world: World) -> Any:
+def message_type_is_described_field_by_field(world: World) -> Any:
     ros = world.connect()
     pose = ros.get_message_details("geometry_msgs/PoseStamped")["typedefs"]
     return {
@@ -58,7 +58,7 @@ def a_message_type_is_described_field_by_field(world: World) -> Any:
     }
 
 
-def a_service_type_is_described_field_by_field(world: World) -> Any:
+def service_type_is_described_field_by_field(world: World) -> Any:
     ros = world.connect()
     return {
         "request": ros.get_service_request_details(ADD)["typedefs"],
@@ -66,7 +66,7 @@ def a_service_type_is_described_field_by_field(world: World) -> Any:
     }
 
 
-def all_definitions_come_at_once(world: World) -> Any:
+def all_definitions_are_returned_at_once(world: World) -> Any:
     ros = _graph(world, "/defined")
     service = Service(ros, "/rosapi/topics_and_raw_types", "rosapi/TopicsAndRawTypes")
     answer = service.call(ServiceRequest(), timeout=PATIENCE)

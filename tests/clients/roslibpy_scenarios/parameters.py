@@ -9,7 +9,7 @@ from roslibpy import Param
 from .world import PATIENCE, World
 
 
-def a_parameter_can_be_set_read_listed_and_deleted(world: World) -> Any:
+def parameter_can_be_set_read_listed_and_deleted(world: World) -> Any:
     ros = world.connect()
 
     def names() -> list[str]:
@@ -22,20 +22,20 @@ def a_parameter_can_be_set_read_listed_and_deleted(world: World) -> Any:
     return {"value": value, "listed": listed, "after": names()}
 
 
-def a_parameter_inside_another_one_can_be_read_alone(world: World) -> Any:
+def parameter_inside_another_one_can_be_read_alone(world: World) -> Any:
     ros = world.connect()
     ros.set_param("/arm", {"joints": {"elbow": 3}})
     return ros.get_param("/arm/joints/elbow")
 
 
-def a_parameter_that_is_not_set_reads_as_null(world: World) -> Any:
+def missing_parameter_is_null(world: World) -> Any:
     return Param(world.connect(), "/never_set").get(timeout=PATIENCE)
 
 
-def the_parameters_of_the_hub_are_there(world: World) -> Any:
+def parameters_of_the_hub_exist(world: World) -> Any:
     return world.connect().get_param("/rosdistro")
 
 
-def another_client_reads_what_one_has_set(world: World) -> Any:
+def parameter_is_read_by_another_client(world: World) -> Any:
     world.connect().set_param("/max_vel_x", 0.8)
     return world.connect().get_param("/max_vel_x")

@@ -9,14 +9,14 @@ from roslibpy import Message, Service, ServiceRequest, Topic
 from .world import PATIENCE, Collected, World, eventually
 
 
-def a_client_comes_back_with_the_hub(world: World) -> Any:
+def client_reconnects_when_the_hub_returns(world: World) -> Any:
     talker, listener = world.connect(), world.connect()
-    heard = Collected()
-    Topic(listener, "/chatter", "std_msgs/String").subscribe(heard.put)
+    received = Collected()
+    Topic(listener, "/chatter", "std_msgs/String").subscribe(received.put)
     world.settled(listener)
     topic = Topic(talker, "/chatter", "std_msgs/String")
     topic.publish(Message({"data": "before"}))
-    before = heard.many(1)
+    before = received.many(1)
     lost, back = Collected(), Collected()
     for ros in (talker, listener):
         ros.on("close", lost.put)
@@ -29,7 +29,7 @@ def a_client_comes_back_with_the_hub(world: World) -> Any:
     topic.publish(Message({"data": "early"}))
     eventually(lambda: _nodes(talker, "publishers") and _nodes(listener, "subscribers"))
     topic.publish(Message({"data": "after"}))
-    while (after := heard.many(1)) == [{"data": "early"}]:
+    while (after := received.many(1)) == [{"data": "early"}]:
         pass
     return before + after
 

@@ -31,26 +31,26 @@ def _refusal(service: Any, **request: Any) -> str:
     raise AssertionError(f"It was not refused but gave {answer}.")
 
 
-def a_service_answers_another_client(world: World) -> Any:
+def service_answers_another_client(world: World) -> Any:
     provider, caller = world.connect(), world.connect()
     Service(provider, "/add_two_ints", ADD).advertise(_add)
     world.settled(provider)
     return _call(Service(caller, "/add_two_ints", ADD), a=1, b=2)
 
 
-def a_service_answers_its_own_client(world: World) -> Any:
+def client_calls_its_own_service(world: World) -> Any:
     ros = world.connect()
     Service(ros, "/own/add_two_ints", ADD).advertise(_add)
     return _call(Service(ros, "/own/add_two_ints", ADD), a=20, b=22)
 
 
-def a_field_that_the_request_leaves_out_is_0(world: World) -> Any:
+def missing_field_of_a_request_is_0(world: World) -> Any:
     ros = world.connect()
     Service(ros, "/short/add_two_ints", ADD).advertise(_add)
     return _call(Service(ros, "/short/add_two_ints", ADD), b=5)
 
 
-def calls_that_overlap_get_each_its_own_answer(world: World) -> Any:
+def concurrent_calls_get_their_own_responses(world: World) -> Any:
     ros = world.connect()
     Service(ros, "/busy/add_two_ints", ADD).advertise(_add)
     service = Service(ros, "/busy/add_two_ints", ADD)
@@ -59,7 +59,7 @@ def calls_that_overlap_get_each_its_own_answer(world: World) -> Any:
         return [answer["sum"] for answer in answers]
 
 
-def a_service_says_that_it_failed(world: World) -> Any:
+def service_reports_its_failure(world: World) -> Any:
     ros = world.connect()
 
     def fail(_: Any, response: Any) -> bool:
@@ -70,11 +70,11 @@ def a_service_says_that_it_failed(world: World) -> Any:
     return _call(Service(ros, "/failing/trigger", TRIGGER))
 
 
-def a_service_that_is_not_there_fails(world: World) -> Any:
+def call_of_a_missing_service_fails(world: World) -> Any:
     return _refusal(Service(world.connect(), "/nobody/trigger", TRIGGER))
 
 
-def a_service_that_is_no_longer_there_fails(world: World) -> Any:
+def call_of_an_unadvertised_service_fails(world: World) -> Any:
     ros = world.connect()
     provider = Service(ros, "/brief/add_two_ints", ADD)
     provider.advertise(_add)
@@ -84,7 +84,7 @@ def a_service_that_is_no_longer_there_fails(world: World) -> Any:
     return _refusal(Service(ros, "/brief/add_two_ints", ADD), a=1, b=2)
 
 
-def a_request_that_does_not_fit_the_type_fails(world: World) -> Any:
+def invalid_request_fails(world: World) -> Any:
     ros = world.connect()
     Service(ros, "/strict/add_two_ints", ADD).advertise(_add)
     return _refusal(Service(ros, "/strict/add_two_ints", ADD), a="one", b=2)

@@ -14,17 +14,17 @@ from .world import Collected, World
 FRAME = "by_service"
 
 
-def transforms_come_by_a_service(world: World) -> Any:
-    ros, heard = world.connect(), Collected()
+def transforms_arrive_by_service(world: World) -> Any:
+    ros, received = world.connect(), Collected()
     client = TFClient(
         ros, fixed_frame="world", angular_threshold=0.01, translation_threshold=0.01, rate=50
     )
-    client.subscribe(FRAME, heard.put)
+    client.subscribe(FRAME, received.put)
     topic = Topic(ros, "/tf", "tf2_msgs/TFMessage")
     _move(topic, {"x": 1, "y": 2, "z": 3})
-    first = heard.many(1)
+    first = received.many(1)
     _move(topic, {"x": 4, "y": 5, "z": 6})
-    transforms = first + heard.many(1)
+    transforms = first + received.many(1)
     client.dispose()
     world.settled(ros)
     return transforms

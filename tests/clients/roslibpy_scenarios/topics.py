@@ -13,27 +13,27 @@ from .world import Collected, World
 NUMBER = "std_msgs/Int32"
 
 
-def a_message_reaches_another_client(world: World) -> Any:
+def message_reaches_another_client(world: World) -> Any:
     talker, listener = world.connect(), world.connect()
-    heard = Collected()
-    Topic(listener, "/chatter", "std_msgs/String").subscribe(heard.put)
+    received = Collected()
+    Topic(listener, "/chatter", "std_msgs/String").subscribe(received.put)
     world.settled(listener)
     topic = Topic(talker, "/chatter", "std_msgs/String")
     topic.publish(Message({"data": "hello"}))
     topic.publish(Message({"data": "wörld 🌍"}))
-    return heard.many(2)
+    return received.many(2)
 
 
-def a_client_hears_itself(world: World) -> Any:
-    ros, heard = world.connect(), Collected()
-    Topic(ros, "/monologue", NUMBER).subscribe(heard.put)
+def client_receives_its_own_messages(world: World) -> Any:
+    ros, received = world.connect(), Collected()
+    Topic(ros, "/monologue", NUMBER).subscribe(received.put)
     Topic(ros, "/monologue", NUMBER).publish(Message({"data": 8}))
-    return heard.many(1)
+    return received.many(1)
 
 
-def a_message_of_many_fields_arrives_as_it_was_sent(world: World) -> Any:
-    ros, heard = world.connect(), Collected()
-    Topic(ros, "/imu", "sensor_msgs/Imu").subscribe(heard.put)
+def message_of_many_fields_arrives_as_it_was_sent(world: World) -> Any:
+    ros, received = world.connect(), Collected()
+    Topic(ros, "/imu", "sensor_msgs/Imu").subscribe(received.put)
     message = {
         "header": {"seq": 0, "stamp": {"secs": 12, "nsecs": 34}, "frame_id": "base_link"},
         "orientation": {"x": 0, "y": 0, "z": 0, "w": 1},
@@ -41,45 +41,45 @@ def a_message_of_many_fields_arrives_as_it_was_sent(world: World) -> Any:
         "linear_acceleration": {"z": -9.81},
     }
     Topic(ros, "/imu", "sensor_msgs/Imu").publish(Message(message))
-    return heard.many(1)[0]
+    return received.many(1)[0]
 
 
-def a_late_listener_hears_the_latched_message_once(world: World) -> Any:
+def late_subscriber_receives_the_latched_message_once(world: World) -> Any:
     talker, listener = world.connect(), world.connect()
     topic = Topic(talker, "/map_name", "std_msgs/String", latch=True)
     topic.publish(Message({"data": "attic"}))
     topic.publish(Message({"data": "cellar"}))
     world.settled(talker)
-    heard = Collected()
-    Topic(listener, "/map_name", "std_msgs/String").subscribe(heard.put)
+    received = Collected()
+    Topic(listener, "/map_name", "std_msgs/String").subscribe(received.put)
     world.settled(listener)
-    return heard.many(heard.qsize())
+    return received.many(received.qsize())
 
 
-def a_throttled_listener_hears_the_first_message_and_then_the_newest(world: World) -> Any:
+def throttled_subscriber_receives_the_first_message_and_then_the_newest(world: World) -> Any:
     return _throttled(world, "/newest", queue_length=1, count=2)
 
 
-def the_queue_of_a_throttled_listener_is_drained_at_its_rate(world: World) -> Any:
+def queue_of_a_throttled_subscriber_is_sent_at_its_rate(world: World) -> Any:
     return _throttled(world, "/drained", queue_length=3, count=4)
 
 
-def a_throttled_listener_without_a_queue_misses_what_comes_too_early(world: World) -> Any:
+def throttled_subscriber_without_a_queue_misses_early_messages(world: World) -> Any:
     return _throttled(world, "/missed", queue_length=0, count=1)
 
 
 def _throttled(
     world: World, name: str, queue_length: int, count: int, rate: int = 300
 ) -> dict[str, Any]:
-    """What a listener hears that is told one message in so many ms, and how many of these it took.
+    """Return the messages of a throttled subscriber, and the elapsed time in periods.
 
     All ten must reach the hub before it may tell of a second one: if they were too slow for that,
     they are sent again at a lower rate.
     """
-    ros, heard = world.connect(), Collected()
+    ros, received = world.connect(), Collected()
     topic = f"{name}/{rate}"
     listener = Topic(ros, topic, NUMBER, throttle_rate=rate, queue_length=queue_length)
-    listener.subscribe(lambda message: heard.put(message["data"]))
+    listener.subscribe(lambda message: received.put(message["data"]))
     talker = Topic(ros, topic, NUMBER)
     began = time.monotonic()
     for number in range(10):
@@ -87,12 +87,12 @@ def _throttled(
     world.settled(ros)
     if _since(began) >= rate:
         return _throttled(world, name, queue_length, count, 2 * rate)
-    numbers = heard.many(count)
+    numbers = received.many(count)
     if queue_length == 0:
         time.sleep(1.1 * rate / 1000)  # The hub's clock may be coarser.
         talker.publish(Message({"data": 10}))
-        numbers += heard.many(1)
-    return {"heard": numbers, "rates": _since(began) / rate}
+        numbers += received.many(1)
+    return {"received": numbers, "rates": _since(began) / rate}
 
 
 def _since(began: float) -> float:
@@ -100,9 +100,9 @@ def _since(began: float) -> float:
     return 1000 * (time.monotonic() - began)
 
 
-def two_listeners_of_one_client_hear_each_message_once(world: World) -> Any:
-    ros, heard = world.connect(), [Collected(), Collected()]
-    for each in heard:
+def two_subscribers_of_one_client_receive_each_message_once(world: World) -> Any:
+    ros, received = world.connect(), [Collected(), Collected()]
+    for each in received:
         Topic(ros, "/shared", NUMBER).subscribe(
             lambda message, each=each: each.put(message["data"])
         )
@@ -110,41 +110,41 @@ def two_listeners_of_one_client_hear_each_message_once(world: World) -> Any:
     for number in (1, 2):
         talker.publish(Message({"data": number}))
     world.settled(ros)
-    return [each.many(each.qsize()) for each in heard]
+    return [each.many(each.qsize()) for each in received]
 
 
-def a_topic_may_be_spelled_without_its_slash_and_its_type_as_in_ROS_2(world: World) -> Any:
+def topic_may_be_spelled_without_its_slash_and_its_type_as_in_ROS_2(world: World) -> Any:
     talker, listener = world.connect(), world.connect()
-    heard = Collected()
-    Topic(listener, "spelled/chatter", "std_msgs/msg/String").subscribe(heard.put)
+    received = Collected()
+    Topic(listener, "spelled/chatter", "std_msgs/msg/String").subscribe(received.put)
     world.settled(listener)
     Topic(talker, "/spelled/chatter", "std_msgs/String").publish(Message({"data": "hello"}))
-    return heard.many(1)
+    return received.many(1)
 
 
-def a_message_of_megabytes_arrives(world: World) -> Any:
-    ros, heard = world.connect(), Collected()
+def message_of_megabytes_arrives(world: World) -> Any:
+    ros, received = world.connect(), Collected()
     sent = "0123456789" * 300_000
-    Topic(ros, "/essay", "std_msgs/String").subscribe(heard.put)
+    Topic(ros, "/essay", "std_msgs/String").subscribe(received.put)
     Topic(ros, "/essay", "std_msgs/String").publish(Message({"data": sent}))
-    return heard.many(1)[0]["data"] == sent
+    return received.many(1)[0]["data"] == sent
 
 
-def nothing_is_heard_after_unsubscribing(world: World) -> Any:
-    ros, heard = world.connect(), Collected()
+def no_message_arrives_after_unsubscribing(world: World) -> Any:
+    ros, received = world.connect(), Collected()
     talker, listener = Topic(ros, "/number", NUMBER), Topic(ros, "/number", NUMBER)
-    listener.subscribe(heard.put)
+    listener.subscribe(received.put)
     talker.publish(Message({"data": 1}))
-    first = heard.many(1)
+    first = received.many(1)
     listener.unsubscribe()
     talker.publish(Message({"data": 2}))
     world.settled(ros)
-    listener.subscribe(heard.put)
+    listener.subscribe(received.put)
     talker.publish(Message({"data": 3}))
-    return first + heard.many(1)
+    return first + received.many(1)
 
 
-def a_topic_is_gone_when_nobody_advertises_it_any_more(world: World) -> Any:
+def topic_disappears_with_its_last_publisher(world: World) -> Any:
     ros = world.connect()
     topic = Topic(ros, "/gone", NUMBER)
     topic.advertise()

@@ -9,7 +9,7 @@ from roslibpy import ActionClient, Goal
 from .world import Collected, World
 
 
-def the_action_of_the_tutorial_gives_the_series_by_operation(world: World) -> Any:
+def tutorial_action_returns_the_sequence_by_operation(world: World) -> Any:
     client = ActionClient(world.connect(), "/fibonacci", "example_interfaces/action/Fibonacci")
     feedback, ends = Collected(), Collected()
     client.send_goal(Goal({"order": 5}), ends.put, feedback.put, ends.put)

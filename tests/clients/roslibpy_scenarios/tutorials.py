@@ -1,4 +1,4 @@
-"""The programs of this package that serve what ROS's tutorials do."""
+"""The example servers with the services and actions of the ROS tutorials."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from roslibpy.ros1.actionlib import ActionClient, Goal, GoalStatus
 from .world import PATIENCE, World, eventually
 
 
-def the_service_of_the_tutorial_adds_two_ints(world: World) -> Any:
+def tutorial_service_adds_two_ints(world: World) -> Any:
     service = Service(world.connect(), "/add_two_ints", "rospy_tutorials/AddTwoInts")
     return service.call(ServiceRequest({"a": 1, "b": 2}), timeout=PATIENCE)
 
 
-def the_action_of_the_tutorial_gives_the_series_and_can_be_cancelled(world: World) -> Any:
+def tutorial_action_returns_the_sequence_and_can_be_cancelled(world: World) -> Any:
     client = ActionClient(world.connect(), "/fibonacci", "actionlib_tutorials/FibonacciAction")
     goal = Goal(client, Message({"order": 5}))
     goal.send()

@@ -1,4 +1,4 @@
-"""What a scenario is given: connections to the hub, and ways to wait for what comes."""
+"""Connections to the hub for scenarios, and queues to wait for messages."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class World:
         return ros
 
     def settled(self, ros: Any) -> None:
-        """Wait until the hub has done all that this connection asked for before."""
+        """Wait until the hub has processed all earlier operations of this connection."""
         ros.get_time()
 
     def report(self, line: dict[str, Any]) -> None:
@@ -43,7 +43,7 @@ class Collected(queue.SimpleQueue[Any]):
 
 
 def eventually(condition: Callable[[], bool]) -> None:
-    """Wait for something that roslibpy does in its own time and tells nobody of."""
+    """Poll for a change in roslibpy that has no event."""
     pause = threading.Event()
     while not condition():
         pause.wait(0.05)

@@ -5,7 +5,7 @@ import { answer, collect } from "../world.mjs";
 const FIBONACCI = "actionlib_tutorials/FibonacciAction";
 
 export default {
-  "an action tells its progress and its result": async (world) => {
+  "action sends feedback and a result": async (world) => {
     const { client, goal } = await action(world, "/quick", (server) => {
       server.on("goal", ({ order }) => {
         const sequence = [0, 1];
@@ -19,7 +19,7 @@ export default {
     return follow(goal(client, 5));
   },
 
-  "a goal can be cancelled": async (world) => {
+  "goal can be cancelled": async (world) => {
     const { client, goal } = await action(world, "/patient", (server) => {
       server.on("goal", () => server.sendFeedback({ sequence: [0, 1] }));
       server.on("cancel", () => server.setPreempted());
@@ -39,7 +39,7 @@ export default {
     return follow(sent);
   },
 
-  "a newer goal takes the place of the older one": async (world) => {
+  "newer goal replaces the older one": async (world) => {
     const { client, goal } = await action(world, "/busy", (server) => {
       server.on("goal", ({ order }) => {
         server.sendFeedback({ sequence: [order] });

@@ -4,14 +4,14 @@ import { collect } from "../world.mjs";
 import { action, follow } from "./actionlib.mjs";
 
 export default {
-  "an action can abort": async (world) => {
+  "action can abort": async (world) => {
     const { client, goal } = await action(world, "/aborting", (server) => {
       server.on("goal", () => server.setAborted({ sequence: [0] }));
     });
     return follow(goal(client, 5));
   },
 
-  "the goals of others can be followed": async (world) => {
+  "goals of others can be followed": async (world) => {
     const { library, connect, settled } = world;
     const ros = await connect();
     const listener = new library.ActionListener({
@@ -19,10 +19,10 @@ export default {
       serverName: "/followed",
       actionName: "actionlib_tutorials/FibonacciAction",
     });
-    const heard = collect();
-    listener.on("goal", ({ goal }) => heard.add({ goal }));
-    listener.on("feedback", (feedback) => heard.add({ feedback }));
-    listener.on("result", (result) => heard.add({ result }));
+    const received = collect();
+    listener.on("goal", ({ goal }) => received.add({ goal }));
+    listener.on("feedback", (feedback) => received.add({ feedback }));
+    listener.on("result", (result) => received.add({ result }));
     await settled(ros);
     const { client, goal } = await action(world, "/followed", (server) => {
       server.on("goal", ({ order }) => {
@@ -31,6 +31,6 @@ export default {
       });
     });
     goal(client, 7);
-    return heard.many(3);
+    return received.many(3);
   },
 };

@@ -5,7 +5,7 @@ import { collect, refusal } from "../world.mjs";
 const FIBONACCI = "example_interfaces/action/Fibonacci";
 
 export default {
-  "an action by operation tells its progress and its result": async (world) => {
+  "action by operation sends feedback and a result": async (world) => {
     const { server, client } = await action(world, "/operations/quick", ({ order }, id) => {
       const sequence = [0, 1];
       while (sequence.length <= order) {
@@ -19,14 +19,14 @@ export default {
     return { result: await result, feedback: feedback.seen };
   },
 
-  "an action by operation can fail": async (world) => {
+  "action by operation can fail": async (world) => {
     const { server, client } = await action(world, "/operations/failing", (_, id) =>
       server.setFailed(id),
     );
     return refusal(send(client, 3).result);
   },
 
-  "a goal by operation can be cancelled": async (world) => {
+  "goal by operation can be cancelled": async (world) => {
     const { server, client } = await action(world, "/operations/patient", (_, id) =>
       server.sendFeedback(id, { sequence: [0] }),
     );
@@ -46,7 +46,7 @@ export default {
     return Promise.all(ends);
   },
 
-  "goals by operation run side by side": async (world) => {
+  "goals by operation run concurrently": async (world) => {
     const waiting = [];
     const { server, client } = await action(world, "/operations/both", ({ order }, id) => {
       waiting.push([id, order]);
@@ -56,18 +56,18 @@ export default {
     return Promise.all([send(client, 1).result, send(client, 2).result]);
   },
 
-  "a goal by operation fails when its server leaves": async (world) => {
+  "goal by operation fails when its server leaves": async (world) => {
     const { server, client } = await action(world, "/operations/leaving", () => server.ros.close());
     return refusal(send(client, 3).result);
   },
 
-  "a goal by operation fails when nobody serves it": async ({ library, connect }) => {
+  "goal by operation fails without a server": async ({ library, connect }) => {
     const ros = await connect();
     const client = new library.Action({ ros, name: "/operations/nobody", actionType: FIBONACCI });
     return refusal(send(client, 3).result);
   },
 
-  "an action by operation can be withdrawn": async (world) => {
+  "action by operation can be unadvertised": async (world) => {
     const { server, client } = await action(world, "/operations/withdrawn", () => {});
     server.unadvertise();
     await world.settled(server.ros);

@@ -3,7 +3,7 @@
 import { collect } from "../world.mjs";
 
 export default {
-  "a scan comes by cbor": (world) =>
+  "laser scan arrives by cbor": (world) =>
     heard(world, "cbor", "/cbor/scan", "sensor_msgs/LaserScan", {
       header: { stamp: { secs: 1, nsecs: 2 }, frame_id: "laser" },
       angle_min: -1.5,
@@ -11,13 +11,13 @@ export default {
       intensities: [],
     }),
 
-  "a pose with its covariance comes by cbor": (world) =>
+  "pose with covariance arrives by cbor": (world) =>
     heard(world, "cbor", "/cbor/pose", "geometry_msgs/PoseWithCovariance", {
       pose: { position: { x: 1, y: 2, z: 3 }, orientation: { w: 1 } },
       covariance: Array.from({ length: 36 }, (_, index) => index / 4),
     }),
 
-  "an image comes by cbor": (world) =>
+  "image arrives by cbor": (world) =>
     heard(world, "cbor", "/cbor/image", "sensor_msgs/Image", {
       header: { stamp: { secs: 1, nsecs: 2 }, frame_id: "camera" },
       height: 1,
@@ -27,7 +27,7 @@ export default {
       data: [255, 0, 1, 2, 3, 254],
     }),
 
-  "arrays of integers come by cbor": async (world) => {
+  "arrays of integers arrive by cbor": async (world) => {
     const arrays = { Int8: [-1, 127], UInt16: [65535], Int16: [-2], UInt32: [7], Int32: [-8, 9] };
     const messages = Object.entries(arrays).map(async ([name, data]) => {
       const type = `std_msgs/${name}MultiArray`;
@@ -36,12 +36,12 @@ export default {
     return Object.fromEntries(await Promise.all(messages));
   },
 
-  "numbers that are none come by cbor": (world) =>
+  "nan arrives by cbor": (world) =>
     heard(world, "cbor", "/cbor/temperature", "std_msgs/Float64", { data: NaN }).then(
       ({ data }) => String(data),
     ),
 
-  "a message comes raw in cbor": async (world) => {
+  "message arrives by cbor raw": async (world) => {
     const message = await heard(world, "cbor-raw", "/raw/text", "std_msgs/String", { data: "héllo" });
     const { secs, nsecs } = message;
     return { bytes: message.bytes, age: Date.now() / 1000 - (secs + nsecs / 1e9) };

@@ -10,13 +10,13 @@ import { answer, call, collect } from "../world.mjs";
 const DEFINITIONS = new URL("../../../fibws/interfaces/definitions/", import.meta.url);
 
 export default {
-  "the version of ROS is told by the topics": async ({ connect }) => {
+  "ros version is detected by the topics": async ({ connect }) => {
     const { types } = await topicsAndRawTypes(await connect());
     if (types.includes("rcl_interfaces/msg/Log")) return 2;
     return types.includes("rosgraph_msgs/Log") ? 1 : "unknown";
   },
 
-  "every type is parsed and its messages are read": async ({ library, connect, settled }) => {
+  "every type is parsed and its messages are decoded": async ({ library, connect, settled }) => {
     const [robot, foxglove] = [await connect(), await connect()];
     const topics = everyType().map(
       (messageType) => new library.Topic({ ros: robot, name: `/every/${messageType}`, messageType }),
@@ -31,19 +31,19 @@ export default {
     return { types: topics.length, read: messages.length };
   },
 
-  "a type that nobody defined keeps no other from being read": async (world) => {
+  "unknown type does not affect others": async (world) => {
     const ros = await world.connect();
     const thing = { ros, name: "/foxglove/thing", messageType: "my_robot/Thing" };
     new world.library.Topic(thing).advertise();
     await world.settled(ros);
-    return heard(world, "/foxglove/known", "std_msgs/Bool", { data: true });
+    return received(world, "/foxglove/known", "std_msgs/Bool", { data: true });
   },
 
-  "a number is read": (world) =>
-    heard(world, "/foxglove/number", "std_msgs/Int32", { data: -2147483648 }),
+  "number is decoded": (world) =>
+    received(world, "/foxglove/number", "std_msgs/Int32", { data: -2147483648 }),
 
-  "a pose with its covariance is read": (world) =>
-    heard(world, "/foxglove/pose", "geometry_msgs/PoseWithCovarianceStamped", {
+  "pose with covariance is decoded": (world) =>
+    received(world, "/foxglove/pose", "geometry_msgs/PoseWithCovarianceStamped", {
       header: { stamp: { secs: 5, nsecs: 6 }, frame_id: "map" },
       pose: {
         pose: { position: { x: 1.5, y: -2, z: 0 }, orientation: { x: 0, y: 0, z: 0, w: 1 } },
@@ -51,8 +51,8 @@ export default {
       },
     }),
 
-  "an image is read": (world) =>
-    heard(world, "/foxglove/image", "sensor_msgs/Image", {
+  "image is decoded": (world) =>
+    received(world, "/foxglove/image", "sensor_msgs/Image", {
       header: { stamp: { secs: 5, nsecs: 6 }, frame_id: "camera" },
       height: 1,
       width: 2,
@@ -62,8 +62,8 @@ export default {
       data: "/wABAgP+",
     }),
 
-  "points are read": (world) =>
-    heard(world, "/foxglove/points", "sensor_msgs/PointCloud2", {
+  "points are decoded": (world) =>
+    received(world, "/foxglove/points", "sensor_msgs/PointCloud2", {
       header: { stamp: { secs: 5, nsecs: 6 }, frame_id: "lidar" },
       height: 1,
       width: 1,
@@ -74,7 +74,7 @@ export default {
       is_dense: true,
     }),
 
-  "the graph is drawn from every node": async ({ library, connect, settled }) => {
+  "graph is drawn from every node": async ({ library, connect, settled }) => {
     const robot = await connect({ node: "/robot" });
     const type = { messageType: "std_msgs/Int32" };
     new library.Topic({ ros: robot, name: "/robot/number", ...type }).advertise();
@@ -93,7 +93,7 @@ export default {
     return { robot: graph["/robot"], log: graph["/rosout"].subscriptions };
   },
 
-  "the panel for publishing reaches the robot": async ({ library, connect, settled }) => {
+  "publish panel reaches the robot": async ({ library, connect, settled }) => {
     const [robot, foxglove] = [await connect(), await connect()];
     const velocity = { name: "/cmd_vel", messageType: "geometry_msgs/Twist" };
     const received = collect();
@@ -105,7 +105,7 @@ export default {
     return (await received.many(1))[0];
   },
 
-  "the panel for services calls one by the type it is told": async ({ library, connect }) => {
+  "service panel calls a service by its type": async ({ library, connect }) => {
     const [robot, foxglove] = [await connect(), await connect()];
     const name = "/robot/switch";
     const switched = new library.Service({ ros: robot, name, serviceType: "std_srvs/SetBool" });
@@ -118,7 +118,7 @@ export default {
     return call(new library.Service({ ros: foxglove, name, serviceType }), { data: true });
   },
 
-  "the next round of asking finds a new topic": async ({ library, connect, settled }) => {
+  "new topic is found by the next poll": async ({ library, connect, settled }) => {
     const [robot, foxglove] = [await connect(), await connect()];
     const name = "/foxglove/new";
     const before = await topicsAndRawTypes(foxglove);
@@ -164,7 +164,7 @@ function first(library, ros, name, readers) {
 }
 
 /** What Foxglove makes of a message that a robot sends. */
-async function heard({ library, connect, settled }, name, messageType, message) {
+async function received({ library, connect, settled }, name, messageType, message) {
   const [robot, foxglove] = [await connect(), await connect()];
   const topic = new library.Topic({ ros: robot, name, messageType });
   topic.advertise();

@@ -3,7 +3,7 @@
 import { collect } from "../world.mjs";
 
 export default {
-  "a message comes in fragments when that was asked for": async ({ library, connect }) => {
+  "message arrives in fragments on request": async ({ library, connect }) => {
     const ros = await connect();
     const sent = "äöü".repeat(500);
     const heard = collect();

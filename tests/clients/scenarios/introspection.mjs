@@ -42,7 +42,7 @@ export default {
     };
   },
 
-  "nodes can be listed and looked into": async (world) => {
+  "nodes are listed with their details": async (world) => {
     const ros = await graph(world, "/looked_into");
     const nodes = await answer((done, failed) => ros.getNodes(done, failed));
     const details = await new Promise((resolve, reject) => {
@@ -61,7 +61,7 @@ export default {
     };
   },
 
-  "a message type is described field by field": async ({ connect }) => {
+  "message type is described field by field": async ({ connect }) => {
     const ros = await connect();
     const details = (type) => answer((done, failed) => ros.getMessageDetails(type, done, failed));
     const [[fix], pose] = [
@@ -71,7 +71,7 @@ export default {
     return { fix, pose: pose.map(({ type }) => type) };
   },
 
-  "a service type is described field by field": async ({ connect }) => {
+  "service type is described field by field": async ({ connect }) => {
     const ros = await connect();
     const details = async (method) =>
       (await answer((done, failed) => ros[method](ADD, done, failed))).typedefs;
@@ -81,7 +81,7 @@ export default {
     };
   },
 
-  "all definitions come at once": async (world) => {
+  "all definitions are returned at once": async (world) => {
     const ros = await graph(world, "/defined");
     const { topics, types, typedefs_full_text } = await answer((done, failed) =>
       ros.getTopicsAndRawTypes(done, failed),

@@ -3,7 +3,7 @@
 import { answer } from "../world.mjs";
 
 export default {
-  "a parameter can be set read listed and deleted": async ({ library, connect }) => {
+  "parameter can be set read listed and deleted": async ({ library, connect }) => {
     const ros = await connect();
     const param = new library.Param({ ros, name: "/camera/gains" });
     const names = () => answer((done, failed) => ros.getParams(done, failed));
@@ -14,19 +14,19 @@ export default {
     return { value, listed, after: (await names()).filter((name) => name.startsWith("/camera")) };
   },
 
-  "a parameter inside another one can be read alone": async ({ library, connect }) => {
+  "parameter inside another one can be read alone": async ({ library, connect }) => {
     const ros = await connect();
     await set(new library.Param({ ros, name: "/arm" }), { joints: { elbow: 3 } });
     return get(new library.Param({ ros, name: "/arm/joints/elbow" }));
   },
 
-  "a parameter that is not set reads as null": async ({ library, connect }) =>
+  "missing parameter is null": async ({ library, connect }) =>
     get(new library.Param({ ros: await connect(), name: "/never_set" })),
 
-  "the parameters of the hub are there": async ({ library, connect }) =>
+  "parameters of the hub exist": async ({ library, connect }) =>
     get(new library.Param({ ros: await connect(), name: "/rosdistro" })),
 
-  "another client reads what one has set": async ({ library, connect }) => {
+  "parameter is read by another client": async ({ library, connect }) => {
     await set(new library.Param({ ros: await connect(), name: "/max_vel_x" }), 0.8);
     return get(new library.Param({ ros: await connect(), name: "/max_vel_x" }));
   },

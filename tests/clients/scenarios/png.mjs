@@ -3,10 +3,10 @@
 import { heard } from "./encodings.mjs";
 
 export default {
-  "a message comes as a png": (world) =>
+  "message arrives as png": (world) =>
     heard(world, "png", "/png/text", "std_msgs/String", { data: "hello, wörld 🌍" }),
 
-  "a long message comes as a png": async (world) => {
+  "long message arrives as png": async (world) => {
     const sent = "0123456789".repeat(10_000);
     const { data } = await heard(world, "png", "/png/long", "std_msgs/String", { data: sent });
     return { equal: data === sent, length: data.length };

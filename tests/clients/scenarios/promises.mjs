@@ -6,7 +6,7 @@ const TRIGGER = "std_srvs/Trigger";
 const never = () => new Promise(() => {});
 
 export default {
-  "a service may answer later": async ({ library, connect }) => {
+  "service may answer later": async ({ library, connect }) => {
     const service = { ros: await connect(), name: "/later/trigger", serviceType: TRIGGER };
     await new library.Service(service).advertiseAsync(async () => {
       await new Promise((resolve) => setTimeout(resolve, 10));
@@ -15,27 +15,27 @@ export default {
     return call(new library.Service(service), {});
   },
 
-  "a service that rejects tells the reason": async ({ library, connect }) => {
+  "rejected promise fails the call with its reason": async ({ library, connect }) => {
     const service = { ros: await connect(), name: "/rejecting/trigger", serviceType: TRIGGER };
     await new library.Service(service).advertiseAsync(() => Promise.reject("out of paper"));
     return refusal(call(new library.Service(service), {}));
   },
 
-  "a call fails when its time is over": async ({ library, connect }) => {
+  "call times out": async ({ library, connect }) => {
     const service = { ros: await connect(), name: "/slow/trigger", serviceType: TRIGGER };
     await new library.Service(service).advertiseAsync(never);
     const client = new library.Service(service);
     return refusal(answer((done, failed) => client.callService({}, done, failed, 0.1)));
   },
 
-  "a call fails when the provider leaves": async (world) => {
+  "call fails when its server leaves": async (world) => {
     const { provider, called, refused } = await hanging(world, "/leaving/trigger");
     await called;
     provider.ros.close();
     return refused;
   },
 
-  "a call fails when the provider unadvertises": async (world) => {
+  "call fails when its server unadvertises": async (world) => {
     const { provider, called, refused } = await hanging(world, "/ending/trigger");
     await called;
     await provider.unadvertise();

@@ -3,7 +3,7 @@
 import { collect, pause } from "../world.mjs";
 
 export default {
-  "a client comes back with the hub": async ({ library, url, report, settled }) => {
+  "client reconnects when the hub returns": async ({ library, url, report, settled }) => {
     const returns = collect();
     const connect = () => {
       const ros = new library.Ros({ url, encoding: "utf8", ...library.options });
@@ -18,16 +18,16 @@ export default {
     const [talker, listener] = [connect(), connect()];
     await returns.many(2);
     const chatter = { name: "/chatter", messageType: "std_msgs/String" };
-    const heard = collect();
-    new library.Topic({ ros: listener, ...chatter }).subscribe(heard.add);
+    const received = collect();
+    new library.Topic({ ros: listener, ...chatter }).subscribe(received.add);
     await settled(listener);
     const topic = new library.Topic({ ros: talker, ...chatter });
     topic.publish({ data: "before" });
-    await heard.many(1);
+    await received.many(1);
     report({ restart: true });
     await returns.many(4);
     await settled(listener);
     topic.publish({ data: "after" });
-    return heard.many(2);
+    return received.many(2);
   },
 };

@@ -10,7 +10,7 @@ function add({ a, b }, response) {
 }
 
 export default {
-  "a service answers another client": async ({ library, connect, settled }) => {
+  "service answers another client": async ({ library, connect, settled }) => {
     const [provider, caller] = [await connect(), await connect()];
     const service = { name: "/add_two_ints", serviceType: ADD };
     await new library.Service({ ros: provider, ...service }).advertise(add);
@@ -18,19 +18,19 @@ export default {
     return call(new library.Service({ ros: caller, ...service }), { a: 1, b: 2 });
   },
 
-  "a service answers its own client": async ({ library, connect }) => {
+  "client calls its own service": async ({ library, connect }) => {
     const service = { ros: await connect(), name: "/own/add_two_ints", serviceType: ADD };
     await new library.Service(service).advertise(add);
     return call(new library.Service(service), { a: 20, b: 22 });
   },
 
-  "a field that the request leaves out is 0": async ({ library, connect }) => {
+  "missing field of a request is 0": async ({ library, connect }) => {
     const service = { ros: await connect(), name: "/short/add_two_ints", serviceType: ADD };
     await new library.Service(service).advertise(add);
     return call(new library.Service(service), { b: 5 });
   },
 
-  "calls that overlap get each its own answer": async ({ library, connect }) => {
+  "concurrent calls get their own responses": async ({ library, connect }) => {
     const service = { ros: await connect(), name: "/busy/add_two_ints", serviceType: ADD };
     await new library.Service(service).advertise(add);
     const client = new library.Service(service);
@@ -38,7 +38,7 @@ export default {
     return answers.map(({ sum }) => sum);
   },
 
-  "a service says that it failed": async ({ library, connect }) => {
+  "service reports its failure": async ({ library, connect }) => {
     const service = { ros: await connect(), name: "/failing/trigger", serviceType: "std_srvs/Trigger" };
     await new library.Service(service).advertise((_, response) => {
       response.message = "out of paper";
@@ -47,12 +47,12 @@ export default {
     return call(new library.Service(service), {}).catch((error) => ({ failed: error.message }));
   },
 
-  "a service that is not there fails": async ({ library, connect }) => {
+  "call of a missing service fails": async ({ library, connect }) => {
     const service = { ros: await connect(), name: "/nobody/trigger", serviceType: "std_srvs/Trigger" };
     return refusal(call(new library.Service(service), {}));
   },
 
-  "a service that is no longer there fails": async ({ library, connect, settled }) => {
+  "call of an unadvertised service fails": async ({ library, connect, settled }) => {
     const ros = await connect();
     const service = { ros, name: "/brief/add_two_ints", serviceType: ADD };
     const provider = new library.Service(service);
@@ -63,7 +63,7 @@ export default {
     return refusal(call(new library.Service(service), { a: 1, b: 2 }));
   },
 
-  "a request that does not fit the type fails": async ({ library, connect }) => {
+  "invalid request fails": async ({ library, connect }) => {
     const service = { ros: await connect(), name: "/strict/add_two_ints", serviceType: ADD };
     await new library.Service(service).advertise(add);
     return refusal(call(new library.Service(service), { a: "one", b: 2 }));

@@ -3,10 +3,10 @@
 import { collect } from "../world.mjs";
 
 export default {
-  "a message that does not fit the type is refused with the reason": async (world) =>
+  "invalid message is refused with the reason": async (world) =>
     statuses(world, (topic) => topic.publish({ data: "eight" })),
 
-  "a topic keeps its type": async (world) =>
+  "topic keeps its type": async (world) =>
     statuses(world, ({ ros }) => {
       const messageType = "std_msgs/String";
       new world.library.Topic({ ros, name: "/strict", messageType }).advertise();

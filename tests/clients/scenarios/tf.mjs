@@ -3,7 +3,7 @@
 import { collect } from "../world.mjs";
 
 export default {
-  "transforms come by an action": (world) => follow(world, "by_action"),
+  "transforms arrive by action": (world) => follow(world, "by_action"),
 };
 
 /** How a client listens to frames here. */

@@ -4,10 +4,10 @@ import { collect } from "../world.mjs";
 import { follow, LISTENING, move } from "./tf.mjs";
 
 export default {
-  "transforms come by operation": (world) =>
+  "transforms arrive by operation": (world) =>
     follow(world, "by_operation", { client: "ROS2TFClient" }),
 
-  "another frame makes another goal by operation": async ({ library, connect }) => {
+  "another frame starts another goal by operation": async ({ library, connect }) => {
     const ros = await connect();
     const topic = new library.Topic({ ros, name: "/tf", messageType: "tf2_msgs/TFMessage" });
     const tf = new library.ROS2TFClient({ ros, ...LISTENING });

@@ -3,6 +3,6 @@
 import { follow } from "./tf.mjs";
 
 export default {
-  "transforms come by a service": (world) =>
+  "transforms arrive by service": (world) =>
     follow(world, "by_service", { groovyCompatibility: false }),
 };

@@ -3,49 +3,49 @@
 import { collect, pause } from "../world.mjs";
 
 export default {
-  "a message reaches another client": async ({ library, connect, settled }) => {
+  "message reaches another client": async ({ library, connect, settled }) => {
     const [talker, listener] = [await connect(), await connect()];
     const chatter = { name: "/chatter", messageType: "std_msgs/String" };
-    const heard = collect();
-    new library.Topic({ ros: listener, ...chatter }).subscribe(heard.add);
+    const received = collect();
+    new library.Topic({ ros: listener, ...chatter }).subscribe(received.add);
     await settled(listener);
     const topic = new library.Topic({ ros: talker, ...chatter });
     topic.publish({ data: "hello" });
     topic.publish({ data: "wörld 🌍" });
-    return heard.many(2);
+    return received.many(2);
   },
 
-  "a client hears itself": async ({ library, connect }) => {
+  "client receives its own messages": async ({ library, connect }) => {
     const topic = new library.Topic({
       ros: await connect(),
       name: "/monologue",
       messageType: "std_msgs/Int32",
     });
-    const heard = collect();
-    topic.subscribe(heard.add);
+    const received = collect();
+    topic.subscribe(received.add);
     topic.publish({ data: 8 });
-    return heard.many(1);
+    return received.many(1);
   },
 
-  "a message of many fields arrives as it was sent": async ({ library, connect }) => {
+  "message of many fields arrives as it was sent": async ({ library, connect }) => {
     const topic = new library.Topic({
       ros: await connect(),
       name: "/imu",
       messageType: "sensor_msgs/Imu",
     });
-    const heard = collect();
-    topic.subscribe(heard.add);
+    const received = collect();
+    topic.subscribe(received.add);
     topic.publish({
       header: { seq: 0, stamp: { secs: 12, nsecs: 34 }, frame_id: "base_link" },
       orientation: { x: 0, y: 0, z: 0, w: 1 },
       orientation_covariance: [1.5, 0, 0, 0, NaN, 0, 0, 0, -2],
       linear_acceleration: { z: -9.81 },
     });
-    const [message] = await heard.many(1);
+    const [message] = await received.many(1);
     return message;
   },
 
-  "a late listener hears the latched message once": async ({ library, connect, settled }) => {
+  "late subscriber receives the latched message once": async ({ library, connect, settled }) => {
     const [talker, listener] = [await connect(), await connect()];
     const map = { name: "/map_name", messageType: "std_msgs/String" };
     const topic = new library.Topic({ ros: talker, ...map, latch: true });
@@ -53,30 +53,30 @@ export default {
     topic.publish({ data: "attic" });
     topic.publish({ data: "cellar" });
     await settled(talker);
-    const heard = collect();
-    new library.Topic({ ros: listener, ...map }).subscribe(heard.add);
+    const received = collect();
+    new library.Topic({ ros: listener, ...map }).subscribe(received.add);
     await settled(listener);
-    return heard.many(1);
+    return received.many(1);
   },
 
-  "a throttled listener hears the first message and then the newest": async (world) => {
-    const { heard, rates } = await throttled(world, "/newest", { queue_length: 1 });
-    return { heard: await heard.many(2), rates: rates() };
+  "throttled subscriber receives the first message and then the newest": async (world) => {
+    const { received, rates } = await throttled(world, "/newest", { queue_length: 1 });
+    return { received: await received.many(2), rates: rates() };
   },
 
-  "the queue of a throttled listener is drained at its rate": async (world) => {
-    const { heard, rates } = await throttled(world, "/drained", { queue_length: 3 });
-    return { heard: await heard.many(4), rates: rates() };
+  "queue of a throttled subscriber is sent at its rate": async (world) => {
+    const { received, rates } = await throttled(world, "/drained", { queue_length: 3 });
+    return { received: await received.many(4), rates: rates() };
   },
 
-  "a throttled listener without a queue misses what comes too early": async (world) => {
-    const { talker, heard, rate, rates } = await throttled(world, "/missed", {});
+  "throttled subscriber without a queue misses early messages": async (world) => {
+    const { talker, received, rate, rates } = await throttled(world, "/missed", {});
     await pause(1.1 * rate); // The hub's clock may be coarser.
     talker.publish({ data: 10 });
-    return { heard: await heard.many(2), rates: rates() };
+    return { received: await received.many(2), rates: rates() };
   },
 
-  "two listeners of one client hear each message once": async ({ library, connect, settled }) => {
+  "two subscribers of one client receive each message once": async ({ library, connect, settled }) => {
     const number = { ros: await connect(), name: "/shared", messageType: "std_msgs/Int32" };
     const listeners = [collect(), collect()];
     listeners.forEach(({ add }) => new library.Topic(number).subscribe(({ data }) => add(data)));
@@ -86,56 +86,56 @@ export default {
     return listeners.map(({ seen }) => seen);
   },
 
-  "a topic may be spelled without its slash and its type as in ROS 2": async (world) => {
+  "topic may be spelled without its slash and its type as in ROS 2": async (world) => {
     const { library, connect, settled } = world;
     const [talker, listener] = [await connect(), await connect()];
-    const heard = collect();
+    const received = collect();
     new library.Topic({
       ros: listener,
       name: "spelled/chatter",
       messageType: "std_msgs/msg/String",
-    }).subscribe(heard.add);
+    }).subscribe(received.add);
     await settled(listener);
     new library.Topic({
       ros: talker,
       name: "/spelled/chatter",
       messageType: "std_msgs/String",
     }).publish({ data: "hello" });
-    return heard.many(1);
+    return received.many(1);
   },
 
-  "a message of megabytes arrives": async ({ library, connect }) => {
+  "message of megabytes arrives": async ({ library, connect }) => {
     const topic = new library.Topic({
       ros: await connect(),
       name: "/essay",
       messageType: "std_msgs/String",
     });
     const sent = "0123456789".repeat(300_000);
-    const heard = collect();
-    topic.subscribe(heard.add);
+    const received = collect();
+    topic.subscribe(received.add);
     topic.publish({ data: sent });
-    const [{ data }] = await heard.many(1);
+    const [{ data }] = await received.many(1);
     return data === sent;
   },
 
-  "nothing is heard after unsubscribing": async ({ library, connect, settled }) => {
+  "no message arrives after unsubscribing": async ({ library, connect, settled }) => {
     const ros = await connect();
     const number = { ros, name: "/number", messageType: "std_msgs/Int32" };
     const talker = new library.Topic(number);
     const listener = new library.Topic(number);
-    const heard = collect();
-    listener.subscribe(heard.add);
+    const received = collect();
+    listener.subscribe(received.add);
     talker.publish({ data: 1 });
-    await heard.many(1);
+    await received.many(1);
     listener.unsubscribe();
     talker.publish({ data: 2 });
     await settled(ros);
-    listener.subscribe(heard.add);
+    listener.subscribe(received.add);
     talker.publish({ data: 3 });
-    return heard.many(2);
+    return received.many(2);
   },
 
-  "a topic is gone when nobody advertises it any more": async ({ library, connect, settled }) => {
+  "topic disappears with its last publisher": async ({ library, connect, settled }) => {
     const ros = await connect();
     const topic = new library.Topic({ ros, name: "/gone", messageType: "std_msgs/Int32" });
     const there = () =>
@@ -157,13 +157,13 @@ export default {
 async function throttled(world, name, options, rate = 300) {
   const topic = `${name}/${rate}`;
   const number = { ros: await world.connect(), name: topic, messageType: "std_msgs/Int32" };
-  const heard = collect();
+  const received = collect();
   const listener = new world.library.Topic({ ...number, throttle_rate: rate, ...options });
-  listener.subscribe(({ data }) => heard.add(data));
+  listener.subscribe(({ data }) => received.add(data));
   const talker = new world.library.Topic(number);
   const began = performance.now();
   for (let data = 0; data < 10; data++) talker.publish({ data });
   await world.settled(number.ros);
   const rates = () => (performance.now() - began) / rate;
-  return rates() < 1 ? { talker, heard, rate, rates } : throttled(world, name, options, 2 * rate);
+  return rates() < 1 ? { talker, received, rate, rates } : throttled(world, name, options, 2 * rate);
 }

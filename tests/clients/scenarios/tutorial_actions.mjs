@@ -3,7 +3,7 @@
 import { collect } from "../world.mjs";
 
 export default {
-  "the action of the tutorial gives the series by operation": async ({ library, connect }) => {
+  "tutorial action returns the sequence by operation": async ({ library, connect }) => {
     const client = new library.Action({
       ros: await connect(),
       name: "/fibonacci",

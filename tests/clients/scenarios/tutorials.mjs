@@ -3,13 +3,13 @@
 import { call, collect } from "../world.mjs";
 
 export default {
-  "the service of the tutorial adds two ints": async ({ library, connect }) => {
+  "tutorial service adds two ints": async ({ library, connect }) => {
     const serviceType = "rospy_tutorials/AddTwoInts";
     const name = "/add_two_ints";
     return call(new library.Service({ ros: await connect(), name, serviceType }), { a: 1, b: 2 });
   },
 
-  "the action of the tutorial gives the series and can be cancelled": async (world) => {
+  "tutorial action returns the sequence and can be cancelled": async (world) => {
     const { library, connect } = world;
     const actionClient = new library.ActionClient({
       ros: await connect(),

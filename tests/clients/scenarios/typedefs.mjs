@@ -3,7 +3,7 @@
 import { answer } from "../world.mjs";
 
 export default {
-  "a message type is decoded into a tree": async ({ connect }) => {
+  "message type is decoded into a tree": async ({ connect }) => {
     const ros = await connect();
     const typedefs = await answer((done, failed) =>
       ros.getMessageDetails("geometry_msgs/PoseStamped", done, failed),
@@ -11,7 +11,7 @@ export default {
     return ros.decodeTypeDefs(typedefs);
   },
 
-  "a message type with arrays of messages is decoded into a tree": async ({ connect }) => {
+  "message type with arrays of messages is decoded into a tree": async ({ connect }) => {
     const ros = await connect();
     const typedefs = await answer((done, failed) =>
       ros.getMessageDetails("actionlib_msgs/GoalStatusArray", done, failed),
