@@ -85,7 +85,7 @@ class Goal(ABC):
             elif end is not None and time.monotonic() >= end:
                 return
             elif self._deadline() is not None:
-                yield End(GoalStatus.LOST, f"nothing was heard of it for {LOST_AFTER:g} s", None)
+                yield End(GoalStatus.LOST, f"no message about the goal for {LOST_AFTER:g} s", None)
                 return
 
     @abstractmethod

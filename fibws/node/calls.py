@@ -106,7 +106,7 @@ class Calls(OperationHandler):
             raise WaitTimeout(f"timeout exceeded while waiting for service {name}") from None
 
     def receive(self, reply: Reply) -> bool:
-        """Handle a response; it may come late, when nobody waits for it any more."""
+        """Handle a response; it may arrive after the call was given up."""
         if not isinstance(reply, ServiceResponse):
             return False
         if (call := self._waiting.get(str(reply.id))) is not None:

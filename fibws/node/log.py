@@ -59,7 +59,7 @@ class Console(logging.Handler):
         """Write the record's line and flush it.
 
         Raises:
-            BrokenPipeError: nobody reads the output any more (``| head``).
+            BrokenPipeError: the output is no longer read (``| head``).
         """
         try:
             stream = sys.stderr if record.levelno >= logging.WARNING else sys.stdout

@@ -348,7 +348,7 @@ class Node:
         Each call is handled in a task of its own, which the end of the service or of the node
         cancels. If the handler raises, the caller gets ``error processing request: ...``, the
         traceback is logged, and the service goes on. A BrokenPipeError ends the node, and its
-        `spin` raises it: nobody reads the program's output any more. If the hub refuses the
+        `spin` raises it: the program's output is no longer read. If the hub refuses the
         service, this is logged and `ServiceServer.spin` raises OperationRejected.
 
         Args:
@@ -497,7 +497,7 @@ class Node:
         pending calls (`wait_for_message`, `call`) raise NodeClosed.
 
         Raises:
-            Exception: what else ended the node, such as NodeReplaced.
+            Exception: the error that ended the node, such as NodeReplaced.
         """
         await self._session.ended()
 

@@ -56,7 +56,7 @@ class OutgoingQueue:
 
     The first frame of a turn of the event loop is written at once; those that follow in the same
     turn are written together at its end. With a hub the queue is bounded in bytes, and publishers
-    wait for `room`. Without one each lane keeps its newest messages, and nobody waits.
+    wait for `room`. Without one each lane keeps its newest messages, and publishers never wait.
 
     A frame is complete as it is put: it has a WebSocket header with the zero key
     (`protocol.websocket.client_header`).

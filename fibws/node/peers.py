@@ -14,7 +14,7 @@ class Peers:
     """The subscribers of a publisher's topic, or the publishers of a subscription's.
 
     The hub reports them only if ``peers=True`` was given to `Node.advertise` or `Node.subscribe`;
-    otherwise there are none, and no change ever comes.
+    otherwise the list stays empty and never changes.
     """
 
     def __init__(self) -> None:

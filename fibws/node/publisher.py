@@ -160,7 +160,7 @@ class Publisher(Generic[M, P]):
         return self._encode(fields, named, node)
 
     def encode_serialized(self, message: bytes, node: str | None = None) -> bytes:
-        """Return the frame of a message that is serialized already, which nobody checks here.
+        """Return the frame of a serialized message, without checking it.
 
         Args:
             message: ROS 1's serialization.

@@ -149,7 +149,7 @@ class ServiceServer(Generic[Req, Res]):
             values, result = await self._outcome(call)
             await self._session.outgoing.room()
         except BrokenPipeError as fault:
-            # Nobody reads what the program prints any more (``| head``): its node's `spin` ends it.
+            # The program's output is no longer read (``| head``): `spin` of its node raises this.
             self._session.end(fault)
         finally:
             # The caller waits for a response, unless the service or the connection has ended.

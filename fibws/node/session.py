@@ -324,7 +324,7 @@ class Session:
                 | ActionFeedback()
                 | ActionResult()
             ):
-                # It may come late, when nobody waits for it any more.
+                # It may arrive after the request was given up.
                 any(handler.receive(reply) for handler in self.handlers())
             case Status():
                 self._on_status(reply)

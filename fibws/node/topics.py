@@ -164,7 +164,7 @@ class Topics(OperationHandler):
                     yield latched, publisher.lane
 
     def receive(self, reply: Reply) -> bool:
-        """Handle an operation; it may come late, when its topic has no reader any more."""
+        """Handle an operation; it may arrive after its topic's last reader has left."""
         match reply:
             case Publish():
                 self._on_json(reply.topic, reply.msg, reply.header)

@@ -183,7 +183,7 @@ class ServiceType(Generic[Req, Res]):
         the only field's value.
 
         Raises:
-            InvalidMessage: it is none of these; the texts are rospy's (rospy.service).
+            InvalidMessage: it is of another type; the texts are rospy's (rospy.service).
         """
         if given is None:
             raise InvalidMessage("service handler returned None")

@@ -48,7 +48,7 @@ def test_goal_without_messages_is_lost(
     assert (result.exit_code, result.stdout) == (1, "")
     assert result.stderr.splitlines() == [
         "LOST",
-        "Error: /hand: LOST: nothing was heard of it for 0.1 s",
+        "Error: /hand: LOST: no message about the goal for 0.1 s",
     ]
 
 
@@ -173,5 +173,5 @@ def test_goal_in_the_queue_of_a_live_server_is_not_lost(monkeypatch: pytest.Monk
             return operation
 
     goal = goals.TopicGoal(SilentClient(), "/a", ROS1, {"order": 3})  # type: ignore[arg-type]
-    assert list(goal.updates()) == [goals.End(S.LOST, "nothing was heard of it for 5 s", None)]
+    assert list(goal.updates()) == [goals.End(S.LOST, "no message about the goal for 5 s", None)]
     assert waits == [5.0, 5.0]

@@ -1,4 +1,4 @@
-"""A hub that does what the test says, with sockets and without."""
+"""A scripted hub, and a session without a socket."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from fibws.protocol.websocket import TEXT, client_frame, client_payload
 
 
 def pytest_asyncio_loop_factories() -> dict[str, Callable[[], asyncio.AbstractEventLoop]]:
-    """Every test that has a loop runs on both."""
+    """Run every asynchronous test on both event loops."""
     return {"asyncio": asyncio.new_event_loop, "uvloop": uvloop.new_event_loop}
 
 
@@ -84,7 +84,7 @@ class Peer:
         return operation
 
     async def expect(self, op: str) -> dict[str, Any]:
-        """The next operation, which is this one; those of the node's log are skipped."""
+        """Return the next operation, which must be ``op``; skip those of the node's log."""
         async with asyncio.timeout(60):
             while True:
                 operation = await self.receive()
@@ -116,11 +116,11 @@ class Peer:
 
 
 class ScriptedHub:
-    """Listens on a port of its own, which it keeps when it is started again.
+    """A hub on a free port, which it keeps after a restart.
 
     Args:
-        serialized: whether it speaks `fibws.v1`.
-        tls: its certificate, if it speaks wss://.
+        serialized: whether it supports `fibws.v1`.
+        tls: its certificate for wss://.
     """
 
     def __init__(self, *, serialized: bool, tls: ssl.SSLContext | None = None) -> None:
@@ -180,7 +180,7 @@ class ScriptedHub:
 
 
 class Lines(logging.Handler):
-    """The lines of a node's log, to be waited for."""
+    """The lines of a node's log."""
 
     def __init__(self, log: logging.Logger) -> None:
         super().__init__()
@@ -191,7 +191,7 @@ class Lines(logging.Handler):
         self._lines.put_nowait(record.getMessage())
 
     def seen(self) -> list[str]:
-        """The lines so far that nobody has asked for yet."""
+        """Return the lines that were not returned yet."""
         return [self._lines.get_nowait() for _ in range(self._lines.qsize())]
 
     async def next(self) -> str:
@@ -208,7 +208,7 @@ async def hub(request: pytest.FixtureRequest) -> AsyncIterator[ScriptedHub]:
 
 
 class Frames:
-    """Takes the frames of a session, as a connection to a rosbridge_suite server does."""
+    """Receives the frames of a session like a connection to a rosbridge_suite server."""
 
     is_behind = False
 
@@ -226,7 +226,7 @@ class Frames:
 
 
 class FakeSession(Session):
-    """A session whose hub is there, and has no socket."""
+    """A connected session without a socket."""
 
     def __init__(self) -> None:
         super().__init__(logging.Logger("test"))
@@ -244,13 +244,13 @@ class FakeSession(Session):
         self.outgoing.release()
 
     def fill(self) -> None:
-        """Have so much wait for the socket that publishers wait, too."""
+        """Fill the queue until publishers wait."""
         self.outgoing.pause()
         filler = {"op": "filler", "text": "x" * LIMIT}
         self.outgoing.put(client_frame(TEXT, json.dumps(filler).encode()))
 
     def drain(self) -> None:
-        """Let the socket take all that waits."""
+        """Let the socket take all queued frames."""
         self.outgoing.resume()
 
 
@@ -272,7 +272,7 @@ def types() -> Types:
 
 
 def sent_operations(session: FakeSession) -> list[dict[str, Any]]:
-    """The operations that were sent since the last call."""
+    """Return the operations sent since the last call."""
     session.outgoing.release()
     session.outgoing.resume()
     operations = session.frames.operations
@@ -280,7 +280,7 @@ def sent_operations(session: FakeSession) -> list[dict[str, Any]]:
 
 
 async def next_operation(session: FakeSession) -> dict[str, Any]:
-    """The next operation to be sent, once there is one."""
+    """Wait for the next operation that is sent."""
     async with asyncio.timeout(60):
         return await session.frames.operations.get()
 
@@ -291,7 +291,7 @@ def deliver(session: Session, op: str, **fields: Any) -> None:
 
 
 def reconnected(session: FakeSession) -> list[dict[str, Any]]:
-    """What is sent first on a new connection."""
+    """Reconnect; return the operations sent first."""
     sent_operations(session)
     session.on_disconnect()
     session.reconnect()

@@ -38,7 +38,7 @@ def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 async def published(peer: Peer) -> list[int]:
-    """What the node published, up to a 99."""
+    """Return the published numbers up to 99."""
     numbers: list[int] = []
     while not numbers or numbers[-1] != 99:
         numbers.append((await peer.expect("publish"))["msg"]["data"])
@@ -241,7 +241,7 @@ async def test_publishing_waits_for_a_slow_hub(hub: ScriptedHub) -> None:
     async with fibws.Node("talker", hub=hub.url) as node:
         peer = await hub.peer()
         texts = await node.advertise("texts", String, queue_size=1)
-        # Nobody reads at the other end: the sockets' buffers fill up, and then the outbox.
+        # The other end does not read: the sockets' buffers fill up, then the outgoing queue.
         published = await _publish_until_it_waits(texts)
         waiting = asyncio.create_task(texts.publish("last"))
         await peer.expect("advertise")
@@ -304,7 +304,7 @@ async def _publish_until_it_waits(texts: fibws.Publisher[String]) -> int:
 
 @pytest.fixture
 async def stranger() -> AsyncIterator[str]:
-    """A server that is no hub, and speaks no HTTP."""
+    """A server that does not speak HTTP."""
 
     async def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         writer.write(b"220 mail.example.org ESMTP\r\n")
@@ -524,7 +524,7 @@ async def test_messages_go_over_tls(tls_hub: ScriptedHub) -> None:
         for size in (3, 500_000):
             await peer.send("publish", topic="/back", msg={"data": "x" * size})
             assert len((await anext(back)).data) == size
-        # What a slow hub does not read waits, and arrives.
+        # Messages wait for a slow hub and arrive later.
         texts = await node.advertise("texts", String)
         await peer.expect("advertise")
         publishing = asyncio.create_task(_publish(texts, 100))

@@ -1,4 +1,4 @@
-"""What a node is told of the graph, by a real hub."""
+"""`fibws.Node.graph` with a real hub."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ async def node(start_hub: StartHub) -> AsyncIterator[fibws.Node]:
         await talker.advertise("numbers", Int32)
         await talker.service("add", AddTwoInts, lambda request: request.a + request.b)
         node.subscribe("numbers", Int32)
-        # The hub has heard all that a node said before it answers it.
+        # The hub answers after processing everything that the node sent before.
         await talker.graph.nodes()
         yield node
 

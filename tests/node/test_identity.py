@@ -1,4 +1,4 @@
-"""Who a node is."""
+"""Names of nodes: namespaces, anonymous names, remapping."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A node, as a program uses it; the hub at the other end does what the test says."""
+"""`fibws.Node` with a scripted hub."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from fibws.msg.std_msgs import Float64, Int32, String
 
 from .conftest import ScriptedHub
 
-# Who it is
+# Name and address
 
 
 def test_node_has_a_name_and_resolves_others() -> None:

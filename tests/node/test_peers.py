@@ -1,4 +1,4 @@
-"""The nodes at the other side of a topic, as a program hears of them."""
+"""The nodes at the other side of a topic, as programs see them."""
 
 from __future__ import annotations
 

@@ -99,7 +99,7 @@ async def test_refused_log_is_not_sent(hub: ScriptedHub) -> None:
         await peer.send("status", level="error", id="advertise:/rosout:1", msg="no")
         await peer.send("publish", topic="/other", msg={"data": 1})
         await anext(other)
-        node.log.info("nobody hears this")
+        node.log.info("not published")
         await node.advertise("fibonacci", Int32)
         assert (await peer.expect("subscribe"))["topic"] == "/other"
         assert (await peer.expect("advertise"))["topic"] == "/fibonacci"
@@ -123,7 +123,7 @@ async def test_given_logger_is_used_unchanged(
             "test_given_logger_is_used_unchanged",
         )
         log.setLevel(logging.INFO)
-        log.debug("nobody hears this")
+        log.debug("not published")
         log.info("large")
         assert (await peer.logged())["msg"] == "large"
         assert log.handlers[0] is own and len(log.handlers) == 2

@@ -1,4 +1,4 @@
-"""What services ask and answer, between Python and the wire."""
+"""Requests and responses of services: conversion and validation."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The services of a node, as its hub hears of them: no socket."""
+"""The services of a node: registration and calls, without a socket."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a node exchanges with its hub, and which handler gets what: without a socket."""
+"""Sessions of a node: operations and their handlers, without a socket."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .conftest import FakeSession, Lines, deliver, reconnected, sent_operations
 
 
 class Recorder(OperationHandler):
-    """A handler of one topic, which notes what happens to it."""
+    """A handler of one topic, which records its calls."""
 
     def __init__(self, session: FakeSession, topic: str) -> None:
         self.topic = topic
@@ -234,7 +234,7 @@ async def test_messages_go_to_the_message_handler_first(
     session.receive_text(b'{"op":"publish","topic":"/c","msg":1,"header":{"callerid":"/talker"}}')
     session.receive_text(b'{"op":"publish","topic":"/a","msg":2}')
     assert received == [("/c", 1, {"callerid": "/talker"}), ("/a", 2, None)]
-    assert recorders[0].notes == [2], "nobody else wanted it"
+    assert recorders[0].notes == [2], "no other handler received it"
     for wrong in (
         b'"topic":5',
         b'"topic":"/a","header":{"callerid":5}',

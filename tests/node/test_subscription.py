@@ -30,7 +30,7 @@ def subscription(
 
 
 def message(number: int, *, serialized: bool = True) -> Any:
-    """What `Subscription.offer` takes: serialized, or JSON values."""
+    """The argument of `Subscription.offer`: serialized, or JSON values."""
     return memoryview(number.to_bytes(4, "little")) if serialized else {"data": number}
 
 

@@ -1,4 +1,4 @@
-"""A type checker knows what belongs together: an ignored error that is none is one."""
+"""Types as mypy checks them: a needless ``type: ignore`` is an error, too."""
 
 from __future__ import annotations
 

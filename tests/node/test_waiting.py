@@ -14,7 +14,7 @@ from .conftest import Peer, ScriptedHub
 
 
 async def answers(peer: Peer, type_: str, service: str = "/add") -> None:
-    """Say which type the service has that the node asks for."""
+    """Send the type of the service that the node requested."""
     call = await peer.expect("call_service")
     assert (call["service"], call["args"]) == ("/rosapi/service_type", {"service": service})
     await peer.send(

@@ -41,7 +41,7 @@ async def test_node_receives_messages_of_another(real_hub: Hub) -> None:
         speeds = ear.subscribe("speed", Twist)
         lines = ear.subscribe("/rosout", Log)
         publisher = await talker.advertise("speed", Twist)
-        # The hub knows of the subscription once it has answered for what came after it.
+        # The hub has the subscription when it answers a later operation.
         probe = await ear.advertise("speed", Twist)
         await probe.publish()
         assert await anext(speeds) == Twist()
@@ -421,7 +421,7 @@ async def test_definition_of_a_custom_service_reaches_the_hub(
         assert (await node.call("mow", "meadow/Mow", {"plot": {"rows": 7}})).hours == 14
 
 
-# What rosbridge does not have
+# Extensions of fibws to rosbridge
 
 
 async def test_header_of_a_message_names_its_publisher(real_hub: Hub) -> None:
@@ -521,7 +521,7 @@ async def test_peers_are_known_again_after_reconnection() -> None:
             await hub.close()
             assert await anext(changes) == []
             async with asyncio.timeout(60), Hub(Settings(port=port)):
-                # That nobody subscribes until the node does, too, is known already.
+                # Before the node subscribes, its publisher has no other subscribers.
                 assert await anext(changes) == ["/talker"]
         finally:
             await node.__aexit__(None, None, None)

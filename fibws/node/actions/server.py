@@ -145,7 +145,7 @@ class ActionServer(OperationHandler, Generic[G, R, F]):
 
     To stop before the node ends, call `close` or use ``async with``: goals that are being executed
     are aborted, and their tasks canceled. When the hub is lost, goals over topics continue, as in
-    ROS; goals over operations are asked to stop, because nobody can receive their results.
+    ROS; goals over operations are asked to stop, because their results cannot be delivered.
 
     Args:
         session: the node's session.
@@ -158,7 +158,7 @@ class ActionServer(OperationHandler, Generic[G, R, F]):
 
     Raises:
         TypeError: ``execute`` is not callable.
-        AlreadyOffered: the node has such a server of the action already.
+        AlreadyOffered: the node already has a server of this action.
     """
 
     def __init__(
@@ -267,7 +267,7 @@ class ActionServer(OperationHandler, Generic[G, R, F]):
             goal.request_cancel()
 
     def _refuse(self, error: NodeError) -> None:
-        """Close the server because the hub refused it; log that, in case nobody calls `spin`."""
+        """Close the server because the hub refused it; log that, as `spin` may not be called."""
         if not self._ended.is_set():
             self._session.log.error("The hub refused the action server %s: %s", self.name, error)
             self._close(error)

@@ -241,7 +241,7 @@ def _status(record: Record) -> dict[str, Any]:
 
 @dataclass(slots=True)
 class _Watchdog:
-    """Notices that nothing is heard of a goal any more."""
+    """Detects goals that the server no longer reports."""
 
     last_heard: float
     """When the goal last showed a sign of life, in seconds."""
@@ -254,7 +254,7 @@ class _Watchdog:
 class TopicActionClient(ActionClient[G, R, F]):
     """Publishes goals on ``<action>/goal``.
 
-    A goal is lost if nothing is heard of it for `LOST_AFTER` seconds: a server publishes the
+    A goal is lost if no message about it arrives for `LOST_AFTER` seconds: a server publishes the
     status of its goals about five times a second.
 
     Args:
@@ -336,7 +336,7 @@ class TopicActionClient(ActionClient[G, R, F]):
         if silence < LOST_AFTER:
             watchdog.timer = _later(LOST_AFTER - silence, self._check_silence, id_)
         else:
-            text = f"nothing was heard of it for {LOST_AFTER:g} s"
+            text = f"no message about the goal for {LOST_AFTER:g} s"
             self._fail(self._goals[id_], GoalStatus.LOST, text)
 
     # Called by the base class
