@@ -1,4 +1,4 @@
-"""A real hub on a free port, on both event loops where a test asks for it."""
+"""A real hub on a free port, on both event loops if a test requests it."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ except ImportError:
     UVLOOP = None
 
 SWEEP_INTERVAL = 0.02
-"""Seconds between two sweeps in tests, so that nobody waits for the second's end."""
+"""Seconds between two sweeps in tests, so that tests need not wait for a whole second."""
 SETTINGS: dict[str, Any] = {
     "port": 0,
     "close_timeout": 1.0,
@@ -70,7 +70,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 class Faults:
-    """What went wrong inside the hub where no client could see it."""
+    """Internal errors of the hub, which clients do not see."""
 
     def __init__(self) -> None:
         self.seen: list[str] = []
@@ -78,7 +78,7 @@ class Faults:
     def expect(self, text: str) -> None:
         """Take note of one fault that the test brought about on purpose."""
         found = [fault for fault in self.seen if text in fault]
-        assert found, f"no fault says {text!r}: {self.seen}"
+        assert found, f"no fault contains {text!r}: {self.seen}"
         self.seen.remove(found[0])
 
     def in_a_callback(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
@@ -112,7 +112,7 @@ async def faults() -> AsyncIterator[Faults]:
 
 @pytest.fixture(autouse=True)
 def patience(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A busy machine is no fault of the hub's: a pong may be late."""
+    """Allow late pongs, because the machine may be busy."""
     monkeypatch.setattr("fibws.hub.rosapi.rosnode.PATIENCE", 60.0)
 
 

@@ -58,7 +58,7 @@ def hub() -> Iterator[HubThread]:
 
 @pytest.fixture
 def run(hub: HubThread, monkeypatch: pytest.MonkeyPatch) -> Run:
-    """Run ``fibws`` with these words, at the hub; ``input`` is what it reads."""
+    """Run ``fibws`` with these arguments at the hub; ``input`` is its standard input."""
     monkeypatch.setenv("FIBWS_HUB", hub.url)
     monkeypatch.delenv("ROS_NAMESPACE", raising=False)
 

@@ -24,12 +24,12 @@ Serve = Callable[[fibws.Node], Awaitable[object]]
 
 
 class Peer:
-    """A node that serves until it is stopped, or ended by somebody."""
+    """A node that runs until it is stopped or ended by another node."""
 
     def __init__(self, url: str, name: str, serve: Serve) -> None:
         self.name = f"/{name}"
         self.fault: BaseException | None = None
-        """What ended it."""
+        """The error that ended it."""
         self._url = url
         self._serve = serve
         self._ready = threading.Event()
@@ -65,7 +65,7 @@ class Peer:
         node.log.disabled = True  # It would print among what the tool does.
         async with node:
             await self._serve(node)
-            await node.graph.nodes()  # The hub has heard of all by now.
+            await node.graph.nodes()  # The hub has all registrations now.
             self._ready.set()
             async for _ in node.subscribe("/never", "std_msgs/Empty"):
                 pass

@@ -46,7 +46,7 @@ class FakeTimer:
 
 
 class FakeClock:
-    """A clock and an event loop's turns, which advance when the test says so."""
+    """A clock and an event loop's turns, advanced by the test."""
 
     def __init__(self) -> None:
         self.late = 0.0

@@ -33,7 +33,7 @@ PATIENCE = 60
 
 
 class Program:
-    """A running hub and what it has printed."""
+    """A running hub and its output."""
 
     def __init__(self, process: subprocess.Popen[str]) -> None:
         self.process = process
@@ -51,7 +51,7 @@ class Program:
         return found[0]
 
     def end(self) -> tuple[int, str, str]:
-        """Its exit code and what else it printed, once it ends by itself."""
+        """Wait for the hub's end; return its exit code and remaining output."""
         out, err = self.process.communicate(timeout=PATIENCE)
         return self.process.returncode, out, err
 

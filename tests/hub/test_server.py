@@ -170,7 +170,7 @@ class TestDelivery:
         assert received.get("id") == (id_ if isinstance(id_, str | int | float) else None)
 
     async def test_message_is_sent_at_once(self, hub: Hub) -> None:
-        # R9: coalescing may not add delay at low load: each message is heard before the next goes.
+        # R9: coalescing must not add delay at low load: each message arrives before the next.
         async with connected(hub.port) as talker, connected(hub.port) as listener:
             await listener.subscribes("/t")
             await talker.advertises("/t")

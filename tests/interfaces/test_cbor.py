@@ -41,7 +41,7 @@ TAGS = {
 
 
 def expected(interfaces: Interfaces, type_: str, message: dict[str, Any]) -> dict[str, Any]:
-    """What a message is in CBOR."""
+    """Return a message encoded in CBOR."""
     fields = interfaces.message(type_).fields
     return {field.name: _expected(interfaces, field, message[field.name]) for field in fields}
 

@@ -44,7 +44,7 @@ class Keeper(ClientDefinitions):
         return definition or self.interfaces
 
     def drop(self, kind: Kind, name: str, client: str = "/client") -> bool:
-        """Release what was brought; return whether it is forgotten."""
+        """Release a definition; return whether it is forgotten."""
         definition = self.find(kind, name)
         return definition is not None and self.release(definition, (client, kind, name))
 

@@ -1,4 +1,4 @@
-"""The full text is genmsg's, and what is written in it can be read again."""
+"""Full texts of definitions: the same as genmsg's, and readable again."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The modules in fibws/msg, srv and action are what the generator writes, as it writes any."""
+"""The generator of the modules in fibws/msg, srv and action."""
 
 import os
 import subprocess

@@ -1,4 +1,4 @@
-"""JSON text is exact where a client asks for that."""
+"""Exact JSON, which clients can request."""
 
 from __future__ import annotations
 

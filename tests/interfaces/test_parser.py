@@ -1,4 +1,4 @@
-"""The parser reads what genmsg and rosidl read, and says where and why it does not."""
+"""The parser accepts what genmsg and rosidl accept, and reports errors with line and reason."""
 
 import pytest
 

@@ -29,7 +29,7 @@ def validate(name: str, msg: object) -> dict[str, Any]:
 
 
 def fault(name: str, msg: object) -> str:
-    """What is said of a message that is wrong."""
+    """Return the error text of an invalid message."""
     with pytest.raises(InvalidMessage) as caught:
         validate(name, msg)
     return str(caught.value)

@@ -1,4 +1,4 @@
-"""What fibws.msg, fibws.srv and fibws.action hold can be imported for the user's packages too."""
+"""Imports of the user's packages from fibws.msg, fibws.srv and fibws.action."""
 
 import importlib
 import py_compile
@@ -108,7 +108,7 @@ def test_unknown_package_is_an_import_error(kind: str) -> None:
 def test_package_without_services_has_no_srv_module(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    # What the standard package of its name has is not the user's.
+    # Types of the standard package of this name are not the user's.
     fibws.msg.add_folder(write(tmp_path, "std_srvs", "Mine", "int32 x"))
     monkeypatch.delitem(sys.modules, "fibws.srv.std_srvs", raising=False)
     with pytest.raises(ModuleNotFoundError, match="hold srv files of std_srvs"):

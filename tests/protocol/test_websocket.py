@@ -68,7 +68,7 @@ def frame(opcode: Opcode, data: bytes, masked: bool, *, fin: bool = True) -> byt
 
 
 class Parsed:
-    """A parser, and what came out of it; other bytes one behind another."""
+    """A parser with its output; other bytes are joined."""
 
     def __init__(self, masked: bool, *, max_size: int = 1000, turn: int = 1000) -> None:
         self.came: Came = []
@@ -97,7 +97,7 @@ def masked(request: pytest.FixtureRequest) -> bool:
 
 
 def mixed(masked: bool) -> tuple[bytes, Came]:
-    """Frames of all kinds, and what comes of them."""
+    """Frames of all kinds with the expected output."""
     ping = frame(Opcode.PING, b"are you there?", masked)
     first = frame(Opcode.TEXT, b"one ", masked, fin=False)
     rest = frame(Opcode.CONT, b"message", masked)

@@ -56,7 +56,7 @@ class Reader:
         self.sent += self.protocol.data_to_send()
 
     def receive(self, data: bytes) -> None:
-        """Take what the socket gave."""
+        """Process the bytes of one read."""
         self.feed(data)
 
     def fragmented(self, yes: bool) -> None:
@@ -119,7 +119,7 @@ class ParserReader(Reader):
         self.messages.append((Opcode.BINARY, bytes(payload)))
 
     def receive(self, data: bytes) -> None:
-        """Take what the socket gave, partly into the parser's own buffer."""
+        """Process the bytes of one read, partly in the parser's own buffer."""
         self.receive_within_turn(data)
         while self.parser.paused:
             self.parser.resume()

@@ -31,7 +31,7 @@ Transforms: TypeAlias = Sequence[TransformStamped]
 
 @pytest.fixture
 async def node(hub: Hub) -> AsyncIterator[fibws.Node]:
-    """A client of the republisher, or whoever else a test needs."""
+    """A node for clients of the republisher."""
     async with fibws.Node("client", hub=hub.url) as node:
         yield node
 
@@ -77,7 +77,7 @@ def places(transforms: Transforms) -> list[Place]:
 
 @pytest.fixture
 def line(node: fibws.Node) -> Callable[[str], Awaitable[Log]]:
-    """Waits for the next line on /rosout that says something."""
+    """Waits for the next line on /rosout with a text."""
     lines = node.subscribe("/rosout", Log, queue_size=1000)
 
     async def line(text: str) -> Log:

@@ -1,4 +1,4 @@
-"""All transforms together, as tf2's BufferCore keeps and tells them."""
+"""The transform buffer, which works like tf2's BufferCore."""
 
 from __future__ import annotations
 

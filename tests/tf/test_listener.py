@@ -1,4 +1,4 @@
-"""What fills a buffer."""
+"""The listener, which fills a buffer from /tf and /tf_static."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ Line: TypeAlias = Callable[[str], Awaitable[Log]]
 
 @dataclass(frozen=True)
 class Way:
-    """How goals travel, and what they end as when they are canceled."""
+    """The transport of goals, and the status of canceled ones."""
 
     over: Literal["topics", "operations"]
     action: type[Action[Any, Any, Any]]
@@ -95,14 +95,14 @@ async def next_places(messages: AsyncIterator[Any]) -> list[Place]:
 
 
 async def end(goal: ClientGoal) -> fibws.GoalStatus:
-    """What became of a goal."""
+    """Wait for the end of a goal; return its status."""
     with suppress(fibws.ActionError):
         await goal.result(timeout=PATIENCE)
     return goal.status
 
 
 async def fault(goal: ClientGoal) -> str:
-    """Why a goal was not reached."""
+    """Wait for the failure of a goal; return its text."""
     with pytest.raises(fibws.ActionError) as caught:
         await goal.result(timeout=PATIENCE)
     return str(caught.value)
@@ -139,7 +139,7 @@ async def test_only_changes_above_the_threshold_are_published(
         await publish(("base", "map", 1 + 0.009 * (x % 2)), ("arm", "map", x))
         while ("arm", "map", x) not in (received := await next_places(arrays)):
             pass
-        if len(received) == 1:  # The republisher may learn late that somebody listens.
+        if len(received) == 1:  # The republisher may learn of the subscriber late.
             break
 
 

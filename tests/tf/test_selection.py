@@ -1,4 +1,4 @@
-"""What one client of tf2_web_republisher is told."""
+"""The transforms that one client of tf2_web_republisher receives."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The program that says where a frame is that does not move."""
+"""The program static_transform_publisher."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The program that tells web pages where frames are."""
+"""The program tf2_web_republisher, which sends transforms to web pages."""
 
 from __future__ import annotations
 
@@ -66,6 +66,6 @@ async def test_second_republisher_ends_the_first(hub: Hub, start: Start) -> None
         await node.wait_for_service("/republish_tfs")
     await start(REPUBLISHER, "--hub", hub.url)
     code, _, err = await first.end()
-    *warnings, last = err.splitlines()  # A status that was on its way may be said to be unsent.
+    *warnings, last = err.splitlines()  # The last warning may count an unsent status.
     assert (code, last) == (1, "Error: another node took the name /tf2_web_republisher")
     assert all("Messages that were not sent" in warning for warning in warnings)

@@ -143,7 +143,7 @@ def test_zero_quaternion_cannot_be_normalized() -> None:
 
 
 def test_integers_are_accepted() -> None:
-    """Those who write a transform by hand leave the points out."""
+    """Handwritten transforms often omit the decimal points."""
     quarter = Transform((1, 2, 3), (0, 0, 1, 0))
     assert quarter.angle(Transform()) == pytest.approx(math.pi)
     assert quarter.interpolated(Transform(), 0.5).translation == (0.5, 1.0, 1.5)

@@ -29,7 +29,7 @@ from ..raw_client import connected, publish, until
 
 
 class FakeWorkers:
-    """Threads that work when the test says so."""
+    """Threads that run when the test calls them."""
 
     def __init__(self) -> None:
         self.jobs: deque[tuple[Callable[[], object], Callable[[], object]]] = deque()

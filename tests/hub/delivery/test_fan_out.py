@@ -18,7 +18,7 @@ from ..fakes import INT32, Client, FakeClock, FakeHub, number
 
 
 class Subscriber:
-    """A `Member` of a group; records what is written to its client's socket."""
+    """A `Member` of a group; records the writes to its client's socket."""
 
     def __init__(self, group: Group, *, period: float = 0, queue_length: int = 0) -> None:
         self.writes: list[Bytes] = []

@@ -28,7 +28,7 @@ from ..fakes import FakeClock
 
 
 class FakeClient:
-    """A client with a send queue; records what is written to its socket."""
+    """A client with a send queue; records the writes to its socket."""
 
     def __init__(self, clock: FakeClock, flusher: Flusher, *, max_bytes: int = 1000) -> None:
         self.clock = clock
@@ -51,7 +51,7 @@ class FakeClient:
         self.breaks += 1
 
     def turn(self) -> list[Bytes]:
-        """End the loop's turn; return what was written since the last one."""
+        """End the loop's turn; return the bytes written since the last one."""
         self.clock.turn()
         writes, self.writes = self.writes, []
         return writes

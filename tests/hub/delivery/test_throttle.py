@@ -325,7 +325,7 @@ def test_the_oldest_frame_is_dropped_for_those_who_wait_for_it_if_no_client_has_
 
 
 class Single:
-    """What a throttle with one member does, as simply as possible."""
+    """A simple model of a throttle with one member."""
 
     def __init__(self, throttling: Throttling) -> None:
         self.throttling = throttling
@@ -354,7 +354,7 @@ class Single:
 
 
 class Many:
-    """A group of throttled members, and what each of them should be sent."""
+    """A group of throttled members, and the frames that each should get."""
 
     def __init__(self, throttling: Throttling) -> None:
         self.throttling = throttling
@@ -382,7 +382,7 @@ class Many:
         return member
 
     def advance(self, seconds: float) -> None:
-        # In small steps, so that what timers send leaves at its time.
+        # Advance in small steps: frames of timers are sent on time.
         for _ in range(round(seconds / STEP)):
             self.clock.advance(STEP)
             self.clock.turn()

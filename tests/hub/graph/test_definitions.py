@@ -1,4 +1,4 @@
-"""Definitions that clients bring: known while somebody uses them, then forgotten."""
+"""Definitions that clients bring: known while in use, then forgotten."""
 
 from __future__ import annotations
 

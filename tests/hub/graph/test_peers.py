@@ -37,7 +37,7 @@ class Topic:
 
 
 class Watcher:
-    """Records what it reads: lists of all nodes, or the nodes removed and those added."""
+    """Records its input: lists of all nodes, or the nodes removed and added."""
 
     def __init__(self, peers: PeerWatch, *, paused: bool = False) -> None:
         self.paused = paused
@@ -70,7 +70,7 @@ class Watcher:
         assert self.nodes == set(nodes)
 
     def read(self) -> list[object]:
-        """Return what it heard since the last time."""
+        """Return the reports since the last call."""
         self.report()
         received, self.received = self.received, []
         return received

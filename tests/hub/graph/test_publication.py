@@ -1,4 +1,4 @@
-"""Publications: one message in the form in which it arrived and in every form asked for."""
+"""Publications: one message in its original form and in all requested forms."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The services and actions of the graph, and who serves them."""
+"""The services and actions of the graph, and their servers."""
 
 from __future__ import annotations
 

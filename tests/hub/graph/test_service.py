@@ -28,7 +28,7 @@ Event: TypeAlias = Callable[["Caller"], object]
 
 
 class SlowServer:
-    """A service server that responds only when the test says so."""
+    """A service server that responds when the test calls it."""
 
     node = "/server"
 

@@ -341,7 +341,7 @@ def test_md5sum_of_an_unknown_type_is_not_checked() -> None:
 
 @pytest.mark.parametrize("fields", [{"timeout": "soon"}, {"fragment_size": []}])
 def test_malformed_call_gets_a_response(fields: dict[str, Any]) -> None:
-    """Its caller waits by the id, whatever was wrong."""
+    """The caller waits for a response with its id, whatever the error."""
     client = FakeHub().client()
     client.send("call_service", service="/add", id="x", **fields)
     status, response = client.receive()

@@ -25,7 +25,7 @@ class Refuser:
 
 
 def operation(op: str, **fields: Any) -> Provoke:
-    """Return what sends an operation."""
+    """Return a function that sends an operation."""
     return lambda hub, client: client.send(op, **fields)
 
 
@@ -37,7 +37,7 @@ def goal(action: str = "/fib", **fields: Any) -> dict[str, Any]:
     return {"action": action, "action_type": FIBONACCI, "args": {"order": 3}, "id": "g", **fields}
 
 
-# What a status says.
+# Statuses
 
 
 def other_type(hub: FakeHub, client: Client) -> None:
@@ -127,7 +127,7 @@ def test_warnings_and_infos_have_no_code(serialized: bool) -> None:
     assert not any("code" in each for each in statuses)
 
 
-# What a service_response says.
+# Service responses
 
 
 def add_server(hub: FakeHub) -> Client:
@@ -137,7 +137,7 @@ def add_server(hub: FakeHub) -> Client:
 
 
 def called(react: Callable[[Client, str], None]) -> Provoke:
-    """Return what calls a service whose server reacts like this to the call of an id."""
+    """Return a function that calls a service whose server reacts with ``react``."""
 
     def provoke(hub: FakeHub, client: Client) -> None:
         server = add_server(hub)
@@ -245,7 +245,7 @@ def test_malformed_call_has_a_code_in_its_status_and_in_its_response() -> None:
     assert status["code"] == response["code"] == "invalid_operation"
 
 
-# What an action_result says.
+# Action results
 
 
 def action_server(hub: FakeHub) -> Client:
@@ -255,7 +255,7 @@ def action_server(hub: FakeHub) -> Client:
 
 
 def sent(react: Callable[[Client, str], None]) -> Provoke:
-    """Return what sends a goal to a server that reacts like this to the goal of an id."""
+    """Return a function that sends a goal to a server that reacts with ``react``."""
 
     def provoke(hub: FakeHub, client: Client) -> None:
         server = action_server(hub)

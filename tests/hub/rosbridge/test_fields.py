@@ -45,7 +45,7 @@ class Company:
     def errors(self) -> list[str]:
         """Return the errors that the client of the invalid operation got.
 
-        As its own provider it may be told once by a status and once by the answer to its call.
+        As its own server it may get the error in a status and in the response to its call.
         """
         received = [each for each in self.client.receive() if _is_fault(each)]
         assert len({each["op"] for each in received}) == len(received)

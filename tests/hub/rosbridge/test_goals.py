@@ -304,7 +304,7 @@ def test_goal_may_be_cancelled_more_than_once(times: int) -> None:
 
 
 def test_malformed_goal_gets_a_result() -> None:
-    """Its client waits by the id, whatever was wrong."""
+    """The client waits for a result with its id, whatever the error."""
     client = FakeHub().client()
     client.send("send_action_goal", action="/fib", action_type=5, id="x")
     status, result = client.receive()

@@ -1,4 +1,4 @@
-"""Texts of many values: what they may cost the hub."""
+"""Limits on texts with many values."""
 
 from __future__ import annotations
 

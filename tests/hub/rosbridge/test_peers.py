@@ -1,4 +1,4 @@
-"""Clients that ask who is at the other side of a topic."""
+"""Clients that watch the nodes at the other side of a topic."""
 
 from __future__ import annotations
 
@@ -206,7 +206,7 @@ def test_requests_end_by_their_ids(op: str, other: str) -> None:
     client.send(op, "/a", type=INT32, id=4)
     client.receive()
     client.send(f"un{op}", "/a", id=1)
-    client.send(op, "/a", type=INT32, id=3)  # which asks no more
+    client.send(op, "/a", type=INT32, id=3)  # without peers
     connect_node(hub, other, "/b")
     assert [each["id"] for each in client.receive()] == [2]
     client.send(f"un{op}", "/a")
@@ -350,4 +350,4 @@ def test_number_of_peers_requests_is_limited(op: str) -> None:
     assert f"limit {MOST_REQUESTS}" in refused["msg"]
     client.send(op, "/a", type=INT32, id=3, peers=True)
     client.send(op, "/a", type=INT32, id="does not ask")
-    assert received_peers(client) == [[]], "the same one may ask again, others need not ask"
+    assert received_peers(client) == [[]], "the limit does not count a renewed or unwatched request"

@@ -1,4 +1,4 @@
-"""Sessions that are asked for odd things, or fail."""
+"""Sessions with odd requests and failures."""
 
 from __future__ import annotations
 

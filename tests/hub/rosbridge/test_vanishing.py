@@ -60,8 +60,8 @@ DISTURBANCES: dict[str, Step] = {
     "the rival leaves": lambda pair: pair.group.disconnect(pair.rival),
     "the rival answers": lambda pair: pair.answer(pair.rival),
     "time passes": lambda pair: pair.group.advance(61),
-    "nobody reads": Pair.pause,
-    "all read": Pair.resume,
+    "clients stop reading": Pair.pause,
+    "clients resume reading": Pair.resume,
 }
 SERVICE: dict[str, Step] = {
     "provide": lambda pair: pair.group.advertise_service(pair.answerer, "/s"),

@@ -203,7 +203,7 @@ class TestLogging:
     async def test_control_characters_of_clients_are_escaped_in_the_log(
         self, hub: Hub, caplog: pytest.LogCaptureFixture, fields: dict[str, Any]
     ) -> None:
-        """It can add neither lines, nor terminal escape codes, nor megabytes."""
+        """Clients cannot add lines, terminal escape codes or megabytes."""
         bad = "\n\x1b[2J" + "x" * 5000
         fields = {
             name: value.replace("{}", bad) if isinstance(value, str) else value

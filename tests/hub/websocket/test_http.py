@@ -29,7 +29,7 @@ def ask(
 
 
 def requests(files: dict[str, bytes], **settings: Any) -> HttpRequests:
-    """Return what responds on the hub's port: these files, and /healthz."""
+    """Return the HTTP handler of the hub's port: these files, and /healthz."""
     http = HttpRequests(Settings(**settings), files, reserved=["/rosapi"])
     http.add("/healthz", lambda: b'{"status":"ok","clients":2}', "application/json")
     return http

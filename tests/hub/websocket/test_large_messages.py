@@ -211,7 +211,7 @@ async def test_nothing_is_left_of_a_client_that_has_left(hub: Hub, how: str) -> 
                     connection.close(KILLED)
                 del connection
         await until(lambda: not hub._connections)
-        # What this iteration of the loop still holds is released in the next ones.
+        # Objects still held by this iteration of the loop are released in the next ones.
         await until(lambda: connections() == before)
     finally:
         gc.enable()
@@ -288,7 +288,7 @@ async def test_pings_are_answered_between_large_messages(hub: Hub) -> None:
 
 
 async def test_announced_length_allocates_little_before_the_bytes_come(hub: Hub) -> None:
-    # R6: never allocate what is only announced.
+    # R6: never allocate memory for an announced length.
     async with connected(hub.port) as client:
         (connection,) = hub._connections
         gc.collect()

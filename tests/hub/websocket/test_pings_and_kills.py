@@ -43,7 +43,7 @@ async def receive_values(client: Client) -> dict[str, Any]:
 
 
 async def call_rosapi(websocket: ClientConnection, service: str, node: str) -> dict[str, Any]:
-    """Return what a plain client of the websockets library gets."""
+    """Call a service of rosapi with a plain client of the websockets library."""
     fields = {"op": "call_service", "service": f"/rosapi/{service}", "args": {"node": node}}
     await websocket.send(json.dumps(fields))
     values: dict[str, Any] = json.loads(await websocket.recv())["values"]

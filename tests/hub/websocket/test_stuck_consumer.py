@@ -248,7 +248,7 @@ class TestStuckConsumer:
             stuck.reset()
 
     async def test_a_slow_reader_gets_fresh_messages(self, start_hub: StartHub) -> None:
-        """It reads a tenth of what is offered; at 10 MB/s that is two seconds old at most."""
+        """A client reading a tenth of the messages gets them at most two seconds old at 10 MB/s."""
         hub = await start_hub()
         size, at_once, rounds = 10_000, 100, 40
         filler = "x" * size
