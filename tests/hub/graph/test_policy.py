@@ -142,14 +142,14 @@ def test_a_client_that_may_not_provide_a_service_cannot_respond_for_its_server(
     fields: dict[str, Any],
 ) -> None:
     hub = FakeHub(policy=Forbid(("/guest", "provide", "/add")))
-    provider, caller = service_clients.adder(hub), hub.client()
+    service_server, caller = service_clients.adder(hub), hub.client()
     guest = hub.client("/guest")
     service_clients.call_add(caller)
-    asked = service_clients.received_call(provider)
+    asked = service_clients.received_call(service_server)
     guest.send("service_response", service="/add", id=asked, **fields)
     assert len(guest.receive_statuses()) == 1
     assert caller.receive() == []
-    service_clients.respond(provider, asked)
+    service_clients.respond(service_server, asked)
     assert service_clients.received_sums(caller) == [3]
 
 

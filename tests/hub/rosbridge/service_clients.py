@@ -28,23 +28,23 @@ def call_add(
     client.send("call_service", service=service, args={"a": a, "b": b}, **fields)
 
 
-def received_calls(provider: Client) -> list[str]:
+def received_calls(server: Client) -> list[str]:
     """Return the ids of the calls that a server received; nothing else may have come."""
-    received = provider.receive()
+    received = server.receive()
     assert all(each["op"] == "call_service" for each in received), received
     return [each["id"] for each in received]
 
 
-def received_call(provider: Client) -> str:
+def received_call(server: Client) -> str:
     """Return the id of the one call that a server received."""
-    [id_] = received_calls(provider)
+    [id_] = received_calls(server)
     return id_
 
 
-def respond(provider: Client, id_: str, total: int = 3, service: str = "/add") -> None:
+def respond(server: Client, id_: str, total: int = 3, service: str = "/add") -> None:
     """Respond to a call."""
     values = {"sum": total}
-    provider.send("service_response", service=service, id=id_, values=values, result=True)
+    server.send("service_response", service=service, id=id_, values=values, result=True)
 
 
 def received_sums(client: Client) -> list[int]:

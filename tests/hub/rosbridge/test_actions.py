@@ -88,16 +88,18 @@ def test_action_of_an_unknown_package_gives_a_warning() -> None:
 
 def test_server_may_bring_the_definition() -> None:
     hub = FakeHub(strict_types=True)
-    pursuer, client = hub.client(), hub.client()
+    action_server, client = hub.client(), hub.client()
     definition = "int8 goal\n---\nint8 result\n---\nint8 feedback\n"
-    pursuer.send("advertise_action", action="/do", type="my_actions/Do", definition=definition)
+    action_server.send(
+        "advertise_action", action="/do", type="my_actions/Do", definition=definition
+    )
     send_goal(client, action="/do", action_type="my_actions/Do", args={"goal": 5}, feedback=True)
-    sent = received_goal(pursuer)
-    pursuer.send("action_feedback", action="/do", id=sent, values={"feedback": 500})
-    assert "500 is not in -128..127" in pursuer.receive_statuses()[0]
-    pursuer.send("action_feedback", action="/do", id=sent)
+    sent = received_goal(action_server)
+    action_server.send("action_feedback", action="/do", id=sent, values={"feedback": 500})
+    assert "500 is not in -128..127" in action_server.receive_statuses()[0]
+    action_server.send("action_feedback", action="/do", id=sent)
     assert client.receive_one("action_feedback")["values"] == {"feedback": 0}
-    pursuer.send("action_result", action="/do", id=sent, result=True)
+    action_server.send("action_result", action="/do", id=sent, result=True)
     assert received_result(client) == (4, True, {"result": 0})
 
 
@@ -139,15 +141,15 @@ def test_older_server_cannot_remove_the_newer(end: str) -> None:
 
 
 def test_client_may_serve_its_action_again_under_another_spelling() -> None:
-    _, pursuer, client = server_and_client()
+    _, action_server, client = server_and_client()
     send_goal(client, id="before")
-    before = received_goal(pursuer)
-    pursuer.send("advertise_action", action="fib", type=FIBONACCI)
+    before = received_goal(action_server)
+    action_server.send("advertise_action", action="fib", type=FIBONACCI)
     send_goal(client, id="after")
-    sent = pursuer.receive_one("send_action_goal")
+    sent = action_server.receive_one("send_action_goal")
     assert sent["action"] == "fib"
-    send_result(pursuer, before)
-    send_result(pursuer, sent["id"])
+    send_result(action_server, before)
+    send_result(action_server, sent["id"])
     assert [each["id"] for each in client.receive()] == ["before", "after"]
 
 
@@ -203,38 +205,38 @@ def received_ids(client: Client, op: str) -> set[Any]:
 
 @pytest.mark.parametrize("again", [False, True])
 def test_goals_are_aborted_when_the_action_is_unadvertised(again: bool) -> None:
-    hub, pursuer, client = server_and_client()
+    hub, action_server, client = server_and_client()
     send_goal(client, id="x")
     if again:
-        pursuer.send("advertise_action", action="/fib", type=FIBONACCI)
-    sent = received_goal(pursuer)
-    pursuer.send("unadvertise_action", action="fib")
+        action_server.send("advertise_action", action="/fib", type=FIBONACCI)
+    sent = received_goal(action_server)
+    action_server.send("unadvertise_action", action="fib")
     assert received_result(client) == (6, False, "Action /fib was unadvertised")
     assert not (hub.graph.actions or hub.graph.services)
     send_goal(client)
     assert received_result(client) == (6, False, "Action /fib does not exist")
-    send_result(pursuer, sent)
-    assert client.receive() == pursuer.receive() == []
+    send_result(action_server, sent)
+    assert client.receive() == action_server.receive() == []
 
 
 @pytest.mark.parametrize("action", ["/nope", "nope"])
 def test_unadvertising_an_unknown_action_is_harmless(action: str) -> None:
-    hub, pursuer, client = server_and_client()
-    pursuer.send("unadvertise_action", action=action)
+    hub, action_server, client = server_and_client()
+    action_server.send("unadvertise_action", action=action)
     client.send("unadvertise_action", action="/fib")
-    assert pursuer.receive() == client.receive() == []
+    assert action_server.receive() == client.receive() == []
     assert list(hub.graph.actions) == ["/fib"]
 
 
 @pytest.mark.parametrize("replaced", [False, True])
 def test_goals_are_aborted_when_the_server_leaves(replaced: bool) -> None:
-    hub, pursuer, client = server_and_client()
+    hub, action_server, client = server_and_client()
     for id_ in "ab":
         send_goal(client, id=id_)
     if replaced:
         hub.client("/server")
     else:
-        pursuer.disconnect()
+        action_server.disconnect()
     assert [(each["id"], each["status"], each["result"]) for each in client.receive()] == [
         (id_, 6, False) for id_ in "ab"
     ]
@@ -243,17 +245,17 @@ def test_goals_are_aborted_when_the_server_leaves(replaced: bool) -> None:
 
 
 def test_leaving_client_cancels_its_goals() -> None:
-    hub, pursuer, client = server_and_client()
+    hub, action_server, client = server_and_client()
     other = hub.client()
     send_goal(client, id="x", feedback=True)
     send_goal(other, id="x")
-    [sent, others] = received_goals(pursuer)
+    [sent, others] = received_goals(action_server)
     client.disconnect()
-    assert pursuer.receive() == [{"op": "cancel_action_goal", "id": sent, "action": "/fib"}]
-    send_feedback(pursuer, sent)
-    send_result(pursuer, sent, status=5)
-    assert pursuer.receive() == client.receive() == []
-    send_result(pursuer, others)
+    assert action_server.receive() == [{"op": "cancel_action_goal", "id": sent, "action": "/fib"}]
+    send_feedback(action_server, sent)
+    send_result(action_server, sent, status=5)
+    assert action_server.receive() == client.receive() == []
+    send_result(action_server, others)
     assert received_result(other) == (4, True, {"sequence": []})
 
 
@@ -273,35 +275,35 @@ def test_number_of_actions_of_a_client_is_limited() -> None:
 
 
 def test_goals_for_a_server_that_does_not_read_are_limited() -> None:
-    hub, pursuer, client = server_and_client(max_queued_bytes=2000)
-    pursuer.queue.pause()
+    hub, action_server, client = server_and_client(max_queued_bytes=2000)
+    action_server.queue.pause()
     for id_ in range(50):
         send_goal(client, id=id_)
     refused = [each["values"] for each in client.receive()]
     assert 0 < len(refused) < 50
     assert set(refused) == {"Action /fib is unavailable: /server reads too slowly"}
-    assert not pursuer.queue.overfull
+    assert not action_server.queue.overfull
     assert len(hub.graph.actions["/fib"].goals) == 50 - len(refused)
 
 
 def test_cancels_do_not_close_a_server_that_does_not_read() -> None:
-    _, pursuer, client = server_and_client(max_queued_bytes=2000)
+    _, action_server, client = server_and_client(max_queued_bytes=2000)
     send_goal(client, id="x")
-    received_goals(pursuer)
-    pursuer.queue.pause()
+    received_goals(action_server)
+    action_server.queue.pause()
     for _ in range(100):
         client.send("cancel_action_goal", action="/fib", id="x")
-    assert not pursuer.queue.overfull
+    assert not action_server.queue.overfull
 
 
 def test_feedback_does_not_close_a_client_that_does_not_read() -> None:
-    _, pursuer, client = server_and_client(max_queued_bytes=2000)
+    _, action_server, client = server_and_client(max_queued_bytes=2000)
     send_goal(client, id="x", feedback=True)
-    sent = received_goal(pursuer)
+    sent = received_goal(action_server)
     client.queue.pause()
     for number in range(100):
-        send_feedback(pursuer, sent, number)
-    send_result(pursuer, sent)
+        send_feedback(action_server, sent, number)
+    send_result(action_server, sent)
     assert not client.queue.overfull
     client.queue.resume()
     assert client.receive()[-1]["op"] == "action_result"

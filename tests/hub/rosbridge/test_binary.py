@@ -115,15 +115,17 @@ def test_byte_strings_are_accepted_for_uint8_arrays() -> None:
 
 
 def test_calls_and_goals_may_come_as_cbor_too() -> None:
-    _, provider, caller = adder_and_caller()
+    _, service_server, caller = adder_and_caller()
     send_cbor(caller, op="call_service", service="/add", args=[1, 2], id=b"", type="\xff")
     assert len(caller.receive_statuses()) == 1
     send_cbor(caller, op="call_service", service="/add", args=[1, 2], id="x", type="\xff")
-    id_ = received_call(provider)
+    id_ = received_call(service_server)
     values = {"sum": 3}
-    send_cbor(provider, op="service_response", service="/add", id=id_, values=values, result=True)
+    send_cbor(
+        service_server, op="service_response", service="/add", id=id_, values=values, result=True
+    )
     assert received_sums(caller) == [3]
-    _, pursuer, client = server_and_client()
+    _, action_server, client = server_and_client()
     send_cbor(
         client,
         op="send_action_goal",
@@ -131,7 +133,7 @@ def test_calls_and_goals_may_come_as_cbor_too() -> None:
         action_type="example_interfaces/Fibonacci",
         args={"order": 5},
     )
-    assert len(received_goals(pursuer)) == 1
+    assert len(received_goals(action_server)) == 1
 
 
 # Bytes where they have no place.
@@ -192,33 +194,33 @@ def as_json(value: object) -> object:
 @pytest.mark.parametrize("value", WRONG)
 def test_calls_and_goals_of_an_unknown_type_may_hold_bytes(value: object) -> None:
     hub = FakeHub()
-    provider, caller = hub.client(), hub.client()
-    provider.send("advertise_service", service="/do", type="my_srvs/Do")
-    provider.send("advertise_action", action="/do", type="my_actions/Do")
+    service_server, caller = hub.client(), hub.client()
+    service_server.send("advertise_service", service="/do", type="my_srvs/Do")
+    service_server.send("advertise_action", action="/do", type="my_actions/Do")
     asking = {"service": "/do", "action": "/do", "args": {"any": value}, "x": b"\xff"}
     send_cbor(caller, op="call_service", **asking)
     send_cbor(caller, op="send_action_goal", action_type="my_actions/Do", **asking)
     ops = {"call_service": "service_response", "send_action_goal": "action_result"}
-    asked = provider.receive()
+    asked = service_server.receive()
     assert [each["op"] for each in asked] == [*ops]
     answering = {"service": "/do", "action": "/do", "values": {"any": value}, "result": True}
     for each in asked:
         assert each["args"] == {"any": as_json(value)}
-        send_cbor(provider, op=ops[each["op"]], id=each["id"], x=b"\xff", **answering)
+        send_cbor(service_server, op=ops[each["op"]], id=each["id"], x=b"\xff", **answering)
     received = caller.receive()
     assert [each["op"] for each in received] == [*ops.values()]
     assert all(each["values"] == {"any": as_json(value)} for each in received)
-    assert provider.receive() == []
+    assert service_server.receive() == []
     assert caller.forgotten
 
 
 @pytest.mark.parametrize("value", WRONG)
 def test_bytes_in_a_failure_are_not_its_text(value: object) -> None:
-    _, provider, caller = adder_and_caller(strict_responses=True)
+    _, service_server, caller = adder_and_caller(strict_responses=True)
     call_add(caller)
-    id_ = received_call(provider)
+    id_ = received_call(service_server)
     send_cbor(
-        provider,
+        service_server,
         op="service_response",
         service="/add",
         id=id_,

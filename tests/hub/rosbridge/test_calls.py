@@ -24,13 +24,13 @@ from .service_clients import (
 
 
 def test_call_reaches_the_server_and_its_response_the_caller() -> None:
-    _, provider, caller = adder_and_caller()
+    _, server, caller = adder_and_caller()
     call_add(caller, 1, 2, id="x")
-    asked = provider.receive_one("call_service")
+    asked = server.receive_one("call_service")
     id_ = asked.pop("id")
     assert asked == {"op": "call_service", "service": "/add", "args": {"a": 1, "b": 2}}
     assert caller.receive() == []
-    respond(provider, id_, 3)
+    respond(server, id_, 3)
     assert caller.receive() == [
         {
             "op": "service_response",
@@ -40,7 +40,7 @@ def test_call_reaches_the_server_and_its_response_the_caller() -> None:
             "values": {"sum": 3},
         }
     ]
-    assert provider.receive() == []
+    assert server.receive() == []
 
 
 @pytest.mark.parametrize(
@@ -63,15 +63,15 @@ def test_call_reaches_the_server_and_its_response_the_caller() -> None:
 def test_arguments_are_an_object_or_a_list_with_defaults_for_the_rest(
     args: object, request_: dict[str, int]
 ) -> None:
-    _, provider, caller = adder_and_caller()
+    _, server, caller = adder_and_caller()
     caller.send("call_service", service="/add", args=args)
-    assert provider.receive_one("call_service")["args"] == request_
+    assert server.receive_one("call_service")["args"] == request_
 
 
 def test_arguments_may_be_left_out() -> None:
-    _, provider, caller = adder_and_caller()
+    _, server, caller = adder_and_caller()
     caller.send_text('{"op":"call_service","service":"/add"}')
-    assert provider.receive_one("call_service")["args"] == {"a": 0, "b": 0}
+    assert server.receive_one("call_service")["args"] == {"a": 0, "b": 0}
 
 
 @pytest.mark.parametrize(
@@ -87,29 +87,29 @@ def test_arguments_may_be_left_out() -> None:
     ],
 )
 def test_invalid_arguments_fail_the_call_before_the_server(args: object, fault: str) -> None:
-    _, provider, caller = adder_and_caller()
+    _, server, caller = adder_and_caller()
     caller.send("call_service", service="/add", args=args)
     assert fault in received_failure(caller)
-    assert provider.receive() == []
+    assert server.receive() == []
     assert caller.forgotten
 
 
 @pytest.mark.parametrize("id_", ["call_service:/add:1", "", "5", 5, 0, -1, 1.5, 2**70, True, False])
 @pytest.mark.parametrize("service", ["/add", "/nope"])
 def test_response_carries_the_id_as_it_was_sent(id_: object, service: str) -> None:
-    _, provider, caller = adder_and_caller()
+    _, server, caller = adder_and_caller()
     call_add(caller, service=service, id=id_)
-    for asked in received_calls(provider):
-        respond(provider, asked)
+    for asked in received_calls(server):
+        respond(server, asked)
     response = caller.receive_one("service_response")
     assert (response["id"], type(response["id"])) == (id_, type(id_))
 
 
 @pytest.mark.parametrize("fields", [{}, {"id": None}])
 def test_call_without_an_id_has_a_response_without_one(fields: dict[str, Any]) -> None:
-    _, provider, caller = adder_and_caller()
+    _, server, caller = adder_and_caller()
     call_add(caller, **fields)
-    respond(provider, received_call(provider))
+    respond(server, received_call(server))
     assert "id" not in caller.receive_one("service_response")
 
 
@@ -127,11 +127,11 @@ def test_call_without_an_id_has_a_response_without_one(fields: dict[str, Any]) -
 def test_id_may_follow_the_service_name(
     spelling: str, fields: dict[str, Any], id_: str | int
 ) -> None:
-    _, provider, caller = adder_and_caller()
+    _, server, caller = adder_and_caller()
     call_add(caller, service=spelling, **fields)
-    asked = provider.receive_one("call_service")
+    asked = server.receive_one("call_service")
     assert asked["service"] == "/add"
-    respond(provider, asked["id"])
+    respond(server, asked["id"])
     response = caller.receive_one("service_response")
     assert (response["id"], response["service"], response["result"]) == (id_, spelling, True)
 
@@ -148,19 +148,19 @@ def test_id_may_follow_the_service_name(
 )
 def test_each_client_keeps_its_spelling_of_a_service(advertised: str, called: str) -> None:
     hub = FakeHub()
-    provider, caller = adder(hub, service=advertised), hub.client("/caller")
+    server, caller = adder(hub, service=advertised), hub.client("/caller")
     call_add(caller, service=called)
-    asked = provider.receive_one("call_service")
+    asked = server.receive_one("call_service")
     assert asked["service"] == advertised
     assert asked["id"].startswith(f"service_request:{advertised}:")
-    respond(provider, asked["id"], service=advertised)
+    respond(server, asked["id"], service=advertised)
     assert caller.receive_one("service_response")["service"] == called
 
 
 def test_unneeded_fields_of_a_call_are_ignored() -> None:
-    _, provider, caller = adder_and_caller()
+    _, server, caller = adder_and_caller()
     call_add(caller, type="nonsense", compression="png", topic=5)
-    assert len(received_calls(provider)) == 1
+    assert len(received_calls(server)) == 1
 
 
 @pytest.mark.parametrize(
@@ -202,15 +202,15 @@ def test_client_may_call_its_own_service() -> None:
 
 
 def test_calls_may_be_answered_in_any_order() -> None:
-    hub, provider, caller = adder_and_caller()
+    hub, server, caller = adder_and_caller()
     other = hub.client("/other")
     for number in range(3):
         call_add(caller, number, id=number)
         call_add(other, number, id=number)
-    ids = received_calls(provider)
+    ids = received_calls(server)
     assert len(set(ids)) == 6
     for number in (5, 0, 3, 2, 1, 4):
-        respond(provider, ids[number], number)
+        respond(server, ids[number], number)
     assert [(each["id"], each["values"]["sum"]) for each in caller.receive()] == [
         (0, 0),
         (1, 2),
@@ -224,37 +224,37 @@ def test_calls_may_be_answered_in_any_order() -> None:
 
 
 def test_calls_with_the_same_id_get_a_response_each() -> None:
-    _, provider, caller = adder_and_caller()
+    _, server, caller = adder_and_caller()
     for number in range(2):
         call_add(caller, number, id="same")
-    for id_, total in zip(received_calls(provider), (7, 8), strict=True):
-        respond(provider, id_, total)
+    for id_, total in zip(received_calls(server), (7, 8), strict=True):
+        respond(server, id_, total)
     assert received_sums(caller) == [7, 8]
 
 
 def test_number_of_calls_of_a_client_is_limited() -> None:
-    _, provider, caller = adder_and_caller(max_calls=2)
+    _, server, caller = adder_and_caller(max_calls=2)
     for id_ in "abc":
         call_add(caller, id=id_)
     [refused] = caller.receive()
     assert (refused["id"], refused["result"]) == ("c", False)
     assert "limit 2" in refused["values"]
     assert "--max-calls" in refused["values"]
-    first, _ = received_calls(provider)
-    respond(provider, first)
+    first, _ = received_calls(server)
+    respond(server, first)
     call_add(caller, id="d")
     assert received_sums(caller) == [3]
 
 
 def test_long_response_is_fragmented_on_request() -> None:
     hub = FakeHub()
-    provider, caller = hub.client(), hub.client()
-    provider.send("advertise_service", service="/x", type="my_srvs/Text")
+    server, caller = hub.client(), hub.client()
+    server.send("advertise_service", service="/x", type="my_srvs/Text")
     caller.send("call_service", service="/x", id="long", fragment_size=50)
     caller.send("call_service", service="/x", id="long", fragment_size=50)
     values = {"text": "\N{ROBOT FACE} says \n" * 20}
-    for id_ in received_calls(provider):
-        provider.send("service_response", service="/x", id=id_, values=values, result=True)
+    for id_ in received_calls(server):
+        server.send("service_response", service="/x", id=id_, values=values, result=True)
     fragments = caller.receive()
     whole = whole_texts(fragments)
     assert [json.loads(text)["values"] for text in whole] == [values, values]
@@ -281,35 +281,35 @@ def test_long_failure_is_fragmented_on_request() -> None:
 
 def unchecked() -> tuple[Client, Client]:
     hub = FakeHub()
-    provider, caller = hub.client(), hub.client()
-    provider.send("advertise_service", service="/do", type="my_srvs/srv/Do")
-    return provider, caller
+    server, caller = hub.client(), hub.client()
+    server.send("advertise_service", service="/do", type="my_srvs/srv/Do")
+    return server, caller
 
 
 def test_call_of_an_unknown_type_is_relayed_unchecked() -> None:
-    provider, caller = unchecked()
+    server, caller = unchecked()
     args, values = {"any": ["thing", None]}, {"other": {"thing": 2**60}}
     caller.send("call_service", service="/do", args=args)
-    asked = provider.receive_one("call_service")
+    asked = server.receive_one("call_service")
     assert asked["args"] == args
-    provider.send("service_response", service="/do", id=asked["id"], values=values, result=True)
+    server.send("service_response", service="/do", id=asked["id"], values=values, result=True)
     assert caller.receive_one("service_response")["values"] == values
 
 
 @pytest.mark.parametrize("args", [None, "text", 5])
 def test_call_of_an_unknown_type_needs_no_arguments(args: object) -> None:
-    provider, caller = unchecked()
+    server, caller = unchecked()
     caller.send("call_service", service="/do", args=args)
-    assert provider.receive_one("call_service")["args"] == {}
+    assert server.receive_one("call_service")["args"] == {}
 
 
 def test_arguments_of_an_unknown_type_cannot_be_a_list() -> None:
-    provider, caller = unchecked()
+    server, caller = unchecked()
     caller.send("call_service", service="/do", args=[1])
     assert received_failure(caller) == (
         "Expected a JSON object for type my_srvs/Do, whose fields are not known here"
     )
-    assert provider.receive() == []
+    assert server.receive() == []
     assert caller.forgotten
 
 
@@ -318,25 +318,25 @@ MD5SUM = "6a2e34150c00229791cc89ff309fff21"
 
 
 def test_caller_with_another_md5sum_is_refused_with_the_text_of_ros() -> None:
-    _, provider, caller = adder_and_caller()
+    _, server, caller = adder_and_caller()
     caller.send("call_service", service="/add", args={"number": 1}, headers={"md5sum": "0123"})
     fault = f"request from [/caller]: md5sums do not match: [0123] vs. [{MD5SUM}]"
     assert received_failure(caller) == fault
-    assert provider.receive() == []
+    assert server.receive() == []
     assert caller.forgotten
 
 
 @pytest.mark.parametrize("md5sum", [MD5SUM, "*"])
 def test_caller_with_the_same_md5sum_or_an_asterisk_is_answered(md5sum: str) -> None:
-    _, provider, caller = adder_and_caller()
+    _, server, caller = adder_and_caller()
     call_add(caller, headers={"md5sum": md5sum})
-    assert len(received_calls(provider)) == 1
+    assert len(received_calls(server)) == 1
 
 
 def test_md5sum_of_an_unknown_type_is_not_checked() -> None:
-    provider, caller = unchecked()
+    server, caller = unchecked()
     caller.send("call_service", service="/do", args={}, headers={"md5sum": "0123"})
-    assert len(received_calls(provider)) == 1
+    assert len(received_calls(server)) == 1
 
 
 @pytest.mark.parametrize("fields", [{"timeout": "soon"}, {"fragment_size": []}])
@@ -352,9 +352,9 @@ def test_malformed_call_gets_a_response(fields: dict[str, Any]) -> None:
 
 
 def test_overfull_client_gets_no_more_responses() -> None:
-    _, provider, caller = adder_and_caller(max_queued_bytes=1_000)
+    _, server, caller = adder_and_caller(max_queued_bytes=1_000)
     caller.queue.pause()
     while not caller.queue.overfull:
         call_add(caller, service="/nobodys")
     call_add(caller)
-    assert provider.receive() == []
+    assert server.receive() == []

@@ -22,10 +22,10 @@ NOTHING: dict[str, Any] = {}
 FAILED = "service [/add] responded with an error"
 
 
-def responds(provider: Client, **fields: Any) -> None:
+def responds(server: Client, **fields: Any) -> None:
     """Answer the one call that has come."""
-    id_ = received_call(provider)
-    provider.send("service_response", **{"service": "/add", "id": id_, **fields})
+    id_ = received_call(server)
+    server.send("service_response", **{"service": "/add", "id": id_, **fields})
 
 
 @pytest.mark.parametrize(
@@ -42,11 +42,11 @@ def responds(provider: Client, **fields: Any) -> None:
 def test_missing_fields_of_a_response_get_their_defaults(
     strict: bool, values: dict[str, Any], total: int
 ) -> None:
-    _, provider, caller = adder_and_caller(strict_responses=strict)
+    _, server, caller = adder_and_caller(strict_responses=strict)
     call_add(caller)
-    responds(provider, result=True, **values)
+    responds(server, result=True, **values)
     assert received_sums(caller) == [total]
-    assert provider.receive() == []
+    assert server.receive() == []
 
 
 @pytest.mark.parametrize(
@@ -64,11 +64,11 @@ def test_missing_fields_of_a_response_get_their_defaults(
 def test_invalid_response_is_reported_to_server_and_caller(
     values: Any, fault: str, result: bool
 ) -> None:
-    _, provider, caller = adder_and_caller()
+    _, server, caller = adder_and_caller()
     call_add(caller)
-    responds(provider, values=values, result=result)
+    responds(server, values=values, result=result)
     text = received_failure(caller)
-    statuses = provider.receive_statuses()
+    statuses = server.receive_statuses()
     if result or isinstance(values, dict):
         assert fault in text
         assert statuses == [f"service_response: {text}"]
@@ -76,7 +76,7 @@ def test_invalid_response_is_reported_to_server_and_caller(
         assert text == (values if isinstance(values, str) else FAILED)
         assert statuses == []
     assert caller.forgotten
-    assert not provider.kept["calls to answer"]
+    assert not server.kept["calls to answer"]
 
 
 @pytest.mark.parametrize(
@@ -93,37 +93,37 @@ def test_invalid_response_is_reported_to_server_and_caller(
 )
 @pytest.mark.parametrize("strict", [False, True])
 def test_failure_carries_the_servers_text(strict: bool, fields: dict[str, Any], text: str) -> None:
-    _, provider, caller = adder_and_caller(strict_responses=strict)
+    _, server, caller = adder_and_caller(strict_responses=strict)
     call_add(caller)
-    responds(provider, result=False, **fields)
+    responds(server, result=False, **fields)
     assert received_failure(caller) == text
-    assert provider.receive() == []
+    assert server.receive() == []
 
 
 @pytest.mark.parametrize(("values", "total"), [({"sum": 3}, 3), ({}, 0)])
 def test_failure_with_values_counts_as_success_as_on_the_real_server(
     values: dict[str, int], total: int
 ) -> None:
-    _, provider, caller = adder_and_caller()
-    provider.send("set_level", level="warning")
+    _, server, caller = adder_and_caller()
+    server.send("set_level", level="warning")
     call_add(caller)
-    responds(provider, values=values, result=False)
+    responds(server, values=values, result=False)
     assert received_sums(caller) == [total]
-    assert provider.receive_statuses("warning") == [
+    assert server.receive_statuses("warning") == [
         "service_response: result is false, but there are values: taken for true"
     ]
 
 
 @pytest.mark.parametrize("values", [{"sum": 3}, {}, {"wrong": 1}])
 def test_failure_with_values_is_a_failure_with_strict_responses(values: dict[str, int]) -> None:
-    _, provider, caller = adder_and_caller(strict_responses=True)
-    provider.send("set_level", level="info")
+    _, server, caller = adder_and_caller(strict_responses=True)
+    server.send("set_level", level="info")
     call_add(caller)
-    provider.receive()
+    server.receive()
     call_add(caller)
-    responds(provider, values=values, result=False)
+    responds(server, values=values, result=False)
     assert received_failure(caller) == FAILED
-    assert provider.receive() == []
+    assert server.receive() == []
 
 
 # Which call a response is for.
@@ -131,18 +131,18 @@ def test_failure_with_values_is_a_failure_with_strict_responses(values: dict[str
 
 def test_response_without_an_id_answers_the_oldest_call() -> None:
     hub = FakeHub()
-    provider, caller = adder(hub), hub.client()
-    provider.send("advertise_service", service="/other", type="std_srvs/Empty")
+    server, caller = adder(hub), hub.client()
+    server.send("advertise_service", service="/other", type="std_srvs/Empty")
     caller.send("call_service", service="/other", id="other")
     call_add(caller, id="first")
     call_add(caller, id="second")
     for total, spelling in ((1, "/add"), (2, "add")):
-        provider.send("service_response", service=spelling, values={"sum": total}, result=True)
+        server.send("service_response", service=spelling, values={"sum": total}, result=True)
     assert [(each["id"], each["values"]) for each in caller.receive()] == [
         ("first", {"sum": 1}),
         ("second", {"sum": 2}),
     ]
-    provider.send("service_response", service="/other", id=None, result=True)
+    server.send("service_response", service="/other", id=None, result=True)
     assert caller.receive_one("service_response")["id"] == "other"
 
 
@@ -158,34 +158,34 @@ def test_response_without_an_id_answers_the_oldest_call() -> None:
     ],
 )
 def test_response_to_an_unknown_call_changes_nothing(fields: dict[str, Any]) -> None:
-    _, provider, caller = adder_and_caller()
+    _, server, caller = adder_and_caller()
     call_add(caller, id="x")
-    asked = received_call(provider)
-    provider.send("set_level", level="info")
-    provider.send("service_response", **{"service": "/add", "result": True, **fields})
-    [status] = provider.receive_statuses("info")
+    asked = received_call(server)
+    server.send("set_level", level="info")
+    server.send("service_response", **{"service": "/add", "result": True, **fields})
+    [status] = server.receive_statuses("info")
     assert status == f"service_response: no call of {fields.get('service', '/add')} waits for this"
     assert caller.receive() == []
-    respond(provider, asked)
+    respond(server, asked)
     assert received_sums(caller) == [3]
 
 
 def test_response_is_matched_by_id_not_by_service() -> None:
-    _, provider, caller = adder_and_caller()
+    _, server, caller = adder_and_caller()
     call_add(caller)
-    asked = received_call(provider)
-    respond(provider, asked, service="any spelling")
+    asked = received_call(server)
+    respond(server, asked, service="any spelling")
     assert received_sums(caller) == [3]
 
 
 def test_second_response_to_a_call_is_ignored() -> None:
-    _, provider, caller = adder_and_caller()
+    _, server, caller = adder_and_caller()
     call_add(caller)
-    asked = received_call(provider)
+    asked = received_call(server)
     for total in (1, 2):
-        respond(provider, asked, total)
+        respond(server, asked, total)
     assert received_sums(caller) == [1]
-    assert provider.receive() == []
+    assert server.receive() == []
 
 
 # Responses on another connection than the server's, as rosbridgecpp sends them.
@@ -193,50 +193,50 @@ def test_second_response_to_a_call_is_ignored() -> None:
 
 @pytest.mark.parametrize("is_served_there", [False, True])
 def test_response_may_come_on_another_connection(is_served_there: bool) -> None:
-    hub, provider, caller = adder_and_caller()
+    hub, server, caller = adder_and_caller()
     other = hub.client()
     if is_served_there:
         other.send("advertise_service", service="/other", type=ADD)
     for id_ in "ab":
         call_add(caller, id=id_)
-    first, second = received_calls(provider)
+    first, second = received_calls(server)
     respond(other, second, 2)
     assert caller.receive_one("service_response")["id"] == "b"
-    assert len(provider.kept["calls to answer"]) == 1
-    respond(provider, first)
+    assert len(server.kept["calls to answer"]) == 1
+    respond(server, first)
     assert received_sums(caller) == [3]
     other.disconnect()
     call_add(caller)
-    respond(provider, received_call(provider))
+    respond(server, received_call(server))
     assert received_sums(caller) == [3]
 
 
 def test_failure_may_come_on_another_connection() -> None:
-    hub, provider, caller = adder_and_caller()
+    hub, server, caller = adder_and_caller()
     call_add(caller)
-    fields = {"service": "/add", "id": received_call(provider), "values": "out of paper"}
+    fields = {"service": "/add", "id": received_call(server), "values": "out of paper"}
     hub.client().send("service_response", **fields, result=False)
     assert received_failure(caller) == "out of paper"
 
 
 @pytest.mark.parametrize("fields", [{"result": True, "values": {"sum": "three"}}, {"result": 1}])
 def test_invalid_response_on_another_connection_fails_the_call(fields: dict[str, Any]) -> None:
-    hub, provider, caller = adder_and_caller()
+    hub, server, caller = adder_and_caller()
     other = hub.client()
     call_add(caller)
-    other.send("service_response", service="/add", id=received_call(provider), **fields)
+    other.send("service_response", service="/add", id=received_call(server), **fields)
     text = received_failure(caller)
     assert other.receive_statuses() == [f"service_response: {text}"]
-    assert provider.receive() == []
-    assert not provider.kept["calls to answer"]
+    assert server.receive() == []
+    assert not server.kept["calls to answer"]
 
 
 def test_call_fails_when_its_server_leaves_before_the_other_connection_responds() -> None:
-    hub, provider, caller = adder_and_caller()
+    hub, server, caller = adder_and_caller()
     other = hub.client()
     call_add(caller)
-    asked = received_call(provider)
-    provider.disconnect()
+    asked = received_call(server)
+    server.disconnect()
     assert received_failure(caller) == "service [/add] unavailable: /adder has left"
     respond(other, asked)
     assert caller.receive() == other.receive() == []
@@ -246,10 +246,10 @@ def test_call_fails_when_its_server_leaves_before_the_other_connection_responds(
 
 
 def test_response_on_another_connection_without_the_calls_id_changes_nothing() -> None:
-    hub, provider, caller = adder_and_caller()
+    hub, server, caller = adder_and_caller()
     stranger = adder(hub, "/stranger", "/other")
     call_add(caller)
-    asked = received_call(provider)
+    asked = received_call(server)
     call_add(caller, service="/other")
     own = received_call(stranger)
     for id_ in (
@@ -263,7 +263,7 @@ def test_response_on_another_connection_without_the_calls_id_changes_nothing() -
     received = stranger.receive()
     assert all(each["op"] == "status" for each in received)
     assert caller.receive() == []
-    respond(provider, asked)
+    respond(server, asked)
     respond(stranger, own)
     assert received_sums(caller) == [3, 3]
 
@@ -273,9 +273,9 @@ def test_ids_of_calls_cannot_be_guessed_from_those_of_another_hub_or_server() ->
     for node in ("/a", "/b"):
         hub = FakeHub()
         for service in ("/add", "/other"):
-            provider = adder(hub, node, service)
+            server = adder(hub, node, service)
             call_add(hub.client(), service=service)
-            secrets.add(received_call(provider).rpartition(":")[2])
+            secrets.add(received_call(server).rpartition(":")[2])
     assert len(secrets) == 4
 
 
@@ -291,19 +291,19 @@ def test_ids_of_calls_cannot_be_guessed_from_those_of_another_hub_or_server() ->
     ],
 )
 def test_malformed_response_fails_the_call(fields: dict[str, Any], fault: str) -> None:
-    _, provider, caller = adder_and_caller()
+    _, server, caller = adder_and_caller()
     for id_ in "ab":
         call_add(caller, id=id_)
-    asked, other = received_calls(provider)
-    provider.send("service_response", **{"service": "/add", "id": asked, "values": {}, **fields})
-    [status] = provider.receive_statuses()
+    asked, other = received_calls(server)
+    server.send("service_response", **{"service": "/add", "id": asked, "values": {}, **fields})
+    [status] = server.receive_statuses()
     assert status.startswith(f"service_response: {fault}")
     response = caller.receive_one("service_response")
     assert (response["id"], response["result"]) == ("a", False)
     assert response["values"].startswith(fault)
-    respond(provider, asked)
+    respond(server, asked)
     assert caller.receive() == []
-    respond(provider, other)
+    respond(server, other)
     assert received_sums(caller) == [3]
 
 
@@ -319,23 +319,23 @@ def test_malformed_response_fails_the_call(fields: dict[str, Any], fault: str) -
     ],
 )
 def test_malformed_response_to_an_unknown_call_changes_nothing(fields: dict[str, Any]) -> None:
-    _, provider, caller = adder_and_caller()
+    _, server, caller = adder_and_caller()
     call_add(caller)
-    asked = received_call(provider)
-    provider.send("service_response", **{"service": "/add", **fields})
-    assert len(provider.receive_statuses()) == 1
+    asked = received_call(server)
+    server.send("service_response", **{"service": "/add", **fields})
+    assert len(server.receive_statuses()) == 1
     assert caller.receive() == []
-    respond(provider, asked)
+    respond(server, asked)
     assert received_sums(caller) == [3]
 
 
 def test_nan_and_infinity_are_null_in_a_response() -> None:
     hub = FakeHub()
-    provider, caller = hub.client(), hub.client()
-    provider.send("advertise_service", service="/add", type="my_srvs/Do")
+    server, caller = hub.client(), hub.client()
+    server.send("advertise_service", service="/add", type="my_srvs/Do")
     call_add(caller)
-    asked = received_call(provider)
-    provider.send_text(
+    asked = received_call(server)
+    server.send_text(
         '{"op":"service_response","service":"/add","result":true,'
         f'"id":"{asked}","values":{{"x":[NaN,1e400,-Infinity,0.1]}}}}'
     )

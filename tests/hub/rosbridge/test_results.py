@@ -38,11 +38,11 @@ from .action_clients import (
 def test_goal_ends_with_the_servers_status(
     fields: dict[str, Any], end: tuple[int, bool, object]
 ) -> None:
-    _, pursuer, client = server_and_client()
+    _, action_server, client = server_and_client()
     send_goal(client)
-    pursuer.send("action_result", action="/fib", id=received_goal(pursuer), **fields)
+    action_server.send("action_result", action="/fib", id=received_goal(action_server), **fields)
     assert received_result(client) == end
-    assert pursuer.receive() == []
+    assert action_server.receive() == []
     assert client.forgotten
 
 
@@ -59,22 +59,22 @@ def test_goal_ends_with_the_servers_status(
 def test_invalid_feedback_is_refused_and_an_invalid_result_ends_the_goal(
     values: object, fault: str
 ) -> None:
-    hub, pursuer, client = server_and_client()
+    hub, action_server, client = server_and_client()
     send_goal(client, feedback=True)
-    sent = received_goal(pursuer)
-    pursuer.send("action_feedback", action="/fib", id=sent, values=values)
-    [refusal] = pursuer.receive_statuses()
+    sent = received_goal(action_server)
+    action_server.send("action_feedback", action="/fib", id=sent, values=values)
+    [refusal] = action_server.receive_statuses()
     assert refusal.startswith("action_feedback: ")
     assert fault in refusal
     assert client.receive() == []
-    pursuer.send("action_result", action="/fib", id=sent, values=values, result=True)
-    [refusal] = pursuer.receive_statuses()
+    action_server.send("action_result", action="/fib", id=sent, values=values, result=True)
+    [refusal] = action_server.receive_statuses()
     status, ok, text = received_result(client)
     assert (status, ok) == (6, False)
     assert fault in text
     assert refusal == f"action_result: {text}"
     assert client.forgotten
-    assert not (pursuer.kept["goals to execute"] or hub.graph.actions["/fib"].goals)
+    assert not (action_server.kept["goals to execute"] or hub.graph.actions["/fib"].goals)
 
 
 @pytest.mark.parametrize(
@@ -89,19 +89,19 @@ def test_invalid_feedback_is_refused_and_an_invalid_result_ends_the_goal(
     ],
 )
 def test_malformed_result_aborts_the_goal(fields: dict[str, Any], fault: str) -> None:
-    _, pursuer, client = server_and_client()
+    _, action_server, client = server_and_client()
     for id_ in "ab":
         send_goal(client, id=id_)
-    sent, other = received_goals(pursuer)
-    pursuer.send("action_result", **{"action": "/fib", "id": sent, **fields})
-    [refusal] = pursuer.receive_statuses()
+    sent, other = received_goals(action_server)
+    action_server.send("action_result", **{"action": "/fib", "id": sent, **fields})
+    [refusal] = action_server.receive_statuses()
     assert refusal.startswith(f"action_result: {fault}")
     status, ok, text = received_result(client)
     assert (status, ok) == (6, False)
     assert text.startswith(fault)
-    send_result(pursuer, sent)
+    send_result(action_server, sent)
     assert client.receive() == []
-    send_result(pursuer, other)
+    send_result(action_server, other)
     assert client.receive_one("action_result")["id"] == "b"
 
 
@@ -111,32 +111,32 @@ def test_malformed_result_aborts_the_goal(fields: dict[str, Any], fault: str) ->
     ids=str,
 )
 def test_malformed_result_of_an_unknown_goal_changes_nothing(fields: dict[str, Any]) -> None:
-    _, pursuer, client = server_and_client()
+    _, action_server, client = server_and_client()
     send_goal(client)
-    sent = received_goal(pursuer)
-    pursuer.send("action_result", action="/fib", **fields)
-    assert len(pursuer.receive_statuses()) == 1
+    sent = received_goal(action_server)
+    action_server.send("action_result", action="/fib", **fields)
+    assert len(action_server.receive_statuses()) == 1
     assert client.receive() == []
-    send_result(pursuer, sent)
+    send_result(action_server, sent)
     assert received_result(client) == (4, True, {"sequence": []})
 
 
 @pytest.mark.parametrize("op", ["action_feedback", "action_result"])
 @pytest.mark.parametrize("id_", ["action_goal:/fib:99", "x", 1, "", None, "ended", "another's"])
 def test_feedback_and_results_of_unknown_goals_change_nothing(op: str, id_: object) -> None:
-    hub, pursuer, client = server_and_client()
+    hub, action_server, client = server_and_client()
     other = server(hub, "/other", "/other")
     send_goal(client, id="x", feedback=True)
     send_goal(client, id="y", feedback=True)
     send_goal(client, id="z", feedback=True, action="/other")
-    open_, ended = received_goals(pursuer)
-    send_result(pursuer, ended)
+    open_, ended = received_goals(action_server)
+    send_result(action_server, ended)
     received_result(client)
     known = {"ended": ended, "another's": received_goals(other)[0]}
-    pursuer.send("set_level", level="info")
+    action_server.send("set_level", level="info")
     goal_id = known.get(id_, id_) if isinstance(id_, str) else id_
-    pursuer.send(op, action="/fib", id=goal_id, values={}, result=True)
-    assert pursuer.receive_statuses("info") == [f"{op}: no goal of /fib has this id"]
+    action_server.send(op, action="/fib", id=goal_id, values={}, result=True)
+    assert action_server.receive_statuses("info") == [f"{op}: no goal of /fib has this id"]
     assert client.receive() == other.receive() == []
-    send_result(pursuer, open_)
+    send_result(action_server, open_)
     assert client.receive_one("action_result")["id"] == "x"

@@ -26,10 +26,10 @@ DEFINITION = "int8 one\n---\nint8 two\n"
 
 def test_served_service_is_in_the_graph() -> None:
     hub = FakeHub()
-    provider = adder(hub, "/adder", "~add")
+    service_server = adder(hub, "/adder", "~add")
     service = hub.graph.services["/adder/add"]
     assert (service.name, service.type.name, service.node) == ("/adder/add", ADD, "/adder")
-    assert list(provider.session.providing()) == ["/adder/add"]
+    assert list(service_server.session.providing()) == ["/adder/add"]
 
 
 @pytest.mark.parametrize("type_", [ADD, "rospy_tutorials/srv/AddTwoInts"])
@@ -82,12 +82,12 @@ def test_invalid_service_is_refused_and_leaves_nothing(fields: dict[str, Any], f
 
 
 def test_refused_service_does_not_change_the_server() -> None:
-    hub, provider, caller = adder_and_caller()
+    hub, service_server, caller = adder_and_caller()
     other = hub.client()
     other.send("advertise_service", service="/add", type="std_srvs/Nothing")
     assert len(other.receive_statuses()) == 1
     call_add(caller)
-    respond(provider, received_call(provider))
+    respond(service_server, received_call(service_server))
     assert received_sums(caller) == [3]
 
 
@@ -113,12 +113,14 @@ def test_strict_types_refuse_an_unknown_package() -> None:
 
 def test_service_server_may_bring_the_definition() -> None:
     hub = FakeHub(strict_types=True)
-    provider, caller = hub.client(), hub.client()
-    provider.send("advertise_service", service="/do", type="my_srvs/Do", definition=DEFINITION)
+    service_server, caller = hub.client(), hub.client()
+    service_server.send(
+        "advertise_service", service="/do", type="my_srvs/Do", definition=DEFINITION
+    )
     caller.send("call_service", service="/do", args=[5])
-    asked = provider.receive_one("call_service")
+    asked = service_server.receive_one("call_service")
     assert asked["args"] == {"one": 5}
-    provider.send("service_response", service="/do", id=asked["id"], result=True)
+    service_server.send("service_response", service="/do", id=asked["id"], result=True)
     assert caller.receive_one("service_response")["values"] == {"two": 0}
     caller.send("call_service", service="/do", args=[500])
     assert "500 is not in -128..127" in received_failure(caller)
@@ -129,36 +131,36 @@ def test_service_server_may_bring_the_definition() -> None:
 
 def test_server_that_asks_for_headers_gets_the_callers_header() -> None:
     hub = FakeHub()
-    provider, caller = hub.client(), hub.client("/caller")
-    provider.send("advertise_service", service="add", type=ADD, headers=True)
+    service_server, caller = hub.client(), hub.client("/caller")
+    service_server.send("advertise_service", service="add", type=ADD, headers=True)
     call_add(caller, headers={"user": "ann"})
     call_add(caller)
-    headers = [each["header"] for each in provider.receive()]
+    headers = [each["header"] for each in service_server.receive()]
     assert headers == [{"callerid": "/caller", "user": "ann"}, {"callerid": "/caller"}]
 
 
 def test_server_that_does_not_ask_gets_no_header() -> None:
-    _, provider, caller = adder_and_caller()
+    _, service_server, caller = adder_and_caller()
     call_add(caller, headers={"user": "ann"}, header={"user": "bob"})
-    asked = provider.receive_one("call_service")
+    asked = service_server.receive_one("call_service")
     assert asked.keys() == {"op", "id", "service", "args"}
 
 
 def test_newest_advertisement_decides_on_headers() -> None:
-    _, provider, caller = adder_and_caller()
+    _, service_server, caller = adder_and_caller()
     for headers in (True, False):
-        provider.send("advertise_service", service="/add", type=ADD, headers=headers)
+        service_server.send("advertise_service", service="/add", type=ADD, headers=headers)
         call_add(caller)
-        assert ("header" in provider.receive_one("call_service")) == headers
+        assert ("header" in service_server.receive_one("call_service")) == headers
 
 
 def test_call_with_invalid_headers_is_refused() -> None:
-    _, provider, caller = adder_and_caller()
+    _, service_server, caller = adder_and_caller()
     call_add(caller, headers={"age": 5}, id=1)
     status, response = caller.receive()
     assert status["msg"].startswith("call_service: Expected field headers to be one of an object")
     assert (response["id"], response["result"]) == (1, False)
-    assert provider.receive() == []
+    assert service_server.receive() == []
 
 
 # Several providers of one name.
@@ -243,18 +245,18 @@ def test_newer_server_may_change_the_services_type() -> None:
 
 
 def test_service_may_be_advertised_again_under_another_spelling() -> None:
-    hub, provider, caller = adder_and_caller()
+    hub, service_server, caller = adder_and_caller()
     call_add(caller, id="before")
-    before = received_call(provider)
-    provider.send("advertise_service", service="add", type=ADD)
+    before = received_call(service_server)
+    service_server.send("advertise_service", service="add", type=ADD)
     call_add(caller, id="after")
-    asked = provider.receive_one("call_service")
+    asked = service_server.receive_one("call_service")
     assert asked["service"] == "add"
-    respond(provider, before)
-    respond(provider, asked["id"])
+    respond(service_server, before)
+    respond(service_server, asked["id"])
     assert [each["id"] for each in caller.receive()] == ["before", "after"]
     call_add(caller)
-    provider.send("unadvertise_service", service="/add")
+    service_server.send("unadvertise_service", service="/add")
     assert received_failure(caller) == "Service /add was unadvertised"
     assert hub.graph.services == {}
 
@@ -310,36 +312,36 @@ def test_services_of_the_hub_cannot_be_taken_over() -> None:
 
 @pytest.mark.parametrize("spelling", ["/add", "add"])
 def test_calls_fail_when_the_service_is_unadvertised(spelling: str) -> None:
-    hub, provider, caller = adder_and_caller()
-    provider.send("advertise_service", service="/other", type=ADD)
+    hub, service_server, caller = adder_and_caller()
+    service_server.send("advertise_service", service="/other", type=ADD)
     call_add(caller, service="/other", id="other")
     call_add(caller, id="x")
-    _, asked = received_calls(provider)
-    provider.send("unadvertise_service", service=spelling)
+    _, asked = received_calls(service_server)
+    service_server.send("unadvertise_service", service=spelling)
     response = caller.receive_one("service_response")
     assert (response["id"], response["result"]) == ("x", False)
     assert response["values"] == "Service /add was unadvertised"
     call_add(caller)
     assert received_failure(caller) == "Service /add does not exist"
-    respond(provider, asked)
-    assert (caller.receive(), provider.receive()) == ([], [])
+    respond(service_server, asked)
+    assert (caller.receive(), service_server.receive()) == ([], [])
     assert list(hub.graph.services) == ["/other"]
 
 
 @pytest.mark.parametrize("service", [None, "/nope", "nope"])
 def test_unadvertising_an_unknown_service_is_harmless(service: str | None) -> None:
-    hub, provider, caller = adder_and_caller()
-    provider.send("unadvertise_service", service=service)
+    hub, service_server, caller = adder_and_caller()
+    service_server.send("unadvertise_service", service=service)
     caller.send("unadvertise_service", service="/add")
-    assert provider.receive() == caller.receive() == []
+    assert service_server.receive() == caller.receive() == []
     assert list(hub.graph.services) == ["/add"]
 
 
 def test_calls_fail_when_the_server_leaves() -> None:
-    hub, provider, caller = adder_and_caller()
+    hub, service_server, caller = adder_and_caller()
     for id_ in "ab":
         call_add(caller, id=id_)
-    provider.disconnect()
+    service_server.disconnect()
     assert [(each["id"], each["values"]) for each in caller.receive()] == [
         (id_, "service [/add] unavailable: /adder has left") for id_ in "ab"
     ]
@@ -348,10 +350,10 @@ def test_calls_fail_when_the_server_leaves() -> None:
 
 
 def test_calls_fail_when_the_server_is_replaced() -> None:
-    hub, provider, caller = adder_and_caller()
+    hub, service_server, caller = adder_and_caller()
     call_add(caller)
     newer = adder(hub, "/adder")
-    assert len(provider.closings) == 1
+    assert len(service_server.closings) == 1
     assert received_failure(caller) == "service [/add] unavailable: /adder has left"
     call_add(caller)
     respond(newer, received_call(newer))
@@ -359,14 +361,14 @@ def test_calls_fail_when_the_server_is_replaced() -> None:
 
 
 def test_calls_of_a_client_that_leaves_are_forgotten() -> None:
-    hub, provider, caller = adder_and_caller()
+    hub, service_server, caller = adder_and_caller()
     call_add(caller)
-    asked = received_call(provider)
+    asked = received_call(service_server)
     caller.disconnect()
     assert hub.clock.timers == 0
-    assert not provider.kept["calls to answer"]
-    respond(provider, asked)
-    assert provider.receive() == caller.receive() == []
+    assert not service_server.kept["calls to answer"]
+    respond(service_server, asked)
+    assert service_server.receive() == caller.receive() == []
 
 
 # How much one client may have.
@@ -388,8 +390,8 @@ def test_number_of_services_of_a_client_is_limited() -> None:
 
 
 def test_calls_for_a_server_that_does_not_read_are_limited() -> None:
-    _, provider, caller = adder_and_caller(max_queued_bytes=1000)
-    provider.queue.pause()
+    _, service_server, caller = adder_and_caller(max_queued_bytes=1000)
+    service_server.queue.pause()
     for id_ in range(20):
         call_add(caller, id=id_)
     refused = caller.receive()
@@ -397,10 +399,10 @@ def test_calls_for_a_server_that_does_not_read_are_limited() -> None:
     assert {each["values"] for each in refused} == {
         "service [/add] unavailable: /adder reads too slowly"
     }
-    assert not provider.queue.overfull
-    provider.queue.resume()
-    asked = received_calls(provider)
+    assert not service_server.queue.overfull
+    service_server.queue.resume()
+    asked = received_calls(service_server)
     assert len(asked) + len(refused) == 20
     for due in asked:
-        respond(provider, due)
+        respond(service_server, due)
     assert len(received_sums(caller)) == len(asked)

@@ -34,14 +34,14 @@ from .service_clients import (
     ],
 )
 def test_call_times_out(fields: dict[str, Any], seconds: float, spelled: str) -> None:
-    hub, provider, caller = adder_and_caller()
+    hub, server, caller = adder_and_caller()
     call_add(caller, **fields)
     hub.clock.advance(seconds * 0.99)
     assert caller.receive() == []
     hub.clock.advance(seconds * 0.02)
     assert received_failure(caller) == f"Service /add did not answer within {spelled} s"
     assert caller.forgotten
-    assert not provider.kept["calls to answer"]
+    assert not server.kept["calls to answer"]
 
 
 def test_default_timeout_is_a_setting() -> None:
@@ -52,20 +52,20 @@ def test_default_timeout_is_a_setting() -> None:
 
 
 def test_service_timeout_of_0_means_no_limit() -> None:
-    hub, provider, caller = adder_and_caller(service_timeout=0)
+    hub, server, caller = adder_and_caller(service_timeout=0)
     call_add(caller)
     hub.clock.advance(1e6)
     assert caller.receive() == []
     assert hub.clock.timers == 0
-    provider.disconnect()
+    server.disconnect()
     assert "has left" in received_failure(caller)
 
 
 def test_each_call_has_its_own_timeout() -> None:
-    hub, provider, caller = adder_and_caller()
+    hub, server, caller = adder_and_caller()
     for id_, timeout in (("slow", 30), ("quick", 1), ("answered", 2)):
         call_add(caller, id=id_, timeout=timeout)
-    respond(provider, received_calls(provider)[2])
+    respond(server, received_calls(server)[2])
     assert received_sums(caller) == [3]
     hub.clock.advance(29)
     assert caller.receive_one("service_response")["id"] == "quick"
@@ -74,22 +74,22 @@ def test_each_call_has_its_own_timeout() -> None:
 
 
 def test_late_response_is_ignored() -> None:
-    hub, provider, caller = adder_and_caller()
+    hub, server, caller = adder_and_caller()
     call_add(caller, id="x", timeout=1)
-    asked = received_call(provider)
+    asked = received_call(server)
     hub.clock.advance(1)
     received_failure(caller)
-    respond(provider, asked)
-    assert (caller.receive(), provider.receive()) == ([], [])
+    respond(server, asked)
+    assert (caller.receive(), server.receive()) == ([], [])
 
 
 def test_all_calls_of_a_client_share_one_timer() -> None:
-    hub, provider, caller = adder_and_caller()
+    hub, server, caller = adder_and_caller()
     for number in range(100):
         call_add(caller, timeout=1 + number * 7 % 10)
         assert hub.clock.timers == 1
-    for id_ in received_calls(provider):
-        respond(provider, id_)
+    for id_ in received_calls(server):
+        respond(server, id_)
         assert hub.clock.timers <= 1
     assert len(received_sums(caller)) == 100
     hub.clock.advance(60)
@@ -107,7 +107,7 @@ def test_calls_time_out_neither_early_nor_late(
     plans: list[tuple[int, int, int | None]],
 ) -> None:
     """Each plan is the seconds before a call, its timeout, and after how long it is answered."""
-    hub, provider, caller = adder_and_caller(service_timeout=9)
+    hub, server, caller = adder_and_caller(service_timeout=9)
     expected: list[tuple[float, int, bool]] = []
     answering: list[tuple[float, str]] = []
     moment = 0.0
@@ -118,7 +118,7 @@ def test_calls_time_out_neither_early_nor_late(
             hub.clock.advance(0.5)
             for when, id_ in answering:
                 if when == hub.clock.time():
-                    respond(provider, id_)
+                    respond(server, id_)
             received.extend(
                 (hub.clock.time(), each["id"], each["result"]) for each in caller.receive()
             )
@@ -127,11 +127,11 @@ def test_calls_time_out_neither_early_nor_late(
         moment += pause
         lives_until(moment)
         call_add(caller, id=number, timeout=timeout)
-        id_ = received_call(provider)
+        id_ = received_call(server)
         due = moment + (timeout or 9)
         when = math.inf if answered is None else moment + answered - 0.5
         answering.append((when, id_))
         expected.append((min(when, due), number, when < due))
     lives_until(moment + 30)
     assert sorted(received) == sorted(expected)
-    assert (provider.receive(), hub.clock.timers) == ([], 0)
+    assert (server.receive(), hub.clock.timers) == ([], 0)

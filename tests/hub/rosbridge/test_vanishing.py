@@ -17,8 +17,8 @@ class Pair:
 
     def __init__(self, hub: FakeHub) -> None:
         self.group = ClientGroup(hub)
-        self.asker, self.answerer, self.rival = map(
-            self.group.connect, ("/asker", "/answerer", "/rival")
+        self.caller, self.responder, self.rival = map(
+            self.group.connect, ("/caller", "/responder", "/rival")
         )
 
     def answer(self, client: Client) -> None:
@@ -27,25 +27,25 @@ class Pair:
             self.group.respond(client, request)
 
     def tell(self) -> None:
-        for request in list(self.group.due[self.answerer]):
-            self.group.send_feedback(self.answerer, request)
+        for request in list(self.group.due[self.responder]):
+            self.group.send_feedback(self.responder, request)
 
     def cancel(self) -> None:
-        ids = self.group.requests[self.asker]
-        self.group.send(self.asker, "cancel_action_goal", action="/a", id=next(iter(ids), 0))
+        ids = self.group.requests[self.caller]
+        self.group.send(self.caller, "cancel_action_goal", action="/a", id=next(iter(ids), 0))
 
-    def new_asker(self) -> None:
-        self.asker = self.group.connect("/asker")
+    def new_caller(self) -> None:
+        self.caller = self.group.connect("/caller")
 
-    def new_answerer(self) -> None:
-        self.answerer = self.group.connect("/answerer")
+    def new_responder(self) -> None:
+        self.responder = self.group.connect("/responder")
 
     def pause(self) -> None:
-        self.answerer.queue.pause()
-        self.asker.queue.pause()
+        self.responder.queue.pause()
+        self.caller.queue.pause()
 
     def resume(self) -> None:
-        for client in (self.answerer, self.asker):
+        for client in (self.responder, self.caller):
             client.queue.resume()
         self.group.receive_all()
 
@@ -53,10 +53,10 @@ class Pair:
 Step: TypeAlias = Callable[[Pair], object]
 
 DISTURBANCES: dict[str, Step] = {
-    "the asker leaves": lambda pair: pair.group.disconnect(pair.asker),
-    "the answerer leaves": lambda pair: pair.group.disconnect(pair.answerer),
-    "a new asker": Pair.new_asker,
-    "a new answerer": Pair.new_answerer,
+    "the caller leaves": lambda pair: pair.group.disconnect(pair.caller),
+    "the responder leaves": lambda pair: pair.group.disconnect(pair.responder),
+    "a new caller": Pair.new_caller,
+    "a new responder": Pair.new_responder,
     "the rival leaves": lambda pair: pair.group.disconnect(pair.rival),
     "the rival answers": lambda pair: pair.answer(pair.rival),
     "time passes": lambda pair: pair.group.advance(61),
@@ -64,33 +64,35 @@ DISTURBANCES: dict[str, Step] = {
     "clients resume reading": Pair.resume,
 }
 SERVICE: dict[str, Step] = {
-    "provide": lambda pair: pair.group.advertise_service(pair.answerer, "/s"),
-    "call": lambda pair: pair.group.call(pair.asker, "/s"),
-    "respond": lambda pair: pair.answer(pair.answerer),
+    "provide": lambda pair: pair.group.advertise_service(pair.responder, "/s"),
+    "call": lambda pair: pair.group.call(pair.caller, "/s"),
+    "respond": lambda pair: pair.answer(pair.responder),
 }
 SERVICE_DISTURBANCES: dict[str, Step] = {
     **DISTURBANCES,
-    "unadvertise": lambda pair: pair.group.send(pair.answerer, "unadvertise_service", service="/s"),
+    "unadvertise": lambda pair: pair.group.send(
+        pair.responder, "unadvertise_service", service="/s"
+    ),
     "the rival provides": lambda pair: pair.group.advertise_service(pair.rival, "/s"),
-    "provide again": lambda pair: pair.group.advertise_service(pair.answerer, "s"),
-    "call again": lambda pair: pair.group.call(pair.asker, "/s", timeout=30),
-    "the answerer calls": lambda pair: pair.group.call(pair.answerer, "/s"),
+    "provide again": lambda pair: pair.group.advertise_service(pair.responder, "s"),
+    "call again": lambda pair: pair.group.call(pair.caller, "/s", timeout=30),
+    "the responder calls": lambda pair: pair.group.call(pair.responder, "/s"),
 }
 ACTION: dict[str, Step] = {
-    "serve": lambda pair: pair.group.advertise_action(pair.answerer, "/a"),
-    "send": lambda pair: pair.group.send_goal(pair.asker, "/a"),
+    "serve": lambda pair: pair.group.advertise_action(pair.responder, "/a"),
+    "send": lambda pair: pair.group.send_goal(pair.caller, "/a"),
     "tell": Pair.tell,
-    "finish": lambda pair: pair.answer(pair.answerer),
+    "finish": lambda pair: pair.answer(pair.responder),
 }
 ACTION_DISTURBANCES: dict[str, Step] = {
     **DISTURBANCES,
-    "unadvertise": lambda pair: pair.group.send(pair.answerer, "unadvertise_action", action="/a"),
+    "unadvertise": lambda pair: pair.group.send(pair.responder, "unadvertise_action", action="/a"),
     "the rival serves": lambda pair: pair.group.advertise_action(pair.rival, "/a"),
-    "serve again": lambda pair: pair.group.advertise_action(pair.answerer, "a"),
+    "serve again": lambda pair: pair.group.advertise_action(pair.responder, "a"),
     "cancel": Pair.cancel,
     "cancel all": lambda pair: pair.group.call(pair.rival, "/a/_action/cancel_goal"),
-    "send again": lambda pair: pair.group.send_goal(pair.asker, "/a"),
-    "the answerer sends": lambda pair: pair.group.send_goal(pair.answerer, "/a"),
+    "send again": lambda pair: pair.group.send_goal(pair.caller, "/a"),
+    "the responder sends": lambda pair: pair.group.send_goal(pair.responder, "/a"),
 }
 
 
@@ -138,7 +140,7 @@ def disturbed(first: str | None, disturbances: dict[str, Step]) -> Iterator[tupl
         yield from ((first, second) for second in disturbances)
 
 
-VANISHING = ["the asker leaves", "the answerer leaves", "a new asker", "a new answerer"]
+VANISHING = ["the caller leaves", "the responder leaves", "a new caller", "a new responder"]
 
 
 @pytest.mark.parametrize("others", [*permutations(VANISHING, 2)], ids=", ".join)

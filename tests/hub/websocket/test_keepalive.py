@@ -14,9 +14,9 @@ from fibws.protocol.websocket import SILENT, STALLED
 def opened(**settings: Any) -> Keepalive:
     """Return the deadlines of a client that opened at 0: a ping every 20 s, all others 5 s."""
     five = dict.fromkeys(["ping_timeout", "stall_timeout", "open_timeout", "close_timeout"], 5.0)
-    liveness = Keepalive(Settings(**{"ping_interval": 20.0, **five, **settings}), now=0)
-    liveness.opened()
-    return liveness
+    keepalive = Keepalive(Settings(**{"ping_interval": 20.0, **five, **settings}), now=0)
+    keepalive.opened()
+    return keepalive
 
 
 def test_quiet_client_needs_no_ping_yet() -> None:
@@ -24,18 +24,18 @@ def test_quiet_client_needs_no_ping_yet() -> None:
 
 
 def test_handshake_must_end_in_time() -> None:
-    liveness = Keepalive(Settings(open_timeout=5), now=10)
-    assert liveness.verdict(15, unsent=0) is None
-    assert liveness.verdict(15.1, unsent=0) == "abort"
+    keepalive = Keepalive(Settings(open_timeout=5), now=10)
+    assert keepalive.verdict(15, unsent=0) is None
+    assert keepalive.verdict(15.1, unsent=0) == "abort"
 
 
 def test_client_is_pinged_in_every_interval() -> None:
-    liveness = opened()
+    keepalive = opened()
     pinged = []
     for now in range(61):
-        if liveness.verdict(now, unsent=0) == "ping":
+        if keepalive.verdict(now, unsent=0) == "ping":
             pinged.append(now)
-            liveness.ponged()
+            keepalive.ponged()
     assert pinged == [20, 40, 60]
 
 
@@ -44,69 +44,69 @@ def test_no_ping_is_due_with_ping_interval_0() -> None:
 
 
 def test_client_that_does_not_answer_a_ping_is_silent() -> None:
-    liveness = opened()
-    assert liveness.verdict(20, unsent=0) == "ping"
-    assert liveness.verdict(25, unsent=0) is None
-    assert liveness.verdict(25.1, unsent=0) is SILENT
+    keepalive = opened()
+    assert keepalive.verdict(20, unsent=0) == "ping"
+    assert keepalive.verdict(25, unsent=0) is None
+    assert keepalive.verdict(25.1, unsent=0) is SILENT
 
 
 def test_second_ping_waits_for_the_first_pong() -> None:
-    liveness = opened(ping_interval=2.0)
-    assert liveness.verdict(2, unsent=0) == "ping"
-    assert liveness.verdict(4, unsent=0) is None
+    keepalive = opened(ping_interval=2.0)
+    assert keepalive.verdict(2, unsent=0) == "ping"
+    assert keepalive.verdict(4, unsent=0) is None
 
 
 def test_client_that_stops_reading_is_stalled() -> None:
-    liveness = opened()
-    liveness.paused(1, unsent=100)
-    assert liveness.verdict(6, unsent=100) is None
-    assert liveness.verdict(6.1, unsent=100) is STALLED
+    keepalive = opened()
+    keepalive.paused(1, unsent=100)
+    assert keepalive.verdict(6, unsent=100) is None
+    assert keepalive.verdict(6.1, unsent=100) is STALLED
 
 
 def test_client_that_reads_again_is_not_stalled() -> None:
-    liveness = opened()
-    liveness.paused(1, unsent=100)
-    liveness.resumed()
-    assert liveness.verdict(7, unsent=0) is None
+    keepalive = opened()
+    keepalive.paused(1, unsent=100)
+    keepalive.resumed()
+    assert keepalive.verdict(7, unsent=0) is None
 
 
 def test_slow_reader_is_neither_stalled_nor_silent() -> None:
-    liveness = opened()
-    assert liveness.verdict(20, unsent=0) == "ping"
-    liveness.paused(20, unsent=100)
-    verdicts = [liveness.verdict(20 + 4 * step, unsent=100 - step) for step in range(1, 20)]
+    keepalive = opened()
+    assert keepalive.verdict(20, unsent=0) == "ping"
+    keepalive.paused(20, unsent=100)
+    verdicts = [keepalive.verdict(20 + 4 * step, unsent=100 - step) for step in range(1, 20)]
     assert set(verdicts) == {None}
 
 
 def test_no_ping_is_sent_behind_unsent_bytes() -> None:
-    liveness = opened(stall_timeout=100.0)
-    liveness.paused(19, unsent=100)
-    assert liveness.verdict(20, unsent=100) is None
+    keepalive = opened(stall_timeout=100.0)
+    keepalive.paused(19, unsent=100)
+    assert keepalive.verdict(20, unsent=100) is None
 
 
 @pytest.mark.parametrize("paused", [False, True])
 def test_closing_client_has_close_timeout_to_answer(paused: bool) -> None:
-    liveness = opened(stall_timeout=100.0)
+    keepalive = opened(stall_timeout=100.0)
     if paused:
-        liveness.paused(1, unsent=100)
-    liveness.closing(2)
-    assert liveness.verdict(7, unsent=100) is None
-    assert liveness.verdict(7.1, unsent=100) == "abort"
+        keepalive.paused(1, unsent=100)
+    keepalive.closing(2)
+    assert keepalive.verdict(7, unsent=100) is None
+    assert keepalive.verdict(7.1, unsent=100) == "abort"
 
 
 def test_busy_hub_extends_the_deadlines() -> None:
     """The hub may not have read the pong yet."""
-    liveness = Keepalive(Settings(ping_interval=1, ping_timeout=1), 0)
-    liveness.opened()
-    assert liveness.verdict(1, 0) == "ping"
-    liveness.excuse(5)
-    assert liveness.verdict(6.5, 0) is None
-    assert liveness.verdict(7.5, 0) is SILENT
+    keepalive = Keepalive(Settings(ping_interval=1, ping_timeout=1), 0)
+    keepalive.opened()
+    assert keepalive.verdict(1, 0) == "ping"
+    keepalive.excuse(5)
+    assert keepalive.verdict(6.5, 0) is None
+    assert keepalive.verdict(7.5, 0) is SILENT
 
 
 def test_client_of_which_not_all_is_read_is_alive() -> None:
-    liveness = opened()
-    assert liveness.verdict(20, unsent=0) == "ping"
-    liveness.behind(24)
-    assert liveness.verdict(29, unsent=0) is None
-    assert liveness.verdict(29.1, unsent=0) is SILENT
+    keepalive = opened()
+    assert keepalive.verdict(20, unsent=0) == "ping"
+    keepalive.behind(24)
+    assert keepalive.verdict(29, unsent=0) is None
+    assert keepalive.verdict(29.1, unsent=0) is SILENT

@@ -53,41 +53,41 @@ async def call_rosapi(websocket: ClientConnection, service: str, node: str) -> d
 async def test_pong_answers_the_ping(any_hub: Hub) -> None:
     async with (
         connected(any_hub.port, "/?node=/talker") as talker,
-        connected(any_hub.port) as asker,
+        connected(any_hub.port) as caller,
     ):
-        await asker.send(call("ping_node", "/talker"))
+        await caller.send(call("ping_node", "/talker"))
         opcode, data = await talker.frame()
         assert opcode == PING
         await talker.send(frame(PONG, b"another's"), frame(PONG))
         await talker.is_processed()
-        await asker.is_processed()
+        await caller.is_processed()
         await talker.send(frame(PONG, data))
-        values = await receive_values(asker)
+        values = await receive_values(caller)
         assert (values["success"], values["message"]) == (True, "/talker has answered")
         assert 0 < values["seconds"] < 60
 
 
 async def test_raw_client_answers_a_ping_and_may_ping_itself(hub: Hub) -> None:
-    async with connect(f"{hub.url}/?node=/bare") as bare, connect(hub.url) as asker:
-        assert (await call_rosapi(asker, "ping_node", "/bare"))["success"]
+    async with connect(f"{hub.url}/?node=/bare") as bare, connect(hub.url) as caller:
+        assert (await call_rosapi(caller, "ping_node", "/bare"))["success"]
         assert (await call_rosapi(bare, "ping_node", "/bare"))["success"]
 
 
 async def test_client_that_leaves_during_a_ping_is_reported_as_gone(any_hub: Hub) -> None:
-    async with connected(any_hub.port) as asker:
+    async with connected(any_hub.port) as caller:
         async with connected(any_hub.port, "/?node=/talker") as talker:
-            await asker.send(call("ping_node", "/talker"))
+            await caller.send(call("ping_node", "/talker"))
             assert (await talker.frame())[0] == PING
-        values = await receive_values(asker)
+        values = await receive_values(caller)
         assert (values["success"], values["message"]) == (False, "/talker has left")
 
 
 async def test_caller_may_leave_before_the_pong(any_hub: Hub) -> None:
     async with connected(any_hub.port, "/?node=/talker") as talker:
-        async with connected(any_hub.port, "/?node=/asker") as asker:
-            await asker.send(call("ping_node", "/talker"))
+        async with connected(any_hub.port, "/?node=/caller") as caller:
+            await caller.send(call("ping_node", "/talker"))
             _, data = await talker.frame()
-        await until(lambda: "/asker" not in any_hub.graph.nodes)
+        await until(lambda: "/caller" not in any_hub.graph.nodes)
         await talker.send(frame(PONG, data))
         await talker.is_processed()
 
@@ -96,14 +96,14 @@ async def test_client_that_does_not_read_is_not_pinged(start_hub: StartHub) -> N
     hub = await start_hub(stall_timeout=PATIENT)
     async with (
         connected(hub.port, "/?node=/slow", receive_buffer=4096) as slow,
-        connected(hub.port) as asker,
+        connected(hub.port) as caller,
     ):
         await slow.subscribes("/t", "std_msgs/String")
-        await asker.advertises("/t", "std_msgs/String")
-        await asker.send(publish("/t", "x" * MIB))
-        await asker.is_processed()
-        await asker.send(call("ping_node", "/slow"))
-        values = await receive_values(asker)
+        await caller.advertises("/t", "std_msgs/String")
+        await caller.send(publish("/t", "x" * MIB))
+        await caller.is_processed()
+        await caller.send(call("ping_node", "/slow"))
+        values = await receive_values(caller)
         assert not values["success"]
         assert "/slow reads too slowly" in values["message"]
 
