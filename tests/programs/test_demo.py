@@ -12,7 +12,7 @@ import pytest
 from click.testing import CliRunner
 from running_programs import Start
 
-from fibws.cli import demo
+from fibws import demo
 from fibws.errors import HubError
 from fibws.hub import Hub
 
