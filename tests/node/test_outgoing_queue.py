@@ -46,7 +46,7 @@ def connected(queue: OutgoingQueue, *, paused: bool = False, hold: bool = False)
 
 
 async def turn() -> None:
-    """Let the loop run what is ready."""
+    """Run the ready callbacks of the loop."""
     await asyncio.sleep(0)
 
 

@@ -52,7 +52,7 @@ def delivers(
 
 
 def subscribed(session: FakeSession, subscription: Subscription[Int32], topic_id: int = 7) -> None:
-    """Let the session be one of `fibws.v1`, and hear a topic's number."""
+    """Connect the session with `fibws.v1` and deliver a topic's number."""
     session.serialized = True
     deliver(
         session,
