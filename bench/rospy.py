@@ -19,10 +19,10 @@ LIMIT_AGAINST_ROS = 3.0
 """For the median of the latency at the low rate."""
 LIMIT_IMPORT_SECONDS = 0.2
 WAKE_LOOP = """
-from rospy.loop_lock import LoopLock
+from rospy.background import LoopLock
 LoopLock.try_acquire = lambda self: False
 """
-"""Makes publishers wake the event loop for each message; see `rospy.loop_lock`."""
+"""Makes publishers wake the event loop for each message; see `LoopLock`."""
 
 
 def rospy(plan: Plan, report: Report) -> None:
