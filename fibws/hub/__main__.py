@@ -143,7 +143,7 @@ async def _serve(settings: Settings, url_file: Path | None) -> None:
         page = hub.url.replace("ws:", "http:")
         try:
             print(
-                f"The hub listens at {hub.url}; open {page}/ in a browser. Ctrl-C ends it.",
+                f"The hub listens at {hub.url}; open {page}/ in a browser. Press Ctrl-C to stop.",
                 flush=True,
             )
         except OSError as error:
