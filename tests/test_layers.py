@@ -125,7 +125,7 @@ PURE = modules(
 )
 
 
-def test_the_pure_layers_use_no_sockets_tasks_or_clocks() -> None:
+def test_pure_layers_use_no_sockets_tasks_or_clocks() -> None:
     for path in PURE:
         allowed = MASK if name_of(path) == "protocol/websocket.py" else set()
         impure = {name for name in imports(path) - allowed if name.partition(".")[0] in IMPURE}
@@ -169,7 +169,7 @@ def test_tools_use_only_the_quick_modules_of_other_parts(part: str) -> None:
             assert used <= allowed, f"{name_of(path)} imports {used - allowed} of {other}"
 
 
-def test_a_tool_loads_at_once() -> None:
+def test_tool_loads_at_once() -> None:
     for path in modules(*QUICK):
         if name_of(path) not in NODES:
             slow = {
@@ -182,7 +182,7 @@ def test_a_tool_loads_at_once() -> None:
                 assert "fibws.interfaces" not in imports(path, inside=False)
 
 
-def test_a_library_knows_no_command_line() -> None:
+def test_library_knows_no_command_line() -> None:
     for path in modules("client/**/*.py", "values/**/*.py", "node/**/*.py", "ros1/**/*.py"):
         found = {name for name in imports(path) if name.partition(".")[0] in ("click", "rich")}
         assert not found, f"{name_of(path)} imports {found}"

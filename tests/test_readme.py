@@ -144,7 +144,7 @@ def installed(first: str) -> list[str]:
     return words
 
 
-async def test_the_demo_runs() -> None:
+async def test_demo_runs() -> None:
     demo = await asyncio.create_subprocess_exec(
         *(sys.executable, *installed("-e ."), "--port", "0"), stdout=asyncio.subprocess.PIPE
     )
@@ -201,7 +201,7 @@ def check_options(command: click.Command, arguments: list[str]) -> None:
         assert "does not exist" in error.message, f"{command.name} {arguments}: {error}"
 
 
-def test_the_table_of_settings_is_that_of_the_code() -> None:
+def test_table_of_settings_is_that_of_the_code() -> None:
     page = PAGES[DOCS / "operations.md"]
     rows = re.findall(r"^\| `--([a-z-]+)` \| `?([^|`]*)`? \| (.*) \|$", page, re.MULTILINE)
     assert rows == [

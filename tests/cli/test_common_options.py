@@ -27,7 +27,7 @@ def interrupt(client: HubClient) -> None:
     raise KeyboardInterrupt
 
 
-def test_a_tool_has_a_link_while_it_runs(hub: HubThread) -> None:
+def test_tool_has_a_link_while_it_runs(hub: HubThread) -> None:
     links = []
 
     def body(client: HubClient) -> None:

@@ -70,7 +70,7 @@ def test_dot_and_json_exclude_each_other(run: Run) -> None:
     assert "--dot and --json" in result.output
 
 
-def test_an_empty_graph_suggests_the_demo(run: Run) -> None:
+def test_empty_graph_suggests_the_demo(run: Run) -> None:
     result = run("graph")
     assert result.exit_code == 0
     assert "fibws demo" in result.output
@@ -82,7 +82,7 @@ def test_ascii_is_drawn_without_unicode(hub: HubThread, chatter: HubClient) -> N
     assert "---> [/chatter std_msgs/String] --->" in result.output
 
 
-def test_an_invalid_namespace_is_an_error(run: Run) -> None:
+def test_invalid_namespace_is_an_error(run: Run) -> None:
     result = run("graph", "a b")
     assert result.exit_code == 1
     assert "'a b'" in result.output

@@ -79,7 +79,7 @@ def test_info_is_an_alias_of_show(alone: Alone) -> None:
     assert alone("msg", "info", "std_msgs/msg/Int32").output == shown == "int32 data\n\n"
 
 
-def test_a_type_without_a_package_is_found_in_all_packages(alone: Alone, folder: Path) -> None:
+def test_type_without_a_package_is_found_in_all_packages(alone: Alone, folder: Path) -> None:
     assert alone("msg", "show", "Int32").output == "[std_msgs/Int32]:\nint32 data\n\n"
     assert alone("msg", "show", "Int32.msg").output == "[std_msgs/Int32]:\nint32 data\n\n"
     (folder / "my_msgs" / "msg" / "Int32.msg").write_text("int32 mine\n")
@@ -97,7 +97,7 @@ def test_messages_of_actions_are_shown(alone: Alone) -> None:
     ]
 
 
-def test_the_type_may_be_read_from_standard_input(alone: Alone) -> None:
+def test_type_may_be_read_from_standard_input(alone: Alone) -> None:
     assert alone("msg", "show", input="\nstd_msgs/Int32\n").output == "int32 data\n\n"
     assert alone("msg", "show", input="").exit_code == 2
 
@@ -121,7 +121,7 @@ def test_definitions_are_found_in_folders(
     assert str(folder / "no") in result.stderr
 
 
-def test_an_invalid_definition_is_reported(alone: Alone, folder: Path) -> None:
+def test_invalid_definition_is_reported(alone: Alone, folder: Path) -> None:
     (folder / "my_msgs" / "msg" / "Bad.msg").write_text("int32 x\nwhatever\n")
     result = alone("msg", "show", "--interfaces", str(folder), "my_msgs/Bad")
     assert (result.exit_code, result.stdout) == (1, "")
@@ -152,7 +152,7 @@ def test_unknown_types_are_requested_from_the_hub(run: Run, client: HubClient) -
     assert "hub_msgs/Thing" in result.stderr
 
 
-def test_an_unknown_type_is_an_error(run: Run) -> None:
+def test_unknown_type_is_an_error(run: Run) -> None:
     result = run("msg", "show", "std_msgs/Int31")
     assert (result.exit_code, result.stdout) == (1, "")
     assert "std_msgs/Int31" in result.stderr
@@ -160,14 +160,14 @@ def test_an_unknown_type_is_an_error(run: Run) -> None:
     assert result.stderr.endswith("; did you mean std_msgs/Int32?\n")
 
 
-def test_an_unknown_type_without_a_hub_is_an_error(alone: Alone) -> None:
+def test_unknown_type_without_a_hub_is_an_error(alone: Alone) -> None:
     result = alone("msg", "show", "no_msgs/Qqqqqq")
     assert (result.exit_code, result.stdout) == (1, "")
     assert "no_msgs/Qqqqqq" in result.stderr and "ws://127.0.0.1:1 " in result.stderr
 
 
 @pytest.mark.parametrize(("type_", "nearest"), [("Int31", "std_msgs/Int32"), ("Qqqqqq", None)])
-def test_an_unknown_name_is_an_error(alone: Alone, type_: str, nearest: str | None) -> None:
+def test_unknown_name_is_an_error(alone: Alone, type_: str, nearest: str | None) -> None:
     for verb in ("show", "md5"):
         result = alone("msg", verb, type_)
         assert (result.exit_code, result.stdout) == (1, "")
@@ -176,7 +176,7 @@ def test_an_unknown_name_is_an_error(alone: Alone, type_: str, nearest: str | No
 
 
 @pytest.mark.parametrize("type_", ["std_msgs/a/Int32", "/std_msgs/Int32", "std-msgs/Int32"])
-def test_an_invalid_type_is_wrong_usage(alone: Alone, type_: str) -> None:
+def test_invalid_type_is_wrong_usage(alone: Alone, type_: str) -> None:
     result = alone("msg", "show", type_)
     assert result.exit_code == 2
     assert repr(type_) in result.stderr

@@ -12,14 +12,14 @@ from hub_in_thread import Run
 pytestmark = pytest.mark.usefixtures("run")
 
 
-def test_a_parameter_is_set_and_printed(run: Run) -> None:
+def test_parameter_is_set_and_printed(run: Run) -> None:
     result = run("param", "set", "/gain", "1.5")
     assert (result.exit_code, result.output) == (0, "")
     assert run("param", "get", "gain").output == "1.5\n"
     assert run("param", "get", "--json", "/gain").output == "1.5\n"
 
 
-def test_a_namespace_is_an_object(run: Run) -> None:
+def test_namespace_is_an_object(run: Run) -> None:
     result = run("param", "set", "-v", "robot", "{arm: {joints: [1, 2], name: x}}")
     assert result.output.splitlines() == [
         "set parameter [/robot/arm/joints] to [[1, 2]]",
@@ -33,7 +33,7 @@ def test_a_namespace_is_an_object(run: Run) -> None:
     }
 
 
-def test_an_object_is_merged(run: Run) -> None:
+def test_object_is_merged(run: Run) -> None:
     run("param", "set", "robot", "{a: 1, b: 1}")
     run("param", "set", "robot", "{b: 2, c: 3}")
     assert json.loads(run("param", "get", "--json", "robot").output) == {"a": 1, "b": 2, "c": 3}
@@ -47,7 +47,7 @@ def test_empty_negative_and_quoted_values(run: Run, word: str, value: object) ->
     assert json.loads(run("param", "get", "--json", "x").output) == value
 
 
-def test_a_file_may_be_the_value(run: Run, tmp_path: Path) -> None:
+def test_file_may_be_the_value(run: Run, tmp_path: Path) -> None:
     (tmp_path / "urdf").write_text("<robot>\n  5</robot>\n")
     assert run("param", "set", "robot_description", "-t", str(tmp_path / "urdf")).exit_code == 0
     found = json.loads(run("param", "get", "--json", "robot_description").output)
@@ -62,7 +62,7 @@ def test_invalid_values_are_wrong_usage(run: Run, words: list[str]) -> None:
     assert run("param", "get", "/x").exit_code == 1
 
 
-def test_a_refused_parameter_is_an_error(run: Run) -> None:
+def test_refused_parameter_is_an_error(run: Run) -> None:
     result = run("param", "set", "/x", "x" * 2**22)
     assert (result.exit_code, result.stdout) == (1, "")
     assert result.stderr.startswith("Error: Parameter [/x] ")
@@ -89,7 +89,7 @@ def test_names_may_contain_any_characters(run: Run) -> None:
     assert run("param", "get", "/9 lives/ü").output == "1\n"
 
 
-def test_an_unknown_parameter_is_an_error(run: Run) -> None:
+def test_unknown_parameter_is_an_error(run: Run) -> None:
     run("param", "set", "/gain", "1")
     result = run("param", "get", "/gian")
     assert (result.exit_code, result.stdout) == (1, "")

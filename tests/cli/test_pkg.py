@@ -37,7 +37,7 @@ def type_(folder: Path) -> Type:
     return type_
 
 
-def test_a_package_is_created(folder: Path, type_: Type) -> None:
+def test_package_is_created(folder: Path, type_: Type) -> None:
     made = type_("create", "fibonacci", "std_msgs", "rospy")
     assert made.exit_code == 0
     assert made.stderr == ""
@@ -74,7 +74,7 @@ def test_more_folders_are_created_if_asked_for(folder: Path, type_: Type) -> Non
     assert not (folder / "b").exists()
 
 
-def test_a_metapackage_is_created(folder: Path, type_: Type) -> None:
+def test_metapackage_is_created(folder: Path, type_: Type) -> None:
     type_("create", "all", "a", "b", "--meta")
     assert read_manifest(folder / "all").is_metapackage
 
@@ -122,7 +122,7 @@ def test_packages_are_listed_and_found(folder: Path, type_: Type) -> None:
     assert type_("profile").exit_code == 0
 
 
-def test_the_package_of_the_current_folder_is_the_default(
+def test_package_of_the_current_folder_is_the_default(
     folder: Path, type_: Type, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     type_("create", "fibonacci", "rospy")
@@ -144,20 +144,20 @@ def test_dependencies_are_followed(type_: Type) -> None:
     assert type_("depends-on", "a").output.split() == ["b", "c"]
 
 
-def test_a_circle_of_dependencies_ends(type_: Type) -> None:
+def test_circle_of_dependencies_ends(type_: Type) -> None:
     type_("create", "a", "b")
     type_("create", "b", "a")
     assert type_("depends", "a").output.split() == ["b"]
 
 
-def test_an_unknown_package_is_an_error(type_: Type) -> None:
+def test_unknown_package_is_an_error(type_: Type) -> None:
     type_("create", "fibonacci")
     found = type_("find", "fibonaci")
     assert found.exit_code == 1
     assert found.stderr == "Error: package 'fibonaci' not found: did you mean fibonacci?\n"
 
 
-def test_an_invalid_package_xml_is_an_error(folder: Path, type_: Type) -> None:
+def test_invalid_package_xml_is_an_error(folder: Path, type_: Type) -> None:
     type_("create", "a")
     (folder / "a" / "package.xml").write_text("<package><name>a</name></package>")
     assert type_("find", "a").exit_code == 0

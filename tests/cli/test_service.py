@@ -96,7 +96,7 @@ def test_args_include_nested_fields(run: Run, client: HubClient) -> None:
 
 
 @pytest.mark.parametrize("verb", ["info", "type", "node", "args"])
-def test_an_unknown_service_is_an_error(run: Run, verb: str) -> None:
+def test_unknown_service_is_an_error(run: Run, verb: str) -> None:
     result = run("service", verb, "math/ad")
     assert (result.exit_code, result.stdout) == (1, "")
     assert "/math/ad; did you mean /math/add?" in result.stderr
@@ -132,7 +132,7 @@ def test_call_without_arguments_lists_them(run: Run) -> None:
     assert "Please specify service arguments: a b" in result.stderr
 
 
-def test_a_service_without_fields_needs_no_arguments(run: Run) -> None:
+def test_service_without_fields_needs_no_arguments(run: Run) -> None:
     assert "  - /adder\n" in run("service", "call", "rosapi/nodes").output
 
 
@@ -152,20 +152,20 @@ def test_wrong_arguments_are_errors(run: Run, words: list[str], code: int, text:
     assert text in result.stderr
 
 
-def test_a_failing_service_is_an_error_with_its_reason(run: Run) -> None:
+def test_failing_service_is_an_error_with_its_reason(run: Run) -> None:
     result = run("service", "call", "/fail", "true")
     assert (result.exit_code, result.stdout) == (1, "")
     assert "/fail" in result.stderr and "the switch is stuck" in result.stderr
 
 
-def test_a_call_times_out(run: Run) -> None:
+def test_call_times_out(run: Run) -> None:
     result = run("service", "call", "--timeout", "0.05", "/hang", "true")
     assert (result.exit_code, result.stdout) == (1, "")
     assert result.stderr.startswith("Error: ")
     assert "/hang" in result.stderr
 
 
-def test_an_unavailable_service_is_an_error(run: Run) -> None:
+def test_unavailable_service_is_an_error(run: Run) -> None:
     result = run("service", "call", "/math/sub")
     assert result.exit_code == 1
     assert "[/math/sub] is not available; did you mean /math/add?" in result.stderr
@@ -173,7 +173,7 @@ def test_an_unavailable_service_is_an_error(run: Run) -> None:
     assert "[/qqq] is not available" in result.stderr
 
 
-def test_a_service_of_an_unknown_type_takes_an_object(run: Run, hub: HubThread) -> None:
+def test_service_of_an_unknown_type_takes_an_object(run: Run, hub: HubThread) -> None:
     with HubClient("provider", hub.url) as provider:
         provider.send({"op": "advertise_service", "service": "/odd", "type": "odd_msgs/Odd"})
         provider.call("/rosapi/get_time")

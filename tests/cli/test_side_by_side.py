@@ -291,7 +291,7 @@ def _print_rates(rates: dict[str, Rate]) -> None:
     output.line(rates_text(poll(rates), len(rates)))
 
 
-def test_a_rate_is_reported_as_by_rostopic(ask: Ask) -> None:
+def test_rate_is_reported_as_by_rostopic(ask: Ask) -> None:
     deltas = [0.101, 0.099, 0.1003, 0.25]
     rate = Rate()
     for moment in (0, *(sum(deltas[: i + 1]) for i in range(len(deltas)))):

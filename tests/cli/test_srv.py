@@ -56,7 +56,7 @@ def test_list_package_and_packages(run: Run) -> None:
     assert "std_msgs" not in packages
 
 
-def test_an_unknown_type_is_an_error(run: Run) -> None:
+def test_unknown_type_is_an_error(run: Run) -> None:
     result = run("srv", "show", "std_srvs/SetBol")
     assert (result.exit_code, result.stdout) == (1, "")
     assert "std_srvs/SetBol:" in result.stderr

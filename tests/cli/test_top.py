@@ -91,7 +91,7 @@ def test_rates_are_shown_from_the_second_measurement(terminal: Take) -> None:
 
 
 @on_terminals
-def test_a_lost_hub_restores_the_terminal(hub: HubThread, terminal: Take) -> None:
+def test_lost_hub_restores_the_terminal(hub: HubThread, terminal: Take) -> None:
     top = terminal("-d", "0.1", TERM="xterm")
     top.wait_for("/chatter")
     hub.stop()
@@ -101,7 +101,7 @@ def test_a_lost_hub_restores_the_terminal(hub: HubThread, terminal: Take) -> Non
 
 
 @on_terminals
-def test_a_key_sorts(terminal: Take) -> None:
+def test_key_sorts(terminal: Take) -> None:
     top = terminal(TERM="xterm")
     top.wait_for("by rate  q: quit, r: rate, b: bw, n: name")
     top.type("n")
@@ -125,7 +125,7 @@ def test_signals_restore_the_terminal(terminal: Take, end: signal.Signals) -> No
 
 
 @on_terminals
-def test_a_dumb_terminal_gets_plain_text(terminal: Take) -> None:
+def test_dumb_terminal_gets_plain_text(terminal: Take) -> None:
     top = terminal("-d", "0.1", TERM="dumb")
     top.wait_for("/chatter")
     top.wait_for("/chatter")

@@ -52,7 +52,7 @@ def make(type_: Type, *words: str, at: str = ".") -> Result:
     return type_("workspace", "make", *words, at=at)
 
 
-def test_an_empty_workspace_is_built(folder: Path, type_: Type) -> None:
+def test_empty_workspace_is_built(folder: Path, type_: Type) -> None:
     begun = type_("workspace", "init", at="src")
     assert begun.output == f"Created file {folder / 'src' / 'CMakeLists.txt'}\n"
     made = make(type_)
@@ -73,7 +73,7 @@ def test_an_empty_workspace_is_built(folder: Path, type_: Type) -> None:
     ]
 
 
-def test_a_package_is_created_and_built(folder: Path, type_: Type) -> None:
+def test_package_is_created_and_built(folder: Path, type_: Type) -> None:
     assert type_("pkg", "create", "fibonacci", "std_msgs", "rospy", at="src").exit_code == 0
     program = folder / "src" / "fibonacci" / "src" / "node.py"
     program.write_text(PROGRAM)
@@ -104,7 +104,7 @@ def test_messages_are_usable_at_once(
     assert "fibonacci/CountGoal" in type_("msg", "list").output
 
 
-def test_an_error_stops_its_package_and_those_that_need_it(folder: Path, type_: Type) -> None:
+def test_error_stops_its_package_and_those_that_need_it(folder: Path, type_: Type) -> None:
     type_("pkg", "create", "fibonacci", "rospy", "--with", "msg", at="src")
     type_("pkg", "create", "needs_it", "fibonacci", at="src")
     type_("pkg", "create", "other", "rospy", at="src")
@@ -146,14 +146,14 @@ def test_outside_the_root_of_a_workspace_the_error_says_where_it_is(
     assert not (folder.parent / "devel").exists()
 
 
-def test_a_workspace_may_be_given(folder: Path, type_: Type) -> None:
+def test_workspace_may_be_given(folder: Path, type_: Type) -> None:
     for option in ("-C", "--directory"):
         made = make(type_, option, "ros_workspace", at="..")
         assert f"Base path: {folder}\n" in made.output
         assert made.output.endswith(f"Next: source {folder / 'devel' / 'setup.bash'}\n")
 
 
-def test_a_sourced_workspace_needs_no_sourcing(
+def test_sourced_workspace_needs_no_sourcing(
     folder: Path, type_: Type, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("ROS_PACKAGE_PATH", str(folder / "src"))

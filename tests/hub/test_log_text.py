@@ -35,7 +35,7 @@ def test_line_ends_and_terminal_codes_are_escaped(text: str, expected: str) -> N
 
 
 @pytest.mark.parametrize("cut", [printable, shortened])
-def test_a_text_beyond_the_limit_is_cut(cut: type[str]) -> None:
+def test_text_beyond_the_limit_is_cut(cut: type[str]) -> None:
     whole = "x" * LONGEST_TEXT
     assert [cut(whole), cut(whole + "x")] == [whole, whole + "..."]
 

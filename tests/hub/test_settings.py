@@ -29,11 +29,11 @@ def test_settings_cannot_be_changed() -> None:
 
 
 @pytest.mark.parametrize("origin", ["https://lab.example", "http://lab:8000", "null", "*"])
-def test_an_origin_may_be_a_scheme_and_host_or_any_or_null(origin: str) -> None:
+def test_origin_may_be_a_scheme_and_host_or_any_or_null(origin: str) -> None:
     assert Settings(allow_origin=(origin,)).allow_origin == (origin,)
 
 
-def test_an_origin_without_a_scheme_is_refused() -> None:
+def test_origin_without_a_scheme_is_refused() -> None:
     with pytest.raises(HubError, match=r"--allow-origin.*lab\.example"):
         Settings(allow_origin=("lab.example",))
 
@@ -49,7 +49,7 @@ def test_an_origin_without_a_scheme_is_refused() -> None:
         ("stall_timeout", math.nan, "--stall-timeout"),
     ],
 )
-def test_a_number_out_of_range_is_refused(setting: str, value: float, flag: str) -> None:
+def test_number_out_of_range_is_refused(setting: str, value: float, flag: str) -> None:
     with pytest.raises(HubError) as caught:
         Settings(**{setting: value})  # type: ignore[arg-type]
     assert flag in str(caught.value)

@@ -118,7 +118,7 @@ def ros(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
 @pytest.mark.real_ros
 @pytest.mark.timeout(600)
 @pytest.mark.parametrize("name", SCENARIOS)
-async def test_a_scenario_goes_as_in_ros(ros: World, name: str) -> None:
+async def test_scenario_goes_as_in_ros(ros: World, name: str) -> None:
     await say_the_same(ros, *SCENARIOS[name])
 
 

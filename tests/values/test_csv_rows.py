@@ -9,13 +9,13 @@ from fibws.values.typedefs import Field, Typedefs
 NOW = 12_000_000_000
 
 
-def test_a_row_begins_with_the_time(client: HubClient) -> None:
+def test_row_begins_with_the_time(client: HubClient) -> None:
     rows = Rows(Typedefs.of_message(client, "std_msgs/Int32"), Field("", "std_msgs/Int32"))
     assert rows.head({"data": 8}) == "%time,field.data"
     assert rows.row({"data": 8}, now=NOW) == f"{NOW},8"
 
 
-def test_the_time_is_the_header_s_stamp(client: HubClient) -> None:
+def test_time_is_the_header_s_stamp(client: HubClient) -> None:
     type_ = "geometry_msgs/PointStamped"
     rows = Rows(Typedefs.of_message(client, type_), Field("", type_))
     header = {"seq": 1, "stamp": {"secs": 11, "nsecs": 5}, "frame_id": "map"}
@@ -33,7 +33,7 @@ def test_each_element_of_an_array_has_a_column(client: HubClient) -> None:
     assert rows.row(message, now=NOW) == f"{NOW},0,1,2"
 
 
-def test_a_message_of_an_unknown_type_has_a_column_for_each_value() -> None:
+def test_message_of_an_unknown_type_has_a_column_for_each_value() -> None:
     rows = Rows(Typedefs("unknown_msgs/Type"), Field("", "unknown_msgs/Type"))
     message = {"a": True, "b": {"c": "x"}, "d": [1, 2]}
     assert rows.head(message) == "%time,field.a,field.b.c,field.d0,field.d1"

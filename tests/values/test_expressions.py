@@ -160,7 +160,7 @@ def test_expressions_take_neither_long_nor_much_memory(expression: str) -> None:
         evaluate(expression)
 
 
-def test_the_size_of_a_value_includes_nested_values() -> None:
+def test_size_of_a_value_includes_nested_values() -> None:
     assert bounded(2 ** (MAX_BITS - 1)) and bounded("a" * MAX_ITEMS)
     half = ["a" * (MAX_ITEMS // 2)]
     assert bounded({"a": half})
@@ -169,7 +169,7 @@ def test_the_size_of_a_value_includes_nested_values() -> None:
             bounded(value)
 
 
-def test_an_expression_is_compiled_once_and_has_a_value_for_each_set_of_variables() -> None:
+def test_expression_is_compiled_once_and_has_a_value_for_each_set_of_variables() -> None:
     doubled = Expression("2 * n", {}, lambda part: lambda variables: variables["n"])
     assert [doubled.value({"n": n}) for n in (1, 2)] == [2, 4]
 

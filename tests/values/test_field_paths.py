@@ -38,7 +38,7 @@ def polygon(client: HubClient) -> Typedefs:
         ("polygon/points[::-1]", "geometry_msgs/Point32[]", POINTS[::-1]),
     ],
 )
-def test_a_path_leads_to_a_field(polygon: Typedefs, text: str, type_: str, value: Any) -> None:
+def test_path_leads_to_a_field(polygon: Typedefs, text: str, type_: str, value: Any) -> None:
     path = Path(text)
     assert path.field(polygon).written_type == type_
     assert path.pick(POLYGON, polygon) == value
@@ -63,7 +63,7 @@ def test_unknown_fields_are_named(polygon: Typedefs, text: str, facts: str) -> N
         Path(text).field(polygon)
 
 
-def test_an_array_may_be_too_short(polygon: Typedefs) -> None:
+def test_array_may_be_too_short(polygon: Typedefs) -> None:
     with pytest.raises(UnknownField, match=r"points.* 2"):
         Path("polygon/points[2]").pick(POLYGON, polygon)
 
@@ -75,7 +75,7 @@ def test_invalid_paths_are_refused(text: str) -> None:
 
 
 @pytest.mark.parametrize("text", ["a", "a/b[1]/c", "a[1:2]", "a[::2]", "a[-1]"])
-def test_the_text_of_a_path_is_what_was_parsed(text: str) -> None:
+def test_text_of_a_path_is_what_was_parsed(text: str) -> None:
     assert str(Path(text)) == text
     assert Path(text)
     assert not Path("")
@@ -91,5 +91,5 @@ def test_the_text_of_a_path_is_what_was_parsed(text: str) -> None:
         ("/a/", [("/a", "")]),
     ],
 )
-def test_a_name_is_a_topic_perhaps_with_a_path(name: str, found: list[tuple[str, str]]) -> None:
+def test_name_is_a_topic_perhaps_with_a_path(name: str, found: list[tuple[str, str]]) -> None:
     assert list(splits(name, ["/a", "/a/b", "/c"])) == found

@@ -104,7 +104,7 @@ def test_unknown_fields_are_found_before_the_first_message(text: str) -> None:
         Filter(text).check(TYPEDEFS)
 
 
-def test_an_array_that_is_too_short_is_an_unknown_field() -> None:
+def test_array_that_is_too_short_is_an_unknown_field() -> None:
     with pytest.raises(UnknownField, match=r"points.*2"):
         passes("m.points[5].x > 1")
 

@@ -85,7 +85,7 @@ def test_invalid_yaml_is_refused(word: str, fault: str) -> None:
     assert fault in str(caught.value)
 
 
-def test_an_object_is_a_parameter_for_each_key() -> None:
+def test_object_is_a_parameter_for_each_key() -> None:
     assert parameter_files.leaves("/a", {"b": 1, "c": {"d": [{"e": 1}], "f": {}}}) == [
         ("/a/b", "1"),
         ("/a/c/d", '[{"e": 1}]'),
@@ -117,7 +117,7 @@ def test_values_that_parameters_cannot_have_are_refused(word: str, fault: str) -
     assert fault in str(caught.value)
 
 
-def test_the_root_namespace_must_be_an_object() -> None:
+def test_root_namespace_must_be_an_object() -> None:
     with pytest.raises((InvalidValue, ParameterError), match="object"):
         parameter_files.leaves("/", 5)
     assert parameter_files.leaves("/", {"a": 5}) == [("/a", "5")]

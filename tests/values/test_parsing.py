@@ -24,7 +24,7 @@ def fault(words: list[str], typedefs: Typedefs) -> str:
 
 
 @pytest.mark.parametrize("words", [["data: 5"], ["{data: 5}"], ["5"]])
-def test_a_message_is_an_object_or_its_values_in_order(client: HubClient, words: list[str]) -> None:
+def test_message_is_an_object_or_its_values_in_order(client: HubClient, words: list[str]) -> None:
     typedefs = Typedefs.of_message(client, "std_msgs/Int32")
     assert parsing.message(words, typedefs) == {"data": 5}
 
@@ -45,7 +45,7 @@ def test_numbers_that_are_strings_in_yaml_are_numbers(client: HubClient) -> None
     assert parsing.message([".inf"], typedefs) == {"data": math.inf}
 
 
-def test_a_missing_space_after_a_colon_is_reported(client: HubClient) -> None:
+def test_missing_space_after_a_colon_is_reported(client: HubClient) -> None:
     assert "'data: 5'" in fault(["data:5"], Typedefs.of_message(client, "std_msgs/Int32"))
     text = Typedefs.of_message(client, "std_msgs/String")
     assert parsing.message(["data:5"], text) == {"data": "data:5"}
@@ -63,7 +63,7 @@ def test_now_and_auto_are_the_time(client: HubClient) -> None:
 
 
 @pytest.mark.parametrize("word", ["{secs: 1, nsecs: 5}", "[1, 5]", "1000000005"])
-def test_a_time_has_several_spellings(client: HubClient, word: str) -> None:
+def test_time_has_several_spellings(client: HubClient, word: str) -> None:
     typedefs = Typedefs.of_message(client, "std_msgs/Time")
     assert parsing.message([f"data: {word}"], typedefs) == {"data": {"secs": 1, "nsecs": 5}}
 
@@ -81,7 +81,7 @@ def test_bytes_may_have_the_tag_binary(client: HubClient) -> None:
     assert parsing.message(["data: !!binary AQI="], typedefs)["data"] == "AQI="
 
 
-def test_a_message_of_an_unknown_type_is_not_checked() -> None:
+def test_message_of_an_unknown_type_is_not_checked() -> None:
     typedefs = Typedefs("unknown_msgs/Type")
     assert parsing.message(["{a: [1, {b: x}]}"], typedefs) == {"a": [1, {"b": "x"}]}
     assert "unknown_msgs/Type" in fault(["1"], typedefs)
@@ -107,7 +107,7 @@ def test_a_message_of_an_unknown_type_is_not_checked() -> None:
         ("geometry_msgs/Polygon", ["points: [{x: 1}, {w: 2}]"], r"\[points\[1\]\.w\]"),
     ],
 )
-def test_an_error_names_the_field_and_what_is_expected(
+def test_error_names_the_field_and_what_is_expected(
     client: HubClient, type_: str, words: list[str], facts: str
 ) -> None:
     assert re.match(f".*{facts}", fault(words, Typedefs.of_message(client, type_)))
@@ -118,7 +118,7 @@ def test_tags_of_python_objects_are_refused(client: HubClient) -> None:
     assert "Invalid YAML" in fault(["!!python/object/apply:os.getcwd []"], typedefs)
 
 
-def test_a_file_may_have_several_documents() -> None:
+def test_file_may_have_several_documents() -> None:
     stream: Any = io.StringIO("data: 1\n---\ndata: 2\n")
     assert list(parsing.documents(stream)) == [{"data": 1}, {"data": 2}]
     with pytest.raises(InvalidValue, match="Invalid YAML"):

@@ -9,7 +9,7 @@ from fibws.errors import ServiceError
 from fibws.values.typedefs import Field, Typedefs, if_known
 
 
-def test_a_message_has_its_fields_in_order(client: HubClient) -> None:
+def test_message_has_its_fields_in_order(client: HubClient) -> None:
     typedefs = Typedefs.of_message(client, "geometry_msgs/PoseWithCovariance")
     assert typedefs.root == "geometry_msgs/PoseWithCovariance"
     assert typedefs.fields(typedefs.root) == [
@@ -19,7 +19,7 @@ def test_a_message_has_its_fields_in_order(client: HubClient) -> None:
     assert [field.name for field in typedefs.fields("geometry_msgs/Point")] == ["x", "y", "z"]
 
 
-def test_an_array_of_any_length_has_length_0(client: HubClient) -> None:
+def test_array_of_any_length_has_length_0(client: HubClient) -> None:
     typedefs = Typedefs.of_message(client, "std_msgs/Int32MultiArray")
     data = typedefs.fields(typedefs.root)[1]
     assert data == Field("data", "int32", 0)
@@ -34,7 +34,7 @@ def test_an_array_of_any_length_has_length_0(client: HubClient) -> None:
         (Field("a", "std_msgs/Header", 3), "std_msgs/Header[3]"),
     ],
 )
-def test_a_type_is_written_as_in_definitions(field: Field, written: str) -> None:
+def test_type_is_written_as_in_definitions(field: Field, written: str) -> None:
     assert field.written_type == written
 
 
@@ -47,14 +47,14 @@ def test_constants_have_names_and_values(client: HubClient) -> None:
     assert typedefs.constants("rosgraph_msgs/Log")["WARN"] == "4"
 
 
-def test_a_service_has_a_request_and_a_response(client: HubClient) -> None:
+def test_service_has_a_request_and_a_response(client: HubClient) -> None:
     request = Typedefs.of_request(client, "rospy_tutorials/AddTwoInts")
     response = Typedefs.of_response(client, "rospy_tutorials/AddTwoInts")
     assert request.fields(request.root) == [Field("a", "int64"), Field("b", "int64")]
     assert response.fields(response.root) == [Field("sum", "int64")]
 
 
-def test_an_unknown_type_is_an_error(client: HubClient) -> None:
+def test_unknown_type_is_an_error(client: HubClient) -> None:
     with pytest.raises(ServiceError, match="did you mean std_msgs/String"):
         Typedefs.of_message(client, "std_msgs/Strin")
     unknown = if_known(Typedefs.of_message, client, "std_msgs/Strin")
@@ -71,14 +71,14 @@ def test_defaults_are_those_of_ros(client: HubClient) -> None:
     assert typedefs.default(Field("", "uint8", 0)) == []
 
 
-def test_an_empty_definition_contains_no_type() -> None:
+def test_empty_definition_contains_no_type() -> None:
     typedefs = Typedefs("my_msgs/Mine")
     assert "my_msgs/Mine" not in typedefs
     with pytest.raises(KeyError):
         typedefs.fields("my_msgs/Mine")
 
 
-def test_a_header_is_the_first_field(client: HubClient) -> None:
+def test_header_is_the_first_field(client: HubClient) -> None:
     typedefs = Typedefs.of_message(client, "nav_msgs/Path")
     assert typedefs.has_header("nav_msgs/Path")
     assert typedefs.has_header("geometry_msgs/PoseStamped")
@@ -87,7 +87,7 @@ def test_a_header_is_the_first_field(client: HubClient) -> None:
 
 
 @pytest.mark.parametrize("typedefs", [5, [5], [{"type": "x"}], [{}]])
-def test_an_invalid_response_is_an_error(typedefs: object, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_invalid_response_is_an_error(typedefs: object, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(HubClient, "__init__", lambda *_: None)
     monkeypatch.setattr(HubClient, "call", lambda *_: {"typedefs": typedefs})
     with pytest.raises(ServiceError, match=r"invalid .*std_msgs/Int32"):

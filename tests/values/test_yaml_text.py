@@ -122,7 +122,7 @@ def test_numbers_may_have_a_width(type_: str, value: Any, text: str) -> None:
     assert printed(type_, value, style=Style(width=5)) == text
 
 
-def test_an_offset_is_subtracted_from_times() -> None:
+def test_offset_is_subtracted_from_times() -> None:
     style = Style(offset=10_500_000_000)
     time = {"secs": 10, "nsecs": 0}
     assert printed("time", time, style=style) == "\n  secs: -1\n  nsecs: 500000000"
@@ -134,7 +134,7 @@ def test_missing_fields_are_printed_with_their_defaults() -> None:
     assert message_text({}, typedefs) == "a: 0\nb: ''\nc: [0.0, 0.0]"
 
 
-def test_a_message_of_an_unknown_type_is_printed_by_its_values() -> None:
+def test_message_of_an_unknown_type_is_printed_by_its_values() -> None:
     message = {"a": 1, "b": {"c": "x", "d": None}, "e": [1, 2], "f": [{"g": True}], "h": ["i"]}
     assert message_text(message, Typedefs("unknown_msgs/Type")) == (
         'a: 1\nb: \n  c: "x"\n  d: null\ne: [1, 2]\nf: \n  - \n    g: True\nh: \n  - i'

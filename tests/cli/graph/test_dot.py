@@ -20,7 +20,7 @@ VIEW = View(
 )
 
 
-def test_a_node_and_a_topic_may_have_the_same_name() -> None:
+def test_node_and_a_topic_may_have_the_same_name() -> None:
     lines = list(dot(VIEW))
     assert '  "node /talker" -> "topic /talker";' in lines
     assert '  "topic /talker" -> "node /listener";' in lines

@@ -22,7 +22,7 @@ CHATTER = topic("/talker", "/chatter", "/listener")
 MANY = topic("/a /bb /ccc", "/chatter", "/x /y")
 
 
-def test_a_publisher_and_a_subscriber() -> None:
+def test_publisher_and_a_subscriber() -> None:
     assert text(CHATTER) == "/talker ───> [/chatter std_msgs/String] ───> /listener"
 
 
@@ -81,7 +81,7 @@ def test_topics_have_their_own_widths_if_columns_do_not_fit() -> None:
     ]
 
 
-def test_a_narrow_terminal_has_a_name_per_line() -> None:
+def test_narrow_terminal_has_a_name_per_line() -> None:
     assert text(MANY, width=40) == (
         "[/chatter std_msgs/String]\n  <── /a\n  <── /bb\n  <── /ccc\n  ──> /x\n  ──> /y"
     )

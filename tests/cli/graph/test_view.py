@@ -62,7 +62,7 @@ def names(topics: list[Topic]) -> list[str]:
     return [topic.name for topic in topics]
 
 
-def test_a_topic_has_its_publishers_and_subscribers_without_the_tool() -> None:
+def test_topic_has_its_publishers_and_subscribers_without_the_tool() -> None:
     shown = view(graph(topic("/chatter", f"/b /a {ME}", f"/c /c {ME}"), nodes="/a /b /c"))
     assert shown.nodes == ["/a", "/b", "/c"]
     assert shown.topics == [Topic("/chatter", "std_msgs/String", True, ["/a", "/b"], ["/c"])]
@@ -101,7 +101,7 @@ def test_pages_and_commands_are_hidden() -> None:
     assert {page, tool} <= set(view(response, everything=True).nodes)
 
 
-def test_the_same_names_are_hidden_as_by_the_page() -> None:
+def test_same_names_are_hidden_as_by_the_page() -> None:
     cases = WEB_TEST.read_text("utf-8").split("test.each(")[1:]
     for case, expected in zip(cases, (True, False), strict=True):
         names = re.findall(r'"(/[^"]+)"', case)
@@ -117,7 +117,7 @@ def test_everything_includes_hidden_names() -> None:
     assert (shown.hidden_nodes, shown.hidden_topics, shown.hidden_services) == (0, 0, 0)
 
 
-def test_an_action_replaces_its_topics_and_has_clients() -> None:
+def test_action_replaces_its_topics_and_has_clients() -> None:
     topics = [topic(f"/do/{each}", "/server", "/client") for each in ("status", "result")]
     response = graph(
         topic("/do/goal", "/client", "/server"),
@@ -134,11 +134,11 @@ def test_an_action_replaces_its_topics_and_has_clients() -> None:
     assert names(view(response, everything=True).topics) == ["/do/goal", "/do/result", "/do/status"]
 
 
-def test_a_topic_named_goal_without_an_action_is_shown() -> None:
+def test_topic_named_goal_without_an_action_is_shown() -> None:
     assert names(view(graph(topic("/soccer/goal", "/a"))).topics) == ["/soccer/goal"]
 
 
-def test_a_namespace_includes_its_topics_and_those_of_its_nodes() -> None:
+def test_namespace_includes_its_topics_and_those_of_its_nodes() -> None:
     response = graph(
         topic("/robot/scan", "/laser"),
         topic("/scan", "/robot/driver"),

@@ -101,7 +101,7 @@ def test_two_subscriptions_of_a_node_are_one_subscriber() -> None:
     assert one(topic("/t", x=1), now).subscribers == 1
 
 
-def test_the_first_measurement_has_no_rates() -> None:
+def test_first_measurement_has_no_rates() -> None:
     response = statistics(1, topic("/t", published={"/a": (3, 9)}, x=4))
     measurement = between(response, response)
     assert measurement.seconds == 0
@@ -135,7 +135,7 @@ def test_slow_clients_come_first_without_the_tool() -> None:
     assert measurement.clients[0] == Client("/b", "127.0.0.1:5", 0, 0, True)
 
 
-def test_a_measurement_as_json() -> None:
+def test_measurement_as_json() -> None:
     response = statistics(1.5, topic("/t"), clients=(client("/a"),))
     assert between(statistics(1), response).as_json() == {
         "stamp": 1700000001.5,

@@ -94,7 +94,7 @@ def test_bytes_have_units(number: float, text: str) -> None:
     assert amount(number) == text
 
 
-def test_the_row_of_a_topic() -> None:
+def test_row_of_a_topic() -> None:
     assert topic_cells(TOPIC) == ("/t", "10.50Hz", "2.05KB/s", "2", "1", "8")
     assert topic_cells(TOPIC, is_measured=False)[1:3] == ("-", "-")
 
@@ -104,7 +104,7 @@ def test_new_drops_are_shown() -> None:
 
 
 @pytest.mark.parametrize(("slow", "state"), [(True, "slow"), (False, "ok")])
-def test_the_row_of_a_client(slow: bool, state: str) -> None:
+def test_row_of_a_client(slow: bool, state: str) -> None:
     assert client_cells(Client("/a", "::1", 2000, 4, slow)) == ("/a", "::1", "2.00KB", "4", state)
 
 

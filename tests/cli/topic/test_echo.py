@@ -46,7 +46,7 @@ def test_options_change_the_output(
 
 
 @pytest.mark.parametrize("name", ["/a-b", "/übung/x.y"])
-def test_a_topic_with_an_invalid_name_is_printed(run: Run, publish: Publish, name: str) -> None:
+def test_topic_with_an_invalid_name_is_printed(run: Run, publish: Publish, name: str) -> None:
     publish(name, "std_msgs/Int32", {"data": 8})
     assert run("topic", "echo", "-n", "1", name).output == "data: 8\n---\n"
     assert run("topic", "echo", "-n", "1", f"{name}/data").output == "8\n---\n"
@@ -63,7 +63,7 @@ def test_json_prints_a_message_per_line(run: Run, publish: Publish) -> None:
     assert "--noarr" in styled.output
 
 
-def test_a_filter_selects_messages(run: Run, publish: Publish) -> None:
+def test_filter_selects_messages(run: Run, publish: Publish) -> None:
     client = publish("/number", "std_msgs/Int32", {"data": 1})
 
     def publish_more() -> None:
@@ -88,7 +88,7 @@ def test_a_filter_selects_messages(run: Run, publish: Publish) -> None:
         ("data > 5", "m.data > 5"),
     ],
 )
-def test_an_invalid_filter_is_wrong_usage(
+def test_invalid_filter_is_wrong_usage(
     run: Run, publish: Publish, condition: str, fact: str
 ) -> None:
     publish("/number", "std_msgs/Int32", {"data": 8})
@@ -134,7 +134,7 @@ def test_messages_with_too_short_arrays_are_skipped(run: Run, publish: Publish) 
     assert "data has only 1 " in result.stderr
 
 
-def test_a_message_of_an_unknown_type_is_printed(run: Run, publish: Publish) -> None:
+def test_message_of_an_unknown_type_is_printed(run: Run, publish: Publish) -> None:
     publish("/odd", "unknown_msgs/Type", {"a": 1, "b": [{"c": "x"}]})
     assert run("topic", "echo", "-n", "1", "/odd").output == 'a: 1\nb: \n  - \n    c: "x"\n---\n'
 
@@ -147,7 +147,7 @@ def test_a_message_of_an_unknown_type_is_printed(run: Run, publish: Publish) -> 
         ({"data": 8}, {"data": "AQI="}, "std_msgs/UInt8MultiArray", "data: [1, 2]\n"),
     ],
 )
-async def test_the_type_of_a_topic_may_change(
+async def test_type_of_a_topic_may_change(
     start: Start,
     hub: HubThread,
     client: HubClient,
@@ -168,7 +168,7 @@ async def test_the_type_of_a_topic_may_change(
     assert out.endswith(f"{printed}---\n")
 
 
-async def test_the_field_may_be_missing_in_another_type(
+async def test_field_may_be_missing_in_another_type(
     start: Start, hub: HubThread, client: HubClient
 ) -> None:
     publish_latched(client, "std_msgs/Int32", {"data": 8})
@@ -197,7 +197,7 @@ async def test_ctrl_c_ends_without_an_error(start: Start, hub: HubThread, publis
     assert await program.end() == (0, "", "")
 
 
-async def test_a_closed_pipe_ends_without_an_error(
+async def test_closed_pipe_ends_without_an_error(
     start: Start, hub: HubThread, publish: Publish
 ) -> None:
     client = publish("/number", "std_msgs/Int32", {"data": 8})
@@ -211,9 +211,7 @@ async def test_a_closed_pipe_ends_without_an_error(
     assert (code, errors) == (0, "")
 
 
-async def test_an_unpublished_topic_is_awaited(
-    start: Start, hub: HubThread, publish: Publish
-) -> None:
+async def test_unpublished_topic_is_awaited(start: Start, hub: HubThread, publish: Publish) -> None:
     publish("/later", "std_msgs/Int32")
     program = await start("fibws", "topic", "echo", "-n", "1", "/late", FIBWS_HUB=hub.url)
     warning = "WARNING: topic [/late] does not appear to be published yet"
@@ -229,7 +227,7 @@ async def test_without_a_hub_the_error_says_how_to_start_one(start: Start) -> No
     assert "ws://127.0.0.1:1" in errors and "fibws hub" in errors
 
 
-async def test_a_lost_hub_is_an_error(start: Start, hub: HubThread, publish: Publish) -> None:
+async def test_lost_hub_is_an_error(start: Start, hub: HubThread, publish: Publish) -> None:
     publish("/number", "std_msgs/Int32", {"data": 8})
     program = await start("fibws", "topic", "echo", "/number", FIBWS_HUB=hub.url)
     await program.line()
@@ -240,7 +238,7 @@ async def test_a_lost_hub_is_an_error(start: Start, hub: HubThread, publish: Pub
 
 
 @pytest.mark.skipif(not hasattr(os, "openpty"), reason="there are no terminals of this kind")
-def test_the_screen_is_cleared_on_a_terminal_only(hub: HubThread, publish: Publish) -> None:
+def test_screen_is_cleared_on_a_terminal_only(hub: HubThread, publish: Publish) -> None:
     publish("/number", "std_msgs/Int32", {"data": 8})
     mine, theirs = pty.openpty()
     command = ["-m", "fibws", "topic", "echo", "-c", "-n", "1", "/number", "--hub", hub.url]

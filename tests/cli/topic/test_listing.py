@@ -66,7 +66,7 @@ def test_list_prints_a_json_object_per_line(run: Run, publish: Publish) -> None:
     ]
 
 
-def test_a_topic_has_a_type_and_nodes_at_both_ends(run: Run, publish: Publish) -> None:
+def test_topic_has_a_type_and_nodes_at_both_ends(run: Run, publish: Publish) -> None:
     client = publish("/chatter", "std_msgs/String")
     client.subscribe("/chatter")
     client.call("/rosapi/get_time")
@@ -94,7 +94,7 @@ def test_info_as_json(run: Run, publish: Publish) -> None:
     assert found == {"name": "/chatter", "type": "std_msgs/String", "subscribers": []}
 
 
-def test_an_unknown_topic_is_an_error_with_a_suggestion(run: Run, publish: Publish) -> None:
+def test_unknown_topic_is_an_error_with_a_suggestion(run: Run, publish: Publish) -> None:
     publish("/chatter", "std_msgs/String")
     result = run("topic", "info", "/chater")
     assert result.exit_code == 1
@@ -110,9 +110,7 @@ def test_an_unknown_topic_is_an_error_with_a_suggestion(run: Run, publish: Publi
         ("/pose/pose/position/x", "geometry_msgs/PoseStamped pose/position/x float64"),
     ],
 )
-def test_a_topic_and_its_fields_have_types(
-    run: Run, publish: Publish, name: str, line: str
-) -> None:
+def test_topic_and_its_fields_have_types(run: Run, publish: Publish, name: str, line: str) -> None:
     publish("/pose", "geometry_msgs/PoseStamped")
     result = run("topic", "type", name)
     assert (result.exit_code, result.output) == (0, f"{line}\n")
@@ -136,7 +134,7 @@ def test_unknown_topics_and_fields_are_errors(run: Run, publish: Publish) -> Non
     assert "x in geometry_msgs/PoseStamped" in field.stderr
 
 
-def test_the_topics_of_a_type_are_found(run: Run, publish: Publish) -> None:
+def test_topics_of_a_type_are_found(run: Run, publish: Publish) -> None:
     publish("/b", "std_msgs/String")
     publish("/a", "std_msgs/String")
     assert run("topic", "find", "std_msgs/String").output == "/a\n/b\n"
@@ -144,12 +142,12 @@ def test_the_topics_of_a_type_are_found(run: Run, publish: Publish) -> None:
     assert run("topic", "find", "--json", "std_msgs/String").output == '"/a"\n"/b"\n'
 
 
-def test_a_type_may_have_no_topics(run: Run) -> None:
+def test_type_may_have_no_topics(run: Run) -> None:
     result = run("topic", "find", "std_msgs/String")
     assert (result.exit_code, result.output) == (0, "")
 
 
-def test_a_type_without_a_package_is_an_error(run: Run) -> None:
+def test_type_without_a_package_is_an_error(run: Run) -> None:
     result = run("topic", "find", "String")
     assert (result.exit_code, result.stdout) == (2, "")
     assert "did you mean std_msgs/String?" in result.stderr

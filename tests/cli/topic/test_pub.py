@@ -90,7 +90,7 @@ def test_values_are_read_from_standard_input(run: Run, received: Callable[[], li
     assert received() == [1, 2, 3]
 
 
-def test_the_output_of_echo_can_be_published(
+def test_output_of_echo_can_be_published(
     run: Run, publish: Publish, received: Callable[[], list[Any]]
 ) -> None:
     publish("/source", "std_msgs/Int32", {"data": 8})
@@ -105,7 +105,7 @@ def test_once_publishes_the_first_message(run: Run, received: Callable[[], list[
     assert received() == [1]
 
 
-def test_a_file_has_messages(run: Run, received: Callable[[], list[Any]], tmp_path: Path) -> None:
+def test_file_has_messages(run: Run, received: Callable[[], list[Any]], tmp_path: Path) -> None:
     file = tmp_path / "messages.yaml"
     file.write_text("data: 1\n---\ndata: 2\n", "utf-8")
     words = ("topic", "pub", "-r", "1000", "-f", str(file), "/number", "std_msgs/Int32")
@@ -115,7 +115,7 @@ def test_a_file_has_messages(run: Run, received: Callable[[], list[Any]], tmp_pa
     assert "contains no message" in run(*words).output
 
 
-async def test_the_only_message_of_a_file_is_repeated(
+async def test_only_message_of_a_file_is_repeated(
     start: Start, hub: HubThread, client: HubClient, tmp_path: Path
 ) -> None:
     file = tmp_path / "message.yaml"
@@ -128,7 +128,7 @@ async def test_the_only_message_of_a_file_is_repeated(
     assert next(messages) == next(messages) == {"data": 8}
 
 
-def test_a_message_with_no_fields_needs_no_values(run: Run) -> None:
+def test_message_with_no_fields_needs_no_values(run: Run) -> None:
     assert run("topic", "pub", "-1", "/go", "std_msgs/Empty").exit_code == 0
 
 
@@ -194,7 +194,7 @@ def test_refused_operations_are_errors(hub: HubThread) -> None:
             publisher.publish_all(iter(messages), 1000)
 
 
-def test_an_unknown_type_is_a_warning(hub: HubThread, capsys: pytest.CaptureFixture[str]) -> None:
+def test_unknown_type_is_a_warning(hub: HubThread, capsys: pytest.CaptureFixture[str]) -> None:
     with HubClient("pub", hub.url) as client:
         Publisher(client, "/odd", "unknown_msgs/Type", latch=False).publish({"a": 1})
     assert "unknown_msgs/Type" in capsys.readouterr().err
@@ -214,7 +214,7 @@ def stdin(monkeypatch: pytest.MonkeyPatch) -> Iterator[TextIO]:
         yield written
 
 
-def test_a_line_of_hyphens_ends_a_message(publisher: Publisher, stdin: TextIO) -> None:
+def test_line_of_hyphens_ends_a_message(publisher: Publisher, stdin: TextIO) -> None:
     documents = pub.documents_from_stdin(publisher)
     print("data: 1\n---\ndata:", file=stdin, end="", flush=True)
     assert next(documents) == {"data": 1}
@@ -226,7 +226,7 @@ def test_a_line_of_hyphens_ends_a_message(publisher: Publisher, stdin: TextIO) -
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows cannot wait for a pipe and a socket")
-def test_the_hub_s_messages_are_processed_meanwhile(publisher: Publisher, stdin: TextIO) -> None:
+def test_hub_s_messages_are_processed_meanwhile(publisher: Publisher, stdin: TextIO) -> None:
     publisher.client.send({"op": "publish", "topic": "/number", "msg": {"data": "x"}})
     with pytest.raises(OperationRejected):
         next(pub.documents_from_stdin(publisher))
@@ -266,7 +266,7 @@ def test_endless_messages_are_refused(
     assert taken <= 1_000
 
 
-def test_the_limit_is_that_of_one_message(
+def test_limit_is_that_of_one_message(
     publisher: Publisher, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(pub, "MAX_CHARACTERS", 10)

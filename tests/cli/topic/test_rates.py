@@ -127,7 +127,7 @@ async def test_each_of_several_topics_is_reported(start: Start, hub: HubThread) 
     assert reports[0].keys() == {"topic", "rate", "min", "max", "std_dev", "window"}
 
 
-def test_a_field_is_refused(run: Run, publish: Publish) -> None:
+def test_field_is_refused(run: Run, publish: Publish) -> None:
     publish("/number", "std_msgs/Int32")
     result = run("topic", "hz", "/number/data")
     assert result.exit_code == 2

@@ -24,16 +24,16 @@ from fibws.errors import InvalidName, ServiceError, UnknownField
     ("argument", "name"),
     [("/a/b", "/a/b"), ("a", "/a"), ("a/", "/a"), ("a/b[0]/c", "/a/b[0]/c"), ("/a[1:]", "/a[1:]")],
 )
-def test_an_argument_is_a_global_name(client: HubClient, argument: str, name: str) -> None:
+def test_argument_is_a_global_name(client: HubClient, argument: str, name: str) -> None:
     assert global_name(client, argument) == name
 
 
-def test_an_invalid_name_is_refused(client: HubClient) -> None:
+def test_invalid_name_is_refused(client: HubClient) -> None:
     with pytest.raises(InvalidName):
         global_name(client, "a b")
 
 
-def test_the_longest_topic_with_the_field_is_found(client: HubClient, publish: Publish) -> None:
+def test_longest_topic_with_the_field_is_found(client: HubClient, publish: Publish) -> None:
     publish("/a", "geometry_msgs/PoseStamped")
     publish("/a/pose", "std_msgs/Int32")
     found = find_topic(client, "/a/pose/position")
@@ -44,7 +44,7 @@ def test_the_longest_topic_with_the_field_is_found(client: HubClient, publish: P
     assert (exact.topic, exact.type, bool(exact.path)) == ("/a/pose", "std_msgs/Int32", False)
 
 
-def test_an_unpublished_topic_is_not_found(client: HubClient, publish: Publish) -> None:
+def test_unpublished_topic_is_not_found(client: HubClient, publish: Publish) -> None:
     publish("/a", "std_msgs/Int32")
     client.subscribe("/subscribed")
     assert find_topic(client, "/b") is None

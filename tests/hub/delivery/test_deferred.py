@@ -100,7 +100,7 @@ def hub() -> Hub:
     return Hub()
 
 
-def test_a_small_frame_is_made_at_once(hub: Hub) -> None:
+def test_small_frame_is_made_at_once(hub: Hub) -> None:
     client = hub.client()
     client.put(Lane(9), 1, 2, size=10)
     assert client.received() == b"<1><2>"
@@ -185,7 +185,7 @@ def test_frames_that_are_made_wait_in_order_and_leave_as_others_do(hub: Hub) -> 
     assert client.received() == b"<3>"
 
 
-def test_the_limit_counts_frames_of_both_kinds(hub: Hub) -> None:
+def test_limit_counts_frames_of_both_kinds(hub: Hub) -> None:
     client, lane = hub.client(), Lane(2)
     client.queue.pause()
     for value in (b"1", b"2"):
@@ -349,7 +349,7 @@ def png_of(operation: dict[str, Any]) -> Any:
     return json.loads(read_text(operation["data"]))["msg"]["data"]
 
 
-def test_a_slow_subscriber_of_png_costs_no_encoding(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_slow_subscriber_of_png_costs_no_encoding(monkeypatch: pytest.MonkeyPatch) -> None:
     made: list[bytes] = []
 
     def encode(text: bytes) -> str:

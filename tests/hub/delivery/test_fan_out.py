@@ -72,7 +72,7 @@ def test_all_members_share_the_bytes_of_a_frame() -> None:
     assert first.writes[0] is second.writes[0]
 
 
-def test_a_frame_is_encoded_once_for_direct_and_throttled_members() -> None:
+def test_frame_is_encoded_once_for_direct_and_throttled_members() -> None:
     group = Group()
     members = [group.join(), group.join(), group.join(period=0.3), group.join(period=0.3)]
     group.send(1)
@@ -99,7 +99,7 @@ def test_each_throttle_is_one_members_own() -> None:
     assert queued.frames == [b"1", b"3", b"4"]
 
 
-def test_a_slow_member_keeps_its_newest_frames_and_does_not_delay_others() -> None:
+def test_slow_member_keeps_its_newest_frames_and_does_not_delay_others() -> None:
     group = Group()
     slow, quick = group.join(), group.join()
     slow.queue.pause()
@@ -111,7 +111,7 @@ def test_a_slow_member_keeps_its_newest_frames_and_does_not_delay_others() -> No
     assert slow.frames == [b"2", b"3"]
 
 
-def test_a_member_gets_frames_until_it_is_removed() -> None:
+def test_member_gets_frames_until_it_is_removed() -> None:
     group = Group()
     members = [group.join(), group.join(period=0.3)]
     assert (len(group.fan_out), group.fan_out.members()) == (2, members)
@@ -138,7 +138,7 @@ def test_messages_are_counted_for_each_member_since_it_joined() -> None:
     assert [group.fan_out.sent_to(member) for member in members] == [3, 1, 1]
 
 
-def test_a_publication_that_cannot_be_encoded_is_not_sent() -> None:
+def test_publication_that_cannot_be_encoded_is_not_sent() -> None:
     group = Group()
     member = group.join()
     with pytest.raises(ValueError, match="-1"):
@@ -149,7 +149,7 @@ def test_a_publication_that_cannot_be_encoded_is_not_sent() -> None:
 
 
 @pytest.mark.parametrize("order", [*permutations(range(3))], ids=str)
-def test_a_client_with_several_members_gets_each_frame_once(order: tuple[int, ...]) -> None:
+def test_client_with_several_members_gets_each_frame_once(order: tuple[int, ...]) -> None:
     group = Group()
     members = [group.join() for _ in range(3)]
     for member in members[1:]:
@@ -209,7 +209,7 @@ def test_each_client_gets_the_topics_name_as_it_spelled_it(hub: FakeHub, spellin
 
 
 @pytest.mark.parametrize("size", [0, 50, 100, 1000, 70_000])
-def test_a_message_may_have_any_size(hub: FakeHub, size: int) -> None:
+def test_message_may_have_any_size(hub: FakeHub, size: int) -> None:
     talker, listener = hub.client(), hub.client()
     talker.send("advertise", "/text", type="std_msgs/String")
     listener.send("subscribe", "/text")
@@ -218,7 +218,7 @@ def test_a_message_may_have_any_size(hub: FakeHub, size: int) -> None:
 
 
 @pytest.mark.parametrize("first", ["/a", "a"])
-def test_a_serialized_topic_under_two_spellings_is_delivered_once(
+def test_serialized_topic_under_two_spellings_is_delivered_once(
     hub: FakeHub, talker: Client, first: str
 ) -> None:
     client = hub.client("/listener", serialized=True)
@@ -249,7 +249,7 @@ def test_empty_groups_are_forgotten(hub: FakeHub, talker: Client) -> None:
 
 
 @pytest.mark.parametrize("rates", [(0, 300), (300, 0)])
-def test_a_throttle_may_come_and_go(hub: FakeHub, talker: Client, rates: tuple[int, int]) -> None:
+def test_throttle_may_come_and_go(hub: FakeHub, talker: Client, rates: tuple[int, int]) -> None:
     listener = hub.client()
     for rate in rates:
         listener.send("subscribe", "/a", id="1", throttle_rate=rate)
@@ -259,7 +259,7 @@ def test_a_throttle_may_come_and_go(hub: FakeHub, talker: Client, rates: tuple[i
         assert listener.receive_numbers("/a") == ([1] if rate else [1, 2])
 
 
-def test_a_message_for_one_node_reaches_it_under_each_spelling_and_encoding(
+def test_message_for_one_node_reaches_it_under_each_spelling_and_encoding(
     hub: FakeHub, talker: Client
 ) -> None:
     options: list[tuple[str, dict[str, Any]]] = [
@@ -277,7 +277,7 @@ def test_a_message_for_one_node_reaches_it_under_each_spelling_and_encoding(
     assert other.receive() == []
 
 
-def test_a_message_for_one_node_waits_for_its_throttle_and_in_its_send_queue(
+def test_message_for_one_node_waits_for_its_throttle_and_in_its_send_queue(
     hub: FakeHub, talker: Client
 ) -> None:
     throttled, slow = hub.client("/listener"), hub.client("/slow")
@@ -297,7 +297,7 @@ def test_a_message_for_one_node_waits_for_its_throttle_and_in_its_send_queue(
     assert reports["/slow"].dropped == 1
 
 
-def test_a_message_for_one_node_that_cannot_be_encoded_is_reported_to_it(hub: FakeHub) -> None:
+def test_message_for_one_node_that_cannot_be_encoded_is_reported_to_it(hub: FakeHub) -> None:
     talker, listener = hub.client("/talker"), hub.client("/listener")
     listener.send("subscribe", "/thing", id="s", compression="cbor-raw")
     talker.send("advertise", "/thing", type="my_msgs/Thing")
@@ -323,7 +323,7 @@ def broken_cbor(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.usefixtures("broken_cbor")
 @pytest.mark.parametrize("to", [None, "/listener"])
 @pytest.mark.parametrize("throttle_rate", [0, 1000])
-def test_an_encoding_that_fails_in_the_hub_is_reported_to_its_subscribers_alone(
+def test_encoding_that_fails_in_the_hub_is_reported_to_its_subscribers_alone(
     hub: FakeHub,
     talker: Client,
     to: str | None,
@@ -349,7 +349,7 @@ def test_an_encoding_that_fails_in_the_hub_is_reported_to_its_subscribers_alone(
 
 
 @pytest.mark.usefixtures("broken_cbor")
-def test_an_encoding_that_fails_in_the_hub_at_subscribing_is_reported(hub: FakeHub) -> None:
+def test_encoding_that_fails_in_the_hub_at_subscribing_is_reported(hub: FakeHub) -> None:
     talker, listener = hub.client(), hub.client()
     talker.send("advertise", "/a", type=INT32, latch=True)
     talker.send("publish", "/a", msg=number(1))

@@ -190,7 +190,7 @@ def test_different_lists_of_frames_are_joined_separately() -> None:
     ]
 
 
-def test_a_single_frame_is_written_without_a_copy() -> None:
+def test_single_frame_is_written_without_a_copy() -> None:
     client, frame = new_client(), b"x" * 100
     client.queue.reply(frame)
     assert client.turn()[0] is frame
@@ -205,7 +205,7 @@ def test_nothing_is_written_while_paused() -> None:
     assert client.queue.paused
 
 
-def test_a_pause_before_the_end_of_the_turn_keeps_the_frames_of_the_turn() -> None:
+def test_pause_before_the_end_of_the_turn_keeps_the_frames_of_the_turn() -> None:
     client = new_client()
     client.queue.put(b"1", Lane(1))
     client.queue.pause()
@@ -232,7 +232,7 @@ def test_resuming_with_nothing_kept_writes_nothing() -> None:
     assert client.turn() == []
 
 
-def test_a_short_pause_within_a_turn_changes_nothing() -> None:
+def test_short_pause_within_a_turn_changes_nothing() -> None:
     client = new_client()
     client.queue.reply(b"1")
     client.queue.pause()
@@ -241,7 +241,7 @@ def test_a_short_pause_within_a_turn_changes_nothing() -> None:
     assert client.turn() == [b"12"]
 
 
-def test_the_oldest_message_is_dropped_when_a_lane_is_full() -> None:
+def test_oldest_message_is_dropped_when_a_lane_is_full() -> None:
     client, short, long = new_client(), Lane(2), Lane(9)
     client.queue.pause()
     for number in (b"1", b"2", b"3", b"4"):
@@ -253,7 +253,7 @@ def test_the_oldest_message_is_dropped_when_a_lane_is_full() -> None:
 
 
 @pytest.mark.parametrize("limit", [1, 0])
-def test_the_newest_message_is_always_kept(limit: int) -> None:
+def test_newest_message_is_always_kept(limit: int) -> None:
     client, lane = new_client(max_bytes=5), Lane(limit)
     client.queue.pause()
     client.queue.put(b"x" * 10, lane)
@@ -262,7 +262,7 @@ def test_the_newest_message_is_always_kept(limit: int) -> None:
     assert client.turn() == [b"y" * 10]
 
 
-def test_the_lane_that_exceeds_the_byte_limit_loses_its_oldest_messages() -> None:
+def test_lane_that_exceeds_the_byte_limit_loses_its_oldest_messages() -> None:
     client, quiet, loud = new_client(max_bytes=50), Lane(100), Lane(100)
     client.queue.pause()
     client.queue.put(b"quiet", quiet)
@@ -272,7 +272,7 @@ def test_the_lane_that_exceeds_the_byte_limit_loses_its_oldest_messages() -> Non
     assert client.queue.kept_bytes == 45
 
 
-def test_the_oldest_messages_of_other_lanes_are_dropped_if_that_is_not_enough() -> None:
+def test_oldest_messages_of_other_lanes_are_dropped_if_that_is_not_enough() -> None:
     client, first, second, large = new_client(max_bytes=50), Lane(9), Lane(9), Lane(9)
     client.queue.pause()
     for frame, lane in [(b"1" * 20, first), (b"2" * 20, second), (b"3" * 25, large)]:
@@ -295,7 +295,7 @@ def test_replies_count_towards_the_byte_limit_and_are_never_dropped() -> None:
     assert client.turn() == [b"r" * 60 + b"2"]
 
 
-def test_a_client_is_overfull_when_its_replies_exceed_the_limit() -> None:
+def test_client_is_overfull_when_its_replies_exceed_the_limit() -> None:
     client = new_client(max_bytes=50)
     client.queue.pause()
     client.queue.put(b"x" * 100, Lane(1))
@@ -333,14 +333,14 @@ def test_frames_of_a_subscription_that_ended_are_removed() -> None:
     assert client.turn() == [b"otherother"]
 
 
-def test_a_lane_without_frames_can_be_forgotten() -> None:
+def test_lane_without_frames_can_be_forgotten() -> None:
     client = new_client()
     client.queue.forget(Lane(1))
     assert client.turn() == []
 
 
 @pytest.mark.parametrize("error", [OSError("gone"), RuntimeError("unable to write")])
-def test_a_socket_that_fails_does_not_affect_other_clients(error: Exception) -> None:
+def test_socket_that_fails_does_not_affect_other_clients(error: Exception) -> None:
     some = clients(3)
     some[1].error = error
     for client in some:
@@ -349,7 +349,7 @@ def test_a_socket_that_fails_does_not_affect_other_clients(error: Exception) -> 
     assert [client.breaks for client in some] == [0, 1, 0]
 
 
-def test_a_failed_socket_is_reported_once() -> None:
+def test_failed_socket_is_reported_once() -> None:
     client = new_client()
     client.error = OSError("gone")
     for _ in range(3):
@@ -396,7 +396,7 @@ def test_many_unwritten_bytes_are_written_before_the_turn_ends() -> None:
     assert client.turn() == [b"z"]
 
 
-def test_a_client_that_cannot_be_written_to_is_cut_off_alone(
+def test_client_that_cannot_be_written_to_is_cut_off_alone(
     caplog: pytest.LogCaptureFixture,
 ) -> None:
     first, second = clients(2)
@@ -425,7 +425,7 @@ def numbers(writes: list[Bytes], size: int) -> list[int]:
     return [int(data[start : start + 3]) for start in range(0, len(data), size)]
 
 
-def test_a_slow_client_is_written_one_chunk_of_kept_messages_at_a_time() -> None:
+def test_slow_client_is_written_one_chunk_of_kept_messages_at_a_time() -> None:
     client, lane, size = new_client(max_bytes=10 * CHUNK), Lane(1000), CHUNK // 4
     keep(client, lane, range(12), size)
     for expected in ([0, 1, 2, 3], [4, 5, 6, 7], [8, 9, 10, 11]):
@@ -452,7 +452,7 @@ def test_newer_messages_replace_those_that_were_not_written_yet() -> None:
     assert numbers(client.turn(), size) == [92, 93, 94, 95]
 
 
-def test_a_slow_client_reads_no_message_older_than_its_queue_length() -> None:
+def test_slow_client_reads_no_message_older_than_its_queue_length() -> None:
     client, lane, size = new_client(max_bytes=100 * CHUNK), Lane(10), CHUNK
     read: list[tuple[int, int]] = []
     client.queue.pause()
@@ -501,7 +501,7 @@ def test_replies_overtake_the_rest_of_the_kept_messages() -> None:
     assert b"".join(client.turn()) == b"1" * CHUNK + b"replylatest" + b"2" * CHUNK
 
 
-def test_a_socket_that_fails_while_kept_messages_are_written_is_cut_off() -> None:
+def test_socket_that_fails_while_kept_messages_are_written_is_cut_off() -> None:
     client, lane = new_client(max_bytes=10 * CHUNK), Lane(1000)
     keep(client, lane, range(12), CHUNK // 4)
     client.error = OSError("gone")
@@ -546,7 +546,7 @@ def test_only_a_large_body_is_kept_apart_from_its_header() -> None:
     assert (frame.head, frame.body.obj) == (b"head", body)
 
 
-def test_a_large_frame_is_written_without_a_copy() -> None:
+def test_large_frame_is_written_without_a_copy() -> None:
     client, lane = new_client(), Lane(1)
     frame, body = large_frame(LARGE)
     for each in (b"1", b"2", frame, b"3", frame, b"4"):
@@ -588,7 +588,7 @@ def test_one_large_piece_of_bytes_is_written_without_a_copy() -> None:
     assert client.queue.kept_bytes == 2 * WRITE_SIZE
 
 
-def test_a_large_frame_is_shared_by_all_clients() -> None:
+def test_large_frame_is_shared_by_all_clients() -> None:
     some = clients(3)
     frame, body = large_frame(LARGE)
     lanes = {client.queue: Lane(1) for client in some}
@@ -601,7 +601,7 @@ def test_a_large_frame_is_shared_by_all_clients() -> None:
         assert memoryview(writes[1]).obj is body
 
 
-def test_a_large_frame_that_was_kept_is_written_without_a_copy() -> None:
+def test_large_frame_that_was_kept_is_written_without_a_copy() -> None:
     client, lane = new_client(max_bytes=10 * LARGE), Lane(9)
     frame, body = large_frame(LARGE)
     client.queue.pause()
@@ -626,7 +626,7 @@ def half_written(*, max_bytes: int = 10 * WRITE_SIZE) -> tuple[FakeClient, bytes
     return client, b"head" + body
 
 
-def test_a_large_frame_is_written_in_pieces_as_the_socket_takes_them() -> None:
+def test_large_frame_is_written_in_pieces_as_the_socket_takes_them() -> None:
     client, frame = half_written()
     for left in (1, 0):
         client.room = WRITE_SIZE
@@ -684,7 +684,7 @@ def test_closing_completes_a_half_written_frame() -> None:
 
 
 @pytest.mark.parametrize("event", ["resume", "close"])
-def test_a_socket_that_fails_within_a_large_frame_is_cut_off(event: str) -> None:
+def test_socket_that_fails_within_a_large_frame_is_cut_off(event: str) -> None:
     client, _ = half_written()
     client.error = OSError("gone")
     getattr(client.queue, event)()
@@ -777,7 +777,7 @@ TestLargeFrameMachine = LargeFrameMachine.TestCase
 # Limits.
 
 
-def test_a_request_needs_half_of_a_slow_clients_limit_to_be_free() -> None:
+def test_request_needs_half_of_a_slow_clients_limit_to_be_free() -> None:
     client = new_client(max_bytes=100)
     assert client.queue.has_room(1000)
     client.queue.pause()
@@ -823,7 +823,7 @@ def test_frames_that_were_sent_in_the_turn_of_a_pause_count_as_kept() -> None:
     assert client.queue.kept_bytes == 0
 
 
-def test_the_limit_of_unwritten_bytes_can_be_lower() -> None:
+def test_limit_of_unwritten_bytes_can_be_lower() -> None:
     clock = FakeClock()
     client = FakeClient(clock, Flusher(clock.call_soon, max_unwritten=20), max_bytes=20)
     lane = Lane(100)

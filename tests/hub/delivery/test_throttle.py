@@ -81,7 +81,7 @@ def send_queue(clock: FakeClock) -> SendQueue:
         (5, [0, 1, 2, 4, 7, 8, 9, 10, 11]),
     ],
 )
-def test_the_same_messages_pass_as_on_rosbridge_suite(queue_length: int, sent: list[int]) -> None:
+def test_same_messages_pass_as_on_rosbridge_suite(queue_length: int, sent: list[int]) -> None:
     throttled = Throttled(queue_length=queue_length)
     for number in range(12):
         throttled.offer(number, at=number / 10)
@@ -97,21 +97,21 @@ def test_messages_are_sent_a_period_apart() -> None:
     assert throttled.sent == [(0.1, b"0"), (0.4, b"1"), (0.7, b"2"), (1.0, b"3")]
 
 
-def test_a_message_after_a_pause_is_sent_at_once() -> None:
+def test_message_after_a_pause_is_sent_at_once() -> None:
     throttled = Throttled(queue_length=1)
     throttled.offer(0, at=0)
     throttled.offer(1, at=5)
     assert throttled.sent[-1] == (5, b"1")
 
 
-def test_a_message_may_come_a_millisecond_early() -> None:
+def test_message_may_come_a_millisecond_early() -> None:
     throttled = Throttled(queue_length=0)
     for number, moment in enumerate([0, 0.2985, 0.2995]):
         throttled.offer(number, at=moment)
     assert throttled.frames == [0, 2]
 
 
-def test_a_late_timer_does_not_let_messages_pass_too_fast() -> None:
+def test_late_timer_does_not_let_messages_pass_too_fast() -> None:
     throttled = Throttled(queue_length=5)
     for number in range(4):
         throttled.offer(number, at=0)
@@ -133,20 +133,20 @@ def test_nothing_is_sent_to_a_member_that_was_removed() -> None:
     assert throttled.clock.timers == 0
 
 
-def test_a_member_can_be_removed_before_any_message() -> None:
+def test_member_can_be_removed_before_any_message() -> None:
     throttled = Throttled(queue_length=5)
     throttled.throttle.remove(throttled.member)
     assert throttled.sent == []
 
 
-def test_a_throttle_without_a_queue_needs_no_timer() -> None:
+def test_throttle_without_a_queue_needs_no_timer() -> None:
     throttled = Throttled(queue_length=0)
     for number in range(3):
         throttled.offer(number, at=0)
     assert throttled.clock.timers == 0
 
 
-def test_the_queue_length_may_be_larger_than_any_memory() -> None:
+def test_queue_length_may_be_larger_than_any_memory() -> None:
     throttled = Throttled(queue_length=2**100)
     for number in range(3):
         throttled.offer(number, at=0)
@@ -178,7 +178,7 @@ def test_all_throttles_of_a_client_stay_within_its_limit_of_bytes() -> None:
     assert sum(len(throttled.sent) for throttled in many) == 100 + 3
 
 
-def test_a_throttle_without_room_goes_on_once_there_is_room() -> None:
+def test_throttle_without_room_goes_on_once_there_is_room() -> None:
     throttled = Throttled(queue_length=10)
     throttled.offer(0, at=0)
     throttled.queue.throttled_bytes = 1000
@@ -190,7 +190,7 @@ def test_a_throttle_without_room_goes_on_once_there_is_room() -> None:
     assert throttled.sent == [(0, b"0"), (0.3, b"2"), (1, b"3")]
 
 
-def test_a_throttle_whose_frames_were_all_dropped_goes_on_after_its_timer() -> None:
+def test_throttle_whose_frames_were_all_dropped_goes_on_after_its_timer() -> None:
     throttled = Throttled(queue_length=10)
     throttled.offer(0, at=0)
     throttled.offer(1, at=0.1)
@@ -227,7 +227,7 @@ def test_frames_of_throttles_make_room_for_replies() -> None:
     assert throttled.queue.kept_bytes == 900
 
 
-def test_a_frame_larger_than_the_limit_waits_alone() -> None:
+def test_frame_larger_than_the_limit_waits_alone() -> None:
     throttled = Throttled(queue_length=10)
     large = bytes(5000)
     for frame in (b"0", b"1", large):
@@ -240,7 +240,7 @@ def test_a_frame_larger_than_the_limit_waits_alone() -> None:
     assert throttled.queue.throttled_bytes == 0
 
 
-def test_a_throttle_without_members_frees_its_bytes() -> None:
+def test_throttle_without_members_frees_its_bytes() -> None:
     throttled = Throttled(queue_length=10)
     for number in range(5):
         throttled.offer(number, at=0)
@@ -305,7 +305,7 @@ def test_frames_that_wait_for_many_are_counted_for_one_client_that_has_room() ->
     assert waiting(many) == [0, 0]
 
 
-def test_the_oldest_frame_is_dropped_for_those_who_wait_for_it_if_no_client_has_room() -> None:
+def test_oldest_frame_is_dropped_for_those_who_wait_for_it_if_no_client_has_room() -> None:
     many = Many(Throttling(1, 5))
     first = many.join()
     many.send()

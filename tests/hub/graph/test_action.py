@@ -66,7 +66,7 @@ def test_goal_states_have_the_numbers_of_ros_2() -> None:
     assert numbers == {status.name: status.value for status in Ros2GoalStatus}
 
 
-def test_a_goal_is_executed_and_sends_feedback() -> None:
+def test_goal_is_executed_and_sends_feedback() -> None:
     execution = Execution()
     goal = execution.goal()
     assert execution.calls == [("execute", goal)]
@@ -92,7 +92,7 @@ ENDS: dict[str, tuple[Event, object]] = {
 
 
 @pytest.mark.parametrize("order", [*permutations(ENDS)], ids=" ".join)
-def test_a_goal_ends_only_once(order: tuple[str, ...]) -> None:
+def test_goal_ends_only_once(order: tuple[str, ...]) -> None:
     execution = Execution()
     goal = execution.goal()
     for name in order:
@@ -174,7 +174,7 @@ def cancel_all(client: Client, **goal_info: Any) -> dict[str, Any]:
     return values
 
 
-def test_the_cancel_service_cancels_the_goals_of_all_clients() -> None:
+def test_cancel_service_cancels_the_goals_of_all_clients() -> None:
     hub, server, client = server_and_client()
     other = hub.client()
     for each in (client, other):
@@ -193,9 +193,7 @@ def test_the_cancel_service_cancels_the_goals_of_all_clients() -> None:
 
 @pytest.mark.parametrize("stamp", [{"sec": 0, "nanosec": 0}, {"secs": 0, "nsecs": 0}])
 @pytest.mark.parametrize("uuid", [[0] * 16, b64encode(bytes(16)).decode()])
-def test_an_explicit_zero_stamp_and_uuid_cancel_all_goals(
-    stamp: dict[str, int], uuid: object
-) -> None:
+def test_explicit_zero_stamp_and_uuid_cancel_all_goals(stamp: dict[str, int], uuid: object) -> None:
     _, server, client = server_and_client()
     send_goal(client)
     received_goals(server)
@@ -204,7 +202,7 @@ def test_an_explicit_zero_stamp_and_uuid_cancel_all_goals(
     assert server.receive_one("cancel_action_goal")
 
 
-def test_the_hub_gives_each_goal_a_uuid_by_which_it_can_be_cancelled() -> None:
+def test_hub_gives_each_goal_a_uuid_by_which_it_can_be_cancelled() -> None:
     hub, server, client = server_and_client()
     for id_ in "ab":
         send_goal(client, id=id_)
@@ -219,7 +217,7 @@ def test_the_hub_gives_each_goal_a_uuid_by_which_it_can_be_cancelled() -> None:
     assert server.receive_one("cancel_action_goal")["id"] == ids[0]
 
 
-def test_the_cancel_service_comes_and_goes_with_its_action() -> None:
+def test_cancel_service_comes_and_goes_with_its_action() -> None:
     hub, server, client = server_and_client()
     service = hub.graph.services["/fib/_action/cancel_goal"]
     assert (service.type.name, service.node) == ("action_msgs/CancelGoal", "/server")
@@ -229,7 +227,7 @@ def test_the_cancel_service_comes_and_goes_with_its_action() -> None:
     assert hub.graph.services == {}
 
 
-def test_an_action_takes_over_its_cancel_service_from_another_server() -> None:
+def test_action_takes_over_its_cancel_service_from_another_server() -> None:
     hub = FakeHub()
     older, client = hub.client("/older"), hub.client("/server")
     older.send("set_level", level="warning")

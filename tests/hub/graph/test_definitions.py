@@ -47,7 +47,7 @@ def known(hub: FakeHub) -> set[str]:
 
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("end", ["leave", "unadvertise"])
-def test_a_node_may_come_back_with_another_definition(kind: str, end: str) -> None:
+def test_node_may_come_back_with_another_definition(kind: str, end: str) -> None:
     hub = FakeHub()
     older, newer = hub.client("/older"), hub.client("/newer")
     advertise(older, kind, "/a", OLDER)
@@ -66,7 +66,7 @@ def test_a_node_may_come_back_with_another_definition(kind: str, end: str) -> No
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_definition_is_kept_for_its_last_user(kind: str) -> None:
+def test_definition_is_kept_for_its_last_user(kind: str) -> None:
     hub = FakeHub()
     first, second, newer = hub.client(), hub.client("/second"), hub.client()
     advertise(first, kind, "/a", OLDER)
@@ -79,7 +79,7 @@ def test_a_definition_is_kept_for_its_last_user(kind: str) -> None:
     assert newer.receive() == []
 
 
-def test_a_publisher_without_a_definition_uses_a_known_one_and_keeps_it() -> None:
+def test_publisher_without_a_definition_uses_a_known_one_and_keeps_it() -> None:
     hub = FakeHub()
     first, second = hub.client(), hub.client("/second")
     advertise(first, "topic", "/a", OLDER)
@@ -93,7 +93,7 @@ def test_a_publisher_without_a_definition_uses_a_known_one_and_keeps_it() -> Non
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_server_or_publisher_may_be_replaced_by_one_of_another_type(kind: str) -> None:
+def test_server_or_publisher_may_be_replaced_by_one_of_another_type(kind: str) -> None:
     hub = FakeHub()
     first, second = hub.client(), hub.client()
     advertise(first, kind, "/a", OLDER)
@@ -120,7 +120,7 @@ def test_nested_types_are_forgotten_with_the_type_that_has_them() -> None:
     assert not known(hub)
 
 
-def test_a_definition_refused_for_its_md5_is_not_kept() -> None:
+def test_definition_refused_for_its_md5_is_not_kept() -> None:
     hub = FakeHub()
     client = hub.client()
     for md5sum in ("0" * 32, "1" * 32):
@@ -132,7 +132,7 @@ def test_a_definition_refused_for_its_md5_is_not_kept() -> None:
     assert client.receive() == []
 
 
-def test_a_refused_subscription_leaves_no_definition() -> None:
+def test_refused_subscription_leaves_no_definition() -> None:
     hub = FakeHub(max_subscriptions=1)
     client = hub.client()
     client.send("subscribe", "/a")
@@ -141,7 +141,7 @@ def test_a_refused_subscription_leaves_no_definition() -> None:
     assert not known(hub)
 
 
-def test_a_definition_decides_whether_types_have_equal_fields() -> None:
+def test_definition_decides_whether_types_have_equal_fields() -> None:
     hub = FakeHub()
     talker, other = hub.client(), hub.client()
     talker.send("advertise", "/n", type=INT32)
@@ -156,7 +156,7 @@ def test_a_definition_decides_whether_types_have_equal_fields() -> None:
     assert not known(hub)
 
 
-def test_a_call_in_progress_is_answered_by_the_definition_that_it_was_made_with() -> None:
+def test_call_in_progress_is_answered_by_the_definition_that_it_was_made_with() -> None:
     hub = FakeHub()
     older, newer, caller = hub.client(), hub.client(), hub.client()
     definition = f"---\nPoint at\n{POINT}int8 x"
@@ -174,7 +174,7 @@ def test_a_call_in_progress_is_answered_by_the_definition_that_it_was_made_with(
 
 
 @pytest.mark.parametrize("compression", ["none", "cbor"])
-def test_a_subscriber_that_names_a_type_follows_its_new_definition(compression: str) -> None:
+def test_subscriber_that_names_a_type_follows_its_new_definition(compression: str) -> None:
     """A page goes on showing a topic while its publisher is being developed."""
     hub = FakeHub()
     older, newer, page = hub.client(), hub.client(), hub.client()
@@ -196,7 +196,7 @@ def test_a_subscriber_that_names_a_type_follows_its_new_definition(compression: 
     "fields",
     [{"definition": OLDER}, {"md5sum": "*"}, {"compression": "cbor-raw"}, {"compression": "ros1"}],
 )
-def test_a_subscriber_that_relies_on_the_fields_keeps_the_definition(
+def test_subscriber_that_relies_on_the_fields_keeps_the_definition(
     fields: dict[str, str],
 ) -> None:
     hub = FakeHub()
@@ -212,7 +212,7 @@ def test_a_subscriber_that_relies_on_the_fields_keeps_the_definition(
     assert newer.receive() == []
 
 
-def test_a_subscriber_that_names_a_type_keeps_its_definition_if_types_are_strict() -> None:
+def test_subscriber_that_names_a_type_keeps_its_definition_if_types_are_strict() -> None:
     hub = FakeHub(strict_types=True)
     older, newer, listener = hub.client(), hub.client(), hub.client("/listener")
     advertise(older, "topic", "/a", OLDER)
@@ -222,7 +222,7 @@ def test_a_subscriber_that_names_a_type_keeps_its_definition_if_types_are_strict
     assert "in use by /listener (/a)" in newer.receive_statuses()[0]
 
 
-def test_a_topic_with_a_subscriber_alone_takes_a_definition_that_is_known_elsewhere() -> None:
+def test_topic_with_a_subscriber_alone_takes_a_definition_that_is_known_elsewhere() -> None:
     hub = FakeHub()
     first, second, listener = hub.client(), hub.client(), hub.client()
     advertise(first, "topic", "/a", OLDER)
@@ -288,7 +288,7 @@ def test_messages_without_room_for_their_definition_are_not_checked() -> None:
 
 
 @pytest.mark.usefixtures("little_room")
-def test_a_subscriber_without_room_for_its_definition_is_warned() -> None:
+def test_subscriber_without_room_for_its_definition_is_warned() -> None:
     client = FakeHub().client()
     client.send("set_level", level="warning")
     client.send("advertise", "/first", type="my_msgs/First", definition="int8 x")

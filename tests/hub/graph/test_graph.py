@@ -62,7 +62,7 @@ def subscribe(graph: Graph, name: str, type_: str | None = None, **options: Any)
     return recorder
 
 
-def test_a_node_without_a_name_gets_one() -> None:
+def test_node_without_a_name_gets_one() -> None:
     graph = new_graph()
     for number in (1, 2, 3):
         name = graph.enter(Node(), None)
@@ -77,7 +77,7 @@ def test_generated_names_are_not_used_again() -> None:
     assert graph.enter(Node(), None) != first
 
 
-def test_a_generated_name_is_not_one_that_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_generated_name_is_not_one_that_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("fibws.hub.graph.graph.secrets.token_hex", lambda size: "9f3c2a")
     graph, node = new_graph(), Node()
     graph.enter(node, "/client_1_9f3c2a")
@@ -85,7 +85,7 @@ def test_a_generated_name_is_not_one_that_is_taken(monkeypatch: pytest.MonkeyPat
     assert node.times_replaced == 0
 
 
-def test_a_name_that_a_client_chooses_is_not_a_generated_one_by_accident() -> None:
+def test_name_that_a_client_chooses_is_not_a_generated_one_by_accident() -> None:
     graph, nodes = new_graph(), [Node() for _ in range(3)]
     for node in nodes:
         graph.enter(node, None)
@@ -96,13 +96,13 @@ def test_a_name_that_a_client_chooses_is_not_a_generated_one_by_accident() -> No
     assert [node.times_replaced for node in nodes] == [0, 0, 0]
 
 
-def test_a_node_gets_the_name_that_it_asked_for() -> None:
+def test_node_gets_the_name_that_it_asked_for() -> None:
     graph, node = new_graph(), Node()
     assert graph.enter(node, "/talker") == "/talker"
     assert graph.nodes == {"/talker": node}
 
 
-def test_the_older_node_of_a_name_is_replaced() -> None:
+def test_older_node_of_a_name_is_replaced() -> None:
     graph, older, newer = new_graph(), Node(), Node()
     graph.enter(older, "/talker")
     graph.enter(newer, "/talker")
@@ -110,7 +110,7 @@ def test_the_older_node_of_a_name_is_replaced() -> None:
     assert graph.nodes == {"/talker": newer}
 
 
-def test_a_replaced_node_does_not_remove_the_newer_one_when_it_leaves() -> None:
+def test_replaced_node_does_not_remove_the_newer_one_when_it_leaves() -> None:
     graph, older, newer = new_graph(), Node(), Node()
     graph.enter(older, "/talker")
     graph.enter(newer, "/talker")
@@ -130,7 +130,7 @@ def test_looking_up_a_topic_does_not_register_it() -> None:
     "join",
     [lambda graph: advertise(graph, "/talker", "/a", INT32), lambda graph: subscribe(graph, "/a")],
 )
-def test_a_topic_is_registered_while_it_is_used(join: Callable[[Graph], object]) -> None:
+def test_topic_is_registered_while_it_is_used(join: Callable[[Graph], object]) -> None:
     graph = new_graph()
     join(graph)
     assert list(graph.topics) == ["/a"]
@@ -138,7 +138,7 @@ def test_a_topic_is_registered_while_it_is_used(join: Callable[[Graph], object])
     assert graph.topic("/b") is not graph.topics["/a"]
 
 
-def test_a_node_has_one_source_of_a_topic_and_the_first_latch_counts() -> None:
+def test_node_has_one_source_of_a_topic_and_the_first_latch_counts() -> None:
     graph = new_graph()
     first = graph.advertise(graph.topic("/a"), "/talker", INT32, latch=True)
     assert graph.advertise(graph.topic("/a"), "/talker", INT32, latch=False) is first
@@ -148,14 +148,14 @@ def test_a_node_has_one_source_of_a_topic_and_the_first_latch_counts() -> None:
 
 
 @pytest.mark.parametrize("spelling", [INT32, "std_msgs/msg/Int32"])
-def test_a_type_may_be_spelled_as_in_ros_1_or_2(spelling: str) -> None:
+def test_type_may_be_spelled_as_in_ros_1_or_2(spelling: str) -> None:
     graph = new_graph()
     publisher = advertise(graph, "/talker", "/a", spelling)
     assert publisher.type.name == INT32
     assert advertise(graph, "/other", "/a", INT32).type is publisher.type
 
 
-def test_a_topic_keeps_its_type_while_a_node_holds_it() -> None:
+def test_topic_keeps_its_type_while_a_node_holds_it() -> None:
     graph = new_graph()
     advertise(graph, "/talker", "/a", INT32)
     with pytest.raises(TypeConflict) as caught:
@@ -164,7 +164,7 @@ def test_a_topic_keeps_its_type_while_a_node_holds_it() -> None:
     assert (caught.value.topic, caught.value.by) == ("/a", "/talker")
 
 
-def test_a_subscription_that_names_the_type_holds_it_as_well() -> None:
+def test_subscription_that_names_the_type_holds_it_as_well() -> None:
     graph = new_graph()
     subscribe(graph, "/a", INT32)
     with pytest.raises(TypeConflict) as caught:
@@ -172,7 +172,7 @@ def test_a_subscription_that_names_the_type_holds_it_as_well() -> None:
     assert caught.value.by == "/listener"
 
 
-def test_a_type_is_free_when_its_last_holder_leaves() -> None:
+def test_type_is_free_when_its_last_holder_leaves() -> None:
     graph = new_graph()
     subscribe(graph, "/a")
     graph.remove_source(advertise(graph, "/talker", "/a", INT32))
@@ -180,7 +180,7 @@ def test_a_type_is_free_when_its_last_holder_leaves() -> None:
 
 
 @pytest.mark.parametrize("name", ["Int32", "std_msgs/", "/Int32", "a/b/c/d", "std_msgs/Int 32", ""])
-def test_an_invalid_type_name_is_refused(name: str) -> None:
+def test_invalid_type_name_is_refused(name: str) -> None:
     graph = new_graph()
     with pytest.raises(InvalidTypeName):
         advertise(graph, "/talker", "/a", name)
@@ -189,12 +189,12 @@ def test_an_invalid_type_name_is_refused(name: str) -> None:
     assert graph.topics == {}
 
 
-def test_an_unknown_type_is_refused_with_a_suggestion() -> None:
+def test_unknown_type_is_refused_with_a_suggestion() -> None:
     with pytest.raises(UnknownType, match=r"did you mean std_msgs/String\?"):
         advertise(new_graph(), "/talker", "/a", "std_msgs/Sting")
 
 
-def test_a_topic_of_an_unknown_package_is_not_checked() -> None:
+def test_topic_of_an_unknown_package_is_not_checked() -> None:
     graph = new_graph()
     found = advertise(graph, "/talker", "/a", "my_msgs/msg/Thing").type
     assert not found.checked
@@ -209,13 +209,13 @@ def test_strict_types_refuse_an_unknown_package() -> None:
     assert graph.topics == {}
 
 
-def test_a_client_may_bring_a_definition() -> None:
+def test_client_may_bring_a_definition() -> None:
     graph = Graph(Interfaces(), lambda: NANOSECONDS)
     found = advertise(graph, "/talker", "/a", "my_msgs/Thing", "int32 number\n").type
     assert found.validate({}) == {"number": 0}
 
 
-def test_a_definition_with_a_conflict_is_not_learned() -> None:
+def test_definition_with_a_conflict_is_not_learned() -> None:
     interfaces = Interfaces()
     graph = Graph(interfaces, lambda: NANOSECONDS)
     advertise(graph, "/talker", "/a", INT32)
@@ -224,7 +224,7 @@ def test_a_definition_with_a_conflict_is_not_learned() -> None:
     assert "my_msgs" not in interfaces.packages()
 
 
-def test_an_established_type_is_not_looked_up_again() -> None:
+def test_established_type_is_not_looked_up_again() -> None:
     """A client that brings one type of a package must not break topics of its other types."""
     graph = Graph(Interfaces(), lambda: NANOSECONDS)
     pose = advertise(graph, "/talker", "/a", "my_msgs/Pose").type
@@ -233,7 +233,7 @@ def test_an_established_type_is_not_looked_up_again() -> None:
     assert not advertise(graph, "/late", "/c", "my_msgs/Pose").type.checked
 
 
-def test_a_topic_that_is_no_longer_used_is_forgotten() -> None:
+def test_topic_that_is_no_longer_used_is_forgotten() -> None:
     graph = new_graph()
     first, second = (advertise(graph, node, "/a", INT32) for node in ("/a", "/b"))
     listener = subscribe(graph, "/a")
@@ -252,7 +252,7 @@ def test_removing_a_source_twice_is_harmless() -> None:
     assert graph.topics == {}
 
 
-def test_a_source_that_was_removed_does_not_take_a_newer_one_with_it() -> None:
+def test_source_that_was_removed_does_not_take_a_newer_one_with_it() -> None:
     graph = new_graph()
     older = advertise(graph, "/talker", "/a", INT32)
     graph.remove_source(older)
@@ -261,7 +261,7 @@ def test_a_source_that_was_removed_does_not_take_a_newer_one_with_it() -> None:
     assert list(graph.topics["/a"].sources.values()) == [newer]
 
 
-def test_a_topic_that_was_forgotten_does_not_take_a_newer_one_with_it() -> None:
+def test_topic_that_was_forgotten_does_not_take_a_newer_one_with_it() -> None:
     graph = new_graph()
     listener = subscribe(graph, "/a")
     older = graph.topics["/a"]
@@ -271,7 +271,7 @@ def test_a_topic_that_was_forgotten_does_not_take_a_newer_one_with_it() -> None:
     assert list(graph.topics["/a"].sources) == ["/talker"]
 
 
-def test_a_topic_with_untyped_subscribers_only_has_no_type() -> None:
+def test_topic_with_untyped_subscribers_only_has_no_type() -> None:
     graph = new_graph()
     subscribe(graph, "/a")
     publisher = advertise(graph, "/talker", "/a", INT32)
@@ -279,7 +279,7 @@ def test_a_topic_with_untyped_subscribers_only_has_no_type() -> None:
     assert graph.topics["/a"].type is None
 
 
-def test_a_subscription_renewed_without_a_type_no_longer_holds_it() -> None:
+def test_subscription_renewed_without_a_type_no_longer_holds_it() -> None:
     graph = new_graph()
     listener = subscribe(graph, "/a", INT32)
     topic = graph.topics["/a"]
@@ -291,7 +291,7 @@ def test_a_subscription_renewed_without_a_type_no_longer_holds_it() -> None:
     assert graph.topics == {}
 
 
-def test_a_refused_change_leaves_a_subscription_as_it_was() -> None:
+def test_refused_change_leaves_a_subscription_as_it_was() -> None:
     graph = new_graph()
     listener = subscribe(graph, "/a", INT32)
     with pytest.raises(TypeConflict):
@@ -326,7 +326,7 @@ OTHER_MD5 = "992ce8a1687cec8c8bd883ec73ca41d1"
 
 @pytest.mark.parametrize("md5sum", [INT32_MD5, "*", None])
 @pytest.mark.parametrize("join", ["advertise", "subscribe"])
-def test_the_md5sum_of_the_hubs_definition_is_accepted(join: str, md5sum: str | None) -> None:
+def test_md5sum_of_the_hubs_definition_is_accepted(join: str, md5sum: str | None) -> None:
     graph = new_graph()
     if join == "advertise":
         advertise(graph, "/talker", "/a", INT32, md5sum=md5sum)
@@ -337,7 +337,7 @@ def test_the_md5sum_of_the_hubs_definition_is_accepted(join: str, md5sum: str | 
 
 @pytest.mark.parametrize("established", [False, True])
 @pytest.mark.parametrize("join", ["advertise", "subscribe"])
-def test_the_md5sum_of_another_definition_is_refused(join: str, established: bool) -> None:
+def test_md5sum_of_another_definition_is_refused(join: str, established: bool) -> None:
     graph = new_graph()
     if established:
         advertise(graph, "/first", "/a", INT32)
@@ -358,21 +358,21 @@ def test_the_md5sum_of_another_definition_is_refused(join: str, established: boo
         assert not graph.topics["/a"].subscribers()
 
 
-def test_the_md5sum_of_an_unknown_type_is_not_checked() -> None:
+def test_md5sum_of_an_unknown_type_is_not_checked() -> None:
     graph = new_graph()
     advertise(graph, "/talker", "/a", "my_msgs/Thing", md5sum=OTHER_MD5)
     subscribe(graph, "/a", "my_msgs/Thing", md5sum=INT32_MD5)
     assert graph.topics["/a"].held
 
 
-def test_a_definition_with_another_md5sum_is_refused() -> None:
+def test_definition_with_another_md5sum_is_refused() -> None:
     graph = Graph(Interfaces(), lambda: NANOSECONDS)
     with pytest.raises(DefinitionMismatch, match="my_msgs/Thing"):
         advertise(graph, "/talker", "/a", "my_msgs/Thing", "int8 x\n", md5sum=OTHER_MD5)
     assert graph.topics == {}
 
 
-def test_a_definition_brought_later_is_for_earlier_sources_too() -> None:
+def test_definition_brought_later_is_for_earlier_sources_too() -> None:
     graph = Graph(Interfaces(), lambda: NANOSECONDS)
     early = advertise(graph, "/early", "/a", "my_msgs/Thing")
     recorder = subscribe(graph, "/a")

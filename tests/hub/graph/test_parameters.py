@@ -33,14 +33,14 @@ def nested(depth: int, value: Any = 1) -> Any:
 # Reading.
 
 
-def test_a_value_can_be_read() -> None:
+def test_value_can_be_read() -> None:
     tree = parameters()
     tree.set("/robot/name", "kitt")
     assert tree.get("/robot/name") == "kitt"
     assert tree.text("/robot/name") == b'"kitt"'
 
 
-def test_a_namespace_is_read_as_an_object() -> None:
+def test_namespace_is_read_as_an_object() -> None:
     tree = parameters({"robot": {"name": "kitt", "wheels": 4, "arms": {}}})
     assert tree.get("/robot") == {"name": "kitt", "wheels": 4, "arms": {}}
     assert tree.text("/robot") == b'{"name":"kitt","wheels":4,"arms":{}}'
@@ -48,7 +48,7 @@ def test_a_namespace_is_read_as_an_object() -> None:
 
 
 @pytest.mark.parametrize("name", ["/nothing", "/robot/nothing", "/robot/name/first", "/list/0"])
-def test_an_unknown_parameter_is_not_set(name: str) -> None:
+def test_unknown_parameter_is_not_set(name: str) -> None:
     tree = parameters({"robot": {"name": "kitt"}, "list": [{"0": 1}]})
     assert not tree.has(name)
     with pytest.raises(ParameterNotSet) as error:
@@ -69,7 +69,7 @@ def test_empty_parts_of_a_name_are_ignored() -> None:
 
 
 @pytest.mark.parametrize("name", ["", "robot", "~name", "/" + "a" * MAX_LENGTH])
-def test_a_name_must_be_global_and_not_too_long(name: str) -> None:
+def test_name_must_be_global_and_not_too_long(name: str) -> None:
     tree = parameters()
     for act in (tree.get, tree.text, tree.has, tree.delete, lambda name: tree.set(name, 1)):
         with pytest.raises(InvalidName):
@@ -88,25 +88,25 @@ def test_values_are_copied_when_set_and_when_read() -> None:
 # Setting.
 
 
-def test_an_object_replaces_a_whole_namespace() -> None:
+def test_object_replaces_a_whole_namespace() -> None:
     tree = parameters({"robot": {"name": "kitt", "arms": {"left": 1}}, "other": 1})
     tree.set("/robot", {"arms": {"right": 2}})
     assert tree.get("/") == {"robot": {"arms": {"right": 2}}, "other": 1}
 
 
-def test_a_value_replaces_a_namespace() -> None:
+def test_value_replaces_a_namespace() -> None:
     tree = parameters({"robot": {"name": "kitt"}})
     tree.set("/robot", 5)
     assert tree.names() == ["/robot"]
 
 
-def test_a_longer_name_replaces_a_value_by_a_namespace() -> None:
+def test_longer_name_replaces_a_value_by_a_namespace() -> None:
     tree = parameters({"robot": {"arm": 5}})
     tree.set("/robot/arm/joints/first", 1)
     assert tree.get("/") == {"robot": {"arm": {"joints": {"first": 1}}}}
 
 
-def test_the_root_can_only_be_set_to_an_object() -> None:
+def test_root_can_only_be_set_to_an_object() -> None:
     tree = parameters({"robot": 1})
     tree.set("/", {"other": 2})
     assert tree.names() == ["/other"]
@@ -163,14 +163,14 @@ def test_every_value_is_kept_exactly(value: Any) -> None:
         (nested(DEEPEST - 1, [[]]), "100"),
     ],
 )
-def test_an_invalid_value_is_refused_and_changes_nothing(value: Any, fault: str) -> None:
+def test_invalid_value_is_refused_and_changes_nothing(value: Any, fault: str) -> None:
     tree = parameters({"x": 1})
     with pytest.raises((ParameterError, InvalidName), match=fault):
         tree.set("/x", value)
     assert tree.get("/") == {"x": 1}
 
 
-def test_the_namespaces_of_a_name_count_as_depth() -> None:
+def test_namespaces_of_a_name_count_as_depth() -> None:
     tree = parameters()
     tree.set("/a" * DEEPEST, {"a": 1})
     with pytest.raises(ParameterError, match="100"):
@@ -195,14 +195,14 @@ def test_delete_keeps_the_namespace() -> None:
 
 
 @pytest.mark.parametrize("name", ["/nothing", "/robot/nothing", "/robot/name/first", "/a/b/c"])
-def test_an_unknown_parameter_cannot_be_deleted(name: str) -> None:
+def test_unknown_parameter_cannot_be_deleted(name: str) -> None:
     tree = parameters({"robot": {"name": "kitt"}})
     with pytest.raises(ParameterNotSet):
         tree.delete(name)
     assert tree.names() == ["/robot/name"]
 
 
-def test_the_root_cannot_be_deleted() -> None:
+def test_root_cannot_be_deleted() -> None:
     tree = parameters({"robot": 1})
     with pytest.raises(ParameterError, match="/"):
         tree.delete("/")
@@ -239,7 +239,7 @@ def robots() -> Parameters:
         ("/leaf", "/pr2", None),
     ],
 )
-def test_a_search_goes_upwards_from_the_namespace(
+def test_search_goes_upwards_from_the_namespace(
     robots: Parameters, key: str, namespace: str, found: str | None
 ) -> None:
     assert robots.search(key, namespace) == found
@@ -249,7 +249,7 @@ def test_a_search_goes_upwards_from_the_namespace(
     ("key", "namespace"),
     [("", "/"), ("~x", "/"), ("x", "pr2"), ("x", ""), ("x" * MAX_LENGTH, "/")],
 )
-def test_a_search_needs_a_relative_name_and_a_global_namespace(
+def test_search_needs_a_relative_name_and_a_global_namespace(
     robots: Parameters, key: str, namespace: str
 ) -> None:
     with pytest.raises(InvalidName):
@@ -264,7 +264,7 @@ def test_names_lists_values_in_order() -> None:
     assert tree.names() == ["/a", "/b/y"]
 
 
-def test_a_new_tree_is_empty() -> None:
+def test_new_tree_is_empty() -> None:
     assert Parameters(UNLIMITED).names() == []
     assert Parameters(UNLIMITED).get("/") == {}
 
@@ -272,7 +272,7 @@ def test_a_new_tree_is_empty() -> None:
 # Limits.
 
 
-def test_a_value_beyond_the_limit_changes_nothing_and_names_the_setting() -> None:
+def test_value_beyond_the_limit_changes_nothing_and_names_the_setting() -> None:
     tree = parameters(max_bytes=1000)
     with pytest.raises(ParametersFull) as error:
         tree.set("/x", "a" * 1000)
@@ -292,7 +292,7 @@ def test_deleted_and_replaced_values_free_their_bytes() -> None:
         tree.set("/", {})
 
 
-def test_a_replacement_needs_only_the_difference() -> None:
+def test_replacement_needs_only_the_difference() -> None:
     tree = parameters({"x": {"y": "a" * 500}}, max_bytes=1000)
     tree.set("/x", "b" * 600)
     with pytest.raises(ParametersFull):
@@ -347,7 +347,7 @@ def test_any_changes_give_the_same_tree_as_a_simple_model(
     assert tree._bytes == fresh._bytes
 
 
-def test_a_change_costs_the_same_however_large_the_tree_is(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_change_costs_the_same_however_large_the_tree_is(monkeypatch: pytest.MonkeyPatch) -> None:
     steps: list[str] = []
     tree = parameters({f"p{number}": {"x": number} for number in range(1000)}, max_bytes=2**30)
     for name in ("_to_tree", "_size", "_check"):

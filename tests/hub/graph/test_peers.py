@@ -76,7 +76,7 @@ class Watcher:
         return received
 
 
-def test_a_watcher_gets_all_names_at_once_and_changes_later() -> None:
+def test_watcher_gets_all_names_at_once_and_changes_later() -> None:
     topic = Topic()
     watcher = topic.watched()
     assert watcher.received == [[]]
@@ -110,7 +110,7 @@ def test_names_are_sorted() -> None:
     assert watcher.read() == [["/a", "/c"], (["/a", "/c"], ["/d", "/e"])]
 
 
-def test_a_node_that_came_and_left_meanwhile_is_not_reported() -> None:
+def test_node_that_came_and_left_meanwhile_is_not_reported() -> None:
     topic = Topic()
     watcher = topic.watched()
     watcher.read()
@@ -119,7 +119,7 @@ def test_a_node_that_came_and_left_meanwhile_is_not_reported() -> None:
     assert watcher.read() == []
 
 
-def test_a_node_that_left_and_came_back_is_removed_and_added() -> None:
+def test_node_that_left_and_came_back_is_removed_and_added() -> None:
     topic = Topic()
     topic.join("/b")
     watcher = topic.watched()
@@ -137,7 +137,7 @@ def test_changes_without_a_watcher_are_not_reported_later() -> None:
     assert topic.watched().read() == [["/b"]]
 
 
-def test_a_request_replaces_an_older_one_of_the_same_id() -> None:
+def test_request_replaces_an_older_one_of_the_same_id() -> None:
     topic = Topic()
     older, newer = topic.watched(), topic.watched()
     topic.join("/b")
@@ -157,7 +157,7 @@ def test_all_watchers_may_be_made_to_report() -> None:
     assert len(quick.received) == 2
 
 
-def test_a_slow_watcher_reads_all_changes_at_once_or_all_names() -> None:
+def test_slow_watcher_reads_all_changes_at_once_or_all_names() -> None:
     topic = Topic()
     topic.join("/gone")
     slow, quick = topic.watched("/slow"), topic.watched("/quick")

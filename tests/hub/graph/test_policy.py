@@ -76,7 +76,7 @@ def refusal(client: Client) -> tuple[str, str]:
 @pytest.mark.parametrize(
     ("verb", "operation"), REFUSED, ids=[f"{verb} {each['op']}" for verb, each in REFUSED]
 )
-def test_a_forbidden_operation_is_refused_and_changes_nothing(
+def test_forbidden_operation_is_refused_and_changes_nothing(
     verb: Verb, operation: dict[str, Any]
 ) -> None:
     name = operation.get("topic") or operation.get("service") or operation["action"]
@@ -104,7 +104,7 @@ def test_a_forbidden_operation_is_refused_and_changes_nothing(
     assert all(each.get("code") != "not_allowed" for each in member.receive())
 
 
-def test_a_plain_rosbridge_client_gets_the_refusal_without_a_code() -> None:
+def test_plain_rosbridge_client_gets_the_refusal_without_a_code() -> None:
     hub = FakeHub(policy=Forbid(("/guest", "publish", "/a")))
     guest = hub.client("/guest")
     guest.send_text(json.dumps(ADVERTISE))
@@ -113,7 +113,7 @@ def test_a_plain_rosbridge_client_gets_the_refusal_without_a_code() -> None:
     assert "/a" in status
 
 
-def test_a_client_that_may_not_publish_may_still_subscribe() -> None:
+def test_client_that_may_not_publish_may_still_subscribe() -> None:
     hub = FakeHub(policy=Forbid(("/guest", "publish", "/a")))
     guest, member = hub.client("/guest", serialized=True), hub.client("/member")
     member.send("advertise", "/a", type=INT32)
@@ -126,7 +126,7 @@ def test_a_client_that_may_not_publish_may_still_subscribe() -> None:
     assert guest.receive_numbers("/a") == [5]
 
 
-def test_a_forbidden_server_does_not_displace_the_present_one() -> None:
+def test_forbidden_server_does_not_displace_the_present_one() -> None:
     hub = FakeHub(policy=Forbid(("/guest", "provide", "/add"), ("/guest", "provide", "/fib")))
     member, guest = hub.client("/member"), hub.client("/guest", serialized=True)
     for client in (member, guest):
@@ -138,7 +138,7 @@ def test_a_forbidden_server_does_not_displace_the_present_one() -> None:
 
 
 @pytest.mark.parametrize("fields", [{"result": True, "values": {"sum": 9}}, {"result": 1}])
-def test_a_client_that_may_not_provide_a_service_cannot_respond_for_its_server(
+def test_client_that_may_not_provide_a_service_cannot_respond_for_its_server(
     fields: dict[str, Any],
 ) -> None:
     hub = FakeHub(policy=Forbid(("/guest", "provide", "/add")))
@@ -153,7 +153,7 @@ def test_a_client_that_may_not_provide_a_service_cannot_respond_for_its_server(
     assert service_clients.received_sums(caller) == [3]
 
 
-def test_a_forbidden_call_does_not_reveal_whether_the_service_exists() -> None:
+def test_forbidden_call_does_not_reveal_whether_the_service_exists() -> None:
     hub = FakeHub(policy=Forbid(("/guest", "call", "/there"), ("/guest", "call", "/missing")))
     hub.client("/member").send("advertise_service", service="/there", type=ADD)
     guest = hub.client("/guest", serialized=True)
@@ -164,7 +164,7 @@ def test_a_forbidden_call_does_not_reveal_whether_the_service_exists() -> None:
     assert answers[0] == answers[1]
 
 
-def test_a_forbidden_sink_gets_nothing() -> None:
+def test_forbidden_sink_gets_nothing() -> None:
     graph = Graph(
         Interfaces(), lambda: NANOSECONDS, policy=Forbid(("/recorder", "subscribe", "/a"))
     )
@@ -197,7 +197,7 @@ def parameter_calls(name: str) -> list[tuple[Verb, str, dict[str, str]]]:
 @pytest.mark.parametrize(
     ("verb", "service"), [(verb, service) for verb, service, _ in parameter_calls("")]
 )
-def test_a_forbidden_parameter_can_be_neither_read_nor_changed(
+def test_forbidden_parameter_can_be_neither_read_nor_changed(
     verb: Verb, service: str, spelling: str
 ) -> None:
     policy = Forbid(("/guest", verb, "/robot/arm"))
@@ -212,7 +212,7 @@ def test_a_forbidden_parameter_can_be_neither_read_nor_changed(
 
 
 @pytest.mark.parametrize("verb", ["get", "set"])
-def test_the_graph_asks_the_policy_about_parameters(verb: Verb) -> None:
+def test_graph_asks_the_policy_about_parameters(verb: Verb) -> None:
     graph = Graph(Interfaces(), lambda: NANOSECONDS, policy=Forbid(("/guest", verb, "/x")))
     graph.set_parameter("/member", "/x", 1)
     actions: dict[str, list[Callable[[str], object]]] = {
@@ -282,7 +282,7 @@ LISTINGS: list[tuple[str, dict[str, str]]] = [
 
 @pytest.mark.parametrize("guest_first", [True, False])
 @pytest.mark.parametrize(("service", "args"), LISTINGS, ids=[service for service, _ in LISTINGS])
-def test_a_listing_leaves_out_names_that_the_caller_may_not_list(
+def test_listing_leaves_out_names_that_the_caller_may_not_list(
     rosapi: RosapiClient, service: str, args: dict[str, str], guest_first: bool
 ) -> None:
     member = rosapi.add_client("/member")
@@ -311,7 +311,7 @@ LOOKUPS: list[tuple[str, dict[str, str], Any]] = [
 @pytest.mark.parametrize(
     ("service", "args", "hidden"), LOOKUPS, ids=[f"{each[0]} {each[1]}" for each in LOOKUPS]
 )
-def test_a_name_that_the_caller_may_not_list_looks_unknown(
+def test_name_that_the_caller_may_not_list_looks_unknown(
     rosapi: RosapiClient, service: str, args: dict[str, str], hidden: Any
 ) -> None:
     member = rosapi.add_client("/member")
@@ -321,7 +321,7 @@ def test_a_name_that_the_caller_may_not_list_looks_unknown(
 
 
 @pytest.mark.parametrize("service", ["ping_node", "kill_node"])
-def test_a_hidden_node_can_be_neither_pinged_nor_killed(rosapi: RosapiClient, service: str) -> None:
+def test_hidden_node_can_be_neither_pinged_nor_killed(rosapi: RosapiClient, service: str) -> None:
     hidden = respond(rosapi, rosapi.client, service, {"node": "/secret_node"})
     unknown = respond(rosapi, rosapi.client, service, {"node": "/nobody"})
     assert hidden["message"] == unknown["message"].replace("/nobody", "/secret_node")
@@ -329,7 +329,7 @@ def test_a_hidden_node_can_be_neither_pinged_nor_killed(rosapi: RosapiClient, se
     assert "/secret_node" in rosapi.graph.nodes
 
 
-def test_the_details_of_a_node_leave_out_hidden_names(rosapi: RosapiClient) -> None:
+def test_details_of_a_node_leave_out_hidden_names(rosapi: RosapiClient) -> None:
     mixed = rosapi.add_client("/mixed")
     for kind in ("open", "secret"):
         mixed.send("advertise", f"/{kind}", type=INT32)
@@ -345,7 +345,7 @@ def test_the_details_of_a_node_leave_out_hidden_names(rosapi: RosapiClient) -> N
     assert details["publishing"] == ["/open", "/secret"]
 
 
-def test_an_action_over_topics_is_hidden_with_any_of_its_topics() -> None:
+def test_action_over_topics_is_hidden_with_any_of_its_topics() -> None:
     policy = Forbid(("/guest", "list", "/move/status"))
     rosapi = RosapiClient("/guest", policy=policy)
     server, member = rosapi.add_client("/server"), rosapi.add_client("/member")

@@ -51,7 +51,7 @@ BOTH: list[Callable[[], Publication]] = [
 
 
 @pytest.mark.parametrize("publication", BOTH, ids=["values", "bytes"])
-def test_a_publication_has_every_form(publication: Callable[[], Publication]) -> None:
+def test_publication_has_every_form(publication: Callable[[], Publication]) -> None:
     assert publication().values() == {"data": 5}
     assert publication().ros1() == pack("<i", 5)
     assert publication().json() == publication().exact_json() == b'{"data":5}'
@@ -167,7 +167,7 @@ def test_compact_keeps_json_of_an_unknown_type() -> None:
     assert cbor2.loads(message.cbor()) == {"any": [1, float("-inf"), None]}
 
 
-def test_a_message_of_an_unknown_type_cannot_be_serialized() -> None:
+def test_message_of_an_unknown_type_cannot_be_serialized() -> None:
     message = of_values({"any": 1}, "my_msgs/Thing")
     with pytest.raises(OperationError, match="definition of my_msgs/Thing"):
         message.ros1()
@@ -204,7 +204,7 @@ def test_valid_text_is_not_marked_as_invalid() -> None:
     assert not message.has_invalid_text
 
 
-def test_a_latched_message_with_invalid_utf8_keeps_its_bytes() -> None:
+def test_latched_message_with_invalid_utf8_keeps_its_bytes() -> None:
     message = of_bytes(string(INVALID), STRING)
     message.json()
     message.compact()
@@ -214,9 +214,7 @@ def test_a_latched_message_with_invalid_utf8_keeps_its_bytes() -> None:
 
 @pytest.mark.parametrize("compression", ["none", "cbor"])
 @pytest.mark.parametrize("to", [None, "/listener"])
-def test_a_subscriber_is_warned_once_that_text_was_replaced(
-    compression: str, to: str | None
-) -> None:
+def test_subscriber_is_warned_once_that_text_was_replaced(compression: str, to: str | None) -> None:
     hub = FakeHub()
     talker, listener = hub.client(serialized=True), hub.client("/listener")
     talker.send("advertise", "/a", type=STRING, publisher=1)
@@ -358,7 +356,7 @@ def value(client: Client) -> str:
 
 
 @pytest.mark.parametrize("case", ROWS, ids=lambda case: f"{case.field} {case.published}"[:40])
-def test_a_json_message_reaches_serialized_subscribers_exactly(case: Row) -> None:
+def test_json_message_reaches_serialized_subscribers_exactly(case: Row) -> None:
     clients = Clients(case.field)
     text = f'{{"op":"publish","topic":"/a","msg":{{"value":{case.published}}}}}'
     clients.json_talker.send_text(text)
@@ -366,7 +364,7 @@ def test_a_json_message_reaches_serialized_subscribers_exactly(case: Row) -> Non
 
 
 @pytest.mark.parametrize("case", ROWS, ids=lambda case: f"{case.field} {case.published}"[:40])
-def test_a_serialized_message_reaches_json_subscribers_exactly(case: Row) -> None:
+def test_serialized_message_reaches_json_subscribers_exactly(case: Row) -> None:
     clients = Clients(case.field)
     clients.talker.send_binary(publish_head(1) + case.ros1)
     clients.check(case)

@@ -72,11 +72,11 @@ def started() -> Caller:
     return caller
 
 
-def test_a_service_belongs_to_the_node_of_its_server() -> None:
+def test_service_belongs_to_the_node_of_its_server() -> None:
     assert Service("/add", TYPE, SlowServer()).node == "/server"
 
 
-def test_a_call_waits_for_its_server() -> None:
+def test_call_waits_for_its_server() -> None:
     caller = started()
     assert caller.server.due == [caller.call]
     assert (caller.server.requests, caller.call.caller) == ([REQUEST], "/caller")
@@ -97,7 +97,7 @@ EVENTS: dict[str, tuple[Event, object]] = {
 
 
 @pytest.mark.parametrize("order", [*permutations(EVENTS, 3)], ids=" ".join)
-def test_a_call_ends_with_the_first_event_only(order: tuple[str, ...]) -> None:
+def test_call_ends_with_the_first_event_only(order: tuple[str, ...]) -> None:
     caller = started()
     for name in order:
         event, _ = EVENTS[name]
@@ -107,14 +107,14 @@ def test_a_call_ends_with_the_first_event_only(order: tuple[str, ...]) -> None:
 
 
 @pytest.mark.parametrize(("name", "left"), [("abandon", 0), ("time_out", 0), ("fail", 1)])
-def test_a_server_need_not_respond_to_a_call_that_the_hub_ended(name: str, left: int) -> None:
+def test_server_need_not_respond_to_a_call_that_the_hub_ended(name: str, left: int) -> None:
     caller = started()
     EVENTS[name][0](caller)
     assert len(caller.server.due) == left
 
 
 @pytest.mark.parametrize("values", [{"sum": "three"}, {"total": 3}, "3", None, []])
-def test_an_invalid_response_is_refused_and_the_call_goes_on(values: object) -> None:
+def test_invalid_response_is_refused_and_the_call_goes_on(values: object) -> None:
     caller = started()
     with pytest.raises(InvalidMessage):
         caller.call.respond(values)
@@ -137,7 +137,7 @@ def call_internal(function: Callable[[dict[str, Any], str], Response | Deferred]
 
 
 @pytest.mark.parametrize("response", [{"sum": 3}, b'{"sum":3}'])
-def test_an_internal_server_responds_with_values_or_json(response: Response) -> None:
+def test_internal_server_responds_with_values_or_json(response: Response) -> None:
     calls: list[tuple[dict[str, Any], str]] = []
 
     def function(request: dict[str, Any], node: str) -> Response:
@@ -150,7 +150,7 @@ def test_an_internal_server_responds_with_values_or_json(response: Response) -> 
     assert calls == [(REQUEST, "/caller")]
 
 
-def test_an_error_of_an_internal_server_fails_the_call_with_its_code() -> None:
+def test_error_of_an_internal_server_fails_the_call_with_its_code() -> None:
     def function(request: dict[str, Any], node: str) -> Response:
         raise OperationError("not today")
 
@@ -160,7 +160,7 @@ def test_an_error_of_an_internal_server_fails_the_call_with_its_code() -> None:
 
 
 @pytest.mark.parametrize("response", [{"sum": "three"}, {"total": 3}])
-def test_a_response_of_an_internal_server_is_checked(response: dict[str, Any]) -> None:
+def test_response_of_an_internal_server_is_checked(response: dict[str, Any]) -> None:
     caller = call_internal(lambda request, node: response)
     caller.call.start()
     [error] = caller.received
@@ -169,7 +169,7 @@ def test_a_response_of_an_internal_server_is_checked(response: dict[str, Any]) -
     assert error[1] == "invalid_message"
 
 
-def test_an_exception_in_an_internal_server_is_logged_and_fails_the_call(
+def test_exception_in_an_internal_server_is_logged_and_fails_the_call(
     caplog: pytest.LogCaptureFixture,
 ) -> None:
     def function(request: dict[str, Any], node: str) -> Response:
@@ -184,7 +184,7 @@ def test_an_exception_in_an_internal_server_is_logged_and_fails_the_call(
     assert "injected" in caplog.text
 
 
-def test_an_internal_server_keeps_nothing_of_a_finished_call() -> None:
+def test_internal_server_keeps_nothing_of_a_finished_call() -> None:
     server = InternalServer("/rosapi", lambda request, node: {"sum": 3})
     caller = Caller(server)
     caller.call.start()
@@ -206,7 +206,7 @@ class DeferredCall:
         self.cancelled += 1
 
 
-def test_an_internal_server_may_respond_later() -> None:
+def test_internal_server_may_respond_later() -> None:
     deferred = DeferredCall()
     assert deferred.caller.received == []
     deferred.response.respond({"sum": 3})
@@ -232,26 +232,26 @@ def test_finished_response_is_not_cancelled() -> None:
     assert (deferred.cancelled, deferred.caller.received) == (0, [b'{"sum":3}'])
 
 
-def test_a_response_that_is_known_at_once_must_not_be_deferred() -> None:
+def test_response_that_is_known_at_once_must_not_be_deferred() -> None:
     with pytest.raises(AssertionError, match="known at once"):
         Deferred(lambda: None).respond({})
 
 
-def test_an_internal_server_cannot_be_displaced() -> None:
+def test_internal_server_cannot_be_displaced() -> None:
     server = InternalServer("/rosapi", lambda request, node: {})
     with pytest.raises(AssertionError, match="/add is the hub's own"):
         server.displaced(Service("/add", TYPE, server))
 
 
 @pytest.mark.parametrize("md5sum", [TYPE.md5sum, "*", None])
-def test_a_caller_may_name_the_md5sum_of_the_type(md5sum: str | None) -> None:
+def test_caller_may_name_the_md5sum_of_the_type(md5sum: str | None) -> None:
     headers = {} if md5sum is None else {"md5sum": md5sum}
     service = Service("/add", TYPE, SlowServer())
     call = Call(service, REQUEST, "/caller", print, print, headers)
     assert call.request == REQUEST
 
 
-def test_a_caller_with_another_md5sum_is_refused() -> None:
+def test_caller_with_another_md5sum_is_refused() -> None:
     service = Service("/add", TYPE, SlowServer())
     with pytest.raises(CallFailed, match="deadbeef") as caught:
         Call(service, REQUEST, "/caller", print, print, {"md5sum": "deadbeef"})

@@ -30,7 +30,7 @@ def topic_and_source(*, latch: bool = False) -> tuple[Graph, Topic, Source]:
 # Delivery.
 
 
-def test_a_sink_gets_every_message_of_json_and_serialized_publishers() -> None:
+def test_sink_gets_every_message_of_json_and_serialized_publishers() -> None:
     hub = FakeHub()
     recorder = Recorder()
     hub.graph.subscribe(hub.graph.topic("/fib"), recorder, INT32)
@@ -84,7 +84,7 @@ def test_sinks_that_share_a_receiver_get_each_message_through_it_once() -> None:
     assert (group.numbers, sinks[0].numbers, sinks[1].numbers) == ([1, 2], [], [3])
 
 
-def test_a_sink_that_raises_does_not_silence_the_others(caplog: pytest.LogCaptureFixture) -> None:
+def test_sink_that_raises_does_not_silence_the_others(caplog: pytest.LogCaptureFixture) -> None:
     graph, topic, source = topic_and_source()
 
     class Broken(Recorder):
@@ -101,7 +101,7 @@ def test_a_sink_that_raises_does_not_silence_the_others(caplog: pytest.LogCaptur
     assert "/a" in caplog.text
 
 
-def test_a_sink_that_raises_is_not_the_publishers_fault(caplog: pytest.LogCaptureFixture) -> None:
+def test_sink_that_raises_is_not_the_publishers_fault(caplog: pytest.LogCaptureFixture) -> None:
     hub = FakeHub()
     talker, listener = talker_and_listener(hub)
 
@@ -116,7 +116,7 @@ def test_a_sink_that_raises_is_not_the_publishers_fault(caplog: pytest.LogCaptur
     assert "injected" in caplog.text
 
 
-def test_a_sink_may_unsubscribe_itself_while_it_receives() -> None:
+def test_sink_may_unsubscribe_itself_while_it_receives() -> None:
     graph, topic, source = topic_and_source()
 
     class Once(Recorder):
@@ -133,7 +133,7 @@ def test_a_sink_may_unsubscribe_itself_while_it_receives() -> None:
     assert [other.numbers for other in others] == [[1, 2], [1, 2]]
 
 
-def test_a_sink_may_add_another_while_it_receives() -> None:
+def test_sink_may_add_another_while_it_receives() -> None:
     graph, topic, source = topic_and_source()
     added = Recorder("/added")
 
@@ -151,7 +151,7 @@ def test_a_sink_may_add_another_while_it_receives() -> None:
     assert (adding.numbers, last.numbers, added.numbers) == ([1, 2], [1, 2], [2])
 
 
-def test_the_last_sink_may_leave_and_the_source_with_it_while_it_receives() -> None:
+def test_last_sink_may_leave_and_the_source_with_it_while_it_receives() -> None:
     graph, topic, source = topic_and_source()
 
     class Leaving(Recorder):
@@ -170,7 +170,7 @@ def test_the_last_sink_may_leave_and_the_source_with_it_while_it_receives() -> N
 # A message for one node.
 
 
-def test_a_message_for_one_node_reaches_only_its_sinks() -> None:
+def test_message_for_one_node_reaches_only_its_sinks() -> None:
     graph, topic, source = topic_and_source()
     mine, other = [Recorder("/mine"), Recorder("/mine")], Recorder("/other")
     for sink in (*mine, other):
@@ -206,7 +206,7 @@ def test_sinks_of_one_node_that_raise_or_leave_do_not_silence_the_others(
 
 
 @pytest.mark.parametrize("serialized", [False, True])
-def test_a_latched_message_is_replayed_to_a_late_sink(serialized: bool) -> None:
+def test_latched_message_is_replayed_to_a_late_sink(serialized: bool) -> None:
     graph, topic, source = topic_and_source(latch=True)
     early, late = Recorder(), Recorder()
     graph.subscribe(topic, early)
@@ -221,7 +221,7 @@ def test_a_latched_message_is_replayed_to_a_late_sink(serialized: bool) -> None:
     assert (late.received, early.replayed) == ([], [])
 
 
-def test_the_latched_messages_of_all_sources_are_replayed() -> None:
+def test_latched_messages_of_all_sources_are_replayed() -> None:
     graph, topic, source = topic_and_source(latch=True)
     late = Recorder()
     other = graph.advertise(topic, "/other", INT32, latch=False)
@@ -234,7 +234,7 @@ def test_the_latched_messages_of_all_sources_are_replayed() -> None:
     assert [each.values()["data"] for each in late.replayed] == [0, 2]
 
 
-def test_a_latched_message_that_fails_does_not_hide_those_of_other_sources() -> None:
+def test_latched_message_that_fails_does_not_hide_those_of_other_sources() -> None:
     graph, topic, source = topic_and_source(latch=True)
     other = graph.advertise(topic, "/other", INT32, latch=True)
     for value, each in enumerate((source, other)):
@@ -253,7 +253,7 @@ def test_a_latched_message_that_fails_does_not_hide_those_of_other_sources() -> 
     assert [each.values()["data"] for each in late.replayed] == [1]
 
 
-def test_a_latched_message_goes_with_its_source() -> None:
+def test_latched_message_goes_with_its_source() -> None:
     graph, topic, source = topic_and_source(latch=True)
     late = Recorder()
     graph.subscribe(topic, late)
@@ -263,7 +263,7 @@ def test_a_latched_message_goes_with_its_source() -> None:
     assert late.replayed == []
 
 
-def test_a_source_may_make_the_message_for_late_sinks() -> None:
+def test_source_may_make_the_message_for_late_sinks() -> None:
     _, topic, source = topic_and_source()
     source.make_latest = lambda: {"data": 7}
     late = Recorder()
@@ -274,7 +274,7 @@ def test_a_source_may_make_the_message_for_late_sinks() -> None:
 # A sink counts as a subscriber.
 
 
-def test_a_topic_is_idle_without_sources_and_sinks() -> None:
+def test_topic_is_idle_without_sources_and_sinks() -> None:
     graph = Graph(Interfaces(), lambda: NANOSECONDS)
     topic, recorder = graph.topic("/a"), Recorder()
     idle = [topic.idle]
@@ -291,7 +291,7 @@ def test_a_topic_is_idle_without_sources_and_sinks() -> None:
 
 
 @pytest.mark.parametrize(("type_", "held"), [(INT32, True), (None, False)])
-def test_a_sink_that_names_the_type_holds_the_topic_to_it(type_: str | None, held: bool) -> None:
+def test_sink_that_names_the_type_holds_the_topic_to_it(type_: str | None, held: bool) -> None:
     graph, topic, source = topic_and_source()
     recorder = Recorder()
     graph.subscribe(topic, recorder, type_)
@@ -306,14 +306,14 @@ def test_a_sink_that_names_the_type_holds_the_topic_to_it(type_: str | None, hel
     assert graph.topics == {}
 
 
-def test_a_sink_may_hold_a_type_that_it_does_not_name() -> None:
+def test_sink_may_hold_a_type_that_it_does_not_name() -> None:
     graph, topic, source = topic_and_source()
     graph.subscribe(topic, Recorder(), holds_type=True)
     graph.remove_source(source)
     assert topic.type is not None
 
 
-def test_a_node_is_one_subscriber_until_its_last_sink_leaves() -> None:
+def test_node_is_one_subscriber_until_its_last_sink_leaves() -> None:
     graph, topic, _ = topic_and_source()
     sinks = [Recorder(), Recorder()]
     for sink in sinks:
@@ -340,7 +340,7 @@ def test_publishers_that_watch_their_peers_see_sinks_come_and_go() -> None:
     assert talker.receive_one("peers")["nodes"] == []
 
 
-def test_a_sink_may_watch_the_publishers() -> None:
+def test_sink_may_watch_the_publishers() -> None:
     hub = FakeHub()
     recorder = Recorder()
     topic = hub.graph.topic("/fib")

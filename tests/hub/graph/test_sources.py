@@ -50,7 +50,7 @@ def test_missing_fields_get_defaults() -> None:
     assert recorder.values == [{"x": 0, "y": 2, "z": 0}, {"x": 0, "y": 0, "z": 0}]
 
 
-def test_a_publication_names_its_publisher_its_type_and_its_time() -> None:
+def test_publication_names_its_publisher_its_type_and_its_time() -> None:
     talker = source()
     recorder = recorded(talker)
     talker.publish({"data": 1})
@@ -61,7 +61,7 @@ def test_a_publication_names_its_publisher_its_type_and_its_time() -> None:
 
 
 @pytest.mark.parametrize("latch", [False, True])
-def test_an_invalid_message_is_neither_delivered_nor_counted_nor_latched(latch: bool) -> None:
+def test_invalid_message_is_neither_delivered_nor_counted_nor_latched(latch: bool) -> None:
     talker = source(latch=latch)
     recorder = recorded(talker)
     with pytest.raises(InvalidMessage):
@@ -86,7 +86,7 @@ def test_messages_and_bytes_are_counted() -> None:
 
 
 @pytest.mark.parametrize("latch", [False, True])
-def test_the_connection_header_has_the_callerid_and_the_clients_fields(latch: bool) -> None:
+def test_connection_header_has_the_callerid_and_the_clients_fields(latch: bool) -> None:
     talker = source(latch=latch)
     own = {"callerid": "/talker", "latching": "1" if latch else "0"}
     assert json.loads(talker.header) == own
@@ -99,7 +99,7 @@ def test_the_connection_header_has_the_callerid_and_the_clients_fields(latch: bo
 # Latching.
 
 
-def test_a_latching_source_keeps_its_last_message() -> None:
+def test_latching_source_keeps_its_last_message() -> None:
     talker = source(latch=True)
     for number in range(3):
         talker.publish({"data": number})
@@ -110,14 +110,14 @@ def test_a_latching_source_keeps_its_last_message() -> None:
     assert latched.values() == {"data": 8}
 
 
-def test_a_source_that_does_not_latch_keeps_nothing() -> None:
+def test_source_that_does_not_latch_keeps_nothing() -> None:
     talker = source()
     talker.publish({"data": 1})
     talker.publish_serialized(pack("<i", 8))
     assert talker.recall() is None
 
 
-def test_a_message_for_one_node_is_not_latched() -> None:
+def test_message_for_one_node_is_not_latched() -> None:
     talker = source(latch=True)
     talker.publish({"data": 1})
     talker.publish({"data": 2}, to="/listener")
@@ -147,7 +147,7 @@ def test_only_bytes_are_kept_of_a_latched_message() -> None:
 
 
 @pytest.mark.parametrize("serialized", [False, True])
-def test_a_message_beyond_the_quota_is_delivered_but_not_latched(serialized: bool) -> None:
+def test_message_beyond_the_quota_is_delivered_but_not_latched(serialized: bool) -> None:
     quota = Quota(20)
     talker = source("std_msgs/String", latch=True, quota=quota)
     recorder = recorded(talker)
@@ -165,7 +165,7 @@ def test_a_message_beyond_the_quota_is_delivered_but_not_latched(serialized: boo
     assert quota.used == 0
 
 
-def test_the_quota_is_shared_by_the_sources_of_a_node() -> None:
+def test_quota_is_shared_by_the_sources_of_a_node() -> None:
     quota = Quota(7)
     first, second = (source(latch=True, quota=quota) for _ in range(2))
     first.publish({"data": 1})
@@ -222,7 +222,7 @@ def test_bytes_without_a_header_are_delivered_uncopied() -> None:
     assert recorder.received[0].ros1() is data
 
 
-def test_an_invalid_message_does_not_count_in_header_seq() -> None:
+def test_invalid_message_does_not_count_in_header_seq() -> None:
     talker = source(HEADER_STRING)
     recorder = recorded(talker)
     talker.publish({})
@@ -254,7 +254,7 @@ def test_header_seq_is_a_uint32(serialized: bool) -> None:
         ("tf2_msgs/TFMessage", {"transforms": [{"header": {"seq": 99}}]}),
     ],
 )
-def test_a_header_that_is_not_the_messages_own_is_not_changed(
+def test_header_that_is_not_the_messages_own_is_not_changed(
     type_: str, msg: dict[str, Any]
 ) -> None:
     talker = source(type_)

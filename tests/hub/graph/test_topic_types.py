@@ -14,7 +14,7 @@ TF_MD5 = "94810edda583a504dfda3829e70d7eec"
 
 @pytest.mark.parametrize("spelling", [INT32, "std_msgs/msg/Int32"])
 @pytest.mark.parametrize("op", ["advertise", "subscribe"])
-def test_a_topic_may_be_joined_under_either_spelling_of_its_type(op: str, spelling: str) -> None:
+def test_topic_may_be_joined_under_either_spelling_of_its_type(op: str, spelling: str) -> None:
     hub = FakeHub()
     talker_and_listener(hub)
     other = hub.client()
@@ -23,7 +23,7 @@ def test_a_topic_may_be_joined_under_either_spelling_of_its_type(op: str, spelli
 
 
 @pytest.mark.parametrize("op", ["advertise", "subscribe"])
-def test_a_topic_has_one_type(op: str) -> None:
+def test_topic_has_one_type(op: str) -> None:
     hub = FakeHub()
     talker_and_listener(hub)
     other = hub.client()
@@ -66,7 +66,7 @@ def test_unchecked_types_of_two_names_are_different() -> None:
     assert "already established with type my_msgs/Number" in other.receive_statuses()[0]
 
 
-def test_a_subscription_with_a_type_holds_the_topic_to_it() -> None:
+def test_subscription_with_a_type_holds_the_topic_to_it() -> None:
     hub = FakeHub()
     listener, talker = hub.client("/listener"), hub.client()
     listener.send("subscribe", "/fib", type=INT32)
@@ -77,7 +77,7 @@ def test_a_subscription_with_a_type_holds_the_topic_to_it() -> None:
     assert talker.receive() == []
 
 
-def test_a_subscription_with_a_type_holds_it_after_the_publisher_left() -> None:
+def test_subscription_with_a_type_holds_it_after_the_publisher_left() -> None:
     hub = FakeHub()
     listener, talker = hub.client("/listener"), hub.client()
     listener.send("subscribe", "/fib", type=INT32)
@@ -88,7 +88,7 @@ def test_a_subscription_with_a_type_holds_it_after_the_publisher_left() -> None:
 
 
 @pytest.mark.parametrize("end", ["unadvertise", "leave"])
-def test_a_type_is_free_when_its_last_holder_leaves(end: str) -> None:
+def test_type_is_free_when_its_last_holder_leaves(end: str) -> None:
     hub = FakeHub()
     talker, _ = talker_and_listener(hub)
     if end == "leave":
@@ -101,7 +101,7 @@ def test_a_type_is_free_when_its_last_holder_leaves(end: str) -> None:
     assert other.receive() == []
 
 
-def test_a_type_is_free_when_the_request_that_named_it_is_replaced() -> None:
+def test_type_is_free_when_the_request_that_named_it_is_replaced() -> None:
     hub = FakeHub()
     listener, talker = hub.client(), hub.client()
     listener.send("subscribe", "/fib", id="a", type=INT32)
@@ -124,9 +124,7 @@ def test_a_type_is_free_when_the_request_that_named_it_is_replaced() -> None:
     ],
 )
 @pytest.mark.parametrize("op", ["advertise", "subscribe"])
-def test_an_invalid_type_is_refused_and_leaves_nothing_behind(
-    op: str, type_: str, fault: str
-) -> None:
+def test_invalid_type_is_refused_and_leaves_nothing_behind(op: str, type_: str, fault: str) -> None:
     hub = FakeHub()
     client = hub.client()
     client.send(op, "/a", type=type_)
@@ -169,7 +167,7 @@ def test_strict_types_refuse_an_unknown_package(op: str) -> None:
     assert hub.graph.topics == {}
 
 
-def test_a_client_may_bring_a_definition() -> None:
+def test_client_may_bring_a_definition() -> None:
     client = FakeHub(strict_types=True).client()
     client.send("advertise", "/a", type="my_msgs/msg/Thing", definition="int8 one\nstring two\n")
     client.send("subscribe", "/a", type="my_msgs/Thing")
@@ -179,7 +177,7 @@ def test_a_client_may_bring_a_definition() -> None:
     assert "1000 is not in -128..127" in client.receive_statuses()[0]
 
 
-def test_an_unchecked_topic_goes_on_when_another_type_of_its_package_is_defined() -> None:
+def test_unchecked_topic_goes_on_when_another_type_of_its_package_is_defined() -> None:
     hub = FakeHub()
     talker, other, late = hub.client(), hub.client(), hub.client()
     talker.send("advertise", "/a", type="my_msgs/Pose")
@@ -194,7 +192,7 @@ def test_an_unchecked_topic_goes_on_when_another_type_of_its_package_is_defined(
     assert talker.receive() == []
 
 
-def test_a_definition_with_a_conflict_is_not_learned() -> None:
+def test_definition_with_a_conflict_is_not_learned() -> None:
     hub = FakeHub()
     _, client = talker_and_listener(hub)
     client.send("advertise", "/fib", type="my_msgs/Thing", definition="int8 a\n")
@@ -203,7 +201,7 @@ def test_a_definition_with_a_conflict_is_not_learned() -> None:
     assert client.receive() == []
 
 
-def test_an_invalid_definition_is_refused_and_leaves_nothing_behind() -> None:
+def test_invalid_definition_is_refused_and_leaves_nothing_behind() -> None:
     hub = FakeHub()
     client = hub.client()
     client.send("advertise", "/a", type="my_msgs/Thing", definition="int33 one\n")
@@ -211,7 +209,7 @@ def test_an_invalid_definition_is_refused_and_leaves_nothing_behind() -> None:
     assert hub.graph.topics == {}
 
 
-def test_a_definition_of_a_known_type_must_agree() -> None:
+def test_definition_of_a_known_type_must_agree() -> None:
     hub = FakeHub()
     client = hub.client()
     client.send("advertise", "/a", type=INT32, definition="int32 data\n")
@@ -231,7 +229,7 @@ def test_unknown_types_are_logged_without_filling_the_log(
 
 
 @pytest.mark.parametrize("id_", ["typed", None])
-def test_a_type_is_free_when_the_request_that_named_it_is_cancelled(id_: str | None) -> None:
+def test_type_is_free_when_the_request_that_named_it_is_cancelled(id_: str | None) -> None:
     hub = FakeHub()
     listener = hub.client()
     listener.send("subscribe", "/fib", id="typed", type=INT32)
@@ -245,7 +243,7 @@ def test_a_type_is_free_when_the_request_that_named_it_is_cancelled(id_: str | N
         assert "/fib" not in hub.graph.topics
 
 
-def test_a_request_beyond_the_limit_leaves_the_topic_as_it_was() -> None:
+def test_request_beyond_the_limit_leaves_the_topic_as_it_was() -> None:
     hub = FakeHub()
     listener = hub.client()
     for id_ in range(MAX_REGISTRATIONS):

@@ -41,7 +41,7 @@ def new_types(*, strict: bool = False) -> Types:
 # Messages.
 
 
-def test_a_known_type_checks_completes_and_encodes_messages() -> None:
+def test_known_type_checks_completes_and_encodes_messages() -> None:
     type_ = TYPES.message(INT32)
     assert (type_.name, type_.checked, type_.sequenced) == (INT32, True, False)
     assert type_.validate({}) == {"data": 0}
@@ -56,7 +56,7 @@ def test_a_known_type_checks_completes_and_encodes_messages() -> None:
         type_.validate({"data": "5"})
 
 
-def test_a_type_is_made_once() -> None:
+def test_type_is_made_once() -> None:
     assert TYPES.message(INT32) is TYPES.message(INT32)
     assert TYPES.service(ADD) is TYPES.service(ADD)
     assert TYPES.action(FIBONACCI) is TYPES.action(FIBONACCI)
@@ -115,17 +115,17 @@ def test_bytes_that_do_not_fit_the_type_are_refused(data: bytes) -> None:
         ("my_msgs/Thing", True),
     ],
 )
-def test_a_type_knows_whether_a_message_may_hold_floats(type_: str, has_floats: bool) -> None:
+def test_type_knows_whether_a_message_may_hold_floats(type_: str, has_floats: bool) -> None:
     assert TYPES.message(type_).has_floats == has_floats
 
 
 @pytest.mark.parametrize("msg", [5, "x", [], None])
-def test_an_unchecked_message_must_be_an_object(msg: object) -> None:
+def test_unchecked_message_must_be_an_object(msg: object) -> None:
     with pytest.raises(InvalidMessage, match="Expected a JSON object for type my_msgs/Thing but"):
         TYPES.message("my_msgs/Thing").validate(msg)
 
 
-def test_a_client_may_bring_the_definition_of_a_message() -> None:
+def test_client_may_bring_the_definition_of_a_message() -> None:
     types = new_types(strict=True)
     type_ = types.message("my_msgs/Thing", "int8 one\n")
     assert type_.validate({}) == {"one": 0}
@@ -135,7 +135,7 @@ def test_a_client_may_bring_the_definition_of_a_message() -> None:
     assert types.message("my_msgs/Thing") is type_
 
 
-def test_an_unknown_type_is_known_once_a_client_brings_its_definition() -> None:
+def test_unknown_type_is_known_once_a_client_brings_its_definition() -> None:
     types = new_types()
     assert not types.message("my_msgs/Thing").checked
     type_ = held(types, types.message("my_msgs/Thing", "int8 one\n"))
@@ -144,7 +144,7 @@ def test_an_unknown_type_is_known_once_a_client_brings_its_definition() -> None:
 
 
 @pytest.mark.parametrize("strict", [False, True])
-def test_a_type_is_unchecked_without_its_definition_unless_types_are_strict(strict: bool) -> None:
+def test_type_is_unchecked_without_its_definition_unless_types_are_strict(strict: bool) -> None:
     types = new_types(strict=strict)
     type_ = held(types, types.message("my_msgs/Thing", "int8 one\n"))
     without = types.without_definition(type_)
@@ -153,7 +153,7 @@ def test_a_type_is_unchecked_without_its_definition_unless_types_are_strict(stri
     assert types.without_definition(installed) is installed
 
 
-def test_a_type_may_be_used_on_after_its_definition_is_forgotten() -> None:
+def test_type_may_be_used_on_after_its_definition_is_forgotten() -> None:
     types = new_types()
     text = f"Point at\n{'=' * 80}\nMSG: my_msgs/Point\nint8 x"
     older = held(types, types.message("my_msgs/Thing", text))
@@ -171,7 +171,7 @@ def test_a_type_may_be_used_on_after_its_definition_is_forgotten() -> None:
 # Services.
 
 
-def test_a_service_checks_requests_and_responses() -> None:
+def test_service_checks_requests_and_responses() -> None:
     type_ = TYPES.service(ADD)
     assert (type_.name, type_.arguments) == (ADD, ("a", "b"))
     assert type_.request({"b": 2}) == {"a": 0, "b": 2}
@@ -192,13 +192,13 @@ def test_a_service_checks_requests_and_responses() -> None:
         (1, {"a": 0, "b": 0}),
     ],
 )
-def test_a_request_may_be_an_object_or_a_list_of_its_fields(
+def test_request_may_be_an_object_or_a_list_of_its_fields(
     args: object, request_: dict[str, int]
 ) -> None:
     assert TYPES.service(ADD).fill_request(args) == request_
 
 
-def test_a_request_without_fields_ignores_a_list() -> None:
+def test_request_without_fields_ignores_a_list() -> None:
     type_ = TYPES.service("std_srvs/Empty")
     assert type_.arguments == ()
     assert type_.fill_request([1, 2]) == type_.fill_request(None) == {}
@@ -206,7 +206,7 @@ def test_a_request_without_fields_ignores_a_list() -> None:
         type_.fill_request({"a": 1})
 
 
-def test_an_unknown_service_takes_objects_but_not_lists() -> None:
+def test_unknown_service_takes_objects_but_not_lists() -> None:
     type_ = TYPES.service("my_srvs/Do")
     assert (type_.name, type_.arguments) == ("my_srvs/Do", None)
     assert type_.fill_request({"any": 1}) == type_.response({"any": 1}) == {"any": 1}
@@ -215,7 +215,7 @@ def test_an_unknown_service_takes_objects_but_not_lists() -> None:
         type_.fill_request([])
 
 
-def test_a_client_may_bring_the_definition_of_a_service() -> None:
+def test_client_may_bring_the_definition_of_a_service() -> None:
     types = new_types()
     assert types.service("my_srvs/Do").arguments is None
     type_ = held(types, types.service("my_srvs/Do", "int8 one\n---\n"))
@@ -226,7 +226,7 @@ def test_a_client_may_bring_the_definition_of_a_service() -> None:
 # Actions.
 
 
-def test_an_action_checks_goals_feedback_and_results() -> None:
+def test_action_checks_goals_feedback_and_results() -> None:
     type_ = TYPES.action(FIBONACCI)
     assert type_.goal({}) == {"order": 0}
     assert type_.feedback({}) == type_.result({}) == {"sequence": []}
@@ -243,7 +243,7 @@ def test_messages_of_an_unknown_action_are_relayed_unchanged() -> None:
             check([1])
 
 
-def test_a_client_may_bring_the_definition_of_an_action() -> None:
+def test_client_may_bring_the_definition_of_an_action() -> None:
     types = new_types()
     definition = "int8 goal\n---\nint8 result\n---\nint8 feedback\n"
     assert types.action("my_actions/Do").goal({"any": 1}) == {"any": 1}
@@ -274,14 +274,14 @@ def test_strict_types_refuse_an_unknown_package(kind: str) -> None:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_an_unknown_type_of_a_known_package_is_refused_with_a_suggestion(kind: str) -> None:
+def test_unknown_type_of_a_known_package_is_refused_with_a_suggestion(kind: str) -> None:
     name = KNOWN[kind]
     with pytest.raises(UnknownType, match=rf"did you mean {name}\?"):
         made(TYPES, kind, name[:-1])
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_an_invalid_definition_is_refused_and_not_kept(kind: str) -> None:
+def test_invalid_definition_is_refused_and_not_kept(kind: str) -> None:
     types = new_types(strict=True)
     with pytest.raises(DefinitionError, match="int33"):
         made(types, kind, "my_package/Thing", WRONG[kind])
@@ -300,7 +300,7 @@ def test_another_definition_of_a_known_type_is_refused(kind: str) -> None:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_type_of_another_definition_is_another_one(kind: str) -> None:
+def test_type_of_another_definition_is_another_one(kind: str) -> None:
     types = new_types()
     older = held(types, made(types, kind, "my_package/Thing", OTHER[kind]))
     types.release(older, "holder")
@@ -309,7 +309,7 @@ def test_a_type_of_another_definition_is_another_one(kind: str) -> None:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_a_type_is_unchecked_if_there_is_no_room_for_its_definition(
+def test_type_is_unchecked_if_there_is_no_room_for_its_definition(
     kind: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(client_definitions, "PER_CLIENT", Limits(0, 0, 0))

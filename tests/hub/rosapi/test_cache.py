@@ -26,7 +26,7 @@ class HideAll:
 
 
 @pytest.mark.parametrize("get", [ResponseCache.get, ResponseCache.get_lately])
-def test_a_response_is_made_once_for_each_revision(
+def test_response_is_made_once_for_each_revision(
     get: Callable[[ResponseCache, Make, str], bytes],
 ) -> None:
     hub = FakeHub()
@@ -75,7 +75,7 @@ class Response:
         return b" " * self.size
 
 
-def test_a_large_response_is_reused_for_a_while_although_the_graph_changes() -> None:
+def test_large_response_is_reused_for_a_while_although_the_graph_changes() -> None:
     response = Response(LARGE)
     for now, made in ((0, 1), (LARGE * FRESH_FOR - 1, 1), (LARGE * FRESH_FOR, 2)):
         response.now = now
@@ -84,7 +84,7 @@ def test_a_large_response_is_reused_for_a_while_although_the_graph_changes() -> 
         assert response.made == made
 
 
-def test_a_response_without_a_revision_is_always_of_the_newest() -> None:
+def test_response_without_a_revision_is_always_of_the_newest() -> None:
     response = Response(LARGE)
     for made in (1, 2, 3):
         response.graph.revision += 1
@@ -92,7 +92,7 @@ def test_a_response_without_a_revision_is_always_of_the_newest() -> None:
         assert response.made == made
 
 
-def test_a_response_that_changes_without_the_graph_is_reused_only_if_it_is_large() -> None:
+def test_response_that_changes_without_the_graph_is_reused_only_if_it_is_large() -> None:
     for size, made in ((LARGE - 1, [1, 2, 3]), (LARGE, [1, 1, 2])):
         response = Response(size)
         for now, times in zip((0, 1, LARGE * FRESH_FOR), made, strict=True):
@@ -101,7 +101,7 @@ def test_a_response_that_changes_without_the_graph_is_reused_only_if_it_is_large
             assert response.made == times
 
 
-def test_a_clock_that_is_set_back_does_not_keep_a_response_for_long() -> None:
+def test_clock_that_is_set_back_does_not_keep_a_response_for_long() -> None:
     response = Response(LARGE)
     for now in (10**18, 0):
         response.now = now
@@ -133,14 +133,14 @@ class MakeText:
         return name.encode().ljust(10)
 
 
-def test_a_text_is_made_once() -> None:
+def test_text_is_made_once() -> None:
     make = MakeText()
     texts = TextCache(make)
     assert [texts.get(name) for name in "aba"] == [b"a         ", b"b         ", b"a         "]
     assert make.made == ["a", "b"]
 
 
-def test_an_error_is_not_cached() -> None:
+def test_error_is_not_cached() -> None:
     make = MakeText()
     texts = TextCache(make)
     for _ in range(2):

@@ -35,7 +35,7 @@ def test_both_topics_have_a_message_before_the_first_client() -> None:
     assert watcher.receive_messages("/connected_clients") == [{"clients": []}]
 
 
-def test_a_client_is_counted_and_listed_at_once() -> None:
+def test_client_is_counted_and_listed_at_once() -> None:
     rosapi = RosapiClient()
     watcher = add_watcher(rosapi)
     rosapi.connect()
@@ -45,7 +45,7 @@ def test_a_client_is_counted_and_listed_at_once() -> None:
     assert listing["msg"] == {"clients": [{"ip_address": "10.0.0.1", "connection_time": time}]}
 
 
-def test_the_first_client_of_a_new_hub_is_counted_at_once() -> None:
+def test_first_client_of_a_new_hub_is_counted_at_once() -> None:
     rosapi = RosapiClient()
     rosapi.connect()
     watcher = rosapi.add_client("/watcher")
@@ -53,7 +53,7 @@ def test_the_first_client_of_a_new_hub_is_counted_at_once() -> None:
     assert watcher.receive_messages("/client_count") == [{"data": 1}]
 
 
-def test_a_late_subscriber_gets_the_present_count() -> None:
+def test_late_subscriber_gets_the_present_count() -> None:
     rosapi = RosapiClient()
     watcher = add_watcher(rosapi)
     for _ in range(2):
@@ -65,7 +65,7 @@ def test_a_late_subscriber_gets_the_present_count() -> None:
     assert later.receive_messages("/client_count") == [{"data": 2}]
 
 
-def test_a_client_that_leaves_is_subtracted_once() -> None:
+def test_client_that_leaves_is_subtracted_once() -> None:
     rosapi = RosapiClient()
     watcher = add_watcher(rosapi)
     one = rosapi.connect()
@@ -81,7 +81,7 @@ def test_a_client_that_leaves_is_subtracted_once() -> None:
     assert counts(watcher) == []
 
 
-def test_a_thousand_clients_at_once_are_published_twice() -> None:
+def test_thousand_clients_at_once_are_published_twice() -> None:
     rosapi = RosapiClient()
     watcher = add_watcher(rosapi)
     for _ in range(1000):
@@ -120,7 +120,7 @@ def test_nothing_is_published_after_close() -> None:
     assert counts(watcher) == []
 
 
-def test_a_client_is_found_by_its_node() -> None:
+def test_client_is_found_by_its_node() -> None:
     rosapi = RosapiClient()
     talker, listener = rosapi.connect("/talker"), rosapi.connect("/listener")
     clients = rosapi.own.clients
@@ -129,7 +129,7 @@ def test_a_client_is_found_by_its_node() -> None:
     assert clients.find("/rosapi") is clients.find("/nobody") is None
 
 
-def test_the_newest_client_of_a_name_is_found() -> None:
+def test_newest_client_of_a_name_is_found() -> None:
     rosapi = RosapiClient()
     older, newer = rosapi.connect("/talker"), rosapi.connect("/talker")
     assert rosapi.own.clients.find("/talker") is newer

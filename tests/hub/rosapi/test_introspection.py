@@ -131,7 +131,7 @@ def test_topics_and_raw_types_has_the_full_text_of_each_type(rosapi: RosapiClien
     assert found["/awaited"] == ""
 
 
-def test_an_unknown_type_has_no_text_until_a_client_brings_its_definition(
+def test_unknown_type_has_no_text_until_a_client_brings_its_definition(
     rosapi: RosapiClient,
 ) -> None:
     talker(rosapi, thing="nowhere_msgs/Thing")
@@ -188,7 +188,7 @@ def test_types_that_clients_bring_are_described_while_they_are_used(rosapi: Rosa
             assert "my_msgs" in rosapi.refusal(f"/rosapi/{service}", type="my_msgs/Thing")
 
 
-def test_the_warning_about_texts_left_out_does_not_fill_the_log(
+def test_warning_about_texts_left_out_does_not_fill_the_log(
     rosapi: RosapiClient, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     monkeypatch.setattr(introspection, "MOST_TEXT", 1)
@@ -198,7 +198,7 @@ def test_the_warning_about_texts_left_out_does_not_fill_the_log(
     assert [record.levelno for record in caplog.records] == [logging.WARNING]
 
 
-def test_a_response_is_made_once_for_each_revision(
+def test_response_is_made_once_for_each_revision(
     rosapi: RosapiClient, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     read: list[str] = []
@@ -250,9 +250,7 @@ def test_services_and_servers_of_a_type_are_listed(rosapi: RosapiClient) -> None
 
 
 @pytest.mark.parametrize("spelling", ["/add", "add"])
-def test_the_type_node_and_host_of_a_service_are_returned(
-    rosapi: RosapiClient, spelling: str
-) -> None:
+def test_type_node_and_host_of_a_service_are_returned(rosapi: RosapiClient, spelling: str) -> None:
     adder(rosapi)
     assert rosapi.call("/rosapi/service_type", service=spelling) == {"type": ADD}
     assert rosapi.call("/rosapi/service_node", service=spelling) == {"node": "/adder"}
@@ -260,7 +258,7 @@ def test_the_type_node_and_host_of_a_service_are_returned(
 
 
 @pytest.mark.parametrize("name", ["/nothing", "", "not a name"])
-def test_the_type_node_and_host_of_an_unknown_service_are_empty(
+def test_type_node_and_host_of_an_unknown_service_are_empty(
     rosapi: RosapiClient, name: str
 ) -> None:
     assert rosapi.call("/rosapi/service_type", service=name) == {"type": ""}
@@ -268,7 +266,7 @@ def test_the_type_node_and_host_of_an_unknown_service_are_empty(
     assert rosapi.call("/rosapi/service_host", service=name) == {"host": ""}
 
 
-def test_the_hubs_own_services_belong_to_its_nodes(rosapi: RosapiClient) -> None:
+def test_hubs_own_services_belong_to_its_nodes(rosapi: RosapiClient) -> None:
     found = rosapi.call("/rosapi/service_node", service="/rosapi/topics")
     assert found == {"node": "/rosapi"}
     found = rosapi.call("/rosapi/service_node", service="/rosout/get_loggers")
@@ -313,7 +311,7 @@ def test_node_details_of_an_unknown_node_are_empty(rosapi: RosapiClient, name: s
 # Actions.
 
 
-def test_a_namespace_with_all_five_topics_is_an_action_server(rosapi: RosapiClient) -> None:
+def test_namespace_with_all_five_topics_is_an_action_server(rosapi: RosapiClient) -> None:
     for namespace in ("/robot/move", "/fibonacci"):
         topics = {f"{namespace[1:]}/{each}": STRING for each in introspection.ACTION_TOPICS}
         talker(rosapi, f"{namespace}_server", **topics)
@@ -322,7 +320,7 @@ def test_a_namespace_with_all_five_topics_is_an_action_server(rosapi: RosapiClie
 
 
 @pytest.mark.parametrize("missing", sorted(introspection.ACTION_TOPICS))
-def test_a_namespace_without_one_of_the_topics_is_not_an_action_server(
+def test_namespace_without_one_of_the_topics_is_not_an_action_server(
     rosapi: RosapiClient, missing: str
 ) -> None:
     topics = {f"fib/{each}": STRING for each in introspection.ACTION_TOPICS - {missing}}

@@ -39,7 +39,7 @@ def rosapi() -> RosapiClient:
         (1000, "fatal"),
     ],
 )
-def test_the_level_is_listed_under_both_names(
+def test_level_is_listed_under_both_names(
     rosapi: RosapiClient, node: str, number: int, level: str
 ) -> None:
     LOGGER.setLevel(number)
@@ -60,7 +60,7 @@ def test_the_level_is_listed_under_both_names(
         ("fatal", logging.CRITICAL),
     ],
 )
-def test_the_level_is_set(
+def test_level_is_set(
     rosapi: RosapiClient, node: str, logger: str, level: str, number: int
 ) -> None:
     assert rosapi.call(f"{node}/set_logger_level", logger=logger, level=level) == {}
@@ -68,7 +68,7 @@ def test_the_level_is_set(
 
 
 @pytest.mark.parametrize("level", ["", "loud", "warning", "20"])
-def test_an_unknown_level_is_refused(rosapi: RosapiClient, level: str) -> None:
+def test_unknown_level_is_refused(rosapi: RosapiClient, level: str) -> None:
     before = LOGGER.level
     refusal = rosapi.refusal("/rosout/set_logger_level", logger="rosout", level=level)
     assert all(each in refusal for each in ("debug", "info", "warn", "error", "fatal", level))
@@ -76,7 +76,7 @@ def test_an_unknown_level_is_refused(rosapi: RosapiClient, level: str) -> None:
 
 
 @pytest.mark.parametrize("logger", ["", "ros", "fibws"])
-def test_an_unknown_logger_is_refused(rosapi: RosapiClient, logger: str) -> None:
+def test_unknown_logger_is_refused(rosapi: RosapiClient, logger: str) -> None:
     before = LOGGER.level
     refusal = rosapi.refusal("/rosout/set_logger_level", logger=logger, level="debug")
     assert all(each in refusal for each in ("rosout", "fibws.hub", logger))

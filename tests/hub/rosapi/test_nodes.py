@@ -24,7 +24,7 @@ def loggers(node: str) -> list[str]:
     return [f"{node}/get_loggers", f"{node}/set_logger_level"]
 
 
-def test_the_hubs_own_nodes_publish_subscribe_and_serve(rosapi: RosapiClient) -> None:
+def test_hubs_own_nodes_publish_subscribe_and_serve(rosapi: RosapiClient) -> None:
     rosout = rosapi.call("/rosapi/node_details", node="/rosout")
     assert rosout == {
         "publishing": ["/rosout_agg"],
@@ -44,7 +44,7 @@ def test_the_hubs_own_nodes_publish_subscribe_and_serve(rosapi: RosapiClient) ->
     }
 
 
-def test_a_message_on_rosout_is_published_on_rosout_agg(rosapi: RosapiClient) -> None:
+def test_message_on_rosout_is_published_on_rosout_agg(rosapi: RosapiClient) -> None:
     talker, listener = rosapi.add_client("/talker"), rosapi.add_client("/listener")
     listener.send("subscribe", "/rosout")
     listener.send("subscribe", "/rosout_agg")
@@ -87,7 +87,7 @@ def test_internal_services_cannot_be_taken_over(rosapi: RosapiClient) -> None:
     assert "/rosout" in rosapi.call("/rosapi/topics")["topics"]
 
 
-def test_an_own_node_is_never_replaced() -> None:
+def test_own_node_is_never_replaced() -> None:
     with pytest.raises(AssertionError, match="/rosapi is the hub's own"):
         OwnNode("/rosapi", [], [], []).replaced()
 
@@ -109,14 +109,14 @@ def test_closing_twice_is_harmless(rosapi: RosapiClient) -> None:
     rosapi.own.close()
 
 
-def test_a_topic_with_a_client_as_subscriber_outlives_them(rosapi: RosapiClient) -> None:
+def test_topic_with_a_client_as_subscriber_outlives_them(rosapi: RosapiClient) -> None:
     rosapi.client.send("subscribe", "/rosout")
     rosapi.own.close()
     assert list(rosapi.graph.topics) == ["/rosout"]
     assert list(rosapi.graph.topics["/rosout"].subscribers()) == ["/caller"]
 
 
-def test_a_serialized_message_on_rosout_is_repeated_without_being_decoded(
+def test_serialized_message_on_rosout_is_repeated_without_being_decoded(
     rosapi: RosapiClient, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     talker, listener = (rosapi.hub.client(node, serialized=True) for node in ("/a", "/b"))

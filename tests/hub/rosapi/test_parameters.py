@@ -39,12 +39,12 @@ def rosapi() -> RosapiClient:
         ("1e300", "1e+300"),
     ],
 )
-def test_a_parameter_can_be_set_and_read(rosapi: RosapiClient, text: str, value: str) -> None:
+def test_parameter_can_be_set_and_read(rosapi: RosapiClient, text: str, value: str) -> None:
     assert rosapi.call("/rosapi/set_param", name="/x", value=text) == {}
     assert rosapi.call("/rosapi/get_param", name="/x") == {"value": value}
 
 
-def test_a_namespace_is_read_as_an_object(rosapi: RosapiClient) -> None:
+def test_namespace_is_read_as_an_object(rosapi: RosapiClient) -> None:
     rosapi.call("/rosapi/set_param", name="/robot", value='{"arm": {"left": 1}}')
     rosapi.call("/rosapi/set_param", name="/robot/arm/right", value="2")
     assert rosapi.call("/rosapi/get_param", name="/robot") == {
@@ -102,7 +102,7 @@ def test_set_param_refuses_json_that_cannot_be_a_parameter(rosapi: RosapiClient,
     assert rosapi.call("/rosapi/has_param", name="/x") == {"exists": False}
 
 
-def test_the_root_can_only_be_set_to_an_object(rosapi: RosapiClient) -> None:
+def test_root_can_only_be_set_to_an_object(rosapi: RosapiClient) -> None:
     assert "set it to an object" in rosapi.refusal("/rosapi/set_param", name="/", value="5")
 
 
@@ -134,7 +134,7 @@ def test_every_listed_name_can_be_looked_up(rosapi: RosapiClient) -> None:
 
 
 @pytest.mark.parametrize("name", ["", "not a name", "~"])
-def test_an_invalid_name_is_refused(rosapi: RosapiClient, name: str) -> None:
+def test_invalid_name_is_refused(rosapi: RosapiClient, name: str) -> None:
     for service in ("get_param", "has_param", "delete_param"):
         assert "is not a legal name" in rosapi.refusal(f"/rosapi/{service}", name=name)
     refusal = rosapi.refusal("/rosapi/set_param", name=name, value="{}")
@@ -150,7 +150,7 @@ def test_has_param_finds_parameters_and_namespaces(rosapi: RosapiClient) -> None
         assert rosapi.call("/rosapi/has_param", name=name) == {"exists": exists}
 
 
-def test_a_deleted_parameter_is_gone(rosapi: RosapiClient) -> None:
+def test_deleted_parameter_is_gone(rosapi: RosapiClient) -> None:
     rosapi.call("/rosapi/set_param", name="/robot", value='{"arm": 1, "leg": 2}')
     assert rosapi.call("/rosapi/delete_param", name="/robot/arm") == {}
     assert rosapi.call("/rosapi/get_param", name="/robot") == {"value": '{"leg":2}'}
@@ -160,7 +160,7 @@ def test_delete_param_ignores_an_unknown_parameter(rosapi: RosapiClient) -> None
     assert rosapi.call("/rosapi/delete_param", name="/nothing") == {}
 
 
-def test_the_root_cannot_be_deleted(rosapi: RosapiClient) -> None:
+def test_root_cannot_be_deleted(rosapi: RosapiClient) -> None:
     assert "cannot be deleted" in rosapi.refusal("/rosapi/delete_param", name="/")
 
 
@@ -193,7 +193,7 @@ def test_get_param_names_lists_values_but_not_namespaces(rosapi: RosapiClient) -
 # The first parameters.
 
 
-def test_the_first_parameters_are_those_of_roscore_and_rosbridge(rosapi: RosapiClient) -> None:
+def test_first_parameters_are_those_of_roscore_and_rosbridge(rosapi: RosapiClient) -> None:
     assert rosapi.call("/rosapi/get_param_names") == {"names": DEFAULTS}
     values = [rosapi.call("/rosapi/get_param", name=name)["value"] for name in DEFAULTS]
     assert values == [
@@ -214,7 +214,7 @@ def test_the_first_parameters_are_those_of_roscore_and_rosbridge(rosapi: RosapiC
         ("::1", "host___1__9090", "http://[::1]:9090/"),
     ],
 )
-def test_the_hubs_address_is_a_parameter(host: str, name: str, uri: str) -> None:
+def test_hubs_address_is_a_parameter(host: str, name: str, uri: str) -> None:
     parameters = Parameters(2**20)
     set_defaults(parameters, run_id=RUN_ID, host=host, port=9090, address="0.0.0.0")
     assert parameters.get("/roslaunch/uris") == {name: uri}

@@ -41,7 +41,7 @@ def rosapi() -> RosapiClient:
     return RosapiClient()
 
 
-def test_the_services_are_those_of_ros_1(rosapi: RosapiClient) -> None:
+def test_services_are_those_of_ros_1(rosapi: RosapiClient) -> None:
     own = {
         name.removeprefix("/rosapi/"): service.type.name.removeprefix("rosapi/")
         for name, service in rosapi.graph.services.items()
@@ -73,7 +73,7 @@ def test_get_time_returns_the_hubs_time(rosapi: RosapiClient) -> None:
         ("service_response_details", "std_srvs/SetBool", ["std_srvs/SetBoolResponse"]),
     ],
 )
-def test_the_details_of_types_are_returned(
+def test_details_of_types_are_returned(
     rosapi: RosapiClient, service: str, type_: str, expected: list[str]
 ) -> None:
     typedefs = rosapi.call(f"/rosapi/{service}", type=type_)["typedefs"]
@@ -92,12 +92,12 @@ def test_the_details_of_types_are_returned(
         ("std_msgs/Thing", " class Thing from package std_msgs. Caused by"),
     ],
 )
-def test_an_unknown_type_is_refused(
+def test_unknown_type_is_refused(
     rosapi: RosapiClient, service: str, type_: str, fault: str
 ) -> None:
     assert fault in rosapi.refusal(f"/rosapi/{service}", type=type_)
 
 
-def test_an_unknown_field_is_refused(rosapi: RosapiClient) -> None:
+def test_unknown_field_is_refused(rosapi: RosapiClient) -> None:
     refused = rosapi.refusal("/rosapi/topic_type", topic="/x", bogus=1)
     assert refused == "Message type rosapi/TopicTypeRequest does not have a field bogus"

@@ -60,7 +60,7 @@ def pinger() -> Pinger:
 
 
 @pytest.mark.parametrize("spelling", ["/talker", "talker"])
-def test_a_ping_succeeds_when_the_pong_arrives(pinger: Pinger, spelling: str) -> None:
+def test_ping_succeeds_when_the_pong_arrives(pinger: Pinger, spelling: str) -> None:
     pinger.ping(spelling)
     pinger.hub.clock.advance(0.25)
     assert pinger.is_waiting()
@@ -70,20 +70,20 @@ def test_a_ping_succeeds_when_the_pong_arrives(pinger: Pinger, spelling: str) ->
     assert pinger.forgotten
 
 
-def test_a_ping_takes_zero_seconds_when_the_clock_is_set_back(pinger: Pinger) -> None:
+def test_ping_takes_zero_seconds_when_the_clock_is_set_back(pinger: Pinger) -> None:
     pinger.ping()
     pinger.graph.now = lambda: 0
     pong(pinger, pinger.talker)
     assert pinger.result()["seconds"] == 0
 
 
-def test_a_ping_of_the_hubs_own_node_succeeds_at_once(pinger: Pinger) -> None:
+def test_ping_of_the_hubs_own_node_succeeds_at_once(pinger: Pinger) -> None:
     response = pinger.call("/rosapi/ping_node", node="/rosout")
     assert response == {"success": True, "message": "/rosout is the hub's own", "seconds": 0.0}
 
 
 @pytest.mark.parametrize("node", ["/nobody", "", "not a name", "~"])
-def test_an_unknown_node_is_named_in_the_response(pinger: Pinger, node: str) -> None:
+def test_unknown_node_is_named_in_the_response(pinger: Pinger, node: str) -> None:
     for service in ("/rosapi/ping_node", "/rosapi/kill_node"):
         response = pinger.call(service, node=node)
         assert not response["success"]
@@ -91,12 +91,12 @@ def test_an_unknown_node_is_named_in_the_response(pinger: Pinger, node: str) -> 
         assert "does not exist" in response["message"]
 
 
-def test_a_very_long_name_is_shortened_in_the_response(pinger: Pinger) -> None:
+def test_very_long_name_is_shortened_in_the_response(pinger: Pinger) -> None:
     response = pinger.call("/rosapi/ping_node", node=f"/{'x' * 10_000}")
     assert len(response["message"]) < 1100
 
 
-def test_a_ping_fails_after_three_seconds_without_a_pong(
+def test_ping_fails_after_three_seconds_without_a_pong(
     pinger: Pinger, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("fibws.hub.rosapi.rosnode.PATIENCE", PATIENCE)
@@ -111,7 +111,7 @@ def test_a_ping_fails_after_three_seconds_without_a_pong(
     assert pinger.is_waiting()
 
 
-def test_a_ping_fails_when_the_node_leaves(pinger: Pinger) -> None:
+def test_ping_fails_when_the_node_leaves(pinger: Pinger) -> None:
     pinger.ping()
     pinger.own.disconnected(pinger.talker)
     assert pinger.result() == {"success": False, "message": "/talker has left", "seconds": 0.0}
@@ -135,7 +135,7 @@ def test_nothing_is_kept_for_a_caller_that_leaves(pinger: Pinger) -> None:
     assert pinger.is_waiting()
 
 
-def test_a_caller_may_set_a_shorter_timeout(pinger: Pinger) -> None:
+def test_caller_may_set_a_shorter_timeout(pinger: Pinger) -> None:
     pinger.client.send(
         "call_service", service="/rosapi/ping_node", args={"node": "/talker"}, timeout=1
     )
@@ -144,7 +144,7 @@ def test_a_caller_may_set_a_shorter_timeout(pinger: Pinger) -> None:
     assert pinger.forgotten
 
 
-def test_a_pong_answers_only_its_own_ping(pinger: Pinger) -> None:
+def test_pong_answers_only_its_own_ping(pinger: Pinger) -> None:
     other = pinger.connect("/other")
     pinger.ping()
     pinger.ping("/other")
@@ -171,7 +171,7 @@ def test_several_callers_may_ping_at_once(pinger: Pinger) -> None:
     assert pinger.forgotten
 
 
-def test_a_pong_answers_earlier_pings_too(pinger: Pinger) -> None:
+def test_pong_answers_earlier_pings_too(pinger: Pinger) -> None:
     pinger.ping()
     pinger.ping()
     pinger.ping()
@@ -182,7 +182,7 @@ def test_a_pong_answers_earlier_pings_too(pinger: Pinger) -> None:
     assert pinger.forgotten
 
 
-def test_a_slow_client_is_not_pinged(pinger: Pinger) -> None:
+def test_slow_client_is_not_pinged(pinger: Pinger) -> None:
     pinger.talker.queue.pause()
     response = pinger.call("/rosapi/ping_node", node="/talker")
     assert not response["success"]
@@ -190,7 +190,7 @@ def test_a_slow_client_is_not_pinged(pinger: Pinger) -> None:
     assert pinger.talker.pings == []
 
 
-def test_a_ping_fails_when_the_hub_closes(pinger: Pinger) -> None:
+def test_ping_fails_when_the_hub_closes(pinger: Pinger) -> None:
     pinger.ping()
     pinger.own.close()
     response = pinger.response_to("/rosapi/ping_node")
@@ -202,7 +202,7 @@ def test_a_ping_fails_when_the_hub_closes(pinger: Pinger) -> None:
 # Kills.
 
 
-def test_a_node_is_killed_with_a_close_reason(pinger: Pinger) -> None:
+def test_node_is_killed_with_a_close_reason(pinger: Pinger) -> None:
     pinger.talker.client.send("advertise", "/fib", type=INT32)
     response = pinger.call("/rosapi/kill_node", node="talker")
     assert response == {"success": True, "message": "killed /talker"}
@@ -214,14 +214,14 @@ def test_a_node_is_killed_with_a_close_reason(pinger: Pinger) -> None:
 
 
 @pytest.mark.parametrize("node", ["/rosapi", "/rosout", "/rosbridge_websocket"])
-def test_the_hubs_own_nodes_cannot_be_killed(pinger: Pinger, node: str) -> None:
+def test_hubs_own_nodes_cannot_be_killed(pinger: Pinger, node: str) -> None:
     response = pinger.call("/rosapi/kill_node", node=node)
     assert not response["success"]
     assert response["message"] == f"{node} is the hub's own, which ends with the hub alone"
     assert node in pinger.graph.nodes
 
 
-def test_a_node_that_kills_itself_leaves_nothing_behind(
+def test_node_that_kills_itself_leaves_nothing_behind(
     pinger: Pinger,
 ) -> None:
     client = pinger.talker.client

@@ -46,7 +46,7 @@ def test_nodes_have_their_addresses_and_connection_times(rosapi: RosapiClient) -
     }
 
 
-def test_the_hubs_own_nodes_are_marked_and_have_no_address(rosapi: RosapiClient) -> None:
+def test_hubs_own_nodes_are_marked_and_have_no_address(rosapi: RosapiClient) -> None:
     rosapi.connect("/talker")
     own = [node for node in graph(rosapi)["nodes"] if node["own"]]
     assert [node["name"] for node in own] == ["/rosapi", "/rosbridge_websocket", "/rosout"]
@@ -54,13 +54,13 @@ def test_the_hubs_own_nodes_are_marked_and_have_no_address(rosapi: RosapiClient)
     assert {node["since"]["secs"] for node in own} == {SECS}
 
 
-def test_a_replaced_node_has_the_address_of_the_newer_one(rosapi: RosapiClient) -> None:
+def test_replaced_node_has_the_address_of_the_newer_one(rosapi: RosapiClient) -> None:
     rosapi.connect("/talker")
     rosapi.connect("/talker")
     assert named(graph(rosapi), "nodes", "/talker")["address"] == "10.0.0.1:50002"
 
 
-def test_a_topic_has_its_type_and_its_publishers(rosapi: RosapiClient) -> None:
+def test_topic_has_its_type_and_its_publishers(rosapi: RosapiClient) -> None:
     rosapi.add_client("/b").send("advertise", "/fib", type=INT32)
     rosapi.add_client("/a").send("advertise", "/fib", type=INT32, latch=True)
     assert topic(rosapi, "/fib") == {
@@ -72,13 +72,13 @@ def test_a_topic_has_its_type_and_its_publishers(rosapi: RosapiClient) -> None:
     }
 
 
-def test_a_topic_without_a_type_has_an_empty_one(rosapi: RosapiClient) -> None:
+def test_topic_without_a_type_has_an_empty_one(rosapi: RosapiClient) -> None:
     rosapi.add_client("/listener").send("subscribe", "/awaited")
     awaited = topic(rosapi, "/awaited")
     assert (awaited["type"], awaited["checked"], awaited["publishers"]) == ("", False, [])
 
 
-def test_an_unknown_type_is_not_checked_until_a_client_defines_it(rosapi: RosapiClient) -> None:
+def test_unknown_type_is_not_checked_until_a_client_defines_it(rosapi: RosapiClient) -> None:
     talker = rosapi.add_client("/talker")
     talker.send("advertise", "/n", type=UNKNOWN)
     assert (topic(rosapi, "/n")["type"], topic(rosapi, "/n")["checked"]) == (UNKNOWN, False)
@@ -99,7 +99,7 @@ def test_an_unknown_type_is_not_checked_until_a_client_defines_it(rosapi: Rosapi
         ({"throttle_rate": 1e300, "queue_length": 10**15}, (2**32 - 1, 2**32 - 1, "none")),
     ],
 )
-def test_a_subscription_is_listed_with_the_options_in_effect(
+def test_subscription_is_listed_with_the_options_in_effect(
     rosapi: RosapiClient, options: dict[str, Any], expected: tuple[int, int, str]
 ) -> None:
     rosapi.add_client("/listener").send("subscribe", "/fib", type=INT32, **options)
@@ -114,7 +114,7 @@ def test_a_subscription_is_listed_with_the_options_in_effect(
     ]
 
 
-def test_a_renewed_subscription_is_listed_with_its_new_options(rosapi: RosapiClient) -> None:
+def test_renewed_subscription_is_listed_with_its_new_options(rosapi: RosapiClient) -> None:
     listener = rosapi.add_client("/listener")
     listener.send("subscribe", "/fib", type=INT32)
     assert topic(rosapi, "/fib")["subscriptions"][0]["throttle_rate"] == 0
@@ -140,7 +140,7 @@ def test_services_have_their_types_and_nodes(rosapi: RosapiClient) -> None:
     }
 
 
-def test_an_action_of_ros_2_is_listed(rosapi: RosapiClient) -> None:
+def test_action_of_ros_2_is_listed(rosapi: RosapiClient) -> None:
     rosapi.add_client("/server").send("advertise_action", action="/count", type=FIBONACCI)
     assert graph(rosapi)["actions"] == [
         {"name": "/count", "type": FIBONACCI, "node": "/server", "over_topics": False}
@@ -159,7 +159,7 @@ def action_over_topics(
     return server
 
 
-def test_an_action_over_topics_is_listed(rosapi: RosapiClient) -> None:
+def test_action_over_topics_is_listed(rosapi: RosapiClient) -> None:
     server = action_over_topics(rosapi)
     rosapi.add_client("/client").send(
         "subscribe", "/fibonacci/result", type=f"{ACTION}ActionResult"
@@ -172,14 +172,14 @@ def test_an_action_over_topics_is_listed(rosapi: RosapiClient) -> None:
 
 
 @pytest.mark.parametrize("goal_type", [None, "std_msgs/String"])
-def test_an_action_over_topics_may_have_an_unknown_type(
+def test_action_over_topics_may_have_an_unknown_type(
     rosapi: RosapiClient, goal_type: str | None
 ) -> None:
     action_over_topics(rosapi, goal_type)
     assert graph(rosapi)["actions"][0]["type"] == ""
 
 
-def test_the_server_of_an_action_over_topics_is_known_by_its_status_or_its_result(
+def test_server_of_an_action_over_topics_is_known_by_its_status_or_its_result(
     rosapi: RosapiClient,
 ) -> None:
     server = action_over_topics(rosapi)
@@ -204,7 +204,7 @@ def test_everything_is_sorted_by_name(rosapi: RosapiClient) -> None:
         assert len(names) >= 3
 
 
-def test_the_response_changes_with_the_graph_only(rosapi: RosapiClient) -> None:
+def test_response_changes_with_the_graph_only(rosapi: RosapiClient) -> None:
     first = graph(rosapi)
     assert graph(rosapi) == first
     rosapi.connect("/talker")

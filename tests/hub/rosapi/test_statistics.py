@@ -52,7 +52,7 @@ def received(rosapi: RosapiClient) -> dict[str, int]:
     return {each["node"]: each["messages"] for each in found}
 
 
-def test_a_response_has_the_time_and_the_revision(rosapi: RosapiClient) -> None:
+def test_response_has_the_time_and_the_revision(rosapi: RosapiClient) -> None:
     found = rosapi.call("/rosapi/statistics")
     secs, nsecs = divmod(NANOSECONDS, 10**9)
     assert found["stamp"] == {"secs": secs, "nsecs": nsecs}
@@ -92,17 +92,17 @@ def test_each_publisher_is_counted_by_itself(rosapi: RosapiClient) -> None:
     assert published(rosapi) == {"/one": (1, len(TEXT)), "/two": (2, 2 * len(TEXT) + 1)}
 
 
-def test_an_invalid_message_is_not_counted(rosapi: RosapiClient) -> None:
+def test_invalid_message_is_not_counted(rosapi: RosapiClient) -> None:
     talker(rosapi).send_text(INVALID)
     assert published(rosapi) == {"/talker": (0, 0)}
 
 
-def test_the_bytes_of_several_operations_in_one_text_count_once(rosapi: RosapiClient) -> None:
+def test_bytes_of_several_operations_in_one_text_count_once(rosapi: RosapiClient) -> None:
     talker(rosapi).send_text(TEXT * 3)
     assert published(rosapi) == {"/talker": (3, 3 * len(TEXT))}
 
 
-def test_a_cbor_message_counts_with_its_own_bytes(rosapi: RosapiClient) -> None:
+def test_cbor_message_counts_with_its_own_bytes(rosapi: RosapiClient) -> None:
     data = cbor2.dumps(json.loads(TEXT))
     talker(rosapi).send_binary(data)
     assert published(rosapi) == {"/talker": (1, len(data))}
@@ -121,7 +121,7 @@ def test_fragments_count_with_the_bytes_of_the_whole_text(rosapi: RosapiClient) 
     assert published(rosapi) == {"/talker": (1, len(TEXT))}
 
 
-def test_a_message_that_was_not_advertised_counts_with_the_bytes_of_its_json(
+def test_message_that_was_not_advertised_counts_with_the_bytes_of_its_json(
     rosapi: RosapiClient,
 ) -> None:
     listener(rosapi, type=INT32)
@@ -133,14 +133,14 @@ def test_a_message_that_was_not_advertised_counts_with_the_bytes_of_its_json(
     assert published(rosapi) == {"/talker": (2, own + len(TEXT))}
 
 
-def test_a_pending_message_counts_when_it_is_published(rosapi: RosapiClient) -> None:
+def test_pending_message_counts_when_it_is_published(rosapi: RosapiClient) -> None:
     client = rosapi.add_client("/talker")
     client.send_text(TEXT)
     client.send("advertise", "/fib", type=INT32)
     assert published(rosapi)["/talker"][0] == 1
 
 
-def test_a_renewed_advertisement_starts_from_zero(rosapi: RosapiClient) -> None:
+def test_renewed_advertisement_starts_from_zero(rosapi: RosapiClient) -> None:
     client = talker(rosapi)
     listener(rosapi)
     client.send_text(TEXT)
@@ -150,7 +150,7 @@ def test_a_renewed_advertisement_starts_from_zero(rosapi: RosapiClient) -> None:
     assert published(rosapi) == {"/talker": (0, 0)}
 
 
-def test_a_second_advertisement_does_not_change_the_totals(rosapi: RosapiClient) -> None:
+def test_second_advertisement_does_not_change_the_totals(rosapi: RosapiClient) -> None:
     client = talker(rosapi, id="1")
     client.send_text(TEXT)
     client.send("advertise", "/fib", type=INT32, id="2")
@@ -182,7 +182,7 @@ def test_each_message_counts_for_every_present_subscription(
     assert received(rosapi) == {"/first": 3, "/second": 2}
 
 
-def test_a_subscription_counts_the_messages_of_all_publishers(rosapi: RosapiClient) -> None:
+def test_subscription_counts_the_messages_of_all_publishers(rosapi: RosapiClient) -> None:
     listener(rosapi)
     for node in ("/one", "/two"):
         talker(rosapi, node).send_text(TEXT)
@@ -199,14 +199,14 @@ def test_subscriptions_of_all_encodings_and_spellings_are_counted(rosapi: Rosapi
     assert received(rosapi) == {"/text": 1, "/cbor": 1, "/pieces": 1, "/relative": 1}
 
 
-def test_a_latched_message_counts_for_a_late_subscriber(rosapi: RosapiClient) -> None:
+def test_latched_message_counts_for_a_late_subscriber(rosapi: RosapiClient) -> None:
     talker(rosapi, latch=True).send_text(TEXT)
     listener(rosapi)
     assert received(rosapi) == {"/listener": 1}
     assert published(rosapi)["/talker"][0] == 1
 
 
-def test_a_throttled_subscription_counts_the_messages_it_gets(rosapi: RosapiClient) -> None:
+def test_throttled_subscription_counts_the_messages_it_gets(rosapi: RosapiClient) -> None:
     client = talker(rosapi)
     listener(rosapi, throttle_rate=100)
     client.send_text(TEXT * 3)
@@ -216,7 +216,7 @@ def test_a_throttled_subscription_counts_the_messages_it_gets(rosapi: RosapiClie
     assert received(rosapi) == {"/listener": 2}
 
 
-def test_a_message_that_waits_for_a_throttle_counts_when_it_is_sent(rosapi: RosapiClient) -> None:
+def test_message_that_waits_for_a_throttle_counts_when_it_is_sent(rosapi: RosapiClient) -> None:
     client = talker(rosapi)
     listener(rosapi, throttle_rate=100, queue_length=2)
     client.send_text(TEXT * 5)
@@ -225,7 +225,7 @@ def test_a_message_that_waits_for_a_throttle_counts_when_it_is_sent(rosapi: Rosa
     assert received(rosapi) == {"/listener": 3}
 
 
-def test_a_subscription_that_changes_keeps_its_total(rosapi: RosapiClient) -> None:
+def test_subscription_that_changes_keeps_its_total(rosapi: RosapiClient) -> None:
     client = talker(rosapi)
     other = listener(rosapi, "/other", compression="cbor")
     changing = listener(rosapi, id="only")
@@ -247,7 +247,7 @@ def test_a_subscription_that_changes_keeps_its_total(rosapi: RosapiClient) -> No
     assert other.receive_cbor()
 
 
-def test_a_renewed_subscription_starts_from_zero(rosapi: RosapiClient) -> None:
+def test_renewed_subscription_starts_from_zero(rosapi: RosapiClient) -> None:
     client = talker(rosapi)
     client_2 = listener(rosapi)
     client.send_text(TEXT)
@@ -260,7 +260,7 @@ def test_a_renewed_subscription_starts_from_zero(rosapi: RosapiClient) -> None:
     assert received(rosapi) == {"/listener": 1}
 
 
-def test_a_message_that_cannot_be_encoded_is_not_counted_as_sent(rosapi: RosapiClient) -> None:
+def test_message_that_cannot_be_encoded_is_not_counted_as_sent(rosapi: RosapiClient) -> None:
     listener(rosapi, compression="cbor-raw")
     client = rosapi.add_client("/talker")
     client.send("advertise", "/fib", type="my_msgs/Number")
@@ -333,7 +333,7 @@ def test_clients_that_have_left_the_graph_are_not_listed(rosapi: RosapiClient) -
     assert [(each["node"], each["address"]) for each in clients] == [("/talker", "10.0.0.1:50002")]
 
 
-def test_a_large_response_is_reused_for_a_moment(rosapi: RosapiClient) -> None:
+def test_large_response_is_reused_for_a_moment(rosapi: RosapiClient) -> None:
     client = rosapi.add_client("/many")
     for number in range(3000):
         client.send("advertise", f"/topic_{number}", type=INT32)

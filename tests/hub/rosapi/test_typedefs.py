@@ -64,7 +64,7 @@ def types(text: bytes) -> list[str]:
     return [each["type"] for each in typedefs(text)]
 
 
-def test_a_message_is_listed_with_the_types_in_it() -> None:
+def test_message_is_listed_with_the_types_in_it() -> None:
     assert typedefs(TypeDefs(Interfaces()).message("std_msgs/Header")) == [HEADER, TIME]
 
 
@@ -140,13 +140,13 @@ def test_requests_and_responses_of_a_service_are_listed(user_types: Interfaces) 
     }
 
 
-def test_a_message_without_fields_is_listed(user_types: Interfaces) -> None:
+def test_message_without_fields_is_listed(user_types: Interfaces) -> None:
     (empty,) = typedefs(TypeDefs(user_types).message("user_msgs/Empty"))
     assert (empty["type"], empty["fieldnames"], empty["examples"]) == ("user_msgs/Empty", [], [])
 
 
 @pytest.mark.parametrize("name", ["int32", "string", "char", "bool"])
-def test_a_builtin_type_has_an_empty_list(name: str) -> None:
+def test_builtin_type_has_an_empty_list(name: str) -> None:
     assert typedefs(TypeDefs(Interfaces()).message(name)) == []
 
 
@@ -163,7 +163,7 @@ def test_names_may_be_spelled_as_in_ros_2() -> None:
 
 
 @pytest.mark.parametrize("name", ["", "Header", "std_msgs/Sting", "nowhere_msgs/Thing"])
-def test_an_unknown_type_is_an_error(name: str) -> None:
+def test_unknown_type_is_an_error(name: str) -> None:
     typedefs_of = TypeDefs(Interfaces())
     for details in (typedefs_of.message, typedefs_of.request, typedefs_of.response):
         with pytest.raises(InterfaceError):

@@ -694,7 +694,7 @@ def test_large_message_is_shared_by_all_subscribers_without_a_copy() -> None:
     assert all(isinstance(each, memoryview) and each.obj is data for each in bodies)
 
 
-def test_a_message_too_heavy_for_json_reaches_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_message_too_heavy_for_json_reaches_the_others(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("fibws.hub.graph.types.FEWEST_BYTES", 0)
     monkeypatch.setattr("fibws.interfaces.serialization.MOST_WEIGHT", 1000)
     hub = FakeHub()

@@ -249,7 +249,7 @@ def test_private_names_of_clients_without_a_name_are_the_same() -> None:
     assert named.receive() == []
 
 
-def test_a_name_that_a_client_has_chosen_is_no_longer_without_a_name() -> None:
+def test_name_that_a_client_has_chosen_is_no_longer_without_a_name() -> None:
     hub = FakeHub()
     older = hub.client()
     hub.client(older.session.node).send("advertise", "~a", type=INT32)
@@ -278,7 +278,7 @@ def test_spellings_with_empty_parts_are_one_topic() -> None:
         {"op": "advertise_action", "action": "/a-b", "type": FIBONACCI},
     ],
 )
-def test_a_name_that_is_not_legal_gives_a_warning(fields: dict[str, str]) -> None:
+def test_name_that_is_not_legal_gives_a_warning(fields: dict[str, str]) -> None:
     client = FakeHub().client()
     client.send("set_level", level="warning")
     client.send_text(json.dumps({**fields, "id": "x"}))

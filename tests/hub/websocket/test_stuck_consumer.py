@@ -247,7 +247,7 @@ class TestStuckConsumer:
             assert slow._transport.get_write_buffer_size() + slow.queue.kept_bytes < limit + 3 * MIB
             stuck.reset()
 
-    async def test_a_slow_reader_gets_fresh_messages(self, start_hub: StartHub) -> None:
+    async def test_slow_reader_gets_fresh_messages(self, start_hub: StartHub) -> None:
         """A client reading a tenth of the messages gets them at most two seconds old at 10 MB/s."""
         hub = await start_hub()
         size, at_once, rounds = 10_000, 100, 40

@@ -337,7 +337,7 @@ def acquire(lock: LoopLock) -> None:
         pass
 
 
-def test_a_busy_loop_holds_the_lock(looping: Looping) -> None:
+def test_busy_loop_holds_the_lock(looping: Looping) -> None:
     over = looping.busy()
     assert not looping.lock.try_acquire()
     over.set()

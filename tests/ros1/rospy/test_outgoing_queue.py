@@ -106,7 +106,7 @@ async def test_all_messages_arrive_in_order(background: Background) -> None:
     assert sender.sent == frames(20 * LIMIT)
 
 
-async def test_a_busy_loop_makes_the_publisher_wait(background: Background) -> None:
+async def test_busy_loop_makes_the_publisher_wait(background: Background) -> None:
     sender = Sender()
     thread = in_a_thread(make(sender), LIMIT + 2)
     thread.join(0.2)

@@ -73,7 +73,7 @@ def test_files_of_removed_packages_are_removed(layout: Layout) -> None:
     assert not (layout.devel / "lib").exists()
 
 
-def test_an_error_stops_its_package_and_those_that_need_it(layout: Layout) -> None:
+def test_error_stops_its_package_and_those_that_need_it(layout: Layout) -> None:
     layout.messages("broken", {"Num.msg": "int64 num\nint64 num"})
     layout.messages("needs_it", {"Pair.msg": "broken/Num first"}, "broken")
     node(layout, "runs_it", "src/talker.py", "needs_it")
@@ -87,7 +87,7 @@ def test_an_error_stops_its_package_and_those_that_need_it(layout: Layout) -> No
     assert layout.built() == {"lib/other/listener.py", "share/other/package.xml"}
 
 
-def test_a_failed_package_keeps_what_was_built_before(layout: Layout) -> None:
+def test_failed_package_keeps_what_was_built_before(layout: Layout) -> None:
     folder = layout.messages("a", {"Num.msg": "int64 num"})
     layout.plan()
     before = snapshot(layout.devel / "share" / "a")
@@ -122,13 +122,13 @@ def test_all_errors_are_reported_at_once(layout: Layout) -> None:
     ]
 
 
-def test_a_metapackage_needs_no_cmake_lists(layout: Layout) -> None:
+def test_metapackage_needs_no_cmake_lists(layout: Layout) -> None:
     meta = layout.package("all", manifest="<export><metapackage/></export>")
     (meta / "CMakeLists.txt").unlink()
     assert layout.warnings() == []
 
 
-def test_the_first_of_two_packages_of_one_name_is_built(layout: Layout) -> None:
+def test_first_of_two_packages_of_one_name_is_built(layout: Layout) -> None:
     layout.messages("a", {"Num.msg": "int64 num"})
     layout.package("a", folder="two")
     (warning,) = layout.warnings()
@@ -136,7 +136,7 @@ def test_the_first_of_two_packages_of_one_name_is_built(layout: Layout) -> None:
     assert "share/a/msg/Num.msg" in layout.built()
 
 
-def test_a_circle_of_dependencies_stops_its_packages(layout: Layout) -> None:
+def test_circle_of_dependencies_stops_its_packages(layout: Layout) -> None:
     layout.package("a", "b")
     layout.package("b", "a")
     layout.package("c", "a")
@@ -181,7 +181,7 @@ def test_only_chosen_packages_are_built(layout: Layout) -> None:
     assert not (layout.devel / "share/a/package.xml").read_text().endswith("\n\n")
 
 
-def test_an_unreadable_file_stops_only_its_package(
+def test_unreadable_file_stops_only_its_package(
     layout: Layout, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     node(layout, "a", "a.py")
@@ -200,7 +200,7 @@ def test_an_unreadable_file_stops_only_its_package(
     assert error.startswith("b/CMakeLists.txt, line 4: b/setup.py: ")
 
 
-def test_an_unreadable_package_xml_stops_only_its_package(
+def test_unreadable_package_xml_stops_only_its_package(
     layout: Layout, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     node(layout, "a", "a.py")
@@ -226,7 +226,7 @@ def test_dependencies_of_chosen_packages_are_built_if_asked_for(layout: Layout) 
     assert layout.plan("b", with_depends=True).chosen == {"a", "b"}
 
 
-def test_an_unknown_package_cannot_be_chosen(layout: Layout) -> None:
+def test_unknown_package_cannot_be_chosen(layout: Layout) -> None:
     layout.package("talker")
     with pytest.raises(WorkspaceError, match="not found in the workspace: talkr; did you mean tal"):
         layout.plan("talkr")
@@ -246,7 +246,7 @@ def test_cleaning_keeps_the_files_to_source(layout: Layout) -> None:
 
 
 @pytest.mark.parametrize("by", ["catkin_make", "catkin build", None])
-def test_a_devel_space_of_another_tool_is_not_changed(layout: Layout, by: str | None) -> None:
+def test_devel_space_of_another_tool_is_not_changed(layout: Layout, by: str | None) -> None:
     layout.package("a")
     layout.devel.mkdir()
     (layout.devel / "lib.so").touch()
@@ -258,7 +258,7 @@ def test_a_devel_space_of_another_tool_is_not_changed(layout: Layout, by: str | 
     assert (layout.devel / "lib.so").exists()
 
 
-def test_a_workspace_builds_on_sourced_workspaces(layout: Layout, tmp_path: Path) -> None:
+def test_workspace_builds_on_sourced_workspaces(layout: Layout, tmp_path: Path) -> None:
     below = Layout(tmp_path / "below")
     below.messages("msgs", {"Num.msg": "int64 num"})
     below.plan()
@@ -272,7 +272,7 @@ def test_a_workspace_builds_on_sourced_workspaces(layout: Layout, tmp_path: Path
     assert Workspace(layout.folder, {}).plan().failed == {"more": []}, "msgs is missing"
 
 
-def test_an_edited_record_is_ignored(layout: Layout) -> None:
+def test_edited_record_is_ignored(layout: Layout) -> None:
     layout.package("a")
     layout.plan()
     for text in ("", "[]", '{"../../mine": "a"}'):

@@ -117,7 +117,7 @@ def test_nested_variables_are_replaced(folder: Path) -> None:
     assert messages(folder, text) == ["A.msg"]
 
 
-def test_the_order_of_macros_does_not_matter(folder: Path) -> None:
+def test_order_of_macros_does_not_matter(folder: Path) -> None:
     text = (
         "catkin_package()\ngenerate_messages()\nadd_message_files()\ncatkin_python_setup()\n"
         "add_action_files()\n"
@@ -172,7 +172,7 @@ def test_python_programs_are_installed(folder: Path, text: str, expected: list[s
     assert not read(folder, text).errors
 
 
-def test_a_missing_program_of_install_is_a_warning(folder: Path) -> None:
+def test_missing_program_of_install_is_a_warning(folder: Path) -> None:
     lists = read(folder, "\ninstall(PROGRAMS node.py DESTINATION bin)")
     assert not lists.errors
     (warning,) = lists.warnings
@@ -194,7 +194,7 @@ def test_errors_have_their_line(folder: Path, text: str, line: int, fact: str) -
     assert f"CMakeLists.txt, line {line}: " in str(error) and fact in str(error)
 
 
-def test_a_missing_setup_py_is_an_error(folder: Path) -> None:
+def test_missing_setup_py_is_an_error(folder: Path) -> None:
     (folder / "setup.py").unlink()
     lists = read(folder, "catkin_python_setup()")
     assert lists.python_setup is None

@@ -64,7 +64,7 @@ def test_only_what_fibws_lacks_is_warned_of(layout: Layout, plan: Plan) -> None:
 
 
 @pytest.mark.parametrize("name", SHAPES)
-def test_a_shape_is_built(layout: Layout, plan: Plan, name: str) -> None:
+def test_shape_is_built(layout: Layout, plan: Plan, name: str) -> None:
     shape = SHAPES[name]
     programs = layout.devel / "lib" / name
     found = sorted(path.name for path in programs.iterdir()) if programs.is_dir() else []

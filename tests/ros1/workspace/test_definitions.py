@@ -12,14 +12,14 @@ def test_packages_use_each_others_types_and_the_standard_ones(layout: Layout) ->
     assert {"share/a/msg/Num.msg", "share/b/msg/Pair.msg"} <= layout.built()
 
 
-def test_an_invalid_line_is_an_error_with_its_number(layout: Layout) -> None:
+def test_invalid_line_is_an_error_with_its_number(layout: Layout) -> None:
     layout.messages("a", {"Num.msg": "int64 num\nint33 x y=\n"})
     (error,) = layout.errors()
     assert error.startswith("a/msg/Num.msg, line 2: ")
     assert error.endswith("'int33 x y='")
 
 
-def test_an_error_is_reported_once_though_others_use_the_type(layout: Layout) -> None:
+def test_error_is_reported_once_though_others_use_the_type(layout: Layout) -> None:
     layout.messages("a", {"Num.msg": "int64"})
     layout.messages("b", {"Pair.msg": "a/Num first"}, "a")
     layout.messages("c", {"Pair.msg": "a/Num first"})
@@ -28,14 +28,14 @@ def test_an_error_is_reported_once_though_others_use_the_type(layout: Layout) ->
     assert layout.plan().failed.keys() == {"a", "b", "c"}
 
 
-def test_an_unknown_type_is_an_error_where_it_is_used(layout: Layout) -> None:
+def test_unknown_type_is_an_error_where_it_is_used(layout: Layout) -> None:
     layout.messages("a", {"Num.msg": "int64 num\n\nstd_msgs/Sting text"}, "std_msgs")
     (error,) = layout.errors()
     assert error.startswith("a/msg/Num.msg, line 3: ")
     assert "did you mean std_msgs/String?" in error
 
 
-def test_an_undeclared_package_of_types_is_warned_of(layout: Layout) -> None:
+def test_undeclared_package_of_types_is_warned_of(layout: Layout) -> None:
     layout.messages("a", {"Num.msg": "int64 num\nstd_msgs/String text"})
     (warning,) = layout.warnings()
     assert warning.startswith("a/msg/Num.msg, line 2: ")
@@ -61,7 +61,7 @@ def test_services_and_actions_are_compiled_too(layout: Layout) -> None:
     assert action.startswith("a/action/Count.action, line 1: ")
 
 
-def test_a_listed_file_that_does_not_exist_is_an_error(layout: Layout) -> None:
+def test_listed_file_that_does_not_exist_is_an_error(layout: Layout) -> None:
     path = layout.messages("a", {"Num.msg": "int64 num"})
     cmake = path / "CMakeLists.txt"
     cmake.write_text(cmake.read_text().replace("FILES Num.msg", "FILES Nun.msg msg/Num.msg"))
@@ -70,7 +70,7 @@ def test_a_listed_file_that_does_not_exist_is_an_error(layout: Layout) -> None:
     assert with_folder.startswith("a/CMakeLists.txt, line 4: write Num.msg")
 
 
-def test_a_file_of_another_kind_is_an_error(layout: Layout) -> None:
+def test_file_of_another_kind_is_an_error(layout: Layout) -> None:
     path = layout.messages("a", {"Num.msg": "int64 num"})
     (path / "msg" / "Add.srv").write_text("---\n")
     (path / "msg" / "my-own.msg").write_text("")
@@ -81,14 +81,14 @@ def test_a_file_of_another_kind_is_an_error(layout: Layout) -> None:
     assert name.startswith("a/CMakeLists.txt, line 4: ") and "my-own.msg" in name
 
 
-def test_a_file_that_is_not_listed_is_warned_of(layout: Layout) -> None:
+def test_file_that_is_not_listed_is_warned_of(layout: Layout) -> None:
     path = layout.messages("a", {"Num.msg": "int64 num"})
     (path / "msg" / "Other.msg").write_text("int64 num")
     (warning,) = layout.warnings()
     assert warning.startswith("a/CMakeLists.txt, line 4: msg/Other.msg ")
 
 
-def test_the_name_of_a_package_of_messages_must_be_an_identifier(layout: Layout) -> None:
+def test_name_of_a_package_of_messages_must_be_an_identifier(layout: Layout) -> None:
     layout.messages("my-msgs", {"Num.msg": "int64 num"})
     (error,) = layout.errors()
     assert "my-msgs" in error and "letters, digits and _" in error

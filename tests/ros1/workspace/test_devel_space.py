@@ -46,7 +46,7 @@ def with_program(layout: Layout) -> Path:
 
 
 @pytest.mark.parametrize("name", ["ws", "my ws", 'it\'s "mine"', "naïve"])
-def test_a_program_runs_as_if_started_directly(tmp_path: Path, name: str) -> None:
+def test_program_runs_as_if_started_directly(tmp_path: Path, name: str) -> None:
     layout = Layout(tmp_path / name)
     folder = with_program(layout)
     assert not layout.plan().errors
@@ -58,14 +58,14 @@ def test_a_program_runs_as_if_started_directly(tmp_path: Path, name: str) -> Non
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows reads no first line")
-def test_a_program_is_executable_by_itself(layout: Layout) -> None:
+def test_program_is_executable_by_itself(layout: Layout) -> None:
     with_program(layout)
     layout.plan()
     done = subprocess.run([layout.devel / "lib" / "a" / "node.py"], capture_output=True, text=True)
     assert (done.returncode, done.stdout.split()[0]) == (3, "hello")
 
 
-def test_a_changed_program_needs_no_new_build(layout: Layout) -> None:
+def test_changed_program_needs_no_new_build(layout: Layout) -> None:
     folder = with_program(layout)
     layout.plan()
     (folder / "scripts" / "node.py").write_text("print('changed')")
@@ -91,7 +91,7 @@ def test_modules_of_setup_py_can_be_imported(layout: Layout) -> None:
     assert done.stdout == f"mine {init} one\n", done.stderr
 
 
-def test_a_missing_module_of_setup_py_is_an_error(layout: Layout) -> None:
+def test_missing_module_of_setup_py_is_an_error(layout: Layout) -> None:
     layout.package("mine", before="catkin_python_setup()", files={"setup.py": SETUP})
     (error,) = layout.errors()
     assert error.startswith("mine/setup.py, line 3: ") and "src/mine" in error

@@ -34,7 +34,7 @@ def test_programs_are_executable(tmp_path: Path) -> None:
     assert not is_executable(tmp_path)
 
 
-def test_a_program_may_be_named_with_its_folders(tmp_path: Path) -> None:
+def test_program_may_be_named_with_its_folders(tmp_path: Path) -> None:
     first = write(tmp_path / "nodes" / "a.py", "", 0o755)
     second = write(tmp_path / "scripts" / "a.py", "", 0o755)
     write(tmp_path / ".git" / "a.py", "", 0o755)
@@ -91,11 +91,11 @@ def test_packages_behind_links_are_found_without_circles(tmp_path: Path) -> None
     assert list(find_packages(root)) == [root / "link" / "a"]
 
 
-def test_a_missing_folder_has_no_packages(tmp_path: Path) -> None:
+def test_missing_folder_has_no_packages(tmp_path: Path) -> None:
     assert not list(find_packages(tmp_path / "none"))
 
 
-def test_a_package_behind_many_links_is_found_once(tmp_path: Path) -> None:
+def test_package_behind_many_links_is_found_once(tmp_path: Path) -> None:
     packages = [package(tmp_path / name) for name in ("a", "b")]
     groups = [tmp_path / f"group{each}" for each in range(12)]
     try:

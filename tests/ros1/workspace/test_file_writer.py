@@ -27,15 +27,13 @@ def test_files_that_do_not_change_are_not_touched(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no executable bit")
-def test_a_file_becomes_executable(tmp_path: Path) -> None:
+def test_file_becomes_executable(tmp_path: Path) -> None:
     write(tmp_path, {"a": File(b"x")})
     write(tmp_path, {"a": File(b"x", executable=True)})
     assert os.access(tmp_path / "a", os.X_OK)
 
 
-def test_a_failed_write_leaves_the_old_file(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_failed_write_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     write(tmp_path, {"a": File(b"old")})
 
     def fail(*_: object) -> None:
@@ -62,7 +60,7 @@ def test_nothing_outside_the_folder_is_removed(tmp_path: Path) -> None:
     assert (tmp_path / "mine").exists()
 
 
-def test_a_folder_in_place_of_a_file_is_an_error(tmp_path: Path) -> None:
+def test_folder_in_place_of_a_file_is_an_error(tmp_path: Path) -> None:
     (tmp_path / "a" / "within").mkdir(parents=True)
     with pytest.raises(IsADirectoryError) as error:
         write(tmp_path, {"a": File(b"x")})

@@ -20,7 +20,7 @@ def refused(package: NewPackage, where: Path) -> str:
     return str(error.value)
 
 
-def test_a_new_package_has_two_files_and_src(layout: Layout) -> None:
+def test_new_package_has_two_files_and_src(layout: Layout) -> None:
     made = NewPackage("fibonacci", ["std_msgs", "rospy"]).create(layout.source)
     assert made == [
         "file fibonacci/package.xml",
@@ -33,7 +33,7 @@ def test_a_new_package_has_two_files_and_src(layout: Layout) -> None:
     assert layout.warnings() == []
 
 
-def test_the_example_program_builds_once_it_is_uncommented(layout: Layout) -> None:
+def test_example_program_builds_once_it_is_uncommented(layout: Layout) -> None:
     NewPackage("a", ["rospy"]).create(layout.source)
     cmake = layout.source / "a" / "CMakeLists.txt"
     text = cmake.read_text()
@@ -63,7 +63,7 @@ def test_messages_build_without_other_packages(layout: Layout) -> None:
     assert layout.warnings() == []
 
 
-def test_a_metapackage_depends_on_its_packages(layout: Layout) -> None:
+def test_metapackage_depends_on_its_packages(layout: Layout) -> None:
     made = NewPackage("all", ["rospy", "std_msgs"], meta=True).create(layout.source)
     assert made == ["file all/package.xml", "file all/CMakeLists.txt"]
     manifest = read_manifest(layout.source / "all")
@@ -87,7 +87,7 @@ def test_special_characters_are_escaped(layout: Layout) -> None:
 
 
 @pytest.mark.parametrize("name", ["a b", "a/b", "", "-a", "../a", "é"])
-def test_an_invalid_name_is_an_error(layout: Layout, name: str) -> None:
+def test_invalid_name_is_an_error(layout: Layout, name: str) -> None:
     assert f"invalid name {name!r}" in refused(NewPackage(name), layout.source)
     assert not list(layout.source.iterdir())
 
@@ -101,7 +101,7 @@ def test_existing_files_are_not_overwritten(layout: Layout) -> None:
     assert str(layout.source / "b") in refused(NewPackage("b"), layout.source)
 
 
-def test_a_package_inside_a_package_is_an_error(layout: Layout) -> None:
+def test_package_inside_a_package_is_an_error(layout: Layout) -> None:
     folder = layout.package("a", files={"src/x.py": ""})
     text = refused(NewPackage("b"), folder / "src")
     assert "inside package a" in text and text.endswith(f"cd {layout.source}")

@@ -16,7 +16,7 @@ PROGRAM = "#!/usr/bin/env python3\n"
 needs_executable_bit = pytest.mark.skipif(os.name == "nt", reason="Windows has no executable bit")
 
 
-def test_a_good_package_has_no_warnings(layout: Layout) -> None:
+def test_good_package_has_no_warnings(layout: Layout) -> None:
     layout.package(
         "fibonacci",
         *("rospy", "std_msgs"),
@@ -32,7 +32,7 @@ def test_another_name_of_the_project_is_warned_of(layout: Layout) -> None:
     assert warning.startswith("a/CMakeLists.txt, line 1: ") and "project(a)" in warning
 
 
-def test_a_ros_2_package_is_an_error(layout: Layout) -> None:
+def test_ros_2_package_is_an_error(layout: Layout) -> None:
     layout.package("a", manifest="<export><build_type>ament_python</build_type></export>")
     (error,) = layout.errors()
     assert error.startswith("a/package.xml, line 3: ") and "ament_python" in error
@@ -48,7 +48,7 @@ def test_a_ros_2_package_is_an_error(layout: Layout) -> None:
         ("xacro", "pip install xacro"),
     ],
 )
-def test_a_missing_dependency_is_a_warning_with_what_would_install_it(
+def test_missing_dependency_is_a_warning_with_what_would_install_it(
     layout: Layout, monkeypatch: pytest.MonkeyPatch, dependency: str, fact: str
 ) -> None:
     def nothing_is_installed(name: str) -> None:
@@ -102,7 +102,7 @@ def test_keys_of_rosdep_have_names_in_pypi(dependency: str, name: str | None) ->
 
 
 @needs_executable_bit
-def test_a_program_that_is_not_executable_is_warned_of(layout: Layout) -> None:
+def test_program_that_is_not_executable_is_warned_of(layout: Layout) -> None:
     layout.package(
         "a",
         after=f"catkin_install_python(PROGRAMS src/node.py DESTINATION {BIN})",
@@ -114,7 +114,7 @@ def test_a_program_that_is_not_executable_is_warned_of(layout: Layout) -> None:
     assert "lib/a/node.py" in layout.built()
 
 
-def test_a_program_without_a_shebang_is_warned_of(layout: Layout) -> None:
+def test_program_without_a_shebang_is_warned_of(layout: Layout) -> None:
     layout.package(
         "a",
         after=f"catkin_install_python(PROGRAMS node.py DESTINATION {BIN})",

@@ -171,7 +171,7 @@ def ros_1(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize("case", VALID)
-def test_a_valid_manifest_is_read_as_catkin_pkg_does(tmp_path: Path, case: str) -> None:
+def test_valid_manifest_is_read_as_catkin_pkg_does(tmp_path: Path, case: str) -> None:
     theirs = catkin_pkg_reads(VALID[case])
     ours = read_manifest(write(tmp_path, VALID[case]))
     assert (ours.name, ours.version, ours.format) == (
@@ -242,12 +242,12 @@ def test_dependencies_have_lines(tmp_path: Path) -> None:
     assert manifest.line == 3
 
 
-def test_a_name_in_upper_case_is_warned_of(tmp_path: Path) -> None:
+def test_name_in_upper_case_is_warned_of(tmp_path: Path) -> None:
     manifest = read_manifest(write(tmp_path, manifest_of("BigRobot")))
     assert "line 3: " in manifest.warnings[0] and "'BigRobot'" in manifest.warnings[0]
 
 
-def test_the_name_of_an_invalid_manifest_is_read(tmp_path: Path) -> None:
+def test_name_of_an_invalid_manifest_is_read(tmp_path: Path) -> None:
     write(tmp_path, "<package><!-- <name>x</name> --><name> a </name><oops>")
     assert read_name(tmp_path) == "a"
     write(tmp_path, "<package>")
@@ -255,7 +255,7 @@ def test_the_name_of_an_invalid_manifest_is_read(tmp_path: Path) -> None:
     assert read_name(tmp_path / "none") == "none"
 
 
-def test_a_manifest_of_fibws_depends_on_nothing() -> None:
+def test_manifest_of_fibws_depends_on_nothing() -> None:
     assert Manifest("std_msgs").direct == []
 
 
@@ -287,7 +287,7 @@ def test_conditions_compare_texts(condition: str, expected: bool) -> None:
 @pytest.mark.parametrize(
     "text", ["", "$A", "$A ==", "== 1", "($A == 1", "$A == 1 and", "a b", "a == b c", "a == 1.0"]
 )
-def test_an_invalid_condition_is_an_error(text: str) -> None:
+def test_invalid_condition_is_an_error(text: str) -> None:
     with pytest.raises(ValueError, match="invalid condition"):
         evaluate_condition(text, ROS_1)
 

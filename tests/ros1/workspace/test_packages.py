@@ -27,7 +27,7 @@ def test_packages_are_found_by_the_name_in_package_xml(layout: Layout) -> None:
     assert not package.is_standard
 
 
-def test_the_first_of_two_packages_of_one_name_counts(tmp_path: Path) -> None:
+def test_first_of_two_packages_of_one_name_counts(tmp_path: Path) -> None:
     first, second = Layout(tmp_path / "a"), Layout(tmp_path / "b")
     folder = first.package("fibonacci")
     second.package("fibonacci")
@@ -42,7 +42,7 @@ def test_packages_of_fibws_are_always_found() -> None:
     assert packages.find("std_msgs").manifest.direct == []
 
 
-def test_a_package_of_a_workspace_replaces_one_of_fibws(layout: Layout) -> None:
+def test_package_of_a_workspace_replaces_one_of_fibws(layout: Layout) -> None:
     folder = layout.package("std_msgs")
     assert known(layout).find("std_msgs").folder == folder
 
@@ -54,7 +54,7 @@ def test_packages_are_found_by_the_environment(layout: Layout, tmp_path: Path) -
     assert packages.find("fibonacci").name == "fibonacci"
 
 
-def test_a_workspace_that_is_not_sourced_may_be_given(layout: Layout, tmp_path: Path) -> None:
+def test_workspace_that_is_not_sourced_may_be_given(layout: Layout, tmp_path: Path) -> None:
     layout.package("fibonacci")
     packages = Packages.from_environment(layout.folder, environment={})
     assert packages.find("fibonacci").name == "fibonacci"
@@ -95,7 +95,7 @@ def test_links_to_a_program_do_not_count(layout: Layout) -> None:
     assert known(layout).executable("a", "node.py").name == "node.py"
 
 
-def test_an_unknown_package_is_an_error() -> None:
+def test_unknown_package_is_an_error() -> None:
     with pytest.raises(PackageNotFound, match="package 'qwertz' not found") as error:
         Packages([]).find("qwertz")
     assert error.value.name == "qwertz"

@@ -18,7 +18,7 @@ def refused(folder: Path) -> str:
     return str(error.value)
 
 
-def test_a_folder_with_src_is_a_workspace(layout: Layout) -> None:
+def test_folder_with_src_is_a_workspace(layout: Layout) -> None:
     paths.check_workspace(layout.folder)
 
 
@@ -31,7 +31,7 @@ def test_below_the_root_of_a_workspace_the_error_says_where_it_is(layout: Layout
     assert refused(folder / "src").endswith("cd ../../..")
 
 
-def test_a_package_in_a_new_workspace_is_not_a_workspace(layout: Layout) -> None:
+def test_package_in_a_new_workspace_is_not_a_workspace(layout: Layout) -> None:
     folder = layout.package("fibonacci", files={"src/node.py": ""})
     assert refused(folder).endswith("cd ../..")
 
@@ -51,12 +51,12 @@ def test_other_folders_are_not_workspaces(tmp_path: Path) -> None:
     assert f"{tmp_path} is a package" in refused(tmp_path)
 
 
-def test_a_path_with_a_separator_is_an_error(tmp_path: Path) -> None:
+def test_path_with_a_separator_is_an_error(tmp_path: Path) -> None:
     layout = Layout(tmp_path / "a:b")
     assert "':'" in refused(layout.folder)
 
 
-def test_a_workspace_is_found_once_it_is_initialized(layout: Layout) -> None:
+def test_workspace_is_found_once_it_is_initialized(layout: Layout) -> None:
     folder = layout.package("fibonacci")
     assert paths.workspace_around(folder) is None
     paths.initialize(layout.source)
@@ -75,14 +75,14 @@ def test_initializing_marks_src_and_only_once(layout: Layout) -> None:
         paths.initialize(layout.folder / "none")
 
 
-def test_a_workspace_is_built_until_it_is_moved(layout: Layout) -> None:
+def test_workspace_is_built_until_it_is_moved(layout: Layout) -> None:
     assert not paths.is_built(layout.folder)
     layout.plan()
     assert paths.is_built(layout.folder)
     assert not paths.is_built(layout.folder.rename(layout.folder.with_name("moved")))
 
 
-def test_the_current_folder_is_named_as_in_the_shell(
+def test_current_folder_is_named_as_in_the_shell(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     real, link = tmp_path / "real", tmp_path / "link"

@@ -60,7 +60,7 @@ def test_members_of_a_group_come_before_packages_that_depend_on_it(layout: Layou
     assert packages[1].depends == {"b"}
 
 
-def test_the_first_of_two_packages_of_one_name_wins_with_a_warning(layout: Layout) -> None:
+def test_first_of_two_packages_of_one_name_wins_with_a_warning(layout: Layout) -> None:
     first = layout.package("a", folder="one")
     second = layout.package("a", folder="two")
     packages, warnings = read_source_tree(layout.source)

@@ -43,7 +43,7 @@ def sourced(layout: Layout, here: Path | None = None) -> Packages:
     return Packages([layout.source], [layout.devel], here)
 
 
-def test_the_package_that_has_the_program_is_suggested(layout: Layout) -> None:
+def test_package_that_has_the_program_is_suggested(layout: Layout) -> None:
     layout.package("fibonacci", programs={f"src/{NODE}": PROGRAM})
     suggestion = of_package(sourced(layout), "fibonacci_broadcaster", NODE)
     assert suggestion.endswith(f"rosrun fibonacci {NODE}")
@@ -67,7 +67,7 @@ def test_of_several_packages_that_have_the_program_the_nearest_is_suggested(
     assert of_package(sourced(layout), "fibonaci", NODE).endswith(f"rosrun fibonacci {NODE}")
 
 
-def test_a_package_of_a_similar_name_is_suggested(layout: Layout) -> None:
+def test_package_of_a_similar_name_is_suggested(layout: Layout) -> None:
     layout.package("fibonacci")
     assert of_package(sourced(layout), "fibonaci") == "did you mean fibonacci?"
     assert of_package(sourced(layout), "std_msg") == "did you mean std_msgs?"
@@ -100,7 +100,7 @@ def test_building_a_moved_workspace_is_suggested(layout: Layout) -> None:
     assert f": cd {moved} && catkin_make" in of_package(packages, "fibonacci")
 
 
-def test_a_path_with_a_blank_is_quoted(tmp_path: Path) -> None:
+def test_path_with_a_blank_is_quoted(tmp_path: Path) -> None:
     layout = Layout(tmp_path / "my ws")
     layout.package("fibonacci")
     layout.plan()
@@ -125,7 +125,7 @@ def test_making_a_program_executable_is_suggested(layout: Layout) -> None:
 
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no executable bit")
-def test_a_program_of_a_similar_name_is_suggested(layout: Layout) -> None:
+def test_program_of_a_similar_name_is_suggested(layout: Layout) -> None:
     folder = layout.package("a", files={"idle.py": ""}, programs={"talker.py": PROGRAM})
     packages = sourced(layout)
     assert of_program(packages, "a", "talker") == "did you mean talker.py?"
@@ -140,13 +140,13 @@ def test_another_package_that_has_the_program_is_suggested(layout: Layout) -> No
     assert of_program(sourced(layout), "a", "talker.py").endswith("rosrun b talker.py")
 
 
-def test_a_file_that_is_not_a_program_is_named(layout: Layout) -> None:
+def test_file_that_is_not_a_program_is_named(layout: Layout) -> None:
     folder = layout.package("a", files={"data.txt": ""})
     assert "not a program" in of_program(sourced(layout), "a", "data.txt")
     assert of_program(sourced(layout), "a", "x").endswith(f"no programs in {folder}")
 
 
-def test_a_cpp_program_is_named_with_its_line(layout: Layout) -> None:
+def test_cpp_program_is_named_with_its_line(layout: Layout) -> None:
     layout.package(
         "a", after="add_executable(${PROJECT_NAME}_node talker.cpp)", programs={"note.py": PROGRAM}
     )
