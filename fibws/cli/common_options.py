@@ -1,4 +1,4 @@
-"""What commands have in common: options, examples in their help, and a client of the hub."""
+"""Shared parts of commands: options, examples in help texts, and a client of the hub."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What clients and servers of actions agree on: a goal's status and id, the topics of an action.
+"""Goals of actions: their status, their ids, and the topics of an action in ROS 1.
 
 Source: http://wiki.ros.org/actionlib/DetailedDescription.
 """
