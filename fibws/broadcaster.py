@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import click
 
 import fibws
@@ -37,33 +39,36 @@ def next_type(error: fibws.FibwsError, now: str, first: str, on_overflow: str) -
 
 async def broadcast(node: fibws.Node, type_: str, rate: float, on_overflow: str) -> None:
     """Publish 0, 1, 1, 2, 3, 5 ... on ``fibonacci``."""
-    numbers = await node.advertise("fibonacci", type_, queue_size=10)
+    current_type = type_
+    numbers: fibws.Publisher[Any, ...] | None = None
     a, b = 0, 1
     async for _ in node.rate(rate):
         try:
+            if numbers is None:
+                numbers = await node.advertise("fibonacci", current_type, queue_size=10)
             await numbers.publish(a)
             node.log.info("%d", a)
             a, b = b, a + b
         except (fibws.InvalidMessage, fibws.OperationRejected) as error:
             is_full = isinstance(error, fibws.InvalidMessage)
-            # The node has logged the hub's reason.
+            new_type = next_type(error, current_type, type_, on_overflow)
             if is_full:
-                reason = f"{a} does not fit a {numbers.type}"
+                reason = f"{a} does not fit a {current_type}"
             else:
-                reason = f"{numbers.type} was refused"
-            new_type = next_type(error, numbers.type, type_, on_overflow)
+                reason = f"{current_type} was refused ({error})"
             if new_type is None:
                 node.log.warning("%s: stopping.", reason)
                 return
-            changes = new_type != numbers.type
+            changes = new_type != current_type
             if is_full and changes:
                 node.log.warning("%s: continuing with %s.", reason, new_type)
             else:
                 node.log.warning("%s: starting over with %s.", reason, new_type)
                 a, b = 0, 1
-            if changes:
+            if changes and numbers is not None:
                 numbers.close()
-                numbers = await node.advertise("fibonacci", new_type, queue_size=10)
+                numbers = None
+            current_type = new_type
 
 
 @click.command(context_settings=node_program.SETTINGS)

@@ -30,6 +30,8 @@ MOST_CALLS = 500
 """Calls of one service that wait for responses at once; the hub bounds those of all (1000)."""
 SHORTEST_TIMEOUT = 0.001
 """Least seconds to send as a call's timeout: 0 would mean no limit."""
+ROUND_TRIP = "/rosapi/get_time"
+"""The service that `Calls.round_trip` calls: one that costs the hub nothing."""
 FIRST_LOOK = 0.05
 LONGEST_LOOK = 0.5
 """Seconds between two checks whether a service exists, at first and in the end (rospy's: 0.3)."""
@@ -92,6 +94,24 @@ class Calls(OperationHandler):
     ) -> Res:
         """Call ``/rosapi/<service>``, a service of the hub, with a request of these fields."""
         return await self.call(f"/rosapi/{service}", type_, request)
+
+    async def round_trip(self) -> None:
+        """Wait until the hub has handled everything that was sent; without a hub, wait for that.
+
+        rosbridge handles a client's operations in order: the response to a call says so, whether
+        the hub has the service or not.
+
+        Raises:
+            NodeClosed: the node has ended; or the error that ended it.
+        """
+        while True:
+            try:
+                await self._call(ROUND_TRIP, {}, None, None)
+            except ServiceLost:
+                continue  # On the next connection, everything is registered again.
+            except ServiceError:
+                pass
+            return
 
     async def wait_for_service(self, name: str, within: float | None) -> None:
         """Wait until a service exists, by its global name; see `Node.wait_for_service`."""

@@ -24,7 +24,7 @@ from fibws.node.log import FORMAT, Loggers, Rosout, node_log
 from fibws.node.publisher import P, Publisher
 from fibws.node.rate import Rate
 from fibws.node.services import Handler, HeaderHandler, Services, ServiceServer
-from fibws.node.session import Session
+from fibws.node.session import Registration, Session, throw
 from fibws.node.subscription import Subscription, next_message
 from fibws.node.topics import Topics
 from fibws.node.types import Types
@@ -190,10 +190,12 @@ class Node:
         latch: bool = False,
         headers: Mapping[str, str] | None = None,
         peers: bool = False,
+        wait: bool = True,
     ) -> Publisher[M, P]:
-        """Advertise a topic and return its publisher.
+        """Advertise a topic, and return its publisher once the hub has registered it.
 
-        If the hub refuses, this is logged, and the next publish raises OperationRejected.
+        It registers again by itself after a reconnection. If the hub refuses that, it is logged,
+        and the next publish raises OperationRejected.
 
         Args:
             topic: its name.
@@ -205,9 +207,12 @@ class Node:
                 ``latching``. A node has one header for each topic: that of its newest publisher
                 which has any.
             peers: whether to ask for the subscribers, for `Publisher.peers`.
+            wait: whether to wait until the hub has registered the publisher; if there is no hub,
+                until there is one. Without it a first refusal is reported like a later one.
 
         Raises:
             ValueError: ``queue_size`` is less than 1, or the headers are not short strings.
+            OperationRejected: the hub refuses the publisher.
         """
         check_queue_size(queue_size)
         publisher: Publisher[M, Any] = self._topics.advertise(
@@ -218,6 +223,8 @@ class Node:
             headers=check_headers(headers) if headers else None,
             peers=peers,
         )
+        if wait:
+            await self._registered(publisher)
         return publisher
 
     async def advertise_serialized(
@@ -231,6 +238,7 @@ class Node:
         latch: bool = False,
         headers: Mapping[str, str] | None = None,
         peers: bool = False,
+        wait: bool = True,
     ) -> Publisher[Any, ...]:
         """Advertise a topic whose messages are published as bytes in ROS 1's serialization.
 
@@ -244,7 +252,7 @@ class Node:
             definition: the type's text (genpy's ``_full_text``), for a hub that lacks it.
         """
         check_queue_size(queue_size)
-        return self._topics.advertise(
+        publisher: Publisher[Any, ...] = self._topics.advertise(
             self.resolve(topic),
             self._types.serialized(type, md5sum, definition),
             queue_size=queue_size,
@@ -252,6 +260,9 @@ class Node:
             headers=check_headers(headers) if headers else None,
             peers=peers,
         )
+        if wait:
+            await self._registered(publisher)
+        return publisher
 
     def subscribe(
         self,
@@ -343,13 +354,13 @@ class Node:
         *,
         headers: bool = False,
     ) -> ServiceServer[Any, Any]:
-        """Provide a service.
+        """Provide a service, and return once the hub has registered it.
 
         Each call is handled in a task of its own, which the end of the service or of the node
         cancels. If the handler raises, the caller gets ``error processing request: ...``, the
         traceback is logged, and the service goes on. A BrokenPipeError ends the node, and its
         `spin` raises it: the program's output is no longer read. If the hub refuses the
-        service, this is logged and `ServiceServer.spin` raises OperationRejected.
+        service after a reconnection, this is logged and `ServiceServer.spin` raises it.
 
         Args:
             name: its name.
@@ -363,10 +374,13 @@ class Node:
 
         Raises:
             AlreadyOffered: this node provides the service already (a ValueError, too).
+            OperationRejected: the hub refuses the service.
             TypeError: the handler is not callable.
         """
         service = self._types.service_class(type)
-        return self._services.serve(self.resolve(name), service, handler, headers=headers)
+        server = self._services.serve(self.resolve(name), service, handler, headers=headers)
+        await self._registered(server)
+        return server
 
     async def call(
         self,
@@ -424,12 +438,13 @@ class Node:
         over: Over = "topics",
         concurrent: bool | None = None,
     ) -> ActionServer[G, R, F]:
-        """Provide an action.
+        """Provide an action, and return once the hub has registered it.
 
         Each goal is executed in a task of its own, which the end of the server or of the node
         cancels. If ``execute`` raises, the goal is aborted with the error's text, the traceback is
         logged, and the server goes on; a BrokenPipeError ends the node, as with `service`. If the
-        hub refuses the server, this is logged and `ActionServer.spin` raises OperationRejected.
+        hub refuses the server after a reconnection, this is logged and `ActionServer.spin` raises
+        it.
 
         Args:
             name: its name.
@@ -445,14 +460,17 @@ class Node:
         Raises:
             ValueError: ``over`` is neither.
             AlreadyOffered: this node provides the action already (a ValueError, too).
+            OperationRejected: the hub refuses the server.
         """
-        return self._actions.serve(
+        server = self._actions.serve(
             self.resolve(name),
             self._types.action_class(type),
             execute,
             over=over,
             concurrent=concurrent,
         )
+        await self._registered(server)
+        return server
 
     def action_client(
         self, name: str, type: type[Action[G, R, F]] | str, *, over: Over = "topics"
@@ -490,6 +508,13 @@ class Node:
         """
         return Rate(hz, self._session.ended)
 
+    async def flush(self) -> None:
+        """Wait until the hub has handled everything that the node has sent; without a hub, wait.
+
+        Afterwards the hub has the subscriptions that `subscribe` returned, for example.
+        """
+        await self._calls.round_trip()
+
     async def spin(self) -> None:
         """Wait until the node ends.
 
@@ -520,6 +545,24 @@ class Node:
         finally:
             self._leave_log()
             await self._session.tasks.finished()
+
+    async def _registered(self, registration: Registration) -> None:
+        """Wait until the hub knows a registration; take it back if that fails.
+
+        A node that has not been entered yet registers on entering.
+        """
+        if not self._session.begun:
+            return
+        registration.is_awaited = True
+        try:
+            await self._calls.round_trip()
+            if registration.fault is not None:
+                throw(registration.fault)
+        except BaseException:
+            registration.close()
+            raise
+        finally:
+            registration.is_awaited = False
 
     def _leave_log(self) -> None:
         """Remove the node's handler from its logger, which may outlive it."""

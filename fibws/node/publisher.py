@@ -12,7 +12,7 @@ from fibws.interfaces import Message
 from fibws.interfaces.json_text import exact_json_of
 from fibws.node.outgoing_queue import PublisherLane
 from fibws.node.peers import Peers
-from fibws.node.session import Session, throw
+from fibws.node.session import Registration, Session, throw
 from fibws.node.types import MessageCodec
 from fibws.protocol.headers import check_headers
 from fibws.protocol.operations import Advertise, encode_fields, json_of
@@ -24,7 +24,7 @@ P = ParamSpec("P", default=...)
 """The fields of the messages, as their class takes them; any, if they are not known."""
 
 
-class Publisher(Generic[M, P]):
+class Publisher(Registration, Generic[M, P]):
     """Publishes messages of one type on one topic.
 
     `publish` is three steps, for programs with threads to take one by one: `encode` in any of them,
@@ -38,7 +38,7 @@ class Publisher(Generic[M, P]):
         number: the publisher's number on connections of `fibws.v1`.
         codec: the codec of its messages.
         withdraw: takes the advertisement back.
-        refused: is called if the hub refuses the advertisement.
+        refused: is called if the hub refuses the advertisement and `Node` does not raise that.
     """
 
     def __init__(
@@ -261,7 +261,7 @@ class Publisher(Generic[M, P]):
         """Handle the hub's refusal of the topic."""
         self._fault = fault
         self._close()
-        if self._refused is not None:
+        if self._refused is not None and not self.is_awaited:
             self._refused(fault)
 
     def _close(self) -> None:

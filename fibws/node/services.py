@@ -12,7 +12,7 @@ from fibws.errors import AlreadyOffered, CallRefused, InvalidMessage, OperationR
 from fibws.interfaces import Service
 from fibws.interfaces.message import Req, Res
 from fibws.node.checks import without_surrogates
-from fibws.node.session import OperationHandler, Session, Tasks, throw
+from fibws.node.session import OperationHandler, Registration, Session, Tasks, throw
 from fibws.node.types import ServiceType, Types
 from fibws.protocol.operations import (
     AdvertiseService,
@@ -40,7 +40,7 @@ HeaderHandler: TypeAlias = Callable[[Req, dict[str, str]], Answer[Res] | Awaitab
 """A `Handler` that is also given the caller's header, whose ``callerid`` is the caller's node."""
 
 
-class ServiceServer(Generic[Req, Res]):
+class ServiceServer(Registration, Generic[Req, Res]):
     """Handles the calls of one service, each in a task of its own.
 
     Leave it with `close`, or by ``async with``, to end the service before the node does.
@@ -85,6 +85,11 @@ class ServiceServer(Generic[Req, Res]):
     def type(self) -> str:
         """The service's type, such as ``std_srvs/Trigger``."""
         return self._operation.type
+
+    @property
+    def fault(self) -> Exception | None:
+        """The error that ended the service, such as the hub's refusal; usually None."""
+        return self._fault
 
     @property
     def operation(self) -> AdvertiseService:
@@ -247,11 +252,13 @@ class Services(OperationHandler):
         return True
 
     def refuse(self, id_: str, error: OperationRejected) -> bool:
-        """End a service that the hub refuses, and log it: its owner may not wait for its end."""
+        """End a service that the hub refuses; log it if nobody may be waiting for it."""
         for server in self._servers.values():
             if server.operation.id == id_:
                 del self._servers[server.name]
-                self._session.log.error("The hub refused the service %s: %s", server.name, error)
+                if not server.is_awaited:
+                    log = self._session.log
+                    log.error("The hub refused the service %s: %s", server.name, error)
                 server.end(error)
                 return True
         return False

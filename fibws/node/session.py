@@ -85,6 +85,22 @@ class Tasks:
         return self._tasks - {asyncio.current_task()} if self._tasks else set()
 
 
+class Registration:
+    """A publisher, a service or an action server, which the hub registers or refuses."""
+
+    is_awaited = False
+    """Whether `Node` waits for the hub's answer: it raises a refusal, which is logged otherwise."""
+
+    @property
+    def fault(self) -> Exception | None:
+        """The error that ended it, such as the hub's refusal; usually None."""
+        raise NotImplementedError
+
+    def close(self) -> None:
+        """Take it back. Does nothing when called again."""
+        raise NotImplementedError
+
+
 class OperationHandler:
     """Handles one kind of operations: those of topics, calls, services, or of one action.
 

@@ -183,7 +183,12 @@ class Republisher:
         if self._open_topics == MAX_TOPICS:
             raise RuntimeError(f"too many open topics (limit {MAX_TOPICS}); try again later")
         self._open_topics += 1
-        topic = await self._node.advertise(f"~tf_repub_{next(self._numbers)}", TFArray, latch=True)
+        name = f"~tf_repub_{next(self._numbers)}"
+        try:
+            topic = await self._node.advertise(name, TFArray, latch=True)
+        except BaseException:
+            self._open_topics -= 1
+            raise
         self._tasks.create_task(self._keep_open(topic, selection, rate, timeout))
         self._node.log.info("Publishing requested TFs on topic %s", topic.topic)
         return RepublishTFsResponse(topic.topic)

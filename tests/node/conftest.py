@@ -8,22 +8,28 @@ import logging
 import ssl
 import time
 from collections.abc import AsyncIterator, Callable
+from contextlib import suppress
 from http import HTTPStatus
 from typing import Any
 
 import pytest
 import uvloop
 from websockets.asyncio.server import Server, ServerConnection, serve
+from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
 from websockets.typing import Subprotocol
 
 from fibws.interfaces.serialization import Serializers
 from fibws.msg import default_interfaces
+from fibws.node.calls import ROUND_TRIP
 from fibws.node.outgoing_queue import LIMIT, PublisherLane
 from fibws.node.session import Session
 from fibws.node.types import Types
 from fibws.protocol.serialized import ROS1, SUBPROTOCOL, deliver_head, read_publish
 from fibws.protocol.websocket import TEXT, client_frame, client_payload
+
+LARGE = 10_000
+"""Characters of a frame that fills a test's sockets."""
 
 
 def pytest_asyncio_loop_factories() -> dict[str, Callable[[], asyncio.AbstractEventLoop]]:
@@ -40,10 +46,14 @@ class Peer:
     """The hub's end of one connection, of `fibws.v1` if the node may have it.
 
     Serialized messages come as ``publish`` operations, as they do from nodes without `fibws.v1`.
+    The calls by which nodes wait for their registrations are answered as soon as they arrive.
     """
 
     def __init__(self, websocket: ServerConnection) -> None:
         self.websocket = websocket
+        self._frames: asyncio.Queue[str | bytes | None] = asyncio.Queue()
+        self._is_read = asyncio.Event()
+        self._is_over = False
         self.serialized = websocket.subprotocol == SUBPROTOCOL
         self._publishers: dict[int, tuple[str, str]] = {}
         self._subscriptions: dict[str, tuple[int, str]] = {}
@@ -54,9 +64,39 @@ class Peer:
         assert self.websocket.request is not None
         return self.websocket.request.path
 
+    async def serve(self) -> None:
+        """Read the connection until it is closed, but not much further than the test has."""
+        try:
+            while True:
+                data = await self.websocket.recv()
+                if isinstance(data, str) and ROUND_TRIP in data:
+                    call = json.loads(data)
+                    await self.send(
+                        "service_response",
+                        id=call["id"],
+                        service=ROUND_TRIP,
+                        values="unknown service",
+                        result=False,
+                    )
+                    continue
+                self._frames.put_nowait(data)
+                while len(data) > LARGE and not self._frames.empty() and not self._is_over:
+                    self._is_read.clear()
+                    await self._is_read.wait()
+        except ConnectionClosed:
+            self._frames.put_nowait(None)
+
+    def stop(self) -> None:
+        """Read to the end, whether the test has read anything or not."""
+        self._is_over = True
+        self._is_read.set()
+
     async def receive(self) -> dict[str, Any]:
         """The next operation."""
-        data = await self.websocket.recv()
+        data = await self._frames.get()
+        self._is_read.set()
+        if data is None:
+            data = await self.websocket.recv()  # Raises why the connection was closed.
         if isinstance(data, bytes):
             number, node, message = read_publish(data)
             topic, type_ = self._publishers[number]
@@ -72,14 +112,15 @@ class Peer:
             md5sum = operation.pop("md5sum", "")
             topic, type_ = operation["topic"], operation["type"]
             number = self._subscriptions.setdefault(topic, (len(self._subscriptions), type_))[0]
-            await self.send(
-                "subscribed",
-                id=operation["id"],
-                topic=topic,
-                topic_id=number,
-                type=type_,
-                md5sum=md5sum,
-            )
+            with suppress(ConnectionClosed):  # The test may read this after the node has left.
+                await self.send(
+                    "subscribed",
+                    id=operation["id"],
+                    topic=topic,
+                    topic_id=number,
+                    type=type_,
+                    md5sum=md5sum,
+                )
             operation["compression"] = "none"
         return operation
 
@@ -131,6 +172,7 @@ class ScriptedHub:
         self.attempts = 0
         self._attempted = asyncio.Event()
         self._peers: asyncio.Queue[Peer] = asyncio.Queue()
+        self._connected: list[Peer] = []
         self._server: Server | None = None
 
     @property
@@ -151,6 +193,8 @@ class ScriptedHub:
         self.port = self._server.sockets[0].getsockname()[1]
 
     async def stop(self) -> None:
+        for peer in self._connected:
+            peer.stop()
         if self._server is not None:
             self._server.close(code=1001, reason="the hub is shutting down")
             await self._server.wait_closed()
@@ -175,8 +219,10 @@ class ScriptedHub:
         return connection.respond(*self.refusal)
 
     async def _serve(self, websocket: ServerConnection) -> None:
-        self._peers.put_nowait(Peer(websocket))
-        await websocket.wait_closed()
+        peer = Peer(websocket)
+        self._connected.append(peer)
+        self._peers.put_nowait(peer)
+        await peer.serve()
 
 
 class Lines(logging.Handler):

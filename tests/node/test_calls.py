@@ -193,6 +193,34 @@ async def test_call_waits_for_a_hub(session: FakeSession, calls: Calls) -> None:
     assert (await answer).sum == 3
 
 
+async def test_round_trip_ends_with_any_response(session: FakeSession, calls: Calls) -> None:
+    waiting = asyncio.create_task(calls.round_trip())
+    call = await next_operation(session)
+    deliver(
+        session,
+        "service_response",
+        id=call["id"],
+        service=call["service"],
+        values="unknown service",
+        result=False,
+    )
+    await waiting
+
+
+async def test_round_trip_starts_over_on_the_next_connection(
+    session: FakeSession, calls: Calls
+) -> None:
+    waiting = asyncio.create_task(calls.round_trip())
+    first = await next_operation(session)
+    session.on_disconnect()
+    session.reconnect()
+    second = await next_operation(session)
+    assert second["id"] != first["id"]
+    assert not waiting.done()
+    deliver(session, "service_response", id=second["id"], service=second["service"], result=True)
+    await waiting
+
+
 async def test_call_times_out_without_a_hub(session: FakeSession, calls: Calls) -> None:
     session.on_disconnect()
     with pytest.raises(ServiceTimeout, match="no hub within"):

@@ -342,11 +342,55 @@ async def test_node_that_loses_a_service_or_an_action_logs_a_warning(real_hub: H
         assert await lines.next() == "The hub: /fib has another server now: /newer"
 
 
-async def test_refused_publisher_is_logged_though_it_publishes_nothing_more(real_hub: Hub) -> None:
+async def test_hub_knows_registrations_when_they_return(real_hub: Hub) -> None:
+    url = real_hub.url
+    async with fibws.Node("server", hub=url) as server, fibws.Node("client", hub=url) as client:
+        for number in range(20):
+            await server.service(f"add{number}", AddTwoInts, add)
+            assert (await client.call(f"add{number}", AddTwoInts, {"a": 1, "b": 2})).sum == 3
+        await server.advertise("numbers", Int32)
+        assert await client.graph.publishers("numbers") == ["/server"]
+        fibonacci = "actionlib_tutorials/Fibonacci"
+        await server.action_server("topics", fibonacci, lambda goal: None)
+        await server.action_server("operations", fibonacci, lambda goal: None, over="operations")
+        assert await client.graph.action_servers() == ["/operations", "/topics"]
+        server.subscribe("others", Int32)
+        await server.flush()
+        assert await client.graph.subscribers("others") == ["/server"]
+
+
+async def test_refused_service_and_action_are_raised() -> None:
+    async with (
+        Hub(Settings(port=0, max_advertisements=3)) as hub,  # One more than the log's own two.
+        fibws.Node("node", hub=hub.url, rosout=False) as node,
+    ):
+        lines = Lines(node.log)
+        await node.service("/first", AddTwoInts, add)
+        for _ in range(2):  # The refused one is forgotten: it is no AlreadyOffered.
+            with pytest.raises(fibws.OperationRejected, match="3"):
+                await node.service("/second", AddTwoInts, add)
+        assert lines.seen() == []
+        fibonacci = "actionlib_tutorials/Fibonacci"
+        await node.action_server("/first", fibonacci, lambda goal: None)  # It has three topics.
+        for _ in range(2):
+            with pytest.raises(fibws.OperationRejected):
+                await node.action_server("/second", fibonacci, lambda goal: None)
+
+
+async def test_refused_publisher_is_raised(real_hub: Hub) -> None:
     async with fibws.Node("node", hub=real_hub.url) as node:
         lines = Lines(node.log)
         await node.advertise("/numbers", Int32)
-        refused = await node.advertise("/numbers", Float64)
+        with pytest.raises(fibws.OperationRejected, match="already established"):
+            await node.advertise("/numbers", Float64)
+        assert lines.seen() == []
+
+
+async def test_refused_publisher_that_is_not_awaited_is_logged(real_hub: Hub) -> None:
+    async with fibws.Node("node", hub=real_hub.url) as node:
+        lines = Lines(node.log)
+        await node.advertise("/numbers", Int32)
+        refused = await node.advertise("/numbers", Float64, wait=False)
         line = await lines.next()
         assert line.startswith("The hub refused the publisher of /numbers: ")
         assert "already established with type std_msgs/Int32" in line

@@ -181,11 +181,11 @@ async def test_second_subscriber_receives_all_transforms(
             pass
 
 
-async def test_refused_topic_is_logged(node: fibws.Node, line: Line) -> None:
+async def test_refused_topic_fails_the_call(node: fibws.Node) -> None:
     node.subscribe(f"{ACTION}/tf_repub_0", String)
-    name = await open_topic(node, "map", thresholds=0)
-    message = await line(f"Tried to register topic {name} with type tf2_web_republisher/TFArray")
-    assert (message.level, message.name) == (Log.ERROR, ACTION)
+    with pytest.raises(fibws.ServiceError, match=f"Tried to register topic {ACTION}/tf_repub_0"):
+        await open_topic(node, "map", thresholds=0)
+    assert await open_topic(node, "map", thresholds=0) == f"{ACTION}/tf_repub_1"
 
 
 async def test_topic_is_closed_after_the_timeout_without_subscribers(

@@ -13,7 +13,7 @@ from fibws.errors import AlreadyOffered, NodeError
 from fibws.interfaces.message import F, G, R
 from fibws.node.actions.status import Record, Transition
 from fibws.node.checks import check_timeout, without_surrogates
-from fibws.node.session import OperationHandler, Session, Tasks, throw
+from fibws.node.session import OperationHandler, Registration, Session, Tasks, throw
 from fibws.node.types import ActionType
 from fibws.protocol.goals import GoalStatus
 
@@ -140,7 +140,7 @@ Execute: TypeAlias = Callable[[ServerGoal[G, R, F]], Outcome[R] | Awaitable[Outc
 """Executes a goal and returns its result: a plain function or an async one."""
 
 
-class ActionServer(OperationHandler, Generic[G, R, F]):
+class ActionServer(OperationHandler, Registration, Generic[G, R, F]):
     """Executes the goals of one action, each in a task of its own.
 
     To stop before the node ends, call `close` or use ``async with``: goals that are being executed
@@ -203,6 +203,11 @@ class ActionServer(OperationHandler, Generic[G, R, F]):
     def type(self) -> str:
         """The action's type, such as ``actionlib_tutorials/Fibonacci``."""
         return self._type.name
+
+    @property
+    def fault(self) -> Exception | None:
+        """The error that ended the server, such as the hub's refusal; usually None."""
+        return self._error
 
     async def spin(self) -> None:
         """Wait until the server or its node ends; raise the error that ended it, if any.
@@ -267,9 +272,11 @@ class ActionServer(OperationHandler, Generic[G, R, F]):
             goal.request_cancel()
 
     def _refuse(self, error: NodeError) -> None:
-        """Close the server because the hub refused it; log that, as `spin` may not be called."""
+        """Close the server because the hub refused it; log it if nobody may be waiting for it."""
         if not self._ended.is_set():
-            self._session.log.error("The hub refused the action server %s: %s", self.name, error)
+            if not self.is_awaited:
+                log = self._session.log
+                log.error("The hub refused the action server %s: %s", self.name, error)
             self._close(error)
 
     # Implemented by subclasses

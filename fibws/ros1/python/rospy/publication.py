@@ -198,6 +198,7 @@ class Publication:
             "latch": self.latch,
             "headers": headers or None,
             "peers": True,
+            "wait": False,  # See `_register`; a refusal is logged.
         }
         node = core.background.node
         publisher: fibws.Publisher[Any, ...]
