@@ -40,6 +40,7 @@ from .node.graph import Graph as Graph, NodeDetails as NodeDetails
 from .node.node import Node as Node
 from .node.params import Params as Params
 from .node.peers import Peers as Peers
+from .node.program import run as run
 from .node.publisher import Publisher as Publisher
 from .node.rate import Rate as Rate
 from .node.services import (

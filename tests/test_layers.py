@@ -48,7 +48,7 @@ BELOW = {
     "listener": {*fibws.__all__, *CLASSES, "cli"},
     "demo": {*fibws.__all__, "errors", "cli", "client", "hub", "broadcaster", "listener"},
     "examples": {*fibws.__all__, *CLASSES, "cli"},
-    "cli": {*fibws.__all__, *LOWEST, "values", "client", "interfaces", "msg", "ros1"}
+    "cli": {*fibws.__all__, *LOWEST, "values", "client", "interfaces", "node", "msg", "ros1"}
     | {"command_names", "definition_folders", "processes", "protocol", "__version__", "__main__"},
 }
 """The parts of fibws that each part may import, besides itself."""
@@ -68,7 +68,7 @@ operations, delivery knows bytes, websocket knows endpoints but no operations.""
 
 ONLY = {
     "client": {"protocol": {"serialized", "goals"}},
-    "cli": {"protocol": {"levels", "goals"}},
+    "cli": {"protocol": {"levels", "goals"}, "node": {"program"}},
     "ros1/launch": {"node": set[str]()},
     "ros1/workspace": {"node": set[str]()},
 }

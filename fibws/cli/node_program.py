@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import asyncio
 import dataclasses
 import math
-import signal
 from collections.abc import Callable, Coroutine
-from contextlib import suppress
 from functools import wraps
 from typing import Any
 
@@ -15,8 +12,9 @@ import click
 
 import fibws
 from fibws.cli import common_options
-from fibws.cli.exit_handling import clean_exit, end_line
+from fibws.cli.exit_handling import clean_exit
 from fibws.msg import message_class
+from fibws.node.program import run_until_signal
 
 SETTINGS = common_options.SETTINGS
 
@@ -130,19 +128,5 @@ def run(program: Coroutine[Any, Any, None]) -> None:
     Raises:
         ClickException: a node or a hub failed; click prints why and exits with 1.
     """
-    with clean_exit(endless=True):
-        asyncio.run(_until_signal(program))
-
-
-async def _until_signal(program: Coroutine[Any, Any, None]) -> None:
-    task = asyncio.ensure_future(program)
-
-    def stop() -> None:
-        end_line()
-        task.cancel()
-
-    for number in (signal.SIGINT, signal.SIGTERM):
-        with suppress(NotImplementedError):  # On Windows, event loops handle no signals.
-            asyncio.get_running_loop().add_signal_handler(number, stop)
-    with suppress(asyncio.CancelledError):
-        await task
+    with clean_exit():
+        run_until_signal(program)

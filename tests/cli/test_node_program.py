@@ -55,6 +55,4 @@ def test_bug_keeps_its_traceback() -> None:
 
 
 def test_keyboard_interrupt_is_a_normal_end() -> None:
-    with pytest.raises(SystemExit) as caught:
-        run(fail(KeyboardInterrupt()))
-    assert caught.value.code == 0
+    run(fail(KeyboardInterrupt()))
