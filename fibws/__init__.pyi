@@ -21,6 +21,7 @@ from .errors import (
     UnknownService as UnknownService,
     WaitTimeout as WaitTimeout,
 )
+from .hub.server import Hub as Hub
 from .interfaces import (
     Action as Action,
     Duration as Duration,

@@ -22,6 +22,8 @@ IMPURE = {"asyncio", "websockets", "time", "random", "socket", "threading", "sel
 MASK = {"websockets.speedups.apply_mask", "websockets.utils.apply_mask"}
 
 CLASSES = {"msg", "srv", "action"}
+NODE = {*fibws.__all__} - {"Hub"}
+"""The public names of the node library."""
 LOWEST = {"errors", "names", "suggestions", "hub_address"}
 BELOW = {
     "errors": {"command_names"},
@@ -41,14 +43,15 @@ BELOW = {
     "action": {"errors", "interfaces", "msg"},
     "node": {"errors", "names", "hub_address", "protocol", "interfaces", *CLASSES}
     | {"__version__"},
-    "tf": {*fibws.__all__, "errors", "interfaces", *CLASSES, "cli"},
-    "ros1": {*fibws.__all__, *LOWEST, "values", "client", "node", "interfaces", *CLASSES}
+    "tf": {*NODE, "errors", "interfaces", *CLASSES, "cli"},
+    "ros1": {*NODE, *LOWEST, "values", "client", "node", "interfaces", *CLASSES}
     | {"command_names", "definition_folders", "processes"},
-    "broadcaster": {*fibws.__all__, *CLASSES, "cli"},
-    "listener": {*fibws.__all__, *CLASSES, "cli"},
-    "demo": {*fibws.__all__, "errors", "cli", "client", "hub", "broadcaster", "listener"},
-    "examples": {*fibws.__all__, *CLASSES, "cli"},
-    "cli": {*fibws.__all__, *LOWEST, "values", "client", "interfaces", "node", "msg", "ros1"}
+    "broadcaster": {*NODE, *CLASSES, "cli"},
+    "listener": {*NODE, *CLASSES, "cli"},
+    "testing": {*NODE, "hub"},
+    "demo": {*NODE, "errors", "cli", "client", "hub", "broadcaster", "listener"},
+    "examples": {*NODE, *CLASSES, "cli"},
+    "cli": {*NODE, *LOWEST, "values", "client", "interfaces", "node", "msg", "ros1"}
     | {"command_names", "definition_folders", "processes", "protocol", "__version__", "__main__"},
 }
 """The parts of fibws that each part may import, besides itself."""

@@ -17,17 +17,23 @@ from pathlib import Path
 import click
 import pytest
 
+import fibws
 from fibws.cli.commands import command as fibws_command
 from fibws.hub import Hub, Settings
+from fibws.msg.geometry_msgs import Twist
+from fibws.msg.std_msgs import String
 
 ROOT = Path(__file__).parents[1]
 README = ROOT / "README.md"
 DOCS = ROOT / "docs"
 PAGES = {path: path.read_text("utf-8") for path in (README, *sorted(DOCS.glob("*.md")))}
-NODES = PAGES[README] + PAGES[DOCS / "python-nodes.md"]
+NODES = PAGES[README] + re.sub(
+    r"^## Testing$.*?(?=^## )", "", PAGES[DOCS / "python-nodes.md"], flags=re.MULTILINE | re.DOTALL
+)
+"""The pages with programs, without the section that tests/test_testing.py runs."""
 PROGRAMS = {
     found["node"]: found[0].strip("`").removeprefix("python\n")
-    for found in re.finditer(r"```python\n[^`]*fibws\.Node\(\"(?P<node>\w+)\"\)[^`]*```", NODES)
+    for found in re.finditer(r"```python\n[^`]*fibws\.Node\(\"(?P<node>\w+)\"[^`]*```", NODES)
 }
 """By the names of their nodes."""
 DEFINITION = re.search(r"`(fibonacci/msg/Fibonacci\.msg)`:\n\n```text\n(.*?)```", NODES, re.DOTALL)
@@ -92,8 +98,34 @@ async def test_node_that_calls_itself_prints_the_results(
         assert await process.wait() == 0
 
 
+async def test_node_cleans_up_when_it_is_stopped(folder: Path) -> None:
+    async with Hub(Settings(port=0)) as hub, fibws.Node("test", hub=hub.url) as node:
+        speeds = node.subscribe("cmd_vel", Twist)
+        process = await start(PROGRAMS["driver"], hub, folder)
+        assert (await anext(speeds)).linear.x == 0.2
+        process.terminate()
+        await line_with("stopped", process)
+        assert await process.wait() == 0
+        async for speed in speeds:
+            if speed == Twist():
+                break
+
+
+async def test_program_with_a_hub_of_its_own(folder: Path) -> None:
+    async with Hub(Settings(port=0)) as other:
+        process = await start(PROGRAMS["robot"], other, folder)
+        url = (await line_with("can connect to", process)).split()[-1]
+        assert url != other.url
+        async with fibws.Node("test", hub=url) as node:
+            assert (await node.wait_for_message("state", String)).data == "ready"
+        process.terminate()
+        assert await process.wait() == 0
+
+
 def test_all_programs_are_tested() -> None:
-    assert PROGRAMS.keys() == {"talker", "listener", "adder", "counter", "indexed_broadcaster"}
+    assert PROGRAMS.keys() == {
+        *("talker", "listener", "adder", "counter", "indexed_broadcaster", "driver", "robot")
+    }
     assert len(PROGRAMS) == NODES.count("```python")
 
 

@@ -45,7 +45,17 @@ BACKLOG = 1024
 class Hub:
     """A hub that listens while its ``async with`` block runs.
 
+    It is the hub of ``python -m fibws.hub``, for programs that have one of their own::
+
+        async with fibws.Hub(Settings(port=0)) as hub:
+            async with fibws.Node("robot", hub=hub.url) as node:
+                ...
+
+    It shares the event loop with the program: a function that blocks delays all its clients.
+
     Args:
+        settings: the port and the limits; the defaults are those of ``python -m fibws.hub``, whose
+            environment variables have no effect here.
         policy: decides what nodes may do; None allows everything.
 
     Raises:

@@ -95,6 +95,16 @@ class Calls(OperationHandler):
         """Call ``/rosapi/<service>``, a service of the hub, with a request of these fields."""
         return await self.call(f"/rosapi/{service}", type_, request)
 
+    async def query_rosapi(
+        self, service: str, type_: type[Service[Req, Res]], /, **request: Any
+    ) -> Res:
+        """Call a service of the hub that changes nothing, again if the connection is lost."""
+        while True:
+            try:
+                return await self.call_rosapi(service, type_, **request)
+            except ServiceLost:
+                continue  # The next call waits until there is a hub again.
+
     async def round_trip(self) -> None:
         """Wait until the hub has handled everything that was sent; without a hub, wait for that.
 
@@ -187,10 +197,7 @@ class Calls(OperationHandler):
     async def _exists(self, name: str) -> bool:
         from fibws.srv.rosapi import ServiceType  # It takes 10 ms to load.
 
-        try:
-            return bool((await self.call_rosapi("service_type", ServiceType, service=name)).type)
-        except ServiceLost:
-            return False  # The next call waits until there is a hub again.
+        return bool((await self.query_rosapi("service_type", ServiceType, service=name)).type)
 
 
 def _failure(service: str, response: ServiceResponse) -> ServiceError:

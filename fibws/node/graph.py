@@ -29,12 +29,12 @@ class Graph:
 
     Raises:
         InvalidName: the name is not legal.
-        ServiceError: the hub refuses, or was lost, as the text says.
+        ServiceError: the hub refuses, as the text says.
         NodeClosed: the node has ended.
     """
 
     def __init__(self, calls: Calls, resolve: Callable[[str], str]) -> None:
-        self._ask = calls.call_rosapi
+        self._ask = calls.query_rosapi
         self._resolve = resolve
 
     async def nodes(self) -> list[str]:

@@ -12,9 +12,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 import pytest
-from hub_in_thread import HubThread
 
 import fibws
+from fibws.testing import HubThread
 
 TALKER = """
 import sys
@@ -39,10 +39,8 @@ fibws.run(main())
 
 @pytest.fixture
 def hub() -> Iterator[HubThread]:
-    hub = HubThread()
-    hub.start()
-    yield hub
-    hub.stop()
+    with HubThread() as hub:
+        yield hub
 
 
 @contextmanager

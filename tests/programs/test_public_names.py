@@ -28,5 +28,5 @@ def test_all_public_names_exist() -> None:
     for name in fibws.__all__:
         assert getattr(fibws, name) is not None
     assert set(fibws.__all__) <= set(dir(fibws))
-    with pytest.raises(AttributeError, match="Hub"):
-        fibws.Hub  # type: ignore[attr-defined]  # noqa: B018
+    with pytest.raises(AttributeError, match="Master"):
+        fibws.Master  # type: ignore[attr-defined]  # noqa: B018
