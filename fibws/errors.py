@@ -145,11 +145,13 @@ class UnknownPackage(InterfaceError, LookupError):
 
     code = "unknown_package"
 
-    def __init__(self, package: str) -> None:
+    def __init__(self, package: str, nearest: str | None = None) -> None:
         self.package = package
+        self.nearest = nearest
+        hint = f"; did you mean {nearest}?" if nearest else ""
         super().__init__(
             f"Unable to load the manifest for package {package}. "
-            f"Caused by: no folder of definitions contains it"
+            f"Caused by: no folder of definitions contains it{hint}"
         )
 
 

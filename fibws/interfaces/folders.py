@@ -27,6 +27,10 @@ STANDARD = Path(__file__).parent / "definitions"
 """The folder of the standard packages."""
 
 
+SIMILAR = 0.85
+"""Similarity from which a package is suggested for another: many names end in ``_msgs``."""
+
+
 class Package:
     """The definition files of one package, listed on first use."""
 
@@ -143,13 +147,20 @@ class Folders:
                 yield from (f"{package}/{name}{suffix}" for suffix in ACTION_SUFFIXES)
 
     def unknown(self, kind: Kind, name: str) -> UnknownPackage | UnknownType:
-        """The error to raise for a name that is not found; it may suggest a similar one."""
+        """The error to raise for a name that is not found; it may suggest another one.
+
+        That is a similar name of the same package, or the same name in another package.
+        """
         package, _, short = name.partition("/")
         if package not in self.packages():
-            return UnknownPackage(package)
+            return UnknownPackage(package, nearest(package, self.packages(), SIMILAR))
         names = [other.partition("/")[2] for other in self.names(kind, package)]
-        near = nearest(short, names)
-        return UnknownType(kind, package, short, f"{package}/{near}" if near else None)
+        if near := nearest(short, names):
+            near = f"{package}/{near}"
+        else:
+            others = (each.name for each in self.packages().values() if short in each.files(kind))
+            near = next((f"{other}/{short}" for other in others), None)
+        return UnknownType(kind, package, short, near)
 
     def _read(self, name: str, kind: Kind) -> tuple[str, str, str, str] | None:
         """The text that defines a type, its package, its own name and the file's name."""

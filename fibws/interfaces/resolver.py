@@ -12,6 +12,7 @@ from typing import NamedTuple
 from fibws.errors import DefinitionError, UnknownPackage, UnknownType
 from fibws.interfaces import builtin
 from fibws.interfaces.definition import Field, MessageDefinition
+from fibws.suggestions import nearest
 
 DEEPEST = 50
 """How deep messages may be nested."""
@@ -100,11 +101,26 @@ class Resolver:
             try:
                 nested = self._read(field.type)
             except (UnknownType, UnknownPackage) as error:
-                raise _error(definition, field, str(error)) from None
+                raise _error(definition, field, _unknown(definition, field, error)) from None
             self._add(nested, path)
         return self._sizes[field.type]
 
 
+def _unknown(
+    definition: MessageDefinition, field: Field, error: UnknownType | UnknownPackage
+) -> str:
+    """Return what is wrong with a field's type, with what may have been meant."""
+    name, meant = f"type {field.type}", error.nearest
+    if error.package == definition.type.partition("/")[0]:
+        # Most likely it was written without its package: a builtin type may be meant.
+        short = field.type.partition("/")[2]
+        name, meant = f"type {short}", nearest(short, builtin.NAMES, 0.7) or meant
+    elif isinstance(error, UnknownPackage):
+        name = f"package {error.package}"
+    return f"unknown {name}{f' (did you mean {meant}?)' if meant else ''}"
+
+
 def _error(definition: MessageDefinition, field: Field, fault: str) -> DefinitionError:
-    text = f"{field.full_type} {field.name}"
+    package = definition.type.partition("/")[0]
+    text = f"{field.full_type.removeprefix(f'{package}/')} {field.name}"
     return DefinitionError(definition.source or definition.type, field.line, text, fault)

@@ -175,7 +175,7 @@ def test_missing_nested_type_is_reported_with_its_file(tmp_path: Path) -> None:
         interfaces.message("my_msgs/Mine")
     assert caught.value.source == str(tmp_path / "my_msgs/msg/Mine.msg")
     assert (caught.value.line, caught.value.text) == (2, "std_msgs/Int23[] y")
-    with pytest.raises(DefinitionError, match="class No from package my_msgs"):
+    with pytest.raises(DefinitionError, match="unknown type No: "):
         interfaces.message("my_msgs/Its")
 
 
@@ -223,3 +223,28 @@ def test_types_with_floats_are_known() -> None:
     }
     assert list(found.values()) == [False, False, True, True]
     assert not interfaces.has_floats(interfaces.service("rospy_tutorials/AddTwoInts").request)
+
+
+@pytest.mark.parametrize(
+    ("field", "unknown", "meant"),
+    [
+        ("flaot32 x", "type flaot32", "float32"),
+        ("Flot64[3] x", "type Flot64", "float64"),
+        ("Twist x", "type Twist", "geometry_msgs/Twist"),
+        ("geometry_msgs/Image x", "type geometry_msgs/Image", "sensor_msgs/Image"),
+        ("geometry_msg/Twist x", "package geometry_msg", "geometry_msgs"),
+        ("new_msgs/Twist x", "package new_msgs", None),
+        ("Nothing x", "type Nothing", None),
+    ],
+)
+def test_unknown_type_of_a_field_gets_a_suggestion(
+    tmp_path: Path, field: str, unknown: str, meant: str | None
+) -> None:
+    file = tmp_path / "robot" / "msg" / "State.msg"
+    file.parent.mkdir(parents=True)
+    file.write_text(f"int32 first\n{field}\n")
+    with pytest.raises(DefinitionError) as caught:
+        Interfaces([tmp_path]).message("robot/State")
+    text = str(caught.value)
+    assert f"{file}, line 2: unknown {unknown}" in text and repr(field) in text
+    assert (f"did you mean {meant}?" in text) if meant else ("did you mean" not in text)
