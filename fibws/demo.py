@@ -14,6 +14,7 @@ from fibws.cli import node_program
 from fibws.client.hub_client import is_hub_running
 from fibws.errors import HubError
 from fibws.hub import Hub, Settings
+from fibws.hub_address import page_url
 from fibws.listener import listen
 
 TYPE = "std_msgs/Int32"
@@ -36,7 +37,7 @@ async def demo(port: int, rate: float) -> None:
                     f"port {port} is in use by another program; choose another with --port"
                 ) from None
             click.echo(f"Using the hub that is running at {url}.")
-        click.echo(f"To see the graph, open {url.replace('ws:', 'http:')}/ in a browser.")
+        click.echo(f"To see the graph, open {page_url(url)} in a browser.")
         click.echo("Below, a broadcaster publishes numbers to a listener. Press Ctrl-C to stop.")
         await _run_nodes(url, rate)
 
@@ -75,6 +76,8 @@ def _is_hub(url: str) -> bool:
     type=click.IntRange(0, 65535),
     default=9090,
     show_default=True,
+    envvar="FIBWS_PORT",
+    show_envvar=True,
     help="Port of the hub on this machine.",
 )
 @node_program.rate

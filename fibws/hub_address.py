@@ -1,15 +1,17 @@
-"""The hub's URL, and the node's name in it."""
+"""The hub's URL: what is in it, where a proxy redirects it to, and why TLS fails."""
 
 from __future__ import annotations
 
 import os
-from urllib.parse import parse_qsl, quote, urlencode, urlsplit
+from urllib.parse import parse_qsl, quote, urlencode, urljoin, urlsplit
 
 from fibws.errors import InvalidAddress
 
 DEFAULT_PORT = 9090
 DEFAULT = f"ws://127.0.0.1:{DEFAULT_PORT}"
 ENVIRONMENT = "FIBWS_HUB"
+CERTIFICATES = "SSL_CERT_FILE"
+"""The variable that names a file of trusted certificates; it is OpenSSL's."""
 LOOPBACK = ("127.0.0.1", "::1", "localhost")
 """The addresses of this machine."""
 
@@ -47,6 +49,60 @@ def hub_url(address: str | None = None) -> str:
 def node_url(hub: str, node: str) -> str:
     """Return the hub's URL with the node's name in its query, as ``node=<name>``."""
     parts = urlsplit(hub)
-    keys = [(key, value) for key, value in parse_qsl(parts.query, True) if key != "node"]
-    query = urlencode([*keys, ("node", node)], safe="/", quote_via=quote)
+    keys = [*_without_node(parts.query), ("node", node)]
+    query = urlencode(keys, safe="/", quote_via=quote)
     return parts._replace(path=parts.path or "/", query=query).geturl()
+
+
+def page_url(hub: str, path: str = "") -> str:
+    """Return the URL of what the hub serves over HTTP: its page, or ``healthz``.
+
+    A hub at ``wss://lab/robot``, behind a proxy, has its page at ``https://lab/robot/``.
+    """
+    parts = urlsplit(hub)
+    scheme = "https" if parts.scheme == "wss" else "http"
+    return f"{scheme}://{parts.netloc}{parts.path.rstrip('/')}/{path}"
+
+
+def redirected(hub: str, location: str) -> str:
+    """Return the URL of a hub that an HTTP server redirects to.
+
+    A proxy redirects ``/robot`` to ``/robot/``, often as ``http://``, even if it is reached with
+    TLS: on the same host, TLS is kept.
+
+    Args:
+        hub: the URL that was requested.
+        location: the header ``Location`` of the response; a node's name in it is removed.
+
+    Raises:
+        InvalidAddress: it is not an address of a hub, or has no TLS although the request had.
+    """
+    old = urlsplit(hub)
+    try:
+        new = urlsplit(urljoin(hub, location))
+    except ValueError as error:
+        raise InvalidAddress(location, str(error)) from None
+    scheme = {"http": "ws", "https": "wss"}.get(new.scheme, new.scheme)
+    if scheme not in ("ws", "wss"):
+        raise InvalidAddress(location, f"{hub} redirects to it")
+    if old.scheme == "wss" and scheme == "ws":
+        if new.hostname != old.hostname:
+            raise InvalidAddress(location, f"{hub} redirects to it, without TLS")
+        scheme, new = "wss", new._replace(netloc=old.netloc)
+    return hub_url(new._replace(scheme=scheme, query=urlencode(_without_node(new.query))).geturl())
+
+
+def tls_fault(error: OSError) -> str | None:
+    """Return what is wrong if TLS failed, and what to do; None for other errors."""
+    if type(error).__module__ != "ssl":  # This avoids importing ssl, which takes 20 ms.
+        return None
+    fault = getattr(error, "verify_message", "")
+    if not fault:
+        return "the server does not support TLS; use ws://"
+    if "self-signed" in fault or "self signed" in fault or "issuer" in fault:
+        return f"invalid certificate: {fault}; to trust it, set {CERTIFICATES}=FILE (PEM)"
+    return f"invalid certificate: {fault}"
+
+
+def _without_node(query: str) -> list[tuple[str, str]]:
+    return [(key, value) for key, value in parse_qsl(query, True) if key != "node"]

@@ -2,7 +2,8 @@
 
 import pytest
 
-from fibws.hub_address import hub_url, node_url
+from fibws.errors import InvalidAddress
+from fibws.hub_address import hub_url, node_url, page_url, redirected
 
 
 @pytest.mark.parametrize(
@@ -66,3 +67,39 @@ def test_node_name_is_in_the_query() -> None:
 def test_other_keys_of_the_query_are_kept() -> None:
     url = node_url("wss://robot/bridge?token=a%20b&node=/old&flag=", "/talker")
     assert url == "wss://robot/bridge?token=a%20b&flag=&node=/talker"
+
+
+@pytest.mark.parametrize(
+    ("hub", "path", "page"),
+    [
+        ("ws://robot:9090", "", "http://robot:9090/"),
+        ("wss://lab/robot", "", "https://lab/robot/"),
+        ("wss://lab/robot/?token=5", "healthz", "https://lab/robot/healthz"),
+    ],
+)
+def test_page_is_below_the_path_of_the_hub(hub: str, path: str, page: str) -> None:
+    assert page_url(hub, path) == page
+
+
+@pytest.mark.parametrize(
+    ("hub", "location", "target"),
+    [
+        ("wss://lab/robot", "/robot/?node=/talker", "wss://lab/robot/"),
+        (
+            "wss://lab/robot?token=5",
+            "https://lab/robot/?token=5&node=/a",
+            "wss://lab/robot/?token=5",
+        ),
+        ("wss://lab:8443/robot", "http://lab/robot/", "wss://lab:8443/robot/"),
+        ("ws://lab/robot", "http://other:81/robot/", "ws://other:81/robot/"),
+        ("ws://lab/robot", "https://lab/robot/", "wss://lab/robot/"),
+    ],
+)
+def test_redirect_leads_to_a_hub(hub: str, location: str, target: str) -> None:
+    assert redirected(hub, location) == target
+
+
+@pytest.mark.parametrize("location", ["http://other/robot/", "mailto:robot@lab", "http://["])
+def test_redirect_without_tls_or_to_no_hub_is_refused(location: str) -> None:
+    with pytest.raises(InvalidAddress):
+        redirected("wss://lab/robot", location)

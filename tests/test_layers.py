@@ -49,7 +49,7 @@ BELOW = {
     "broadcaster": {*NODE, *CLASSES, "cli"},
     "listener": {*NODE, *CLASSES, "cli"},
     "testing": {*NODE, "hub"},
-    "demo": {*NODE, "errors", "cli", "client", "hub", "broadcaster", "listener"},
+    "demo": {*NODE, "errors", "hub_address", "cli", "client", "hub", "broadcaster", "listener"},
     "examples": {*NODE, *CLASSES, "cli"},
     "cli": {*NODE, *LOWEST, "values", "client", "interfaces", "node", "msg", "ros1"}
     | {"command_names", "definition_folders", "processes", "protocol", "__version__", "__main__"},

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Iterator, Sequence
-from urllib.parse import quote, urlsplit
+from urllib.parse import quote
 
 import click
 
@@ -13,6 +13,7 @@ from fibws.cli import completers, output
 from fibws.cli.common_options import examples, with_hub
 from fibws.client.hub_client import HubClient
 from fibws.errors import InvalidName
+from fibws.hub_address import page_url
 from fibws.suggestions import suggestion
 from fibws.values.field_paths import splits
 
@@ -59,8 +60,7 @@ def command(client: HubClient, words: tuple[str, ...]) -> None:
 
 def addresses(client: HubClient, part: str, names: Sequence[str]) -> Iterator[str]:
     """Yield the addresses of a part of the page, one for each name."""
-    page = urlsplit(client.url)
-    base = f"{'https' if page.scheme == 'wss' else 'http'}://{page.netloc}/"
+    base = page_url(client.url)
     tab, *more = ("topics", "plot") if part == "plot" else (part,)
     found = list(dict.fromkeys(_names(client, part, names)))
     if not found:

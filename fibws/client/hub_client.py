@@ -78,6 +78,7 @@ class HubClient:
         """By the topics' numbers in binary frames: the subscription and the topic's type."""
         self._numbers = 0
         self._socket = WebSocket(self.url, self.node)
+        self.url = self._socket.url
 
     def __enter__(self) -> Self:
         return self

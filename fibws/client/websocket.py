@@ -21,7 +21,7 @@ from websockets.typing import Subprotocol
 from websockets.uri import parse_uri
 
 from fibws import hub_address
-from fibws.errors import HubLost, HubUnreachable, NoHub
+from fibws.errors import HubLost, HubUnreachable, InvalidAddress, NoHub
 from fibws.protocol.serialized import SUBPROTOCOL
 
 PATIENCE = 5.0
@@ -31,12 +31,22 @@ MOST_BYTES = 2**28
 """
 MOST_FRAGMENTS = 4096
 """Maximum number of frames of a message: empty frames do not count towards its size."""
+MOST_REDIRECTS = 5
 LONGEST_FAULT = 300
 """Maximum number of characters that are quoted from a server's HTTP error."""
 # Messages of 1 MB take half the CPU time that they take with 2**18.
 _CHUNK = 2**16
 # Ctrl-C does not interrupt a socket on Windows.
 _SLICE = 0.5 if sys.platform == "win32" else None
+
+
+REDIRECTS = (301, 302, 303, 307, 308)
+"""HTTP's statuses for a resource that is elsewhere (RFC 9110, section 15.4)."""
+
+
+class _Redirect(Exception):
+    def __init__(self, url: str) -> None:
+        self.url = url
 
 
 class Message(NamedTuple):
@@ -63,22 +73,29 @@ class WebSocket:
 
     def __init__(self, url: str, node: str) -> None:
         self.url = url
+        """The hub's URL, after redirects."""
         self.messages: deque[Message] = deque()
         """Received messages; the caller of `read` removes them."""
         self._fragments: list[bytes | bytearray] = []
         self._is_binary = False
-        uri = parse_uri(hub_address.node_url(url, node))
-        # With a timeout of 0, TLS reports missing data as an error.
-        self._least_wait = 0.001 if uri.secure else 0.0
-        self._protocol = ClientProtocol(
-            uri, subprotocols=[Subprotocol(SUBPROTOCOL)], max_size=MOST_BYTES
-        )
-        self._socket = self._connect(uri.host, uri.port, secure=uri.secure)
-        try:
-            self._shake_hands()
-        except BaseException:
-            self._socket.close()
-            raise
+        for _ in range(1 + MOST_REDIRECTS):
+            uri = parse_uri(hub_address.node_url(self.url, node))
+            # With a timeout of 0, TLS reports missing data as an error.
+            self._least_wait = 0.001 if uri.secure else 0.0
+            self._protocol = ClientProtocol(
+                uri, subprotocols=[Subprotocol(SUBPROTOCOL)], max_size=MOST_BYTES
+            )
+            self._socket = self._connect(uri.host, uri.port, secure=uri.secure)
+            try:
+                self._shake_hands()
+                return
+            except _Redirect as redirect:
+                self._socket.close()
+                self.url = redirect.url
+            except BaseException:
+                self._socket.close()
+                raise
+        raise HubUnreachable(url, f"too many redirects (limit {MOST_REDIRECTS})")
 
     @property
     def serialized(self) -> bool:
@@ -124,7 +141,7 @@ class WebSocket:
             if isinstance(event, Frame):
                 self._take(event)
             elif isinstance(event, Response) and self._protocol.handshake_exc is not None:
-                raise HubUnreachable(self.url, _fault(self._protocol.handshake_exc))
+                raise self._refusal(self._protocol.handshake_exc)
         if self._protocol.parser_exc is not None and self._protocol.handshake_exc is None:
             raise self.not_a_hub(str(self._protocol.parser_exc))
         self._flush()
@@ -180,13 +197,23 @@ class WebSocket:
             deadline = time.monotonic() + PATIENCE
             while self._protocol.state.name == "CONNECTING":
                 if self._protocol.handshake_exc is not None:
-                    raise HubUnreachable(self.url, _fault(self._protocol.handshake_exc))
+                    raise self._refusal(self._protocol.handshake_exc)
                 if not self.read(deadline - time.monotonic()):
                     raise HubUnreachable(self.url, f"no handshake within {PATIENCE:g} s")
         except HubLost as error:
             fault = self._protocol.handshake_exc
             cause = error.cause if fault is None else _fault(fault)
             raise HubUnreachable(self.url, cause) from None
+
+    def _refusal(self, error: Exception) -> Exception:
+        """Return the error for a failed handshake; `_Redirect` if the hub is elsewhere."""
+        if isinstance(error, InvalidStatus) and error.response.status_code in REDIRECTS:
+            if location := error.response.headers.get("Location"):
+                try:
+                    return _Redirect(hub_address.redirected(self.url, location))
+                except InvalidAddress as fault:
+                    return HubUnreachable(self.url, str(fault))
+        return HubUnreachable(self.url, _fault(error))
 
     def _take(self, frame: Frame) -> None:
         if frame.opcode in (Opcode.TEXT, Opcode.BINARY):
@@ -223,11 +250,8 @@ def _start_tls(connected: socket.socket, host: str) -> socket.socket:
 
 
 def _text(error: OSError) -> str:
-    if type(error).__module__ == "ssl":  # This avoids importing ssl.
-        fault = getattr(error, "verify_message", "")
-        if fault:
-            return f"invalid certificate: {fault}"
-        return "the server does not support TLS; use ws://"
+    if fault := hub_address.tls_fault(error):
+        return fault
     return (error.strerror or str(error) or type(error).__name__).lower()
 
 

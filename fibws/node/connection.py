@@ -17,6 +17,7 @@ import re
 from collections.abc import Iterator
 from contextlib import suppress
 from typing import Any
+from urllib.parse import parse_qs
 
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import (
@@ -25,13 +26,14 @@ from websockets.exceptions import (
     InvalidProxy,
     InvalidStatus,
     InvalidURI,
+    SecurityError,
 )
 from websockets.frames import Frame, Opcode
 from websockets.protocol import Event, State
 from websockets.typing import Subprotocol
 
-from fibws.errors import HubUnreachable, NodeError, NodeKilled, NodeReplaced, NoHub
-from fibws.hub_address import node_url
+from fibws.errors import HubUnreachable, InvalidAddress, NodeError, NodeKilled, NodeReplaced, NoHub
+from fibws.hub_address import node_url, redirected, tls_fault
 from fibws.node.log import ROSOUT
 from fibws.node.outgoing_queue import TURN, PublisherLane
 from fibws.node.session import MAX_SIZE, Session
@@ -97,6 +99,19 @@ class _Handshake(ClientConnection):
             self.transport.pause_reading()
         elif rest:  # The body of a refusal.
             super().data_received(rest)
+
+    async def handshake(self, *arguments: Any, **named: Any) -> None:
+        """Do the handshake; `connect` follows a redirect, of which it knows only ws and wss."""
+        try:
+            await super().handshake(*arguments, **named)
+        except InvalidStatus as error:
+            headers, uri = error.response.headers, self.protocol.uri
+            if location := headers.get("Location"):
+                url = f"{'wss' if uri.secure else 'ws'}://{uri.host}:{uri.port}{uri.path}"
+                [node] = parse_qs(uri.query)["node"]
+                del headers["Location"]
+                headers["Location"] = node_url(redirected(url, location), node)
+            raise
 
     def process_event(self, event: Event) -> None:
         """Handle what the library has read."""
@@ -388,8 +403,9 @@ class Connection:
                 raise
             text = error.response.body.decode("utf-8", "replace").strip()
             raise HubUnreachable(self._hub, f"HTTP {status}: {text[:500]}") from None
-        except (InvalidURI, InvalidProxy, ValueError) as error:  # The last for odd host names.
-            raise HubUnreachable(self._hub, str(error)) from None
+        except (InvalidURI, InvalidProxy, SecurityError, InvalidAddress, ValueError) as error:
+            # ValueError is for odd host names and certificates, SecurityError for redirects.
+            raise HubUnreachable(self._hub, _reason(error)) from None
 
     async def _converse(self, websocket: WebSocket) -> ConnectionClosed | None:
         """Exchange messages until the connection is lost or the node ends; return why it was."""
@@ -476,6 +492,8 @@ def _delays() -> Iterator[float]:
 
 def _reason(error: Exception) -> str:
     """Return why a connection failed, without the address, which the log line has anyway."""
+    if isinstance(error, OSError) and (fault := tls_fault(error)):
+        return fault
     if number := _ERRNO.search(str(error)):
         return os.strerror(int(number[1]))
     return getattr(error, "strerror", None) or str(error) or type(error).__name__

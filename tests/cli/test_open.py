@@ -95,7 +95,7 @@ def test_unknown_topic_is_a_warning(run: Run) -> None:
 
 def test_page_of_a_remote_hub(client: HubClient) -> None:
     client.url = "wss://robot.example:8443/some/path?key=1"
-    assert list(addresses(client, "graph", [])) == ["https://robot.example:8443/#/graph"]
+    assert list(addresses(client, "graph", [])) == ["https://robot.example:8443/some/path/#/graph"]
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -47,3 +48,22 @@ def replying_server(*replies: Reply, subprotocol: str | None = None) -> Iterator
 
     with websocket_server(handle, subprotocol) as url:
         yield url
+
+
+@contextmanager
+def redirecting_server(location: str, times: int = 1) -> Iterator[str]:
+    """Run a server that redirects some requests; the context's value is its address."""
+    response = f"HTTP/1.1 301 Moved\r\nLocation: {location}\r\nContent-Length: 0\r\n\r\n"
+    with socket.create_server(("127.0.0.1", 0)) as server:
+
+        def answer() -> None:
+            for _ in range(times):
+                connection, _ = server.accept()
+                with connection:
+                    connection.recv(2**16)
+                    connection.sendall(response.encode())
+
+        thread = threading.Thread(target=answer)
+        thread.start()
+        yield f"ws://127.0.0.1:{server.getsockname()[1]}/robot"
+        thread.join(60)

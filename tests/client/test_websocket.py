@@ -15,7 +15,7 @@ import pytest
 from hub_in_thread import HubThread, Publish
 from websockets.sync.server import ServerConnection
 
-from client.servers import websocket_server
+from client.servers import redirecting_server, websocket_server
 from fibws.client.hub_client import HubClient
 from fibws.client.websocket import Message, WebSocket
 from fibws.errors import (
@@ -90,6 +90,25 @@ def test_failed_handshake_is_an_error(response: bytes, text: str) -> None:
         thread.join(60)
 
 
+def test_redirect_is_followed(hub: HubThread) -> None:
+    with redirecting_server(f"http://127.0.0.1:{hub.port}/robot/?node=/other") as url:
+        with HubClient("test", url) as client:
+            assert client.url == f"{hub.url}/robot/"
+            assert client.node in client.call("/rosapi/nodes")["nodes"]
+
+
+def test_redirects_are_limited() -> None:
+    with redirecting_server("/robot/", times=6) as url:
+        with pytest.raises(HubUnreachable, match=r"redirects \(limit 5\)"):
+            HubClient("test", url)
+
+
+def test_redirect_to_another_protocol_is_refused() -> None:
+    with redirecting_server("ftp://127.0.0.1/") as url:
+        with pytest.raises(HubUnreachable, match="ftp://"):
+            HubClient("test", url)
+
+
 @pytest.mark.skipif(not shutil.which("openssl"), reason="a certificate is made by openssl")
 def test_tls(hub: HubThread, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     certificate, key = str(tmp_path / "certificate.pem"), str(tmp_path / "key.pem")
@@ -116,7 +135,7 @@ def test_tls(hub: HubThread, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
         relaying = threading.Thread(target=relay)
         relaying.start()
         url = f"wss://127.0.0.1:{server.getsockname()[1]}"
-        with pytest.raises(HubUnreachable, match="certificate"):
+        with pytest.raises(HubUnreachable, match=r"certificate.* SSL_CERT_FILE"):
             HubClient("test", url)
         monkeypatch.setenv("SSL_CERT_FILE", certificate)
         with HubClient("test", url) as client:

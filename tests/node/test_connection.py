@@ -16,11 +16,13 @@ from itertools import islice
 from pathlib import Path
 
 import pytest
+from client.servers import redirecting_server
 from websockets.exceptions import InvalidMessage
 from websockets.utils import accept_key
 
 import fibws
 from fibws.errors import NoHub
+from fibws.hub import Hub, Settings
 from fibws.msg.std_msgs import Int32, String
 from fibws.node import connection
 from fibws.node.connection import _delays, _reason
@@ -35,6 +37,12 @@ def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
     """Nodes come back at once, so that tests need not wait."""
     monkeypatch.setattr(connection, "FIRST_RETRY", 0.001)
     monkeypatch.setattr(connection, "LONGEST_RETRY", 0.01)
+
+
+@pytest.fixture
+async def real_hub() -> AsyncIterator[Hub]:
+    async with Hub(Settings(port=0, close_timeout=0.1)) as hub:
+        yield hub
 
 
 async def published(peer: Peer) -> list[int]:
@@ -489,6 +497,20 @@ async def test_frames_behind_the_handshake_are_read() -> None:
             assert await lines.next() == "The hub: hello"
 
 
+async def test_redirect_is_followed(real_hub: Hub) -> None:
+    with redirecting_server(f"http://127.0.0.1:{real_hub.port}/robot/") as url:
+        async with fibws.Node("node", hub=url) as node:
+            assert "/node" in await node.graph.nodes()
+
+
+@pytest.mark.parametrize(("location", "times"), [("ftp://127.0.0.1/", 1), ("/robot/", 10)])
+async def test_redirect_to_no_hub_is_final(location: str, times: int) -> None:
+    with redirecting_server(location, times) as url:
+        with pytest.raises(fibws.HubUnreachable, match=r"redirect|ftp://"):
+            async with fibws.Node("node", hub=url):
+                pytest.fail("there is no hub")
+
+
 @pytest.fixture
 def tls(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> ssl.SSLContext:
     certificate, key = str(tmp_path / "certificate.pem"), str(tmp_path / "key.pem")
@@ -507,6 +529,16 @@ async def tls_hub(tls: ssl.SSLContext) -> AsyncIterator[ScriptedHub]:
     await hub.start()
     yield hub
     await hub.stop()
+
+
+@pytest.mark.skipif(not shutil.which("openssl"), reason="openssl makes the certificate")
+async def test_unknown_certificate_is_explained(
+    tls_hub: ScriptedHub, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("SSL_CERT_FILE")
+    with pytest.raises(fibws.HubUnreachable, match=r"self.signed.* SSL_CERT_FILE"):
+        async with fibws.Node("node", hub=tls_hub.url):
+            pytest.fail("the certificate is not trusted")
 
 
 @pytest.mark.skipif(not shutil.which("openssl"), reason="openssl makes the certificate")

@@ -36,6 +36,13 @@ async def test_demo_runs_a_hub_and_both_nodes(start: Start) -> None:
     assert (code, err) == (0, "")
 
 
+async def test_port_is_that_of_the_environment(hub: Hub, start: Start) -> None:
+    program = await start(*DEMO, FIBWS_PORT=str(hub.port))
+    assert hub.url in await program.line()
+    program.send(signal.SIGTERM)
+    assert (await program.end())[0] == 0
+
+
 async def test_demo_uses_a_running_hub(hub: Hub, start: Start) -> None:
     program = await start(*DEMO, "--port", str(hub.port))
     assert hub.url in await program.line()

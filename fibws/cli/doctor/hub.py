@@ -40,6 +40,13 @@ def reach(hub: str | None) -> HubClient | Finding:
         text = f"No hub at {error.url} ({_source(hub)}; {error.cause})"
         return wrong("hub", text, f"Start one: {error.remedy}. Or {other}")
     except HubUnreachable as error:
+        if hub_address.CERTIFICATES in error.cause:
+            return wrong(
+                "hub",
+                f"The hub at {error.url} cannot be reached: {error.cause.partition(';')[0]}",
+                f"To trust it: {hub_address.CERTIFICATES}=FILE, where FILE is the certificate of "
+                "the hub or of its authority, in PEM format.",
+            )
         text = f"{error}. {http_server(error.url)}"
         return wrong("hub", text, f"Check which program listens there, or {other}")
 
@@ -54,7 +61,7 @@ def _source(hub: str | None) -> str:
 def http_server(url: str) -> str:
     """Describe the HTTP server at an address."""
     try:
-        status, headers, _ = _get(url, "/")
+        status, headers, _ = _get(url, "")
     except (OSError, ValueError):
         return "It does not answer HTTP requests either"
     server = headers.get("server", "")
@@ -64,9 +71,9 @@ def http_server(url: str) -> str:
 def version(url: str) -> Finding:
     """Compare the hub's version with this one."""
     try:
-        status, _, body = _get(url, "/healthz")
+        status, _, body = _get(url, "healthz")
         if status == 403:  # The hub may not accept this name of its machine.
-            status, _, body = _get(url, "/healthz", host="localhost")
+            status, _, body = _get(url, "healthz", host="localhost")
     except (OSError, ValueError) as error:
         return warning(
             "version",
@@ -130,11 +137,11 @@ def clock(ahead: float, error: float) -> Finding:
 def _get(url: str, path: str, host: str | None = None) -> tuple[int, dict[str, str], bytes]:
     from http.client import HTTPConnection, HTTPException, HTTPSConnection
 
-    parts = urlsplit(url)
-    kind = HTTPSConnection if parts.scheme == "wss" else HTTPConnection
+    parts = urlsplit(hub_address.page_url(url, path))
+    kind = HTTPSConnection if parts.scheme == "https" else HTTPConnection
     connection = kind(parts.hostname or "", parts.port, timeout=PATIENCE)
     try:
-        connection.request("GET", path, headers={} if host is None else {"Host": host})
+        connection.request("GET", parts.path, headers={} if host is None else {"Host": host})
         response = connection.getresponse()
         headers = {name.lower(): value for name, value in response.getheaders()}
         return response.status, headers, response.read(65536)

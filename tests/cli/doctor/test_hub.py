@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import socket
+import ssl
 import threading
 from collections.abc import Callable, Iterator
 from http.server import BaseHTTPRequestHandler, HTTPServer
@@ -14,6 +15,8 @@ from hub_in_thread import HubThread
 from fibws.cli.doctor import hub as doctor
 from fibws.cli.doctor.finding import Finding
 from fibws.client.hub_client import HubClient
+from fibws.errors import HubUnreachable
+from fibws.hub_address import tls_fault
 
 Serve: TypeAlias = Callable[..., str]
 
@@ -162,3 +165,16 @@ def test_slow_round_trip_is_a_warning(client: HubClient, monkeypatch: pytest.Mon
 def test_difference_of_clocks(ahead: float, error: float, verdict: str, text: str) -> None:
     finding = doctor.clock(ahead, error)
     assert finding.verdict == verdict and text in finding.text
+
+
+def test_unknown_certificate_is_explained(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(tool: str, hub: str | None) -> None:
+        error = ssl.SSLCertVerificationError(1, "failed")
+        error.verify_message = "self-signed certificate"
+        raise HubUnreachable("wss://robot", str(tls_fault(error)))
+
+    monkeypatch.setattr(doctor, "HubClient", fail)
+    finding = doctor.reach("wss://robot")
+    assert isinstance(finding, Finding) and finding.verdict == "wrong"
+    assert "self-signed certificate" in finding.text
+    assert "SSL_CERT_FILE=" in finding.advice
