@@ -56,6 +56,11 @@ def is_set_up(environ: Mapping[str, str]) -> bool:
     return bool(environ.get(SETUP))
 
 
+def called_alias() -> str | None:
+    """Return the alias by which this program was called, such as ``rosservice``, if any."""
+    return _called_alias
+
+
 def set_called_alias(alias: str | None) -> None:
     """Remember the alias by which this program was called, for `command_name`."""
     global _called_alias

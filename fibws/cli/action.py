@@ -102,7 +102,13 @@ def type_(client: HubClient, action: str) -> None:
 
 @command.command(context_settings=arguments.VALUES)
 @_action
-@click.argument("goal", nargs=-1, metavar="[TYPE] [GOAL]...", callback=arguments.check)
+@click.argument(
+    "goal",
+    nargs=-1,
+    metavar="[TYPE] [GOAL]...",
+    callback=arguments.check,
+    shell_complete=completers.goal,
+)
 @click.option("-f", "--feedback", is_flag=True, help="Also print feedback.")
 @click.option("--wait", is_flag=True, help="Wait until the action has a server.")
 @json_option

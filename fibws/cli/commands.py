@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from importlib import import_module
 from typing import Any
 
 import click
@@ -71,4 +72,6 @@ def command(context: click.Context) -> None:
 
 def main() -> None:
     """Run the command line."""
+    if "_FIBWS_COMPLETE" in os.environ:
+        import_module("fibws.cli.completion")  # It adapts what click tells the shells.
     command(prog_name="fibws")

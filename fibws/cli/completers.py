@@ -15,13 +15,19 @@ import click
 
 from fibws import names
 from fibws.cli.type_names import is_type
+from fibws.client.graph_snapshot import GraphSnapshot
 from fibws.client.hub_client import HubClient
 from fibws.definition_folders import STANDARD, named_folders
 from fibws.errors import FibwsError, InvalidName
+from fibws.values.typedefs import Field, Typedefs
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
+QUOTED = "quoted"
+"""The type of a completion that a shell must quote, because it has spaces and braces."""
+LONGEST_TEMPLATE = 4000
+"""Characters of a message that a person could edit in a terminal."""
 PATIENCE = 0.3
 """Seconds to wait for the hub."""
 
@@ -123,6 +129,60 @@ def type_of_topic(
     return _beginning(found or _types("msg"), incomplete)
 
 
+def template(request: Callable[[HubClient, click.Context], Typedefs]) -> Completion:
+    """Return a completion of a command's values: a message of defaults in one line, to be edited.
+
+    Args:
+        request: requests the message's type from the hub.
+    """
+
+    def complete(
+        context: click.Context, parameter: click.Parameter, incomplete: str
+    ) -> list[CompletionItem]:
+        if incomplete or context.params.get(parameter.name or ""):
+            return []  # A value was typed already.
+
+        def ask(client: HubClient) -> Found:
+            typedefs = request(client, context)
+            return {_one_line(typedefs.default(Field("", typedefs.root))): ""}
+
+        found = _asked(ask, context.params.get("hub"))
+        return [_item(text, type_=QUOTED) for text in found if len(text) <= LONGEST_TEMPLATE]
+
+    return complete
+
+
+def _message(client: HubClient, context: click.Context) -> Typedefs:
+    return Typedefs.of_message(client, context.params["type_"])
+
+
+def _request(client: HubClient, context: click.Context) -> Typedefs:
+    service = client.resolve(context.params["service"])
+    type_ = client.call("/rosapi/service_type", {"service": service})["type"]
+    return Typedefs.of_request(client, type_)
+
+
+def _goal(client: HubClient, context: click.Context) -> Typedefs:
+    [action] = GraphSnapshot(client).actions_named(client.resolve(context.params["action"]))
+    return Typedefs.of_message(client, f"{action['type']}Goal")
+
+
+message = template(_message)
+"""The message of ``topic pub``, when its type is typed."""
+request = template(_request)
+"""The request of ``service call``."""
+goal = template(_goal)
+"""The goal of ``action send``."""
+
+
+def _one_line(value: object) -> str:
+    """Return a message as YAML in one line."""
+    import yaml  # 20 ms
+
+    text: str = yaml.safe_dump(value, default_flow_style=True, sort_keys=False, width=10**9)
+    return text.rstrip("\n")
+
+
 def _asked(ask: Callable[[HubClient], Found], hub: str | None) -> Found:
     found: Found = {}
 
@@ -151,10 +211,10 @@ def _items(found: Found, incomplete: str) -> list[CompletionItem]:
     ]
 
 
-def _item(name: str, help_: str = "") -> CompletionItem:
+def _item(name: str, help_: str = "", type_: str = "plain") -> CompletionItem:
     from click.shell_completion import CompletionItem  # Only completion needs it.
 
-    return CompletionItem(name, help=help_ or None)
+    return CompletionItem(name, help=help_ or None, type=type_)
 
 
 def _namespace() -> str:

@@ -1,7 +1,7 @@
-"""Printing lines, JSON and tables, safely for terminals and unchanged for pipes.
+"""Printing lines, JSON and tables.
 
 Text in messages may come from anybody. A terminal would act on its control characters, so they are
-escaped there.
+escaped, in a pipe as well: its other end may be a terminal, too.
 """
 
 from __future__ import annotations
@@ -65,14 +65,13 @@ def counted(number: int, noun: str) -> str:
 
 
 def line(text: str = "", *, colour: str | None = None, bold: bool = False) -> None:
-    """Print one or more lines without delay; a terminal shows control characters escaped.
+    """Print one or more lines without delay, with control characters escaped.
 
     Args:
         colour: click's name of a colour, for terminals only.
         bold: whether to print bold, on terminals only.
     """
-    if is_terminal():
-        text = visible(text)
+    text = visible(text)
     text = text.encode(encoding(), "backslashreplace").decode(encoding())
     if has_colours() and (colour or bold):
         text = click.style(text, fg=colour, bold=bold or None)
@@ -87,9 +86,8 @@ def as_json(value: object) -> None:
     text = json.dumps(value, ensure_ascii=False, separators=(",", ":"))
     if not can_show(text):
         text = json.dumps(value, separators=(",", ":"))
-    if is_terminal():
-        # In JSON they are all in strings, where this is an equal spelling.
-        text = _CONTROL.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
+    # In JSON they are all in strings, where this is an equal spelling.
+    text = _CONTROL.sub(lambda found: f"\\u{ord(found[0]):04x}", text)
     click.echo(text, color=True)
 
 

@@ -11,6 +11,7 @@ from fibws.cli.arguments import piped_input
 from fibws.cli.common_options import examples, json_option, with_hub
 from fibws.client.graph_snapshot import Entry, GraphSnapshot, in_namespace
 from fibws.client.hub_client import HubClient
+from fibws.command_names import called_alias
 from fibws.suggestions import suggestion
 from fibws.values import parsing
 from fibws.values.typedefs import TIMES, Typedefs, if_known
@@ -18,6 +19,9 @@ from fibws.values.yaml_text import message_text
 
 POLL = 0.1
 """Seconds between two checks whether a service is available."""
+
+LOGGER_SERVICES = ("/get_loggers", "/set_logger_level")
+"""The ends of the names of the services that each node has."""
 
 _service = click.argument("service", shell_complete=completers.services)
 
@@ -30,12 +34,25 @@ def command() -> None:
 @command.command("list")
 @click.argument("namespace", required=False, shell_complete=completers.services)
 @click.option("-n", "--nodes", is_flag=True, help="Show the node of each service.")
+@click.option(
+    "-a",
+    "--all",
+    "everything",
+    is_flag=True,
+    help="List the logger services of each node, too (~get_loggers, ~set_logger_level).",
+)
 @json_option
 @with_hub("service")
-def list_(client: HubClient, namespace: str | None, nodes: bool, as_json: bool) -> None:
+def list_(
+    client: HubClient, namespace: str | None, nodes: bool, everything: bool, as_json: bool
+) -> None:
     """List the services, or those in NAMESPACE."""
+    # rosservice has no --all: it lists them always.
+    everything = everything or called_alias() == "rosservice"
     services = GraphSnapshot(client).services
     for service in in_namespace(namespace and client.resolve_namespace(namespace), services):
+        if not everything and service["name"].endswith(LOGGER_SERVICES):
+            continue
         if as_json:
             output.as_json(service)
         else:
@@ -97,7 +114,13 @@ def find(client: HubClient, type_: str, as_json: bool) -> None:
 
 @command.command(context_settings=arguments.VALUES)
 @_service
-@click.argument("arguments", nargs=-1, metavar="[ARGS]...", callback=arguments.check)
+@click.argument(
+    "arguments",
+    nargs=-1,
+    metavar="[ARGS]...",
+    callback=arguments.check,
+    shell_complete=completers.request,
+)
 @click.option("-v", "--verbose", is_flag=True, help="Print the request, too.")
 @click.option("--wait", is_flag=True, help="Wait until the service is available.")
 @click.option(

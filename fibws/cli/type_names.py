@@ -11,6 +11,17 @@ def is_type(name: str) -> bool:
     return package.isidentifier() and type_.isidentifier()
 
 
+def check_short_name(type_: str) -> None:
+    """Raise `UsageError` if no package has a message type of this name."""
+    from fibws.values.type_definitions import InstalledTypes  # As below.
+
+    installed = InstalledTypes("msg")
+    if not installed.find(type_):
+        nearest = installed.nearest(type_)
+        meant = f"; did you mean {nearest}?" if nearest else ""
+        raise click.UsageError(f"unknown type {type_!r}{meant}")
+
+
 def full_name(type_: str) -> str:
     """Return the name of a message type; raise `UsageError` if it has no package."""
     if "/" in type_:

@@ -151,3 +151,33 @@ def test_silent_hub_does_not_delay_the_shell(monkeypatch: pytest.MonkeyPatch) ->
 def test_illegal_names_do_not_reach_the_shell(name: str) -> None:
     found = {name: "std_msgs/Int32", "/ok": "$(reboot)"}
     assert completed(completers.completion(lambda client: found), "") == [("/ok", None)]
+
+
+def test_values_are_completed_by_a_message_of_defaults(client: HubClient) -> None:
+    service, action = "/set_bool", "/do"
+    type_ = "example_interfaces/Fibonacci"
+    client.send({"op": "advertise_service", "service": service, "type": "std_srvs/SetBool"})
+    client.send({"op": "advertise_action", "action": action, "type": type_})
+    client.call("/rosapi/get_time")
+    context = click.Context(click.Command("pub"))
+    context.params |= {"service": service, "action": action, "type_": "sensor_msgs/Joy"}
+    argument = click.Argument(["words"])
+
+    def values(complete: completers.Completion, incomplete: str = "") -> list[tuple[str, str]]:
+        return [(each.value, each.type) for each in complete(context, argument, incomplete)]
+
+    header = "{seq: 0, stamp: {secs: 0, nsecs: 0}, frame_id: ''}"
+    joy = f"{{header: {header}, axes: [], buttons: []}}"
+    assert values(completers.message) == [(joy, completers.QUOTED)]
+    assert values(completers.request) == [("{data: false}", completers.QUOTED)]
+    assert values(completers.goal) == [("{order: 0}", completers.QUOTED)]
+    assert values(completers.message, "{") == []
+    context.params["words"] = ("{axes: [1]}",)
+    assert values(completers.message) == []
+
+
+@pytest.mark.parametrize("type_", ["nobody/Knows", "String", "$(reboot)/X"])
+def test_unknown_type_has_no_message_of_defaults(type_: str) -> None:
+    context = click.Context(click.Command("pub"))
+    context.params["type_"] = type_
+    assert completers.message(context, click.Argument(["words"]), "") == []

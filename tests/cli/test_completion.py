@@ -74,6 +74,39 @@ def test_bash_completes_commands_and_topics(bash: Terminal, publish: Publish) ->
     bash.type_until("\x15fibws topic echo /fib\t", "/fibonacci")
 
 
+TWIST = "{linear: {x: 0.0, y: 0.0, z: 0.0}, angular: {x: 0.0, y: 0.0, z: 0.0}}"
+
+
+def test_bash_inserts_a_message_to_be_edited(bash: Terminal) -> None:
+    bash.wait_for("> ")
+    bash.type('eval "$(fibws completion bash)"; echo rea""dy\n')
+    bash.wait_for("ready")
+    bash.type_until("\x15fibws topic pub -1 /cmd_vel geometry_msgs/Twist \t", 'z: 0.0}}"')
+    bash.type("\x01printf '<%s>' \n")  # Before it all: the command's words are printed.
+    bash.wait_for(f"<geometry_msgs/Twist><{TWIST}>")
+
+
+@pytest.mark.skipif(shutil.which("zsh") is None, reason="zsh is not installed")
+def test_zsh_inserts_a_message_to_be_edited(environment: dict[str, str]) -> None:
+    shell = Terminal("zsh", "-f", "-i", PS1="> ", **environment)
+    try:
+        shell.wait_for("> ")
+        shell.type('autoload -U compinit && compinit -u -D; eval "$(fibws completion zsh)"\n')
+        shell.type('echo rea""dy\n')
+        shell.wait_for("ready")
+        shell.type_until("\x15fibws topic pub -1 /cmd_vel geometry_msgs/Twist \t", "z: 0.0}}")
+    finally:
+        shell.close()
+
+
+@pytest.mark.parametrize(
+    ("shell", "changed"),
+    [("zsh", "compadd -Q -U"), ("fish", 'string split -m 1 ","')],
+)
+def test_script_can_insert_a_message(shell: str, changed: str) -> None:
+    assert changed in CliRunner().invoke(command, ["completion", shell]).output
+
+
 @pytest.mark.skipif(shutil.which("zsh") is None, reason="zsh is not installed")
 def test_zsh_shows_types_beside_the_names(environment: dict[str, str], publish: Publish) -> None:
     publish("/fibonacci", "std_msgs/Int32", {"data": 8})

@@ -56,23 +56,18 @@ def stdout(monkeypatch: pytest.MonkeyPatch) -> Stdout:
     return stdout
 
 
-def test_control_characters_are_escaped_on_a_terminal(stdout: Stdout) -> None:
-    terminal = stdout(is_terminal=True)
+@pytest.mark.parametrize("is_terminal", [True, False])
+def test_control_characters_are_escaped(stdout: Stdout, is_terminal: bool) -> None:
+    stream = stdout(is_terminal=is_terminal)
     output.line(HOSTILE)
     shown = r"\x1b]0;owned\x07\x9b31m red\r\x08\x7f \u202ereversed"
-    assert terminal.text() == f"{shown}\n"
+    assert stream.text() == f"{shown}\n"
 
 
 def test_lines_and_tabs_are_kept_on_a_terminal(stdout: Stdout) -> None:
     terminal = stdout(is_terminal=True)
     output.line("average rate: 1.000\n\tmin: 1.000s é 中")
     assert terminal.text() == "average rate: 1.000\n\tmin: 1.000s é 中\n"
-
-
-def test_text_is_unchanged_in_a_pipe(stdout: Stdout) -> None:
-    pipe = stdout()
-    output.line(HOSTILE)
-    assert pipe.text() == f"{HOSTILE}\n"
 
 
 @pytest.mark.parametrize("text", ["a \ud800 b", "\U0001f600"])

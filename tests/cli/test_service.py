@@ -45,6 +45,16 @@ def adder(hub: HubThread) -> Iterator[Peer]:
 pytestmark = pytest.mark.usefixtures("adder")
 
 
+def test_logger_services_are_listed_on_request(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    listed = run("service", "list").output.splitlines()
+    assert "/math/add" in listed
+    assert not [name for name in listed if name.endswith(("get_loggers", "set_logger_level"))]
+    everything = run("service", "list", "-a").output.splitlines()
+    assert {"/adder/get_loggers", "/adder/set_logger_level", *listed} <= {*everything}
+    monkeypatch.setattr("fibws.command_names._called_alias", "rosservice")
+    assert run("service", "list").output.splitlines() == everything
+
+
 def test_list_prints_names(run: Run) -> None:
     found = run("service", "list").output.splitlines()
     assert found == sorted(found)

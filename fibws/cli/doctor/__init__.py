@@ -5,7 +5,8 @@ from __future__ import annotations
 import shutil
 import sys
 import textwrap
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Mapping
 
 import click
 
@@ -47,12 +48,26 @@ def command(hub: str | None, as_json: bool) -> None:
 
     The exit code is 1 if something is wrong, 0 if there are only warnings.
     """
-    is_fine = True
+    numbers: Counter[str] = Counter()
     for finding in findings(hub):
-        is_fine &= finding.verdict != "wrong"
+        numbers[finding.verdict] += 1
         output.as_json(finding.as_json()) if as_json else print_finding(finding)
-    if not is_fine:
+    if not as_json:
+        output.line(f"\n{summary(numbers)}", bold=True)
+    if numbers["wrong"]:
         sys.exit(1)
+
+
+def summary(numbers: Mapping[str, int]) -> str:
+    """Return the line that sums up the findings, by their numbers for each verdict."""
+    if not numbers["wrong"] and not numbers["warning"]:
+        return f"Everything is fine ({output.counted(numbers['ok'], 'check')})."
+    found = [
+        output.counted(numbers[verdict], noun)
+        for verdict, noun in (("wrong", "problem"), ("warning", "warning"))
+        if numbers[verdict]
+    ]
+    return f"{' and '.join(found)}; {output.counted(numbers['ok'], 'check')} passed."
 
 
 def findings(hub_: str | None) -> Iterator[Finding]:

@@ -6,7 +6,7 @@ import click
 
 from fibws.cli import completers, output
 from fibws.cli.common_options import json_option, with_hub
-from fibws.cli.type_names import full_name
+from fibws.cli.type_names import check_short_name
 from fibws.client.graph_snapshot import Entry, GraphSnapshot, in_namespace
 from fibws.client.hub_client import HubClient
 from fibws.suggestions import suggestion
@@ -131,6 +131,11 @@ def type_(client: HubClient, topic: str, as_json: bool) -> None:
 @json_option
 @with_hub()
 def find(client: HubClient, type_: str, as_json: bool) -> None:
-    """List the topics of TYPE."""
-    found = client.call("/rosapi/topics_for_type", {"type": full_name(type_)})["topics"]
+    """List the topics of TYPE, such as sensor_msgs/Imu, or Imu in any package."""
+    if "/" in type_:
+        found = client.call("/rosapi/topics_for_type", {"type": type_})["topics"]
+    else:
+        found = [each["name"] for each in _topics(client) if each["type"].endswith(f"/{type_}")]
+        if not found:
+            check_short_name(type_)
     output.names(found, json_=as_json)

@@ -35,7 +35,7 @@ CHUNK = 2**16
 @click.command(cls=DigitOptions)
 @click.argument("topic", shell_complete=completers.topics)
 @click.argument("type_", metavar="TYPE", shell_complete=completers.type_of_topic)
-@click.argument("words", metavar="[ARGS]...", nargs=-1)
+@click.argument("words", metavar="[ARGS]...", nargs=-1, shell_complete=completers.message)
 @click.option("-v", "verbose", is_flag=True, help="Print the messages.")
 @click.option(
     "-r",

@@ -147,7 +147,16 @@ def test_type_may_have_no_topics(run: Run) -> None:
     assert (result.exit_code, result.output) == (0, "")
 
 
-def test_type_without_a_package_is_an_error(run: Run) -> None:
-    result = run("topic", "find", "String")
+def test_type_without_a_package_is_found_in_all_packages(run: Run, publish: Publish) -> None:
+    publish("/goal", "geometry_msgs/Pose")
+    publish("/turtle", "turtlesim/Pose")
+    publish("/posture", "my_msgs/BodyPose")
+    assert run("topic", "find", "Pose").output == "/goal\n/turtle\n"
+    assert run("topic", "find", "BodyPose").output == "/posture\n"
+    assert run("topic", "find", "Imu").output == ""
+
+
+def test_unknown_type_without_a_package_is_an_error(run: Run) -> None:
+    result = run("topic", "find", "Strng")
     assert (result.exit_code, result.stdout) == (2, "")
-    assert "did you mean std_msgs/String?" in result.stderr
+    assert "'Strng'; did you mean std_msgs/String?" in result.stderr
