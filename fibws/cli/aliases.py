@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+import re
 from copy import copy
 
 import click
 
+from fibws import names
 from fibws.cli.commands import Root, command
 from fibws.cli.common_options import SETTINGS, examples_text
 from fibws.command_names import ALIASES, set_called_alias
+from fibws.errors import InvalidName
 from fibws.suggestions import suggestion
+
+_AS_NODES = ("rosparam", "rosservice", "rostopic")
+"""The commands that accept the arguments of a node, FROM:=TO, as launch files pass them."""
+_REMAPPING = re.compile(r"[\w~/]+:=.*")
 
 
 class _Aliases(Root):
@@ -26,6 +33,8 @@ class _Aliases(Root):
         alias, *others = args
         if alias not in ALIASES:
             raise click.UsageError(f"Unknown command {alias!r}{suggestion(alias, ALIASES)}")
+        if alias in _AS_NODES:
+            ctx.obj, others = _remapping(others)
         set_called_alias(alias)
         name, *words = ALIASES[alias].split()
         found = command.get_command(ctx, name)
@@ -42,6 +51,16 @@ aliases = _Aliases(modules={}, callback=command.callback, context_settings=SETTI
 def main() -> None:
     """Run the alias that the first argument names."""
     aliases.main(prog_name="")
+
+
+def _remapping(words: list[str]) -> tuple[names.Remapping, list[str]]:
+    """Split arguments into remappings and others, as ``rospy.myargv`` does."""
+    found = [word for word in words if _REMAPPING.fullmatch(word)]
+    try:
+        remapping = names.parse_remappings(found)
+    except InvalidName as error:
+        raise click.UsageError(str(error)) from None
+    return remapping, [word for word in words if word not in found]
 
 
 def _open_part(part: str) -> click.Command:

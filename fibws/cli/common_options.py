@@ -65,7 +65,8 @@ def with_hub(
         def with_client(hub: str | None, **others: Any) -> None:
             from fibws.client.hub_client import HubClient  # 60 ms, which help does not need.
 
-            with clean_exit(endless=endless), HubClient(tool, hub) as client:
+            remapping = click.get_current_context().obj
+            with clean_exit(endless=endless), HubClient(tool, hub, remapping) as client:
                 command(client=client, **others)
 
         return hub_option(with_client)

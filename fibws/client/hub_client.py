@@ -58,6 +58,8 @@ class HubClient:
     Args:
         tool: the tool's name, which its node name begins with.
         hub: the hub's address; by default $FIBWS_HUB, or else this machine.
+        remapping: the ``from:=to`` arguments of the tool's command line. ``__name`` replaces the
+            tool's own name, as in rostopic, whose publishers are rospy nodes.
 
     Raises:
         InvalidAddress: the address is invalid.
@@ -65,11 +67,18 @@ class HubClient:
         HubUnreachable: the server is not a hub, or refuses the connection.
     """
 
-    def __init__(self, tool: str, hub: str | None = None) -> None:
+    def __init__(
+        self, tool: str, hub: str | None = None, remapping: names.Remapping | None = None
+    ) -> None:
         self.url = hub_address.hub_url(hub)
-        self.namespace = names.check_namespace(os.environ.get("ROS_NAMESPACE", "/"))
-        name = names.anonymous(f"fibws_{tool}", pid=os.getpid(), random=os.urandom(8))
-        self.node = names.resolve(name)
+        self._remapping = remapping or names.Remapping()
+        namespace = os.environ.get("ROS_NAMESPACE", "/")
+        self.namespace = self._remapping.namespace or names.check_namespace(namespace)
+        if self._remapping.node_name is not None:
+            self.node = names.join(self.namespace, self._remapping.node_name)
+        else:
+            name = names.anonymous(f"fibws_{tool}", pid=os.getpid(), random=os.urandom(8))
+            self.node = names.resolve(name)
         """The tool's global node name."""
         self._operations: deque[Operation] = deque()
         self._subscriptions: dict[str, _Subscription] = {}
@@ -98,12 +107,16 @@ class HubClient:
         return self._socket.fileno()
 
     def resolve(self, name: str) -> str:
-        """Return the global name for the name of something that may exist.
+        """Return the global name for the name of something that may exist, after remapping.
 
         Raises:
             InvalidName: the name is invalid; one that is not legal in ROS may exist all the same.
         """
-        return names.resolve_any(name, namespace=self.namespace, node=self.node)
+        resolved = names.resolve_any(name, namespace=self.namespace, node=self.node)
+        for source, target in self._remapping.names.items():
+            if names.resolve(source, namespace=self.namespace, node=self.node) == resolved:
+                return names.resolve(target, namespace=self.namespace, node=self.node)
+        return resolved
 
     def resolve_namespace(self, name: str) -> str:
         """Return the global namespace for a name, which may end in ``/``."""

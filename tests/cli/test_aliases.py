@@ -7,6 +7,8 @@ import os
 import re
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import pytest
 from hub_in_thread import HubThread
@@ -32,6 +34,18 @@ def enter(alias: str, *words: str, hub: str = NO_HUB) -> subprocess.CompletedPro
         env={**shell, **own, "FIBWS_HUB": hub},
         timeout=60,
     )
+
+
+@contextmanager
+def started(alias: str, *words: str, hub: str) -> Iterator[subprocess.Popen[str]]:
+    """Run an alias until the end of the block."""
+    line = [sys.executable, "-P", "-m", "fibws.cli", alias, *words]
+    environment = {**os.environ, "FIBWS_HUB": hub}
+    with subprocess.Popen(line, stdout=subprocess.PIPE, text=True, env=environment) as process:
+        try:
+            yield process
+        finally:
+            process.terminate()
 
 
 HELPS = """
@@ -106,6 +120,29 @@ def test_error_without_a_hub_names_roscore() -> None:
     assert (done.returncode, done.stdout) == (1, "")
     assert NO_HUB in done.stderr
     assert done.stderr.endswith(" roscore\n")
+
+
+def test_rostopic_accepts_the_arguments_of_a_node(hub: HubThread) -> None:
+    words = ["pub", "-r", "100", "count", "std_msgs/Int32", "5", "__name:=counter"]
+    words += ["__ns:=/robot", "count:=number"]
+    with started("rostopic", *words, hub=hub.url):
+        heard = enter("rostopic", "echo", "-n1", "/here", "/here:=/robot/number", hub=hub.url)
+        assert heard.stdout.startswith("data: 5\n"), heard.stderr
+        info = enter("rostopic", "info", "/robot/number", hub=hub.url)
+        assert " * /robot/counter " in info.stdout
+
+
+def test_rosparam_and_rosservice_accept_the_arguments_of_a_node(hub: HubThread) -> None:
+    assert enter("rosparam", "set", "/robot/a", "5", "__name:=setter", hub=hub.url).returncode == 0
+    assert enter("rosparam", "get", "a", "__ns:=/robot", hub=hub.url).stdout == "5\n"
+    listed = enter("rosservice", "type", "/s", "/s:=/rosapi/topics", hub=hub.url)
+    assert listed.stdout == "rosapi/Topics\n"
+
+
+def test_invalid_remapping_is_a_usage_error() -> None:
+    done = enter("rostopic", "list", "__name:=a/b")
+    assert done.returncode == 2
+    assert "a/b" in done.stderr
 
 
 def test_rqt_aliases_open_parts_of_the_page(hub: HubThread) -> None:

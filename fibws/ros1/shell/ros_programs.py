@@ -12,12 +12,15 @@ from fibws.errors import WorkspaceError
 
 _EXAMPLES = Path(__file__).parents[2] / "examples"
 
+COMMANDS = ("roslaunch", "rosmsg", "rosnode", "rosparam", "rosservice", "rostopic")
+"""The commands that are programs of a package of their own name: ``rosrun rostopic rostopic``."""
 _MODULES = {
     ("rqt_gui", "rqt_gui"): ("fibws", "open"),
     ("rqt_graph", "rqt_graph"): ("fibws", "open", "graph"),
     ("rqt_topic", "rqt_topic"): ("fibws", "open", "topics"),
     ("rqt_plot", "rqt_plot"): ("fibws", "open", "plot"),
     ("rqt_console", "rqt_console"): ("fibws", "open", "console"),
+    **{(name, name): ("fibws.cli", name) for name in COMMANDS},
     ("tf", "static_transform_publisher"): ("fibws.tf.static_transform_publisher",),
     ("tf2_ros", "static_transform_publisher"): ("fibws.tf.static_transform_publisher",),
     ("tf2_web_republisher", "tf2_web_republisher"): ("fibws.tf.tf2_web_republisher",),
@@ -51,6 +54,11 @@ def command_line(package: str, program: str, arguments: Sequence[str]) -> list[s
     if fault := _unsupported().get(package):
         raise WorkspaceError(f"{package} {fault}")
     return None
+
+
+def names(package: str) -> list[str]:
+    """Return the programs of a package of ROS's own that have a substitute."""
+    return [program for owner, program in [*_MODULES, *_SCRIPTS] if owner == package]
 
 
 def _unsupported() -> dict[str, str]:

@@ -170,9 +170,8 @@ class Packages:
     def programs(self, package: Package) -> list[str]:
         """Return the names of a package's programs, sorted."""
         places = [*(prefix / "lib" / package.name for prefix in self._prefixes), package.folder]
-        return sorted(
-            {path.name for place in places for path in find_files(place) if is_executable(path)}
-        )
+        found = {path.name for place in places for path in find_files(place) if is_executable(path)}
+        return sorted(found.union(ros_programs.names(package.name) if package.is_standard else ()))
 
     def in_workspace(self, workspace: Path) -> Packages:
         """Return the packages of another workspace, and those of fibws."""

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 
+from fibws.cli.aliases import aliases
 from fibws.cli.commands import command
 from fibws.errors import WorkspaceError
 from fibws.hub import Hub, Settings
@@ -22,7 +23,8 @@ def test_each_substitute_runs(package: str, program: str) -> None:
     assert line is not None
     assert line[:3] == [sys.executable, "-P", "-m"]
     module, *words = line[3:]
-    program_ = command if module == "fibws" else import_module(module).command
+    programs = {"fibws": command, "fibws.cli": aliases}
+    program_ = programs[module] if module in programs else import_module(module).command
     result = CliRunner().invoke(program_, words)
     assert result.exit_code == 0, result.output
     assert result.stdout.startswith("Usage:")
@@ -37,6 +39,14 @@ def test_name_may_end_in_py() -> None:
 def test_other_programs_are_unknown() -> None:
     assert ros_programs.command_line("fibonacci", "talker", []) is None
     assert ros_programs.command_line("rospy_tutorials", "nothing", []) is None
+
+
+def test_programs_of_a_package_are_known() -> None:
+    assert ros_programs.names("rospy_tutorials") == [
+        *("add_two_ints_server", "add_two_ints_client", "talker", "listener")
+    ]
+    assert ros_programs.names("rostopic") == ["rostopic"]
+    assert ros_programs.names("fibonacci") == []
 
 
 @pytest.mark.parametrize("package", ros_programs._unsupported())
