@@ -19,6 +19,7 @@ ALIASES = {
     "rosservice": "service",
     "rossrv": "srv",
     "rostopic": "topic",
+    "rosversion": "pkg version",
     "roswtf": "doctor",
     "rqt": "open",
     "rqt_console": "open console",

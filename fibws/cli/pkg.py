@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
+from fibws import __version__
 from fibws.cli import output
 from fibws.cli.arguments import spread
 from fibws.cli.common_options import SETTINGS, examples
@@ -220,6 +222,29 @@ def depends_on(name: str | None) -> None:
             output.line(package.name)
 
 
+@command.command("version")
+@click.argument("name", metavar="[PACKAGE]", required=False, shell_complete=_complete)
+@click.option("-d", "--distro", is_flag=True, help="Print the name of the ROS distribution.")
+@click.option("-a", "--all", "all_", is_flag=True, help="Print the versions of all packages.")
+@click.option("-s", "--skip-newline", is_flag=True, help="End the output without a newline.")
+def version(name: str | None, distro: bool, all_: bool, skip_newline: bool) -> None:
+    """Print the version of PACKAGE, as rosversion does.
+
+    Packages that are part of fibws have the version of fibws.
+    """
+    if (name is not None) + distro + all_ != 1:
+        raise click.UsageError("Expected one of PACKAGE, --distro and --all.")
+    if distro:
+        from fibws.ros1.shell.environment import DISTRO
+
+        lines = [os.environ.get("ROS_DISTRO") or DISTRO]
+    elif name is not None:
+        lines = [_version(_packages().find(name))]
+    else:
+        lines = [f"{package.name}: {_version_or_reason(package)}" for package in _packages()]
+    click.echo(output.visible("\n".join(lines)), nl=not skip_newline)
+
+
 @command.command("profile", hidden=True)
 def profile() -> None:
     """Do nothing, as there is no cache to update; accepted for compatibility with rospack."""
@@ -242,6 +267,17 @@ def _package(name: str | None, packages: Packages) -> Package:
         if (folder / FILE).is_file():
             return packages.find(read_name(folder))
     raise WorkspaceError("missing package name, as this folder is not in a package")
+
+
+def _version(package: Package) -> str:
+    return __version__ if package.is_standard else package.manifest.version
+
+
+def _version_or_reason(package: Package) -> str:
+    try:
+        return _version(package)
+    except (FibwsError, OSError):
+        return "<invalid package.xml>"
 
 
 def _below(package: Package, packages: Packages) -> list[str]:

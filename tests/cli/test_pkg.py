@@ -9,6 +9,7 @@ from typing import TypeAlias
 import pytest
 from click.testing import CliRunner, Result
 
+from fibws import __version__
 from fibws.cli.commands import command
 from fibws.ros1.workspace.package_xml import read_manifest
 
@@ -170,3 +171,39 @@ def test_names_are_completed(folder: Path, type_: Type, monkeypatch: pytest.Monk
     environment["COMP_WORDS"] = "fibws pkg find fibo"
     done = CliRunner().invoke(command, [], prog_name="fibws", env=environment)
     assert done.output == "plain,fibonacci\n"
+
+
+def test_version_is_that_of_package_xml(folder: Path, type_: Type) -> None:
+    type_("create", "fibonacci", "-V", "1.2.3")
+    assert type_("version", "fibonacci").output == "1.2.3\n"
+    assert type_("version", "-s", "fibonacci").output == "1.2.3"
+    assert type_("version", "rospy").output == f"{__version__}\n"
+
+
+def test_versions_of_all_packages(folder: Path, type_: Type) -> None:
+    type_("create", "fibonacci", "-V", "1.2.3")
+    (folder / "broken").mkdir()
+    (folder / "broken" / "package.xml").write_text("<package>")
+    lines = type_("version", "--all").output.splitlines()
+    assert {"fibonacci: 1.2.3", f"std_msgs: {__version__}"} < set(lines)
+    assert any(line.startswith("broken: <") for line in lines)
+
+
+def test_version_of_an_unknown_package_is_an_error(type_: Type) -> None:
+    done = type_("version", "fibonaci")
+    assert (done.exit_code, done.stdout) == (1, "")
+    assert "fibonaci" in done.stderr
+
+
+def test_distribution_is_that_of_the_shell(type_: Type, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("ROS_DISTRO", raising=False)
+    assert type_("version", "-d").output == "noetic\n"
+    monkeypatch.setenv("ROS_DISTRO", "melodic")
+    assert type_("version", "--distro").output == "melodic\n"
+
+
+@pytest.mark.parametrize("words", [[], ["-d", "rospy"], ["-a", "-d"]])
+def test_version_needs_one_thing_to_print(type_: Type, words: list[str]) -> None:
+    done = type_("version", *words)
+    assert done.exit_code == 2
+    assert "--distro" in done.stderr

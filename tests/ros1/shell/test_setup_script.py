@@ -15,7 +15,6 @@ import pytest
 from hatchling.builders.sdist import SdistBuilder
 from hatchling.builders.wheel import WheelBuilder
 
-from fibws import __version__
 from fibws.command_names import ALIASES
 from fibws.ros1.shell import environment, setup_script
 from fibws.ros1.shell.environment import BIN_FOLDER, PYTHON_FOLDER
@@ -115,7 +114,7 @@ def test_each_alias_has_a_program() -> None:
     texts = {program.name: program.read_text() for program in BIN_FOLDER.iterdir()}
     found = {name for name, text in texts.items() if f" -m fibws.cli {name} " in text}
     assert found == ALIASES.keys()
-    assert texts.keys() - found == {"fibws", "rosbag", "rosdep", "rosversion"}
+    assert texts.keys() - found == {"fibws", "rosbag", "rosdep"}
 
 
 def test_programs_are_executable_scripts() -> None:
@@ -202,21 +201,3 @@ def test_fibws_itself_is_on_the_path() -> None:
     done = run_help("fibws", FIBWS_PYTHON=sys.executable)
     assert (done.returncode, done.stderr) == (0, "")
     assert done.stdout.startswith("Usage: fibws [OPTIONS] COMMAND")
-
-
-def test_rosversion_prints_the_distribution() -> None:
-    for option in ("-d", "--distro"):
-        out = subprocess.run(
-            [str(BIN_FOLDER / "rosversion"), option],
-            capture_output=True,
-            text=True,
-            env={"PATH": os.environ["PATH"], "FIBWS_PYTHON": sys.executable},
-        )
-        assert (out.stdout, out.stderr) == (f"{environment.DISTRO}\n", "")
-    out = subprocess.run(
-        [str(BIN_FOLDER / "rosversion"), "rospy"],
-        capture_output=True,
-        text=True,
-        env={"PATH": os.environ["PATH"], "FIBWS_PYTHON": sys.executable},
-    )
-    assert (out.stdout, out.stderr) == (f"fibws {__version__}\n", "")
