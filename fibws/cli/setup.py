@@ -38,9 +38,9 @@ All commands work without it: `fibws run PACKAGE PROGRAM` is rosrun, `fibws laun
 @click.option(
     "--shadow-ros",
     is_flag=True,
-    help="Set up even if ROS is installed (hides its commands).",
+    help="Set up even if ROS is installed: hide its commands, and list those that remain.",
 )
-@click.option("-q", "--quiet", is_flag=True, help="Print nothing on standard error.")
+@click.option("-q", "--quiet", is_flag=True, help="Print only errors on standard error.")
 @click.pass_context
 @examples(
     ("source <(fibws setup)", "adds roscore, rosrun, rostopic, catkin_make, roscd ..."),
@@ -67,6 +67,11 @@ def command(
         return
     if not shadow_ros and not is_set_up(os.environ):
         found = environment.other_ros(os.environ)
+        if found is not None and quiet:
+            _refuse(
+                f"This shell keeps the commands of the installed ROS ({found}). "
+                "For those of fibws: source <(fibws setup --shadow-ros)"
+            )
         if found is not None:
             _refuse(
                 f"Nothing was set up, since ROS is installed ({found}) and would be hidden.\n"
@@ -81,6 +86,9 @@ def command(
         "This shell now has roscore, rosrun, rostopic, catkin_make and the other commands, and "
         "rospy, from fibws.\nTo undo it: source <(fibws setup --undo)",
     )
+    if others := environment.unreplaced_commands(os.environ):
+        text = f"Still from the installed ROS, as fibws has no such commands: {', '.join(others)}"
+        _report(quiet, output.visible(text))
 
 
 def _shell() -> str:

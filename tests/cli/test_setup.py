@@ -100,6 +100,20 @@ def test_installed_ros_is_hidden_with_shadow_ros(
     assert setup("--quiet").exit_code == 0
 
 
+def test_shadow_ros_lists_the_commands_that_remain(roscore: Path) -> None:
+    (roscore.parent / "rosclean").touch(mode=0o755)
+    assert setup("--shadow-ros").stderr.endswith(": rosclean\n")
+    assert setup("--shadow-ros", "--quiet").stderr == ""
+
+
+def test_quiet_setup_with_an_installed_ros_prints_one_line(roscore: Path) -> None:
+    result = setup("--quiet")
+    assert (result.exit_code, result.stdout) == (1, "false\n")
+    [line] = result.stderr.splitlines()
+    assert str(roscore) in line
+    assert "--shadow-ros" in line
+
+
 def test_undo_removes_workspaces(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     devel = tmp_path / "devel"
     devel.mkdir()

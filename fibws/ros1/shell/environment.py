@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import sys
 from collections.abc import Iterable, Mapping
@@ -23,6 +24,13 @@ PYTHON = "FIBWS_PYTHON"
 DISTRO = "noetic"
 OF_ROS = {"ROS_DISTRO": DISTRO, "ROS_VERSION": "1", "ROS_PYTHON_VERSION": "3"}
 """Variables of a ROS 1 that scripts and launch files read."""
+
+_OF_ROS_1 = re.compile(
+    r"(catkin|rqt)(_\w+)?|rviz|xacro|ros(action|bag|boost|cat|clean|console|core|create|dep|ed|graph|"
+    r"launch|locate|make|master|msg|node|pack|param|run|service|srv|stack|test|topic|unit|version|wtf)"
+    r"(-\w+)?"
+)
+"""The names of ROS 1's commands."""
 
 Changes: TypeAlias = dict[str, str | None]
 """New values of variables; None unsets one."""
@@ -69,11 +77,26 @@ def other_ros(environ: Mapping[str, str]) -> str | None:
     """Return how to recognize another ROS that is installed or set up; None without one."""
     others = _joined(*_others(environ.get("PATH")))
     if roscore := shutil.which("roscore", path=others):
-        return f"there is {roscore}"
+        return f"found {roscore}"
     if is_set_up(environ):
         return None
     found = [name for name in ("ROS_ROOT", "ROS_DISTRO") if environ.get(name)]
     return f"{found[0]} is {environ[found[0]]}" if found else None
+
+
+def unreplaced_commands(environ: Mapping[str, str]) -> list[str]:
+    """Return the commands of another ROS that fibws has no command for; they stay reachable.
+
+    In a folder of ROS's own, such as /opt/ros/noetic/bin, these are all commands. In a folder of
+    the system that has a roscore, these are the commands with names of ROS 1.
+    """
+    found: set[str] = set()
+    for folder in _others(environ.get("PATH")):
+        if shutil.which("roscore", path=folder):
+            names = {path.name for path in Path(folder).iterdir() if os.access(path, os.X_OK)}
+            is_of_ros = (Path(folder).parent / "_setup_util.py").exists()
+            found |= {name for name in names if is_of_ros or _OF_ROS_1.fullmatch(name)}
+    return sorted(found - {path.name for path in BIN_FOLDER.iterdir()})
 
 
 def _record(environ: Mapping[str, str]) -> Changes | None:

@@ -108,7 +108,7 @@ def roscore(tmp_path: Path) -> Path:
 
 def test_other_ros_is_found_by_its_roscore(roscore: Path) -> None:
     environ = {"PATH": str(roscore.parent)}
-    assert environment.other_ros(environ) == f"there is {roscore}"
+    assert environment.other_ros(environ) == f"found {roscore}"
     assert environment.other_ros({"PATH": str(roscore.parent.parent)}) is None
 
 
@@ -123,6 +123,22 @@ def test_other_ros_is_found_by_its_variables(name: str) -> None:
 
 def test_variables_of_fibws_are_not_another_ros() -> None:
     assert environment.other_ros(set_up({"PATH": ""})) is None
+
+
+def test_all_commands_in_a_folder_of_ros_remain_that_fibws_does_not_have(roscore: Path) -> None:
+    for name in ("rostopic", "rviz", "image_saver"):
+        (roscore.parent / name).touch(mode=0o755)
+    (roscore.parent / "notes.txt").touch(mode=0o644)
+    environ = set_up({"PATH": str(roscore.parent)})
+    assert environment.unreplaced_commands(environ) == ["rviz"]
+    (roscore.parent.parent / "_setup_util.py").touch()
+    assert environment.unreplaced_commands(environ) == ["image_saver", "rviz"]
+
+
+def test_commands_of_folders_without_a_roscore_are_not_of_ros(tmp_path: Path) -> None:
+    (tmp_path / "rviz").touch(mode=0o755)
+    assert environment.unreplaced_commands({"PATH": str(tmp_path)}) == []
+    assert environment.unreplaced_commands({"PATH": str(BIN_FOLDER)}) == []
 
 
 def test_record_with_invalid_values_sets_nothing() -> None:
