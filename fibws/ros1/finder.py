@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
     from fibws.interfaces.folders import Kind
 
+FALLBACK = os.path.join(os.path.dirname(__file__), "fallback")
+"""The folder of modules that are used if no other folder has them."""
 _KINDS: dict[str, Kind] = {"msg": "msg", "srv": "srv"}
 
 
@@ -28,7 +30,7 @@ def install() -> None:
     """Make this process import definitions; further calls do nothing."""
     if PackageFinder not in sys.meta_path:
         sys.meta_path.insert(0, PackageFinder)
-        sys.meta_path.append(AdviceFinder)
+        sys.meta_path += [FallbackFinder, AdviceFinder]
 
 
 class PackageFinder:
@@ -56,6 +58,20 @@ class PackageFinder:
         if rest and not name and are_bare(path or [], kind):
             advise(fullname)  # Python would import the folder as an empty package.
         return None
+
+
+class FallbackFinder:
+    """Finds modules of fibws that are used only if no other folder on the path has them: rospkg.
+
+    PyPI's rospkg has more, which rosdep needs, and is preferred if it is installed.
+    """
+
+    @staticmethod
+    def find_spec(
+        fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        """Return the spec of such a module, or None."""
+        return PathFinder.find_spec(fullname, [FALLBACK]) if path is None else None
 
 
 class AdviceFinder:

@@ -20,6 +20,7 @@ from fibws.ros1 import finder
 from .conftest import Define
 
 PYTHON = Path(fibws.__file__).parent / "ros1" / "python"
+FALLBACK = PYTHON.parent / "fallback"
 START = "from fibws.ros1 import finder; finder.install()\n"
 
 
@@ -37,7 +38,7 @@ def run(
     return subprocess.run(
         [*(python or [sys.executable]), "-c", code],
         cwd=cwd,
-        env={**os.environ, "PYTHONPATH": str(PYTHON), **environment},
+        env={**os.environ, "PYTHONPATH": f"{PYTHON}{os.pathsep}{PYTHON.parents[2]}", **environment},
         capture_output=True,
         text=True,
         timeout=60,
@@ -325,10 +326,29 @@ def test_python_without_fibws_works_and_explains_import_errors(tmp_path: Path) -
     code = "import sitecustomize, json; print('works')"
     done = run(code, tmp_path, bare)
     assert (done.stdout, done.stderr) == ("works\n", "")
-    for wanted in ("import rospy", "import std_msgs.msg"):
-        done = run(f"import sitecustomize\n{wanted}", tmp_path, bare, FIBWS_PYTHON="/opt/python")
+    for wanted in ("import rospy", "import std_msgs.msg", "import rospkg"):
+        environment = {"FIBWS_PYTHON": "/opt/python", "PYTHONPATH": str(PYTHON)}
+        done = run(f"import sitecustomize\n{wanted}", tmp_path, bare, **environment)
         for fact in (sys.executable, "rosrun", "/opt/python"):
             assert fact in done.stderr
+
+
+NAMES_ROSPKG = "import rospkg; print(rospkg.__file__, rospkg.RosPack.__module__)"
+
+
+@pytest.mark.parametrize("first", ["", "import rospy; "])
+def test_rospkg_of_fibws_is_used_where_no_other_is_installed(tmp_path: Path, first: str) -> None:
+    done = run(f"{first}{NAMES_ROSPKG}", tmp_path)
+    assert (done.stdout, done.stderr) == (f"{FALLBACK / 'rospkg/__init__.py'} rospkg.rospack\n", "")
+
+
+@pytest.mark.parametrize("first", ["", "import rospy; "])
+def test_installed_rospkg_is_not_hidden(tmp_path: Path, first: str) -> None:
+    (tmp_path / "rospkg").mkdir()
+    (tmp_path / "rospkg" / "__init__.py").write_text("class RosPack: pass")
+    path = os.pathsep.join(map(str, [PYTHON, PYTHON.parents[2], tmp_path]))
+    done = run(f"{first}{NAMES_ROSPKG}", Path("/"), PYTHONPATH=path)
+    assert (done.stdout, done.stderr) == (f"{tmp_path / 'rospkg/__init__.py'} rospkg\n", "")
 
 
 def test_module_of_a_class_contains_it(define: Define) -> None:

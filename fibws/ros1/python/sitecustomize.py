@@ -10,6 +10,7 @@ import sys
 HERE = os.path.dirname(os.path.abspath(__file__))
 FIBWS = os.path.dirname(os.path.dirname(HERE))
 DEFINITIONS = os.path.join(FIBWS, "interfaces", "definitions")
+FALLBACK = os.path.join(FIBWS, "ros1", "fallback")
 
 
 class Awaiting:
@@ -42,7 +43,14 @@ class Awaiting:
 
 def _may_be_from_fibws(name):
     # type: (str) -> bool
-    """Return whether this folder has the module, or another folder may define its messages."""
+    """Return whether this folder has the module, or another folder may define its messages.
+
+    A module in `FALLBACK` is used only if no other folder on the path has it.
+    """
+    if os.path.isdir(os.path.join(FALLBACK, name)):
+        from _frozen_importlib_external import PathFinder
+
+        return PathFinder.find_spec(name) is None
     folders = [HERE, DEFINITIONS]
     folders += filter(None, os.environ.get("FIBWS_INTERFACES", "").split(os.pathsep))
     return any(

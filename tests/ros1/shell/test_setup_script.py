@@ -192,9 +192,23 @@ def test_program_whose_python_is_missing_is_an_error() -> None:
 
 @pytest.mark.parametrize(("program", "code"), [("rosdep", 0), ("rosbag", 1)])
 def test_unsupported_program_says_so(program: str, code: int) -> None:
-    done = run_help(program)
+    done = run_help(program, PATH=str(BIN_FOLDER))
     assert done.returncode == code
     assert (done.stdout + done.stderr).startswith(f"{program}: fibws ")
+
+
+@pytest.mark.parametrize("has_link", [False, True])
+def test_installed_rosdep_is_run(tmp_path: Path, has_link: bool) -> None:
+    installed, links = tmp_path / "installed", tmp_path / "links"
+    installed.mkdir()
+    links.mkdir()
+    (installed / "rosdep").write_text("#!/bin/sh\necho installed $1")
+    (installed / "rosdep").chmod(0o755)
+    if has_link:
+        (links / "rosdep").symlink_to(BIN_FOLDER / "rosdep")
+    path = os.pathsep.join(map(str, [links, BIN_FOLDER, installed]))
+    done = run_help(str(links / "rosdep") if has_link else "rosdep", PATH=path)
+    assert (done.stdout, done.stderr) == ("installed --help\n", "")
 
 
 def test_fibws_itself_is_on_the_path() -> None:

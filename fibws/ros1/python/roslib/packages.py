@@ -31,12 +31,14 @@ def get_pkg_dir(
     Raises:
         InvalidROSPkgException: the package is unknown.
     """
-    from rospkg import ResourceNotFound, RosPack
+    from fibws.errors import PackageNotFound
+    from fibws.ros1.workspace.packages import PATH, Packages
 
-    paths = None if ros_package_path is None else ros_package_path.split(os.pathsep)
+    path = os.environ.get(PATH, "") if ros_package_path is None else ros_package_path
+    folders = [Path(folder) for folder in path.split(os.pathsep) if folder]
     try:
-        return str(RosPack(paths).get_path(package))
-    except ResourceNotFound as error:
+        return str(Packages(folders, here=Path.cwd()).find(package).folder)
+    except PackageNotFound as error:
         if required:
             raise InvalidROSPkgException(f"cannot locate package: {error}") from None
         return None

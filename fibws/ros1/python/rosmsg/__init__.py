@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from fibws.errors import InterfaceError
 
@@ -68,15 +68,18 @@ def list_types(package: str, mode: str = MODE_MSG, rospack: object = None) -> li
 
 
 def iterate_packages(rospack: object, mode: str) -> Iterator[tuple[str, str]]:
-    """Yield the packages that have types, each with the folder of its definitions."""
-    import rospkg
+    """Yield the packages that have types, each with the folder of its definitions.
 
-    known: Any = rospkg.RosPack() if rospack is None else rospack
+    Args:
+        rospack: has no effect; the packages are those of $ROS_PACKAGE_PATH and of fibws.
+        mode: `MODE_MSG` or `MODE_SRV`.
+    """
+    from fibws.ros1.workspace.packages import Packages
+
+    known = Packages.from_environment()
     for name in _installed(mode).packages():
-        try:
-            yield name, f"{known.get_path(name)}/{mode.removeprefix('.')}"
-        except rospkg.ResourceNotFound:
-            continue
+        if known.has(name):
+            yield name, f"{known.find(name).folder}/{mode.removeprefix('.')}"
 
 
 def _text(mode: str, type_: str, raw: bool) -> str:

@@ -1,9 +1,18 @@
-"""Finding packages: ``rospkg.RosPack().get_path("fibonacci")``."""
+"""Finding packages: ``rospkg.RosPack().get_path("fibonacci")``.
+
+Used only where PyPI's rospkg is not installed. It has what scripts use; rosdep needs PyPI's.
+"""
 
 from __future__ import annotations
 
 from rospkg.common import MANIFEST_FILE, ResourceNotFound
-from rospkg.environment import get_log_dir, get_ros_home, get_ros_package_path, get_ros_root
+from rospkg.environment import (
+    get_log_dir,
+    get_ros_home,
+    get_ros_package_path,
+    get_ros_root,
+    get_test_results_dir,
+)
 from rospkg.manifest import InvalidManifest
 from rospkg.rospack import RosPack, get_package_name
 
@@ -17,4 +26,5 @@ __all__ = [
     "get_ros_home",
     "get_ros_package_path",
     "get_ros_root",
+    "get_test_results_dir",
 ]
