@@ -18,6 +18,7 @@ ALIASES = {
     "rosrun": "run",
     "rosservice": "service",
     "rossrv": "srv",
+    "rostest": "test",
     "rostopic": "topic",
     "rosversion": "pkg version",
     "roswtf": "doctor",

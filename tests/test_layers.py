@@ -79,7 +79,7 @@ ONLY = {
 
 QUICK = ["client/**/*.py", "values/**/*.py", "cli/**/*.py"]
 SLOW = {"asyncio", "pydantic", "pydantic_core", "yaml", "rich", "ssl", "cbor2", "fibws.interfaces"}
-NODES = {"cli/launch/run.py", "cli/node_program.py"}
+NODES = {"cli/launch/run.py", "cli/rostest/run.py", "cli/node_program.py"}
 """Commands that are nodes themselves, or run some."""
 
 

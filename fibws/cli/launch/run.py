@@ -69,10 +69,12 @@ def run(launch: Launch, packages: Packages, url: str, options: Options) -> int:
         FibwsError: the hub cannot be started, refuses a parameter, or is lost.
         OSError: output cannot be written; `BrokenPipeError` if its reader is gone.
     """
-    return asyncio.run(_Run(launch, packages, url, options).run())
+    return asyncio.run(Run(launch, packages, url, options).run())
 
 
-class _Run:
+class Run:
+    """One run of a launch, from the hub to the last node; see `run`."""
+
     def __init__(self, launch: Launch, packages: Packages, url: str, options: Options) -> None:
         self._launch = launch
         self._packages = packages
@@ -81,7 +83,7 @@ class _Run:
         self._write_error: OSError | None = None
         folder = log_folder(os.environ) / f"{time.strftime('%Y-%m-%d_%H-%M-%S')}-{os.getpid()}"
         self._folder = folder
-        self._screen = Screen(self._write, colours=output.has_colours())
+        self._screen = self.new_screen()
         self._runner = Runner(
             self._screen,
             folder,
@@ -90,9 +92,9 @@ class _Run:
         )
 
     async def run(self) -> int:
-        self._runner.handle_signals(end_line)
+        self._runner.handle_signals(self.on_signal)
         try:
-            for step in (self._find_hub, self._prepare, self._start_nodes, self._runner.run):
+            for step in (self._find_hub, self._prepare, self._start_nodes, self.finish):
                 if not self._runner.is_stopping:
                     await step()
         finally:
@@ -101,6 +103,18 @@ class _Run:
             raise self._write_error
         self._screen.info("done", bold=True)
         return 1 if self._runner.has_failed else 0
+
+    def new_screen(self) -> Screen:
+        """Return where output is shown."""
+        return Screen(self._write, colours=output.has_colours())
+
+    def on_signal(self) -> None:
+        """Note that Ctrl-C was pressed, or a similar signal received."""
+        end_line()
+
+    async def finish(self) -> None:
+        """Wait for the end of all nodes."""
+        await self._runner.run()
 
     async def _find_hub(self) -> None:
         """Connect to the hub, or start one."""

@@ -31,6 +31,7 @@ class Sources:
 
     Attributes:
         packages: the known packages.
+        files: the paths of the files; - for standard input.
 
     Raises:
         UsageError: no file is named, or an argument has no name.
@@ -47,14 +48,14 @@ class Sources:
         if files.count(launch_files.STANDARD_INPUT) > 1:
             raise click.UsageError("FILE can be - (standard input) only once.")
         self._values = _values(words)
-        self._files = launch_files.find_launch_files(files, self.packages)
+        self.files = launch_files.find_launch_files(files, self.packages)
         self._environment = LocalEnvironment(self.packages, parameter_files.parse)
 
     def read(self) -> Reader:
         """Read the files, or raise `LaunchError` or `OSError`."""
         namespace = self._values.get(NAMESPACE) or os.environ.get("ROS_NAMESPACE") or "/"
         reader = Reader(self._environment, self._values, names.check_namespace(namespace))
-        for file in self._files:
+        for file in self.files:
             reader.read(*_document(file))
         for package in self._environment.used_shares:
             reader.launch.warnings.append(f"{package}: not started, since it is part of the hub")
@@ -63,20 +64,26 @@ class Sources:
     def read_arguments(self) -> Reader:
         """Read only the arguments of the files; raises as `read`."""
         reader = Reader(self._environment, self._values)
-        for file in self._files:
+        for file in self.files:
             reader.read_arguments(*_document(file))
         return reader
 
 
-def completions(words: Sequence[str], incomplete: str) -> list[str]:
-    """Return the packages, the launch files of a package, or their arguments, for completion."""
+def completions(words: Sequence[str], incomplete: str, suffix: str = ".launch") -> list[str]:
+    """Return the packages, the launch files of a package, or their arguments, for completion.
+
+    Args:
+        words: the words before the incomplete one.
+        incomplete: the beginning of a word.
+        suffix: the suffix of launch files.
+    """
     try:
         if not words:
             packages = Packages.from_environment()
             found = [package.name for package in packages if not package.is_standard]
         elif len(words) == 1 and not Path(words[0]).is_file():
             folder = Packages.from_environment().find(words[0]).folder
-            found = [path.name for path in launch_files.launch_files_in(folder)]
+            found = [path.name for path in launch_files.launch_files_in(folder, suffix)]
         else:
             known = Sources(words, None).read_arguments().launch.arguments.values()
             found = [f"{each.name}{MARK}" for each in known if not each.has_value]

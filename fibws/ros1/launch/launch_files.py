@@ -30,9 +30,9 @@ def find_launch_files(words: Sequence[str], packages: Packages) -> list[str]:
     return [_existing(word) for word in words]
 
 
-def launch_files_in(folder: Path) -> list[Path]:
-    """Return the launch files in a package's folder."""
-    return [path for path in find_files(folder) if path.suffix == ".launch"]
+def launch_files_in(folder: Path, suffix: str = ".launch") -> list[Path]:
+    """Return the launch files in a package's folder; those of tests have the suffix .test."""
+    return [path for path in find_files(folder) if path.suffix == suffix]
 
 
 def _in_package(package: str, file: str, packages: Packages) -> Path:

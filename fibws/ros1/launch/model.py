@@ -27,7 +27,10 @@ class Node:
         prefix: a command to run its program with, ``gdb -ex run --args``.
         remaps: its remappings, from and to.
         environment: additional environment variables.
-        is_test: whether it is a <test>, which is not run.
+        is_test: whether it is a <test>, which only rostest runs.
+        test_name: the ``test-name`` of a <test>.
+        time_limit: seconds that a <test> may take.
+        retry: how often a failed <test> is run again.
     """
 
     package: str
@@ -46,6 +49,9 @@ class Node:
     remaps: tuple[tuple[str, str], ...] = ()
     environment: tuple[tuple[str, str], ...] = ()
     is_test: bool = False
+    test_name: str = ""
+    time_limit: float = 60.0
+    retry: int = 0
 
     @property
     def resolved(self) -> str:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os.path
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 from fibws import names
 from fibws.errors import InvalidName, LaunchError
@@ -316,7 +317,7 @@ class Reader:
             prefix=attributes.text("launch-prefix", ""),
             remaps=tuple(own.remaps.items()),
             environment=tuple(own.variables.items()),
-            is_test=is_test,
+            **(_test_attributes(attributes) if is_test else {}),
         )
 
     def _read_in_node(self, child: Element, scope: Scope, own: Scope, within: Scope) -> None:
@@ -392,7 +393,18 @@ def _test_name(element: Element, attributes: Attributes) -> str:
     for name in NOT_OF_TESTS:
         if name in element.attributes:
             raise element.fault(f"<test> has no attribute {name}; only <node> has")
-    attributes.number("time-limit", 60.0)
-    attributes.number("retry", 0.0)
     test = attributes.required("test-name")
     return attributes.text("name") or test
+
+
+def _test_attributes(attributes: Attributes) -> dict[str, Any]:
+    """Return the attributes of a `Node` that only a <test> has."""
+    time_limit = attributes.number("time-limit", 60.0)
+    if not time_limit > 0:
+        raise attributes.fault("time-limit", f"must be above 0, got {time_limit:g}")
+    return {
+        "is_test": True,
+        "test_name": attributes.required("test-name"),
+        "time_limit": time_limit,
+        "retry": int(attributes.number("retry", 0.0)),
+    }

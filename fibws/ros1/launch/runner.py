@@ -78,6 +78,8 @@ class Runner:
         self._hurry = asyncio.Event()
         self._urgency = 0
         self._count = 0
+        self.not_started: list[str] = []
+        """The global names of nodes that could not be started."""
         self.has_failed = False
         """Whether a process could not be started, or ended by itself with an error."""
 
@@ -180,6 +182,7 @@ class Runner:
     def fail(self, node: Node) -> None:
         """Note that a node cannot be started."""
         self.has_failed = True
+        self.not_started.append(node.resolved)
         if node.required:
             self._screen.error(f"REQUIRED process [{node.name}] cannot be started!")
             self.stop()

@@ -12,7 +12,7 @@ from fibws.errors import WorkspaceError
 
 _EXAMPLES = Path(__file__).parents[2] / "examples"
 
-COMMANDS = ("roslaunch", "rosmsg", "rosnode", "rosparam", "rosservice", "rostopic")
+COMMANDS = ("roslaunch", "rosmsg", "rosnode", "rosparam", "rosservice", "rostest", "rostopic")
 """The commands that are programs of a package of their own name: ``rosrun rostopic rostopic``."""
 _MODULES = {
     ("rqt_gui", "rqt_gui"): ("fibws", "open"),

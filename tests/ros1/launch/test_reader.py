@@ -525,6 +525,7 @@ def test_test_is_a_node_that_is_not_run(read: Read) -> None:
     text = '<test pkg="p" type="t" test-name="x" time-limit="5" retry="1"><remap from="a" to="b"/>'
     [node] = read(f"{text}</test>").nodes.values()
     assert node.is_test
+    assert (node.test_name, node.time_limit, node.retry) == ("x", 5.0, 1)
     assert (node.name, node.remaps) == ("x", (("a", "b"),))
     [node] = read('<test pkg="p" type="t" test-name="x" name="y"/>').nodes.values()
     assert node.name == "y"
@@ -536,6 +537,7 @@ def test_test_is_a_node_that_is_not_run(read: Read) -> None:
         ('<test pkg="p" type="t" name="y"/>', "<test> requires attribute test-name"),
         ('<test pkg="p" type="t" test-name="x" output="log"/>', "<test> has no attribute output"),
         ('<test pkg="p" type="t" test-name="x" time-limit="a"/>', "got 'a'"),
+        ('<test pkg="p" type="t" test-name="x" time-limit="0"/>', "must be above 0, got 0"),
     ],
 )
 def test_invalid_test_is_an_error(text: str, error: str, read: Read) -> None:
