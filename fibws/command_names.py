@@ -9,6 +9,7 @@ ALIASES = {
     "catkin_create_pkg": "pkg create",
     "catkin_init_workspace": "workspace init",
     "catkin_make": "workspace make",
+    "catkin_test_results": "workspace test-results",
     "roscore": "core",
     "roslaunch": "launch",
     "rosmsg": "msg",

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import re
+import subprocess
+import sys
 from itertools import takewhile
 from pathlib import Path
 from shlex import quote
@@ -11,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from fibws.cli import output
 from fibws.cli.arguments import spread
 from fibws.cli.common_options import SETTINGS, examples
 from fibws.cli.output import counted, visible
@@ -22,6 +25,10 @@ if TYPE_CHECKING:
     from fibws.ros1.workspace.source_tree import SourcePackage
 
 RULE = "~" * 50
+RESULTS = "build/test_results"
+"""The folder in a workspace for the results of tests."""
+RUN_TESTS = re.compile(r"(run_tests|test)(?P<package>(?<=run_tests)_.+)?")
+"""The targets that run the tests of all packages, or of one: run_tests_PACKAGE."""
 KINDS = {"msg": "message", "srv": "service", "action": "action"}
 _JOBS = re.compile(r"-[jl]\d*(\.\d+)?|--jobs(=\d+)?|--load-average(=[\d.]+)?|-k")
 _MANY = {"--pkg", "--only-pkg-with-deps"}
@@ -91,11 +98,12 @@ class _Make(click.Command):
 )
 @click.option("--force-cmake", is_flag=True, hidden=True)
 @click.option("--no-color", is_flag=True, help="Print without colours.")
-@click.argument("targets", metavar="[clean]", nargs=-1)
+@click.argument("targets", metavar="[clean|run_tests]", nargs=-1)
 @click.pass_context
 @examples(
     "{workspace make} && source devel/setup.bash",
     ("{workspace make} clean", "remove build products"),
+    ("{workspace make} run_tests", "build, and run the tests"),
 )
 def make(
     context: click.Context,
@@ -110,7 +118,8 @@ def make(
 
     This checks the packages in src/, compiles their messages, services and actions, and writes
     devel/ with the files to source. A package with an error is left out, together with the packages
-    that depend on it; the others are built. C++ is not built. Options for CMake and make (-D, -j,
+    that depend on it; the others are built. C++ is not built. The target run_tests also runs the
+    tests of the packages, or of one: run_tests_PACKAGE. Options for CMake and make (-D, -j,
     --cmake-args ...) are ignored.
     """
     from fibws.ros1.workspace import paths
@@ -145,8 +154,69 @@ def make(
         click.echo(f"{package.name}: {_summary(package)}")
     if plan.built or not plan.errors:
         _print_next(workspace, plan)
+    if tests := [found for target in targets if (found := RUN_TESTS.fullmatch(target))]:
+        _run_tests(workspace, plan, {found["package"][1:] for found in tests if found["package"]})
     if failed := [_failure(name, plan) for name in plan.failed if name in plan.chosen]:
         raise click.ClickException(f"not built: {', '.join(failed)}")
+
+
+@command.command("test-results")
+@click.argument("folder", type=click.Path(path_type=Path, exists=True), required=False)
+@click.option("--all", "all_", is_flag=True, help="Print the files without failures, too.")
+@click.option("--verbose", is_flag=True, help="Print the failures.")
+def results(folder: Path | None, all_: bool, verbose: bool) -> None:
+    """Print the results of tests in FOLDER, as catkin_test_results does.
+
+    FOLDER is build/test_results if it exists, else this folder. The exit code is 1 if a test
+    failed.
+    """
+    default = Path(RESULTS)
+    sys.exit(_print_results(folder or (default if default.is_dir() else Path()), all_, verbose))
+
+
+def _run_tests(workspace: Workspace, plan: Plan, names: set[str]) -> None:
+    """Run the tests of the named packages, or of all that were built; exit with 1 if one failed."""
+    from fibws.ros1.launch.test_results import read_all_results
+    from fibws.ros1.workspace.package_tests import package_tests, test_variables
+
+    chosen = [package for package in plan.built if not names or package.name in names]
+    if unknown := names - {package.name for package in chosen}:
+        raise WorkspaceError(f"run_tests: packages not built: {', '.join(sorted(unknown))}")
+    folder = workspace.folder / RESULTS
+    for package in chosen:
+        for file in read_all_results(folder / package.name):
+            file.unlink()
+    variables = test_variables(workspace.source, workspace.devel, os.environ)
+    failed = []
+    for test in package_tests(chosen, folder):
+        click.secho(f"~~  {test.package}: {test.title}", bold=True)
+        (folder / test.package).mkdir(parents=True, exist_ok=True)
+        if subprocess.run(test.command, env=variables, cwd=test.folder).returncode != 0:
+            failed.append(f"{test.package}: {test.title}")
+    skipped = [name for package in chosen for name in package.lists.cpp_tests]
+    if skipped:
+        text = f"fibws does not build C++: {counted(len(skipped), 'test')} left out: "
+        click.secho(f"Warning: {text}{visible(', '.join(skipped))}", fg="yellow", err=True)
+    _print_results(folder, False, False)
+    if failed:
+        raise click.ClickException(f"tests failed: {'; '.join(failed)}")
+
+
+def _print_results(folder: Path, all_: bool, verbose: bool) -> int:
+    """Print results, and return 1 if a test failed."""
+    from fibws.ros1.launch.test_results import description, read_all_results, total
+
+    found = read_all_results(folder)
+    for file, each in found.items():
+        if all_ or not each.are_good:
+            output.line(f"{file.relative_to(folder)}: {each}")
+        for case in each.cases if verbose else ():
+            if case.faults:
+                for line in description(case):
+                    output.line(line)
+    summary = total(found.values())
+    output.line(f"Summary: {summary}")
+    return 0 if summary.are_good else 1
 
 
 def _plain(args: list[str]) -> list[str]:
@@ -169,14 +239,14 @@ def _plain(args: list[str]) -> list[str]:
 
 def _check_targets(targets: tuple[str, ...]) -> None:
     for target in targets:
-        if target in ("clean", "all") or target.startswith("VERBOSE="):
+        if target in ("clean", "all", "tests") or target.startswith("VERBOSE="):
+            continue
+        if RUN_TESTS.fullmatch(target):
             continue
         if target == "install":
             text = "install: fibws has no install space; use devel/: source devel/setup.bash"
             raise WorkspaceError(text)
-        if target in ("test", "tests", "run_tests"):
-            raise WorkspaceError(f"{target}: to run tests, type python3 -m pytest src")
-        raise WorkspaceError(f"unknown target {target}; the only target is clean")
+        raise WorkspaceError(f"unknown target {target}; the targets are clean and run_tests")
 
 
 def _print_spaces(workspace: Workspace) -> None:

@@ -224,7 +224,7 @@ def test_clean_removes_build_products(folder: Path, type_: Type) -> None:
     ("word", "text"),
     [
         ("install", "install space"),
-        ("run_tests", "python3 -m pytest src"),
+        ("testing", "unknown target testing"),
         ("frobnicate", "unknown target frobnicate"),
         ("--build=x", "--build=x: "),
     ],
@@ -242,3 +242,87 @@ def test_initializing_a_folder_with_another_name_is_noted(folder: Path, type_: T
     assert "src/" in begun.output.splitlines()[-1]
     again = type_("workspace", "init", "sources")
     assert again.exit_code == 1 and "already exists" in again.stderr
+
+
+GOOD_TEST = "import unittest\nclass A(unittest.TestCase):\n    def test_a(self): pass\n"
+BAD_TEST = GOOD_TEST.replace("pass", "self.fail('no')")
+
+
+def with_tests(folder: Path, type_: Type, package: str, macros: str, **files: str) -> None:
+    type_("pkg", "create", package, "std_msgs", at="src")
+    root = folder / "src" / package
+    (root / "test").mkdir()
+    for name, text in files.items():
+        (root / "test" / f"{name}.py").write_text(text)
+    with (root / "CMakeLists.txt").open("a") as file:
+        file.write(f"if(CATKIN_ENABLE_TESTING)\n{macros}\nendif()\n")
+
+
+def test_run_tests_builds_and_runs_the_tests(folder: Path, type_: Type) -> None:
+    macros = "catkin_add_nosetests(test/a.py)\ncatkin_add_gtest(cpp_test test/a.cpp)"
+    macros += "\nfind_package(roslaunch)\nroslaunch_add_file_check(test/a.launch speed=3)"
+    uses = "from std_msgs.msg import Int32\nimport rospy\n"
+    with_tests(folder, type_, "a", macros, a=uses + GOOD_TEST)
+    launch = '<launch><arg name="speed"/></launch>'
+    (folder / "src" / "a" / "test" / "a.launch").write_text(launch)
+    made = make(type_, "run_tests")
+    assert made.exit_code == 0, made.output
+    assert (folder / "devel" / "setup.bash").is_file()
+    for line in ("a: catkin_add_nosetests test/a.py", "a: roslaunch_add_file_check test/a.launch"):
+        assert f"~~  {line}\n" in made.stdout
+    assert "Summary: 1 tests, 0 errors, 0 failures, 0 skipped\n" in made.stdout
+    assert "C++: 1 test left out: cpp_test" in made.stderr
+
+
+def test_run_tests_runs_rostest(folder: Path, type_: Type) -> None:
+    with_tests(folder, type_, "a", "add_rostest(test/a.test ARGS kind:=good)")
+    test = '<test pkg="a" type="$(arg kind)" test-name="moves"/>'
+    text = f'<launch><arg name="kind"/>{test}</launch>'
+    (folder / "src" / "a" / "test" / "a.test").write_text(text)
+    program = folder / "src" / "a" / "test" / "good"
+    program.write_text("#!/bin/sh\necho '<testsuite tests=\"2\"/>' > ${1#--gtest_output=xml:}\n")
+    program.chmod(0o755)
+    made = make(type_, "run_tests_a")
+    assert made.exit_code == 0, made.output
+    results = folder / "build" / "test_results" / "a"
+    assert {path.name for path in results.iterdir()} == {
+        *("rostest-test_a.xml", "rosunit-moves.xml")
+    }
+    assert "Summary: 3 tests, 0 errors, 0 failures, 0 skipped\n" in made.stdout
+
+
+def test_failed_tests_are_an_error(folder: Path, type_: Type) -> None:
+    with_tests(folder, type_, "a", "catkin_add_nosetests(test/a.py)", a=BAD_TEST)
+    with_tests(folder, type_, "b", "catkin_add_nosetests(test)", test_b=GOOD_TEST)
+    made = make(type_, "test")
+    assert made.exit_code == 1
+    assert "tests failed: a: catkin_add_nosetests test/a.py\n" in made.stderr
+    assert "a/nosetests-test_a.py.xml: 1 tests, 0 errors, 1 failures, 0 skipped\n" in made.stdout
+    assert make(type_, "run_tests_b").exit_code == 0
+    assert make(type_, "run_tests_c").exit_code == 1
+
+
+def test_missing_test_is_an_error_with_its_line(folder: Path, type_: Type) -> None:
+    with_tests(folder, type_, "a", "add_rostest(test/gone.test)")
+    assert make(type_).exit_code == 0
+    made = make(type_, "run_tests")
+    assert made.exit_code == 1
+    assert "CMakeLists.txt, line " in made.stderr
+    assert "gone.test not found" in made.stderr
+
+
+def test_results_of_tests_are_summed_up(folder: Path, type_: Type) -> None:
+    results = folder / "build" / "test_results" / "a"
+    results.mkdir(parents=True)
+    (results / "good.xml").write_text('<testsuite tests="2" skipped="1"/>')
+    case = '<testcase name="x"><error message="lost"/></testcase>'
+    (results / "bad.xml").write_text(f'<testsuite tests="1" errors="1">{case}</testsuite>')
+    (results / "package.xml").write_text("<package/>")
+    bad = "a/bad.xml: 1 tests, 1 errors, 0 failures, 0 skipped\n"
+    summary = "Summary: 3 tests, 1 errors, 0 failures, 1 skipped\n"
+    done = type_("workspace", "test-results")
+    assert (done.exit_code, done.output) == (1, bad + summary)
+    assert "a/good.xml: 2 tests" in type_("workspace", "test-results", "--all").output
+    assert "\nlost\n" in type_("workspace", "test-results", "--verbose", "build").output
+    (results / "bad.xml").unlink()
+    assert type_("workspace", "test-results").exit_code == 0

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from xml.etree import ElementTree
@@ -39,12 +40,20 @@ class Results:
     tests: int = 0
     errors: int = 0
     failures: int = 0
+    skipped: int = 0
     cases: list[Case] = field(default_factory=list)
 
     @property
     def are_good(self) -> bool:
         """Whether there are no errors and no failures."""
         return not self.errors and not self.failures
+
+    def __str__(self) -> str:
+        """The numbers, as catkin_test_results prints them."""
+        return (
+            f"{self.tests} tests, {self.errors} errors, {self.failures} failures, "
+            f"{self.skipped} skipped"
+        )
 
 
 @dataclass
@@ -103,12 +112,15 @@ def read_results(file: Path) -> Results:
         root = ElementTree.fromstring(_printable(file.read_text("utf-8", errors="replace")))
     except ElementTree.ParseError as error:
         raise ValueError(f"invalid XML: {error}") from None
+    if root.tag not in ("testsuite", "testsuites"):
+        raise ValueError(f"expected <testsuite> or <testsuites>, got <{root.tag}>")
     results = Results()
     suites = [root] if root.tag == "testsuite" else root.findall("testsuite")
     for suite in suites:
         results.tests += int(suite.get("tests", 0))
         results.errors += int(suite.get("errors", 0))
         results.failures += int(suite.get("failures", 0))
+        results.skipped += sum(int(suite.get(key, 0)) for key in ("skip", "skipped", "disabled"))
         for case in suite.iter("testcase"):
             name = f"{file.parent.name}.{file.stem}/{case.get('name', 'unknown')}"
             faults = tuple(
@@ -118,6 +130,25 @@ def read_results(file: Path) -> Results:
             )
             results.cases.append(Case(name, faults))
     return results
+
+
+def read_all_results(folder: Path) -> dict[Path, Results]:
+    """Return the results in all files below a folder, sorted by their paths.
+
+    Other XML files are ignored.
+    """
+    found = {}
+    for file in sorted(folder.rglob("*.xml")):
+        with suppress(ValueError, OSError):
+            found[file] = read_results(file)
+    return found
+
+
+def total(all_results: Iterable[Results]) -> Results:
+    """Return the sums of results, without cases."""
+    found = list(all_results)
+    numbers = ("tests", "errors", "failures", "skipped")
+    return Results(**{name: sum(getattr(each, name) for each in found) for name in numbers})
 
 
 def xml(name: str, outcomes: Sequence[Outcome]) -> str:
@@ -156,7 +187,7 @@ def summary(outcomes: Sequence[Outcome], *, colours: bool = False) -> Iterator[s
 
     yield from (f"[ROSTEST]{'-' * (_WIDTH - len('[ROSTEST]'))}", "")
     for case in (case for each in results for case in each.cases):
-        yield from _description(case)
+        yield from description(case)
     yield from (f"[{name}][failed]" for name in failed)
     yield from ("", "SUMMARY")
     if errors or failures:
@@ -180,7 +211,8 @@ def exit_code(outcomes: Iterable[Outcome]) -> int:
     return 0 if all(each.results.are_good for each in outcomes) else 2
 
 
-def _description(case: Case) -> Iterator[str]:
+def description(case: Case) -> Iterator[str]:
+    """Yield the lines about one test case: that it passed, or its failures and errors."""
     if not case.faults:
         yield f"[{case.name}][passed]"
     for kind, text in case.faults:

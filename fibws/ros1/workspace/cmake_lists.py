@@ -26,6 +26,13 @@ ADD_FILES = {
 }
 """The macros that list definitions, by the kind of the definitions."""
 
+TESTS = ("add_rostest", "catkin_add_nosetests", "roslaunch_add_file_check")
+"""The macros that list tests; roslaunch_add_file_check() lists launch files to be checked."""
+CPP_TESTS = (
+    *("catkin_add_gtest", "catkin_add_gmock", "catkin_add_executable_with_gtest"),
+    *("add_rostest_gtest", "add_rostest_gmock"),
+)
+
 _TOKEN = re.compile(
     r"""
       (?P<blank> \s+ | \#(?!\[=*\[)[^\n]* | \#\[(?P<comment>=*)\[ .*? \](?P=comment)\] )
@@ -63,6 +70,16 @@ class ListedFile:
     """For a program, the file in devel/ that starts it."""
 
 
+@dataclass(frozen=True)
+class ListedTest:
+    """A file with tests, or a folder of such files, and the macro that names it."""
+
+    macro: str
+    path: Path
+    arguments: tuple[str, ...]
+    line: int
+
+
 @dataclass
 class CMakeLists:
     """The content of the macros of one CMakeLists.txt.
@@ -78,6 +95,8 @@ class CMakeLists:
         reconfigure: the .cfg files of generate_dynamic_reconfigure_options().
         python_setup: the line of catkin_python_setup(), or None.
         cpp_targets: the C++ programs and libraries, each with its line.
+        tests: the tests that are not in C++.
+        cpp_tests: the names of C++ tests.
         errors: why the package cannot be built.
         warnings: likely mistakes, each with file and line.
     """
@@ -94,6 +113,8 @@ class CMakeLists:
     reconfigure: list[ListedFile] = field(default_factory=list)
     python_setup: int | None = None
     cpp_targets: dict[str, int] = field(default_factory=dict)
+    tests: list[ListedTest] = field(default_factory=list)
+    cpp_tests: list[str] = field(default_factory=list)
     errors: list[FibwsError] = field(default_factory=list)
     warnings: list[str] = field(default_factory=list)
 
@@ -171,6 +192,7 @@ class _Reader:
             "CMAKE_SOURCE_DIR": here,
             "PROJECT_SOURCE_DIR": here,
             f"{package}_SOURCE_DIR": here,
+            "CATKIN_ENABLE_TESTING": "ON",
             "CATKIN_PACKAGE_BIN_DESTINATION": f"lib/{package}",
             "CATKIN_PACKAGE_LIB_DESTINATION": f"lib/{package}",
             "CATKIN_PACKAGE_SHARE_DESTINATION": f"share/{package}",
@@ -193,6 +215,8 @@ class _Reader:
             "add_executable": self._cpp_target,
             "add_library": self._cpp_target,
             **dict.fromkeys(ADD_FILES.values(), self._add_files),
+            **dict.fromkeys(TESTS, self._add_test),
+            **dict.fromkeys(CPP_TESTS, self._add_cpp_test),
         }
 
     def read(self) -> CMakeLists:
@@ -327,6 +351,23 @@ class _Reader:
         kinds = {word.text for word in words[1:2]}
         if words and not kinds & {"INTERFACE", "ALIAS", "IMPORTED"}:
             self._lists.cpp_targets.setdefault(words[0].text, words[0].line)
+
+    def _add_test(self, command: _Command, words: list[Word]) -> None:
+        options = ("DEPENDENCIES", "TIMEOUT", "WORKING_DIRECTORY", "OPTIONS")
+        parts = _grouped(words, "ARGS", *options, "USE_TEST_DEPENDENCIES")
+        files = [word for word in parts[""] if word.is_known]
+        # The arguments of roslaunch_add_file_check() are name=value; those of rostest, name:=value.
+        arguments = [word.text for word in (*files[1:], *parts.get("ARGS", ()))]
+        if command.name == "roslaunch_add_file_check":
+            arguments = [re.sub(r"(?<!:)=", ":=", each, count=1) for each in arguments]
+        for word in files[:1]:
+            path = self._folder / word.text
+            test = ListedTest(command.name, path, tuple(arguments), command.line)
+            if path.is_relative_to(self._folder) and test not in self._lists.tests:
+                self._lists.tests.append(test)
+
+    def _add_cpp_test(self, command: _Command, words: list[Word]) -> None:
+        self._lists.cpp_tests += [word.text for word in words[:1]]
 
     def _exists(self, word: Word, command: _Command) -> bool:
         """Return whether a file exists; report it if it does not.

@@ -79,7 +79,7 @@ def test_characters_that_xml_does_not_allow_are_replaced(tmp_path: Path) -> None
 
 
 def test_summary_in_colours() -> None:
-    good = Outcome("a", results=Results(1, 0, 0, [Case("a/x")]))
+    good = Outcome("a", results=Results(1, cases=[Case("a/x")]))
     lines = list(test_results.summary([good], colours=True))
     assert "\x1b[32m * RESULT: SUCCESS\x1b[0m" in lines
     bad = Outcome("b", "failure", "why")

@@ -238,3 +238,35 @@ def test_strange_files_are_read_quickly(folder: Path, text: str) -> None:
     begin = time.process_time()
     read(folder, text)
     assert time.process_time() - begin < 5
+
+
+def test_tests_are_listed(folder: Path) -> None:
+    lists = read(
+        folder,
+        """
+if(CATKIN_ENABLE_TESTING)
+  find_package(rostest REQUIRED)
+  add_rostest(test/a.test)
+  add_rostest(${PROJECT_SOURCE_DIR}/test/b.test DEPENDENCIES x ARGS a:=1 b:=2)
+  foreach(T c.test d.test)
+    add_rostest(test/${T})
+  endforeach()
+  catkin_add_nosetests(test TIMEOUT 60)
+  roslaunch_add_file_check(launch a=1 USE_TEST_DEPENDENCIES)
+  add_rostest_gtest(cpp_test test/c.test test/c.cpp)
+endif()
+""",
+    )
+    assert [(each.macro, each.path, each.arguments, each.line) for each in lists.tests] == [
+        ("add_rostest", folder / "test/a.test", (), 4),
+        ("add_rostest", folder / "test/b.test", ("a:=1", "b:=2"), 5),
+        ("catkin_add_nosetests", folder / "test", (), 9),
+        ("roslaunch_add_file_check", folder / "launch", ("a:=1",), 10),
+    ]
+    assert lists.cpp_tests == ["cpp_test"]
+    assert not lists.errors and not lists.warnings
+
+
+def test_testing_is_enabled(folder: Path) -> None:
+    text = "set(CFG ${CATKIN_ENABLE_TESTING})\ncatkin_add_nosetests(test/${CFG}.py)"
+    assert read(folder, text).tests[0].path.name == "ON.py"
