@@ -212,8 +212,8 @@ def _main(
     if not text:
         _write(own_file, test_results.xml(f"{target.package}.{own_file.stem}", outcomes))
     output.line()
-    for line in test_results.summary(outcomes, colours=output.has_colours()):
-        output.line(line)
+    for line, colour in test_results.summary(outcomes):
+        output.line(line, colour=colour)
     return test_results.exit_code(outcomes)
 
 

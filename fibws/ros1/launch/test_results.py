@@ -17,7 +17,6 @@ from fibws.ros1.launch.node_command import ros_home
 _NOT_IN_FILE_NAMES = re.compile(r"""[ "'&$!`/\\]""")
 _NOT_IN_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 _WIDTH = 80
-_GREEN, _RED, _RESET = "\x1b[32m", "\x1b[1;31m", "\x1b[0m"
 
 
 @dataclass(frozen=True)
@@ -174,33 +173,29 @@ def xml(name: str, outcomes: Sequence[Outcome]) -> str:
     return f'<?xml version="1.0" encoding="utf-8"?>\n{ElementTree.tostring(suite, "unicode")}\n'
 
 
-def summary(outcomes: Sequence[Outcome], *, colours: bool = False) -> Iterator[str]:
-    """Yield the lines of rostest's summary."""
+def summary(outcomes: Sequence[Outcome]) -> Iterator[tuple[str, str | None]]:
+    """Yield the lines of rostest's summary, each with the name of its colour or None."""
     results = [each.results for each in outcomes]
     failed = [each.name for each in outcomes if each.fault == "failure"]
     errors = sum(each.errors for each in results)
     errors += sum(each.fault == "error" for each in outcomes)
     failures = sum(each.failures for each in results) + len(failed)
-
-    def coloured(text: str, colour: str) -> str:
-        return f"{colour}{text}{_RESET}" if colours else text
-
-    yield from (f"[ROSTEST]{'-' * (_WIDTH - len('[ROSTEST]'))}", "")
-    for case in (case for each in results for case in each.cases):
-        yield from description(case)
-    yield from (f"[{name}][failed]" for name in failed)
-    yield from ("", "SUMMARY")
+    lines = [f"[ROSTEST]{'-' * (_WIDTH - len('[ROSTEST]'))}", ""]
+    lines += [line for each in results for case in each.cases for line in description(case)]
+    lines += [f"[{name}][failed]" for name in failed]
+    yield from ((line, None) for line in [*lines, "", "SUMMARY"])
     if errors or failures:
-        yield coloured(" * RESULT: FAIL", _RED)
+        yield " * RESULT: FAIL", "red"
     else:
-        yield coloured(" * RESULT: SUCCESS", _GREEN)
-    yield f" * TESTS: {sum(each.tests for each in results)}"
-    for line, number in ((f" * ERRORS: {errors}", errors), (f" * FAILURES: {failures}", failures)):
-        yield coloured(line, _RED) if number else line
+        yield " * RESULT: SUCCESS", "green"
+    yield f" * TESTS: {sum(each.tests for each in results)}", None
+    yield f" * ERRORS: {errors}", "red" if errors else None
+    yield f" * FAILURES: {failures}", "red" if failures else None
     if failed:
-        yield from ("", "ERROR: The following tests failed to run:")
-        yield from (f" * {name}" for name in failed)
-    yield ""
+        yield "", None
+        yield "ERROR: The following tests failed to run:", None
+        yield from ((f" * {name}", None) for name in failed)
+    yield "", None
 
 
 def exit_code(outcomes: Iterable[Outcome]) -> int:
