@@ -43,7 +43,8 @@ def _in_package(package: str, file: str, packages: Packages) -> Path:
     if found:
         paths = " or ".join(path.relative_to(folder).as_posix() for path in found)
         raise WorkspaceError(f"{package} has {len(found)} files {file}; write {paths}")
-    known = _suggestion(file, launch_files_in(folder))
+    suffix = ".test" if file.endswith(".test") else ".launch"
+    known = _suggestion(file, launch_files_in(folder, suffix))
     raise WorkspaceError(f"launch file {file!r} not found in package {package!r}; {known}")
 
 

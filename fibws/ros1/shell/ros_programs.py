@@ -34,6 +34,12 @@ _SCRIPTS = {
     ("rospy_tutorials", "listener"): _EXAMPLES / "rospy_listener.py",
 }
 
+_NODE_TESTS = Path(__file__).parents[1] / "python" / "rostest" / "node_tests.py"
+_TEST_PROGRAMS = [
+    *("advertisetest", "hztest", "paramtest", "publishtest", "servicetest", "subscribetest"),
+]
+"""The programs of rostest, which are in one file."""
+
 
 def command_line(package: str, program: str, arguments: Sequence[str]) -> list[str] | None:
     """Return the command to run instead of a program of ROS's own; None for other programs.
@@ -51,6 +57,8 @@ def command_line(package: str, program: str, arguments: Sequence[str]) -> list[s
         return [sys.executable, "-P", "-m", *_MODULES[name], *arguments]
     if name in _SCRIPTS:
         return processes.command_line(_SCRIPTS[name], arguments)
+    if package == "rostest" and program in _TEST_PROGRAMS:
+        return processes.command_line(_NODE_TESTS, [program, *arguments])
     if fault := _unsupported().get(package):
         raise WorkspaceError(f"{package} {fault}")
     return None
@@ -58,7 +66,8 @@ def command_line(package: str, program: str, arguments: Sequence[str]) -> list[s
 
 def names(package: str) -> list[str]:
     """Return the programs of a package of ROS's own that have a substitute."""
-    return [program for owner, program in [*_MODULES, *_SCRIPTS] if owner == package]
+    found = [program for owner, program in [*_MODULES, *_SCRIPTS] if owner == package]
+    return [*found, *(_TEST_PROGRAMS if package == "rostest" else ())]
 
 
 def _unsupported() -> dict[str, str]:

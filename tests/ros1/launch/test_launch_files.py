@@ -80,6 +80,12 @@ def test_missing_file_is_an_error_with_a_suggestion(
         find_launch_files(words, packages)
 
 
+def test_file_of_tests_is_suggested_for_one(packages: Packages, tmp_path: Path) -> None:
+    (tmp_path / "src/robot/moves.test").write_text(EMPTY)
+    with pytest.raises(WorkspaceError, match=r"did you mean moves\.test\?"):
+        find_launch_files(["robot", "move.test"], packages)
+
+
 def test_two_files_of_one_name_are_an_error(packages: Packages, tmp_path: Path) -> None:
     (tmp_path / "src/robot/test").mkdir()
     (tmp_path / "src/robot/test/main.launch").write_text(EMPTY)
