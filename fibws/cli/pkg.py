@@ -176,6 +176,15 @@ def list_names() -> None:
         output.line(package.name)
 
 
+@command.command("list-provided", hidden=True)
+def list_provided() -> None:
+    """Print the packages that need not be installed, in one line, for bin/rosdep."""
+    from fibws.ros1.workspace.packages_outside_fibws import NOT_NEEDED
+
+    standard = (package.name for package in _packages() if package.is_standard)
+    output.line(" ".join(sorted(NOT_NEEDED.union(standard))))
+
+
 @command.command("find")
 @click.argument("name", metavar="[PACKAGE]", required=False, shell_complete=_complete)
 def find(name: str | None) -> None:

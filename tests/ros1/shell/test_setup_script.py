@@ -202,13 +202,25 @@ def test_installed_rosdep_is_run(tmp_path: Path, has_link: bool) -> None:
     installed, links = tmp_path / "installed", tmp_path / "links"
     installed.mkdir()
     links.mkdir()
-    (installed / "rosdep").write_text("#!/bin/sh\necho installed $1")
+    (installed / "rosdep").write_text('#!/bin/sh\necho installed "$#" "$@"')
     (installed / "rosdep").chmod(0o755)
     if has_link:
         (links / "rosdep").symlink_to(BIN_FOLDER / "rosdep")
-    path = os.pathsep.join(map(str, [links, BIN_FOLDER, installed]))
+    path = os.pathsep.join([*map(str, [links, BIN_FOLDER, installed]), os.defpath])
     done = run_help(str(links / "rosdep") if has_link else "rosdep", PATH=path)
-    assert (done.stdout, done.stderr) == ("installed --help\n", "")
+    assert (done.stdout, done.stderr) == ("installed 1 --help\n", "")
+
+
+def test_rosdep_skips_the_packages_of_fibws(tmp_path: Path) -> None:
+    (tmp_path / "rosdep").write_text('#!/bin/sh\nprintf "%s\\n" "$@"')
+    (tmp_path / "rosdep").chmod(0o755)
+    path = f"{tmp_path}{os.pathsep}{os.environ['PATH']}"
+    changes = environment.set_up({"PATH": path, "PYTHONPATH": str(ROOT)})
+    out = run_in("sh", f"{setup_script.set_up(changes, '', '')}rosdep install a 'b c'")
+    *words, skip, names = out.splitlines()
+    assert words == ["install", "a", "b c"]
+    assert skip == "--skip-keys"
+    assert {"rospy", "std_msgs", "catkin", "roscpp"} <= set(names.split())
 
 
 def test_fibws_itself_is_on_the_path() -> None:
