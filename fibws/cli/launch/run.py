@@ -73,7 +73,10 @@ def run(launch: Launch, packages: Packages, url: str, options: Options) -> int:
 
 
 class Run:
-    """One run of a launch, from the hub to the last node; see `run`."""
+    """One run of a launch, from the hub to the end of the last node; see `run`.
+
+    rostest overrides `new_screen`, `on_signal` and `finish`.
+    """
 
     def __init__(self, launch: Launch, packages: Packages, url: str, options: Options) -> None:
         self._launch = launch

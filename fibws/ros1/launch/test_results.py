@@ -44,7 +44,7 @@ class Results:
 
     @property
     def are_good(self) -> bool:
-        """Whether there are no errors and no failures."""
+        """Whether all tests passed."""
         return not self.errors and not self.failures
 
     def __str__(self) -> str:
@@ -57,14 +57,14 @@ class Results:
 
 @dataclass
 class Outcome:
-    """What came of one <test>.
+    """The outcome of one <test>.
 
     Attributes:
         test: its ``test-name``.
         fault: ``failure`` or ``error`` if it did not run to its end; else empty.
         text: the reason.
         seconds: how long it took.
-        output: what the launch and the test printed.
+        output: the printed lines of the launch and the test.
         results: the results of its test cases.
     """
 
@@ -94,7 +94,7 @@ def results_file(folder: Path, package: str, test: str, *, is_rostest: bool = Fa
 
 
 def file_results_name(package_folder: Path, file: Path) -> str:
-    """Return what a launch file's results are called: ``test_talker`` for test/talker.test."""
+    """Return the name of a launch file's results: ``test_talker`` for test/talker.test."""
     path, folder = file.absolute(), package_folder.absolute()
     inside = path.relative_to(folder) if path.is_relative_to(folder) else file
     return "_".join(part for part in inside.with_suffix("").parts if part != inside.anchor)

@@ -22,7 +22,7 @@ class PackageTest:
 
     Attributes:
         package: the package's name.
-        title: what it is, such as ``add_rostest test/talk.test``.
+        title: its macro and file, ``add_rostest test/talk.test``.
         command: how to run it; its exit code is 0 if it passed.
         folder: the folder to run it in.
     """

@@ -1,6 +1,7 @@
 """Finding packages: ``rospkg.RosPack().get_path("fibonacci")``.
 
-Used only where PyPI's rospkg is not installed. It has what scripts use; rosdep needs PyPI's.
+Used only where PyPI's rospkg is not installed. It has the names that scripts use; rosdep needs
+PyPI's.
 """
 
 from __future__ import annotations

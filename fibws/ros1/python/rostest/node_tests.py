@@ -197,7 +197,7 @@ def _required(test: unittest.TestCase, name: str) -> Any:
 def _listed(test: unittest.TestCase, name: str, *others: str) -> list[dict[str, Any]]:
     """Return the entries of a private parameter that is a list, with defaults.
 
-    The test fails if there are none, nor any of the ``others``.
+    The test fails if this parameter and the ``others`` are all empty.
     """
     if not any(rospy.get_param(f"~{each}", []) for each in (name, *others)):
         test.fail(f"Parameter [{rospy.resolve_name(f'~{name}')}] is not set")
@@ -220,8 +220,8 @@ def _check_names(
     Args:
         test: the test that fails otherwise.
         entries: the entries of a parameter.
-        state: what is said of such a name: ``advertised``.
-        find: returns all names that there are.
+        state: the word for names that exist, for errors: ``advertised``.
+        find: returns all names that exist.
         type_of: returns the type of one of them.
     """
     begin = time.monotonic()
