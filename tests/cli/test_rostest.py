@@ -153,6 +153,28 @@ def test_test_that_takes_too_long_is_ended_with_an_error(run_tests: RunTests) ->
     assert " * ERRORS: 1\n" in done.stdout
 
 
+def test_end_of_a_required_node_ends_the_test_with_an_error(run_tests: RunTests) -> None:
+    node = '<node pkg="robot" type="silent" name="arm" required="true"/>'
+    done = run_tests(node + test_tag("waiter"))
+    assert done.exit_code == 1, done.output
+    assert "ERROR: test [moves] was stopped before its " in done.stdout
+    assert "REQUIRED process [arm-1] has died!" in done.stderr
+
+
+def test_test_is_not_passed_if_it_never_started(
+    run_tests: RunTests, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from fibws.cli.launch.run import Run
+
+    async def stop(run: Run) -> None:
+        run._runner.stop()
+
+    monkeypatch.setattr(Run, "_start_nodes", stop)
+    done = run_tests(test_tag("writer", args=f"&quot;{GOOD}&quot; 0"))
+    assert done.exit_code == 1, done.output
+    assert "ERROR: test [moves] was stopped before its start" in done.stdout
+
+
 def test_failed_test_is_run_again_as_often_as_retry_says(robot: Path, run_tests: RunTests) -> None:
     done = run_tests(test_tag("counter", attributes='retry="5"'))
     assert done.exit_code == 0, done.output

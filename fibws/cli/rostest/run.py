@@ -84,6 +84,7 @@ class _TestRun(Run):
         clear: bool,
     ) -> None:
         self.outcome = Outcome(test.test_name)
+        self._fail("error", f"test [{test.test_name}] was stopped before its start")
         self.is_interrupted = False
         self._test = test
         self._file = file
@@ -114,6 +115,7 @@ class _TestRun(Run):
 
     async def finish(self) -> None:
         """Run the test's program, and read its results."""
+        self._fail("", "")
         if self._runner.not_started:
             nodes = ", ".join(self._runner.not_started)
             self._fail("failure", f"Test Fixture Nodes failed to launch: {nodes}")
