@@ -68,8 +68,9 @@ class _Make(click.Command):
     """A command whose options may take several words, as those of catkin_make."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        ours = takewhile(lambda word: word not in _OTHERS, args)
-        return super().parse_args(ctx, _plain(spread(ours, _MANY)))
+        ours = list(takewhile(lambda word: word not in _OTHERS, args))
+        tests = [word for word in args[len(ours) :] if RUN_TESTS.fullmatch(word)]
+        return super().parse_args(ctx, [*_plain(spread(ours, _MANY)), *tests])
 
 
 @command.command("make", cls=_Make)

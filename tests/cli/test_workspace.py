@@ -299,6 +299,7 @@ def test_failed_tests_are_an_error(folder: Path, type_: Type) -> None:
     assert "tests failed: a: catkin_add_nosetests test/a.py\n" in made.stderr
     assert "a/nosetests-test_a.py.xml: 1 tests, 0 errors, 1 failures, 0 skipped\n" in made.stdout
     assert make(type_, "run_tests_b").exit_code == 0
+    assert make(type_, "--make-args", "-j1", "run_tests").exit_code == 1
     assert make(type_, "run_tests_c").exit_code == 1
 
 
