@@ -177,7 +177,7 @@ def results(folder: Path | None, all_: bool, verbose: bool) -> None:
 
 def _run_tests(workspace: Workspace, plan: Plan, names: set[str]) -> None:
     """Run the tests of the named packages, or of all that were built; exit with 1 if one failed."""
-    from fibws.ros1.launch.test_results import read_all_results
+    from fibws.ros1.launch.test_results import Outcome, read_all_results, xml
     from fibws.ros1.workspace.package_tests import package_tests, test_variables
 
     chosen = [package for package in plan.built if not names or package.name in names]
@@ -191,9 +191,14 @@ def _run_tests(workspace: Workspace, plan: Plan, names: set[str]) -> None:
     failed = []
     for test in package_tests(chosen, folder):
         click.secho(f"~~  {test.package}: {test.title}", bold=True)
-        (folder / test.package).mkdir(parents=True, exist_ok=True)
-        if subprocess.run(test.command, env=variables, cwd=test.folder).returncode != 0:
+        test.results.parent.mkdir(parents=True, exist_ok=True)
+        code = subprocess.run(test.command, env=variables, cwd=test.folder).returncode
+        if code != 0:
             failed.append(f"{test.package}: {test.title}")
+        if not test.results.exists():
+            fault = "failure" if code else ""
+            text = xml(test.results.stem, [Outcome("_ran", fault, f"exit code {code}")])
+            test.results.write_text(text, "utf-8")
     skipped = [name for package in chosen for name in package.lists.cpp_tests]
     if skipped:
         text = f"fibws does not build C++: {counted(len(skipped), 'test')} left out: "

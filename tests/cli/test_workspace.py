@@ -11,6 +11,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from fibws.cli.commands import command
+from fibws.ros1.workspace import package_tests
 
 Type: TypeAlias = Callable[..., Result]
 PROGRAM = "#!/usr/bin/env python3\nprint('hello')\n"
@@ -270,7 +271,7 @@ def test_run_tests_builds_and_runs_the_tests(folder: Path, type_: Type) -> None:
     assert (folder / "devel" / "setup.bash").is_file()
     for line in ("a: catkin_add_nosetests test/a.py", "a: roslaunch_add_file_check test/a.launch"):
         assert f"~~  {line}\n" in made.stdout
-    assert "Summary: 1 tests, 0 errors, 0 failures, 0 skipped\n" in made.stdout
+    assert "Summary: 2 tests, 0 errors, 0 failures, 0 skipped\n" in made.stdout
     assert "C++: 1 test left out: cpp_test" in made.stderr
 
 
@@ -297,10 +298,33 @@ def test_failed_tests_are_an_error(folder: Path, type_: Type) -> None:
     made = make(type_, "test")
     assert made.exit_code == 1
     assert "tests failed: a: catkin_add_nosetests test/a.py\n" in made.stderr
-    assert "a/nosetests-test_a.py.xml: 1 tests, 0 errors, 1 failures, 0 skipped\n" in made.stdout
+    assert "a/nosetests-test_a.xml: 1 tests, 0 errors, 1 failures, 0 skipped\n" in made.stdout
     assert make(type_, "run_tests_b").exit_code == 0
     assert make(type_, "--make-args", "-j1", "run_tests").exit_code == 1
     assert make(type_, "run_tests_c").exit_code == 1
+
+
+def test_test_without_results_of_its_own_is_in_the_results(folder: Path, type_: Type) -> None:
+    with_tests(folder, type_, "a", "roslaunch_add_file_check(test)")
+    for name, text in (("good", "<launch/>"), ("bad", "<launch>")):
+        (folder / "src" / "a" / "test" / f"{name}.launch").write_text(text)
+    made = make(type_, "run_tests")
+    assert made.exit_code == 1
+    bad = "a/roslaunch-check_test_bad.xml: 1 tests, 0 errors, 1 failures, 0 skipped\n"
+    assert f"{bad}Summary: 2 tests, 0 errors, 1 failures, 0 skipped\n" in made.stdout
+
+
+def test_tests_run_without_pytest(
+    folder: Path, type_: Type, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(package_tests, "find_spec", lambda name: None)
+    with_tests(folder, type_, "a", "catkin_add_nosetests(test/a.py)", a=GOOD_TEST)
+    with_tests(folder, type_, "b", "catkin_add_nosetests(test)", test_b=GOOD_TEST)
+    with_tests(folder, type_, "c", "catkin_add_nosetests(test/c.py)", c=BAD_TEST)
+    made = make(type_, "run_tests")
+    assert made.exit_code == 1
+    bad = "c/nosetests-test_c.xml: 1 tests, 0 errors, 1 failures, 0 skipped\n"
+    assert f"{bad}Summary: 3 tests, 0 errors, 1 failures, 0 skipped\n" in made.stdout
 
 
 def test_missing_test_is_an_error_with_its_line(folder: Path, type_: Type) -> None:

@@ -15,6 +15,13 @@ from fibws.ros1.workspace.cmake_lists import ListedTest
 from fibws.ros1.workspace.setup_files import entries
 from fibws.ros1.workspace.source_tree import SourcePackage
 
+_PREFIXES = {
+    "add_rostest": "rostest-",
+    "catkin_add_nosetests": "nosetests-",
+    "roslaunch_add_file_check": "roslaunch-check_",
+}
+"""The beginnings of the names of files with results."""
+
 
 @dataclass(frozen=True)
 class PackageTest:
@@ -25,12 +32,14 @@ class PackageTest:
         title: its macro and file, ``add_rostest test/talk.test``.
         command: how to run it; its exit code is 0 if it passed.
         folder: the folder to run it in.
+        results: the file for its results; some tests write none.
     """
 
     package: str
     title: str
     command: list[str]
     folder: Path
+    results: Path
 
 
 def package_tests(packages: Iterable[SourcePackage], results: Path) -> list[PackageTest]:
@@ -43,15 +52,13 @@ def package_tests(packages: Iterable[SourcePackage], results: Path) -> list[Pack
     Raises:
         PackageFileError: the file of a test is not found.
     """
-    found = []
+    found: list[PackageTest] = []
     for package in packages:
         for test in package.lists.tests:
             if not test.path.exists():
                 text = f"{test.macro}(): {test.path} not found"
                 raise PackageFileError(package.lists.source, test.line, text)
-            for command in _commands(package, test, results):
-                title = f"{test.macro} {test.path.relative_to(package.folder)}"
-                found.append(PackageTest(package.name, title, command, package.folder))
+            found += _tests(package, test, results)
     return found
 
 
@@ -72,26 +79,30 @@ def test_variables(source: Path, devel: Path, environ: Mapping[str, str]) -> dic
     return found
 
 
-def _commands(package: SourcePackage, test: ListedTest, results: Path) -> Iterator[list[str]]:
-    own = results / package.name
-    name = "_".join(test.path.relative_to(package.folder).parts)
-    match test.macro:
-        case "add_rostest":
-            yield [
-                *(sys.executable, "-P", "-m", "fibws.cli", "rostest", f"--package={package.name}"),
-                *(f"--pkgdir={package.folder}", f"--results-base-dir={results}"),
-                *(f"--results-filename={name}", str(test.path), *test.arguments),
-            ]
-        case "catkin_add_nosetests":
-            if find_spec("pytest"):
-                report = f"--junit-xml={own / f'nosetests-{name}.xml'}"
-                yield [sys.executable, "-m", "pytest", "-q", report, str(test.path)]
-            elif test.path.is_dir():
-                yield [sys.executable, "-m", "unittest", "discover", "-s", str(test.path)]
-            else:
-                yield [sys.executable, "-m", "unittest", str(test.path)]
-        case "roslaunch_add_file_check":
-            files = sorted(test.path.glob("*.launch")) if test.path.is_dir() else [test.path]
-            for file in files:
-                launch = [sys.executable, "-P", "-m", "fibws", "launch", "--check", str(file)]
-                yield [*launch, *test.arguments]
+def _tests(package: SourcePackage, test: ListedTest, folder: Path) -> Iterator[PackageTest]:
+    """Yield what one macro stands for; roslaunch_add_file_check() may name several files."""
+    is_check = test.macro == "roslaunch_add_file_check"
+    files = sorted(test.path.rglob("*.launch")) if is_check and test.path.is_dir() else [test.path]
+    for file in files:
+        path = file.relative_to(package.folder)
+        name = "_".join(path.with_suffix("").parts)
+        results = folder / package.name / f"{_PREFIXES[test.macro]}{name}.xml"
+        command = _command(package, test, file, results)
+        yield PackageTest(package.name, f"{test.macro} {path}", command, package.folder, results)
+
+
+def _command(package: SourcePackage, test: ListedTest, file: Path, results: Path) -> list[str]:
+    if test.macro == "add_rostest":
+        return [
+            *(sys.executable, "-P", "-m", "fibws.cli", "rostest", f"--package={package.name}"),
+            *(f"--pkgdir={package.folder}", f"--results-base-dir={results.parents[1]}"),
+            *(str(file), *test.arguments),
+        ]
+    if test.macro == "roslaunch_add_file_check":
+        launch = [sys.executable, "-P", "-m", "fibws", "launch", "--check"]
+        return [*launch, str(file), *test.arguments]
+    if find_spec("pytest"):
+        return [sys.executable, "-m", "pytest", "-q", f"--junit-xml={results}", str(file)]
+    # Not by its path from here, as test/ is a package of Python's own.
+    found = [str(file)] if file.is_dir() else [str(file.parent), "-p", file.name]
+    return [sys.executable, "-m", "unittest", "discover", "-s", *found]
