@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import re
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from typing import Generic, Self, TypeVar
 from xml.parsers import expat
+from xml.parsers.expat import errors
 
 from fibws.errors import FibwsError
 
 MOST_LEVELS = 100
 """Limit of nested elements; documents that people write have a few."""
+_NAME = re.compile(rb"[\w:.-]+")
+_CLOSED_VALUE = re.compile(rb"""=\s*("[^"]*"|'[^']*')""")
 
 
 @dataclass
@@ -59,8 +63,8 @@ def read(document: bytes, file: str, kind: type[_Kind]) -> _Kind:
     except FibwsError:
         raise
     except expat.ExpatError as error:
-        text = f"invalid XML: {expat.ErrorString(error.code)}{_shown(document, error.lineno)}"
-        raise reader.fault(error.lineno, text) from None
+        line, cause = reader.mistake(error, document)
+        raise reader.fault(line, f"invalid XML: {cause}{_shown(document, line)}") from None
     except (ValueError, LookupError) as error:
         # Python's expat supports UTF-8, UTF-16 and single-byte encodings.
         raise reader.fault(1, f"unsupported encoding, write this file in UTF-8: {error}") from None
@@ -72,6 +76,18 @@ def _shown(document: bytes, line: int) -> str:
     """Return the invalid line for the end of an error."""
     lines = document.decode(errors="replace").splitlines()
     return f": {lines[line - 1].strip()[:80]}" if 0 < line <= len(lines) else ""
+
+
+def _unclosed(text: bytes) -> str:
+    """Return what is missing in a text that should be a start tag; empty if that is unknown."""
+    name = _NAME.match(text, 1)
+    rest = _CLOSED_VALUE.sub(b"", text)
+    if name is None or b">" in rest.partition(b'"')[0].partition(b"'")[0]:
+        return ""
+    tag = f"<{name[0].decode(errors='replace')}>"
+    if b'"' in rest or b"'" in rest:
+        return f"{tag} has a value with an unclosed quotation mark, or with a < (write &lt;)"
+    return f"{tag} has no > at its end"
 
 
 class _Reader(Generic[_Kind]):
@@ -92,6 +108,38 @@ class _Reader(Generic[_Kind]):
 
     def fault(self, line: int, text: str) -> FibwsError:
         return self._kind("", {}, self._file, line).fault(text)
+
+    def mistake(self, error: expat.ExpatError, document: bytes) -> tuple[int, str]:
+        """Return the line of a mistake, and its description.
+
+        expat names the line where it stopped, which may be far below an unclosed tag.
+        """
+        if b"\0" in document:  # UTF-16, in which tags are not looked for
+            return error.lineno, expat.ErrorString(error.code)
+        where = self.parser.ErrorByteIndex
+        match expat.ErrorString(error.code):
+            case errors.XML_ERROR_NO_ELEMENTS if self._open:
+                return self._open[-1].line, f"<{self._open[-1].name}> is not closed"
+            case errors.XML_ERROR_TAG_MISMATCH if found := _NAME.match(document, where):
+                return self._mismatch(error.lineno, found[0].decode(errors="replace"))
+            case errors.XML_ERROR_UNCLOSED_TOKEN if document.startswith(b"<!--", where):
+                return error.lineno, "comment is not closed: missing -->"
+            case errors.XML_ERROR_UNCLOSED_TOKEN if text := _unclosed(document[where:]):
+                return error.lineno, text
+            case errors.XML_ERROR_INVALID_TOKEN if document.startswith(b"<", where):
+                start = max(document.rfind(b"<", 0, where), 0)
+                if text := _unclosed(document[start:where]):
+                    return document.count(b"\n", 0, start) + 1, text
+            case _:
+                pass
+        return error.lineno, expat.ErrorString(error.code)
+
+    def _mismatch(self, line: int, name: str) -> tuple[int, str]:
+        """Return the line and the description for an end tag that does not fit."""
+        inner = self._open[-1]
+        if any(element.name == name for element in self._open):
+            return inner.line, f"<{inner.name}> is not closed before </{name}> in line {line}"
+        return line, f"expected </{inner.name}> for line {inner.line}, got </{name}>"
 
     def _start(self, name: str, attributes: dict[str, str]) -> None:
         element = self._kind(name, attributes, self._file, self.parser.CurrentLineNumber)
