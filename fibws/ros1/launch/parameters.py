@@ -36,7 +36,7 @@ def read_param(element: Element, scope: Scope, launch: Launch, *, in_node: bool 
 def read_rosparam(element: Element, scope: Scope, launch: Launch) -> None:
     """Read a <rosparam>; in a node, the scope's namespace is the node's name."""
     attributes = Attributes(element, scope)
-    command = attributes.text("command", "load")
+    command = attributes.text("command") or "load"
     if command not in COMMANDS:
         raise attributes.fault("command", f"expected {' or '.join(COMMANDS)}, got {command!r}")
     namespace = attributes.text("ns", "").strip()
@@ -140,7 +140,9 @@ def _value(element: Element, attributes: Attributes, scope: Scope) -> Any:
 
 def _loaded(element: Element, attributes: Attributes, scope: Scope, file: str | None) -> Any:
     text, source = element.text, "<rosparam>"
-    if file:
+    if file is not None:
+        if not file:
+            raise attributes.fault("file", "must not be empty")
         source = f"<rosparam file>: {file}"
         try:
             text = scope.environment.read(file).decode()

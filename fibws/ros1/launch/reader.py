@@ -7,7 +7,8 @@ with a warning.
 from __future__ import annotations
 
 import os.path
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from fibws import names
@@ -24,6 +25,8 @@ _NODE = (
     *("cwd", "clear_params", "launch-prefix", "machine"),
 )
 _MACHINE = ("name", "address", "env-loader", "ssh-port", "user", "password", "default", "timeout")
+_OLD_MACHINE = ("ros-root", "ros-package-path", "ros-ip", "ros-hostname")
+"""The attributes of <machine> that were replaced by env-loader."""
 ATTRIBUTES = {
     "launch": ("deprecated",),
     "arg": ("name", "value", "default", "doc"),
@@ -67,8 +70,9 @@ class Reader:
         self._environment = environment
         self._values = dict(values or {})
         self._namespace = namespace
-        self._machines: dict[str, str] = {}
+        self._machines: dict[str, dict[str, str | None]] = {}
         self._default_machine = ""
+        self._on_machines: list[tuple[Element, str]] = []
         self._including: list[tuple[str, int]] = []
         self._tags: dict[str, Callable[[Element, Scope], None]] = {
             "arg": self._declare,
@@ -99,6 +103,8 @@ class Reader:
             if element.name == "arg" and _may_apply(element, scope):
                 self._add_argument(element, scope)
             self._read(element, scope)
+        for element, machine in self._on_machines:
+            self._check_machine(element, machine)
 
     def read_arguments(self, file: str, document: bytes | None = None) -> None:
         """Read only the <arg> tags of a file into ``launch.arguments``; raises as `read`.
@@ -204,7 +210,7 @@ class Reader:
             self._read(child, inner)
 
     def _clear(self, element: Element, attributes: Attributes, inner: Scope) -> None:
-        if attributes.flag("clear_params", False):
+        if attributes.text("clear_params") and attributes.flag("clear_params"):
             if "ns" not in element.attributes:
                 raise element.fault(f"<{element.name} clear_params> requires attribute ns")
             self.launch.cleared.append(inner.namespace)
@@ -212,9 +218,36 @@ class Reader:
     def _machine(self, element: Element, scope: Scope) -> None:
         attributes = Attributes(element, scope)
         name = attributes.required("name")
-        self._machines[name] = attributes.required("address")
-        if attributes.one_of("default", "true", "false", "never") == "true":
+        attributes.required("address")
+        for old in _OLD_MACHINE:
+            if attributes.text(old):
+                raise attributes.fault(old, "not supported since ROS Fuerte; use env-loader")
+        attributes.number("timeout", 10.0, positive=True)
+        attributes.integer("ssh-port", 22)
+        default = (attributes.text("default") or "false").lower()
+        if default not in ("true", "false", "never"):
+            raise attributes.fault("default", f"expected true, false or never, got {default!r}")
+        if element.all("env"):
+            raise element.fault("<machine>: <env> is not supported since ROS Fuerte")
+        for child in element.children:
+            self._is_known(child, ())
+        values = {each: attributes.text(each) for each in _MACHINE if each != "default"}
+        if self._machines.setdefault(name, values) != values:
+            raise element.fault(f"<machine>: {name} is declared twice, with other attributes")
+        if default == "true":
             self._default_machine = name
+
+    def _check_machine(self, element: Element, machine: str) -> None:
+        """Check that a node's machine is declared, and that it is this one."""
+        if machine not in self._machines:
+            near = suggestion_or_known(machine, list(self._machines))
+            raise element.fault(f"<{element.name} machine>: unknown machine {machine}{near}")
+        address = self._machines[machine]["address"] or ""
+        if not self._environment.is_local(address):
+            raise element.fault(
+                f"<{element.name}>: cannot start nodes on machine {machine} ({address}), only on "
+                "this one; launch it there with --hub and the URL of this machine's hub"
+            )
 
     def _include(self, element: Element, scope: Scope) -> None:
         attributes = Attributes(element, scope)
@@ -223,7 +256,7 @@ class Reader:
         inner = scope.included(file, _read_namespace(element, attributes), passes_all=passes_all)
         self._clear(element, attributes, inner)
         given = scope.inner()
-        for child in element.children:
+        for child in _with_lower_case(element.children):
             if self._is_known(child, IN_INCLUDE) and applies(child, given):
                 if child.name == "env":
                     _read_env(child, given, inner)
@@ -269,13 +302,8 @@ class Reader:
                 f"{node.resolved} is the name of another node, {other.file}:{other.line}; "
                 "the later one would shut the earlier one down"
             )
-        machine = Attributes(element, scope).text("machine") or self._default_machine
-        address = self._machines.get(machine)
-        if address is not None and not self._environment.is_local(address):
-            raise element.fault(
-                f"<{element.name}>: cannot start nodes on machine {machine} ({address}), only on "
-                "this one; launch it there with --hub and the URL of this machine's hub"
-            )
+        if machine := Attributes(element, scope).text("machine") or self._default_machine:
+            self._on_machines.append((element, machine))  # It may be declared later.
 
     def _read_node(self, element: Element, scope: Scope) -> Node:
         """Read a <node> or a <test>, and set its parameters."""
@@ -289,10 +317,10 @@ class Reader:
         around = scope.inner(_read_namespace(element, attributes))
         within = around.inner(name)
         within.private = {}
-        if attributes.flag("clear_params", False):
+        if attributes.text("clear_params") and attributes.flag("clear_params"):
             self.launch.cleared.append(within.namespace)
         own = scope.inner()
-        for child in element.children:
+        for child in _with_lower_case(element.children):
             if self._is_known(child, IN_NODE) and applies(child, scope):
                 self._read_in_node(child, scope, own, within)
         for key, value in {**scope.private, **within.private}.items():
@@ -330,6 +358,11 @@ class Reader:
                 read_param(child, within, self.launch, in_node=True)
             case _:
                 read_rosparam(child, within, self.launch)
+
+
+def _with_lower_case(elements: Sequence[Element]) -> Iterator[Element]:
+    """Yield elements with their names in lower case, as roslaunch reads them in nodes."""
+    return (replace(element, name=element.name.lower()) for element in elements)
 
 
 def _may_apply(element: Element, scope: Scope) -> bool:
@@ -399,12 +432,12 @@ def _test_name(element: Element, attributes: Attributes) -> str:
 
 def _test_attributes(attributes: Attributes) -> dict[str, Any]:
     """Return the attributes of a `Node` that only a <test> has."""
-    time_limit = attributes.number("time-limit", 60.0)
-    if not time_limit > 0:
-        raise attributes.fault("time-limit", f"must be above 0, got {time_limit:g}")
+    time_limit = 60.0
+    if attributes.text("time-limit"):
+        time_limit = attributes.number("time-limit", time_limit, positive=True)
     return {
         "is_test": True,
         "test_name": attributes.required("test-name"),
         "time_limit": time_limit,
-        "retry": int(attributes.number("retry", 0.0)),
+        "retry": attributes.integer("retry", 0),
     }

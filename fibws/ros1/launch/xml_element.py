@@ -81,8 +81,8 @@ class Attributes:
         except ValueError as error:
             raise self.fault(name, str(error)) from None
 
-    def number(self, name: str, default: float) -> float:
-        """Return the number in an attribute, which must be >= 0."""
+    def number(self, name: str, default: float, *, positive: bool = False) -> float:
+        """Return the number in an attribute, which must be >= 0, or > 0 if ``positive``."""
         text = self.text(name)
         if text is None:
             return default
@@ -90,9 +90,20 @@ class Attributes:
             number = float(text)
         except ValueError:
             number = -1.0
-        if not 0 <= number < math.inf:
-            raise self.fault(name, f"must be a number >= 0, got {text!r}")
+        if not 0 <= number < math.inf or (positive and not number):
+            limit = "> 0" if positive else ">= 0"
+            raise self.fault(name, f"must be a number {limit}, got {text!r}")
         return number
+
+    def integer(self, name: str, default: int) -> int:
+        """Return the integer in an attribute, or the default if it is missing or empty."""
+        text = self.text(name)
+        if not text:
+            return default
+        try:
+            return int(text)
+        except ValueError:
+            raise self.fault(name, f"expected an integer, got {text!r}") from None
 
     def one_of(self, name: str, *choices: str) -> str | None:
         """Return the text of an attribute, which must be one of the choices."""

@@ -167,6 +167,7 @@ def test_rosparam_sets_parameters_from_yaml(
         ('<rosparam param="~p">1</rosparam>', "~p is private"),
         ('<rosparam param="/">1</rosparam>', "root namespace"),
         ('<rosparam file="no"/>', "<rosparam file>: no: cannot read it: No such file"),
+        ('<rosparam file="">a: 1</rosparam>', "<rosparam file>: must not be empty"),
         ('<rosparam file="binary"/>', "<rosparam file>: binary: invalid UTF-8"),
         ('<rosparam file="bad.yaml"/>', "<rosparam file>: bad.yaml: invalid YAML"),
         ('<rosparam command="lod"/>', "expected load or dump or delete, got 'lod'"),

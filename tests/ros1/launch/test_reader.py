@@ -403,6 +403,53 @@ def test_nodes_are_of_this_machine(read: Read, environment: FakeEnvironment) -> 
             read(away.format(default) + text)
 
 
+def test_machine_may_be_declared_after_its_nodes(read: Read) -> None:
+    node = '<node pkg="p" type="t" name="n" machine="m"/>'
+    text = node + '<machine name="m" address="localhost" timeout="10" default="TRUE"/>'
+    assert len(read(text).nodes) == 1
+    with pytest.raises(LaunchError, match=r"main.launch:2: .*unknown machine m"):
+        read(node)
+
+
+@pytest.mark.parametrize(
+    ("attributes", "error"),
+    [
+        ('timeout="0"', "<machine timeout>: must be a number > 0, got '0'"),
+        ('timeout=""', "<machine timeout>: must be a number > 0, got ''"),
+        ('ssh-port="x"', "<machine ssh-port>: expected an integer, got 'x'"),
+        ('default="x"', "<machine default>: expected true, false or never, got 'x'"),
+        ('ros-root="/x"', "<machine ros-root>: not supported"),
+        ('user="$(arg nope)"', "<machine user>: unknown arg nope"),
+    ],
+)
+def test_invalid_attribute_of_a_machine_is_an_error(
+    attributes: str, error: str, read: Read
+) -> None:
+    with pytest.raises(LaunchError) as raised:
+        read(f'<machine name="m" address="localhost" {attributes}/>')
+    assert error in str(raised.value)
+
+
+def test_machine_is_declared_once(read: Read) -> None:
+    machine = '<machine name="m" address="localhost"/>\n'
+    read(machine + machine)
+    with pytest.raises(LaunchError, match=r"main.launch:3: .*m is declared twice"):
+        read(machine + '<machine name="m" address="localhost" user="me"/>')
+
+
+def test_tags_in_nodes_and_includes_may_be_in_upper_case(
+    read: Read, environment: FakeEnvironment
+) -> None:
+    environment.files = {"a.launch": b'<launch><arg name="a"/></launch>'}
+    launch = read(
+        f'{START}><Param name="a" value="1"/></node>'
+        '<include file="a.launch"><ARG name="a" value="1"/></include><Node/>'
+    )
+    assert launch.parameters == {"/n/a": 1}
+    [warning] = launch.warnings
+    assert "<Node>" in warning
+
+
 def test_several_files_are_read_into_one_launch(environment: FakeEnvironment) -> None:
     reader = Reader(environment, {"a": "1"})
     reader.read(
@@ -537,7 +584,7 @@ def test_test_is_a_node_that_is_not_run(read: Read) -> None:
         ('<test pkg="p" type="t" name="y"/>', "<test> requires attribute test-name"),
         ('<test pkg="p" type="t" test-name="x" output="log"/>', "<test> has no attribute output"),
         ('<test pkg="p" type="t" test-name="x" time-limit="a"/>', "got 'a'"),
-        ('<test pkg="p" type="t" test-name="x" time-limit="0"/>', "must be above 0, got 0"),
+        ('<test pkg="p" type="t" test-name="x" time-limit="0"/>', "must be a number > 0, got '0'"),
     ],
 )
 def test_invalid_test_is_an_error(text: str, error: str, read: Read) -> None:
