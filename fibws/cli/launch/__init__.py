@@ -105,7 +105,7 @@ def command(words: tuple[str, ...], listing: str | None, **options: Any) -> None
 
 def _main(words: Sequence[str], listing: str | None, options: dict[str, Any]) -> int:
     from fibws.cli.launch.sources import Sources
-    from fibws.ros1.launch.model import argument_lines, summary
+    from fibws.ros1.launch.model import CORE_PARAMETERS, argument_lines, summary
 
     sources = Sources(words, options["workspace"])
     if listing == "arguments":
@@ -130,6 +130,7 @@ def _main(words: Sequence[str], listing: str | None, options: dict[str, Any]) ->
             return _print([dumped(launch.parameters)])
         case "check":
             return _check(launch, sources.packages, url)
+    launch.parameters = {**CORE_PARAMETERS, **launch.parameters}
     if options["required"]:
         for name, node in launch.nodes.items():
             launch.nodes[name] = replace(node, required=True, respawn=False)

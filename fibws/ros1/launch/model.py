@@ -8,6 +8,8 @@ from typing import Any
 
 from fibws import names
 
+CORE_PARAMETERS = {"/rosdistro": "noetic\n", "/rosversion": "1.16.0\n"}
+"""The parameters that every launch sets, as roslaunch does by its roscore.xml; the hub's own."""
 LONGEST_VALUE = 20
 """Characters of a parameter's value in the summary."""
 

@@ -180,11 +180,20 @@ async def test_required_option_applies_to_all_nodes(
 async def test_launch_without_nodes_sets_parameters(
     begin: Begin, robot: Path, hub: HubThread
 ) -> None:
-    seen = await begin(write(robot, '<param name="a" value="1"/>'), hub=hub)
-    assert await seen.end() == (0, "")
-    assert "No processes to monitor" in seen.lines
     with HubClient("test", hub.url) as client:
-        assert client.call("/rosapi/get_param", {"name": "/a"})["value"] == "1"
+        client.call("/rosapi/delete_param", {"name": "/rosdistro"})
+        text = '<param name="a" value="1"/><param name="rosversion" value="5.0"/>'
+        seen = await begin(write(robot, text), hub=hub)
+        assert await seen.end() == (0, "")
+        assert "No processes to monitor" in seen.lines
+        expected = {"/a": "1", "/rosdistro": '"noetic\\n"', "/rosversion": "5.0"}
+        for name, value in expected.items():
+            assert client.call("/rosapi/get_param", {"name": name})["value"] == value
+    assert [line for line in seen.lines if line.startswith(" * ")] == [
+        " * /a: 1",
+        " * /rosdistro: noetic",
+        " * /rosversion: 5.0",
+    ]
 
 
 async def test_launch_file_of_rosbridge_starts_nothing(

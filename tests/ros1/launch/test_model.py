@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from fibws.ros1.launch.model import Argument, argument_lines, summary
+from fibws.hub.rosapi.parameters import ROSDISTRO, ROSVERSION
+from fibws.ros1.launch.model import CORE_PARAMETERS, Argument, argument_lines, summary
 
 from .conftest import Read
 
@@ -42,6 +43,10 @@ NODES
 def test_unprintable_value_is_hidden(read: Read) -> None:
     launch = read('<rosparam>a: "x\\e[31m"\nb: "x\\n"</rosparam>')
     assert {" * /a: <...>", " * /b: x"} <= set(summary(launch))
+
+
+def test_core_parameters_are_those_of_the_hub() -> None:
+    assert CORE_PARAMETERS == {"/rosdistro": ROSDISTRO, "/rosversion": ROSVERSION}
 
 
 def test_argument_lines_list_arguments_that_may_be_set() -> None:
