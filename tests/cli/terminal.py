@@ -13,7 +13,7 @@ ROOT = Path(__file__).parents[2]
 
 
 class Terminal:
-    """A program on its own terminal."""
+    """A program on its own terminal, which sends it the signals of Ctrl-C and of its end."""
 
     def __init__(self, *words: str, **environment: str) -> None:
         import fcntl
@@ -34,6 +34,7 @@ class Terminal:
             stdout=self._slave,
             stderr=self._slave,
             start_new_session=True,
+            preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0),
             cwd=ROOT,
             env={**variables, **environment},
         )

@@ -156,6 +156,7 @@ def _run(launch: Launch, packages: Packages, url: str, options: dict[str, Any]) 
             Options(
                 output=options["show"],
                 wait=options["wait"],
+                shares_terminal=True,
                 sigint_timeout=options["sigint_timeout"],
                 sigterm_timeout=options["sigterm_timeout"],
             ),

@@ -25,7 +25,7 @@ from fibws.errors import LaunchError, NoHub, ParameterNotSet
 from fibws.hub_address import LOOPBACK
 from fibws.ros1.launch.model import Launch, Node, Step
 from fibws.ros1.launch.node_command import is_built_in, log_folder, node_command
-from fibws.ros1.launch.output import Screen
+from fibws.ros1.launch.output import Screen, Terminal
 from fibws.ros1.launch.runner import SIGINT_TIMEOUT, SIGTERM_TIMEOUT, Runner
 from fibws.ros1.workspace.packages import Packages
 from fibws.values import parameter_files
@@ -44,10 +44,12 @@ class Options:
     Attributes:
         output: ``screen`` or ``log`` for all nodes; None for what each <node> says.
         wait: whether to wait for a hub instead of starting one.
+        shares_terminal: whether nodes on the screen use this process's terminal directly.
     """
 
     output: str | None = None
     wait: bool = False
+    shares_terminal: bool = False
     sigint_timeout: float = SIGINT_TIMEOUT
     sigterm_timeout: float = SIGTERM_TIMEOUT
 
@@ -89,6 +91,7 @@ class Run:
         self._screen = self.new_screen()
         self._runner = Runner(
             self._screen,
+            Terminal(is_shared=options.shares_terminal),
             folder,
             sigint_timeout=options.sigint_timeout,
             sigterm_timeout=options.sigterm_timeout,

@@ -1,11 +1,14 @@
-"""The output of nodes: on the screen, each line after its node's name, and in log files."""
+"""The output of nodes: in a terminal, in lines after their names, and in log files."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import os
+import sys
+from collections.abc import Callable, Set
+from contextlib import suppress
 from itertools import cycle
 from pathlib import Path
-from typing import TextIO
+from typing import Any, TextIO
 
 COLOURS = (36, 33, 35, 32, 34, 96, 93, 95, 92, 94)
 """Colours of names, in turn; red is for errors."""
@@ -42,6 +45,55 @@ class Screen:
                 self._colours[process] = next(self._next)
             name = f"\x1b[{self._colours[process]}m{name}{_RESET}"
         self._write(f"{name} {line}", is_error)
+
+
+class Terminal:
+    """This process's terminal, if it has one, which it shares with nodes, as roslaunch does.
+
+    A node with ``output="screen"`` writes to it directly; all nodes can read keys from it.
+
+    Args:
+        is_shared: whether nodes use it; otherwise all their output is received.
+    """
+
+    def __init__(self, *, is_shared: bool) -> None:
+        standard = {"stdin": sys.stdin, "stdout": sys.stdout, "stderr": sys.stderr}
+        self.streams: Set[str] = {
+            name
+            for name, stream in standard.items()
+            if is_shared and stream is not None and stream.isatty()
+        }
+        """Which of stdin, stdout and stderr are shared terminals."""
+        self._settings = self._read() if "stdin" in self.streams else None
+
+    def streams_of_node(self, *, screen: bool) -> Set[str]:
+        """Return the streams that a node shares with this process."""
+        return self.streams if screen else self.streams & {"stdin"}
+
+    def restore(self) -> None:
+        """Restore the settings, such as the echo of keys, that a node may have changed."""
+        if self._settings is None or not self._is_in_foreground():
+            return
+        import termios
+
+        with suppress(termios.error):  # The terminal was closed.
+            if self._read() != self._settings:
+                termios.tcsetattr(sys.stdin, termios.TCSADRAIN, self._settings)
+
+    def _is_in_foreground(self) -> bool:
+        """Return whether it may be changed; a shell's background job would be stopped by that."""
+        try:
+            return os.tcgetpgrp(sys.stdin.fileno()) == os.getpgrp()
+        except OSError:
+            return True  # It controls another session than this one.
+
+    def _read(self) -> list[Any] | None:
+        """Return the settings; None on Windows."""
+        try:
+            import termios
+        except ImportError:
+            return None
+        return termios.tcgetattr(sys.stdin)
 
 
 class LogFile:

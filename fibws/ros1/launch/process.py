@@ -11,7 +11,7 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Set
 from contextlib import suppress
 from enum import Enum, auto
 from pathlib import Path
@@ -44,15 +44,25 @@ class Process:
         name: its name on the screen, ``talker-1``.
         command: how to start it.
         on_line: called with each line that it prints, in the event loop of its start.
+        inherited: which of ``stdin``, ``stdout`` and ``stderr`` are those of this process.
+            ``on_line`` does not get the lines of these; any other ``stdin`` is empty.
     """
 
-    def __init__(self, name: str, command: NodeCommand, on_line: OnLine) -> None:
+    def __init__(
+        self,
+        name: str,
+        command: NodeCommand,
+        on_line: OnLine,
+        *,
+        inherited: Set[str] = frozenset(),
+    ) -> None:
         self.name = name
         self.command = command
         self.exit_code: int | None = None
         """Its exit code after its end; -2 if it was ended by signal 2."""
         self.pid = 0
         """Its process ID; 0 before its first start."""
+        self.inherited = inherited
         self._on_line = on_line
         self._run: _Run | None = None
 
@@ -64,7 +74,7 @@ class Process:
     async def start(self) -> None:
         """Start it, or raise `OSError`."""
         self.exit_code = None
-        self._run = _Run(self.command, self._on_line)
+        self._run = _Run(self.command, self._on_line, self.inherited)
         self.pid = self._run.pid
 
     async def wait(self) -> int:
@@ -72,7 +82,8 @@ class Process:
         assert self._run is not None
         # Cancelling this wait must not cancel the future of the process's end.
         code = await asyncio.shield(self._run.ended)
-        await asyncio.wait(self._run.drained, timeout=DRAIN_TIMEOUT)
+        if self._run.drained:
+            await asyncio.wait(self._run.drained, timeout=DRAIN_TIMEOUT)
         self._run.is_over = True
         self.exit_code = code
         return code
@@ -86,19 +97,20 @@ class Process:
 class _Run:
     """A process from one start to its end."""
 
-    def __init__(self, command: NodeCommand, on_line: OnLine) -> None:
+    def __init__(self, command: NodeCommand, on_line: OnLine, inherited: Set[str]) -> None:
         self._loop = asyncio.get_running_loop()
         self._on_line = on_line
         self.is_over = False
         self._process = subprocess.Popen(
             command.command,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
+            stdin=None if "stdin" in inherited else subprocess.DEVNULL,
+            stdout=None if "stdout" in inherited else subprocess.PIPE,
+            stderr=None if "stderr" in inherited else subprocess.PIPE,
             bufsize=0,
             cwd=_folder(command.folder),
             env=command.environment,
-            # Only this process receives a terminal's Ctrl-C; it ends the nodes in order.
+            # Only this process receives a terminal's Ctrl-C; it ends the nodes in order. A node can
+            # read keys and change the terminal's settings all the same.
             start_new_session=os.name != "nt",
             creationflags=_GROUP,
         )
@@ -106,7 +118,8 @@ class _Run:
         self.ended: asyncio.Future[int] = self._loop.create_future()
         self.drained: list[asyncio.Future[None]] = []
         for stream, is_error in ((self._process.stdout, False), (self._process.stderr, True)):
-            assert stream is not None
+            if stream is None:
+                continue  # It is inherited.
             done: asyncio.Future[None] = self._loop.create_future()
             self.drained.append(done)
             Thread(target=self._read, args=(stream, is_error, done), daemon=True).start()

@@ -18,7 +18,7 @@ from fibws.errors import HubError
 from fibws.processes import start_error
 from fibws.ros1.launch.model import Node
 from fibws.ros1.launch.node_command import NodeCommand
-from fibws.ros1.launch.output import LogFile, Screen
+from fibws.ros1.launch.output import LogFile, Screen, Terminal
 from fibws.ros1.launch.process import Process, Signal
 
 SIGINT_TIMEOUT, SIGTERM_TIMEOUT = 15.0, 2.0
@@ -57,6 +57,7 @@ class Runner:
 
     Args:
         screen: where output is shown.
+        terminal: the terminal that nodes share.
         folder: the folder for log files.
         sigint_timeout: seconds after SIGINT until a process gets SIGTERM.
         sigterm_timeout: seconds after SIGTERM until it is killed.
@@ -65,12 +66,14 @@ class Runner:
     def __init__(
         self,
         screen: Screen,
+        terminal: Terminal,
         folder: Path,
         *,
         sigint_timeout: float = SIGINT_TIMEOUT,
         sigterm_timeout: float = SIGTERM_TIMEOUT,
     ) -> None:
         self._screen = screen
+        self._terminal = terminal
         self._folder = folder
         self._timeouts = ((Signal.TERMINATE, sigint_timeout), (Signal.KILL, sigterm_timeout))
         self._jobs: list[Job] = []
@@ -168,7 +171,12 @@ class Runner:
         name = f"{node.resolved.lstrip('/')}-{self._count}"
         log = LogFile(self._folder / f"{name.replace('/', '-')}.log")
         job = Job(
-            Process(name, command, lambda line, is_error: self._on_line(job, line, is_error)),
+            Process(
+                name,
+                command,
+                lambda line, is_error: self._on_line(job, line, is_error),
+                inherited=self._terminal.streams_of_node(screen=screen),
+            ),
             log,
             screen=screen,
             respawn_delay=node.respawn_delay if node.respawn else None,
@@ -222,6 +230,7 @@ class Runner:
                     job.process.send(Signal.INTERRUPT)
             await asyncio.gather(*(self._escalate(job, urgency) for job in jobs))
             await asyncio.gather(*(job.watch for job in jobs), return_exceptions=True)
+        self._terminal.restore()
 
     async def _escalate(self, job: Job, urgency: int) -> None:
         """Wait for the end of an interrupted process, and send more urgent signals in time.
@@ -288,6 +297,8 @@ class Runner:
     def _on_end(self, job: Job) -> None:
         """Report a process that ended by itself."""
         process = job.process
+        if process.exit_code != 0 and job.screen:
+            self._terminal.restore()  # Or else Ctrl-C might no longer end this launch.
         if process.exit_code == 0:
             text = "process has finished cleanly"
         else:

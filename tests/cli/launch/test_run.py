@@ -304,29 +304,13 @@ async def test_pid_file(begin: Begin, robot: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such terminals")
-def test_names_have_colours_on_a_terminal(robot: Path, hub: HubThread) -> None:
-    file = write(robot, '<node pkg="robot" type="waiter" name="w" output="screen"/>')
-    words = (sys.executable, "-m", "fibws", "launch", file, "--hub", hub.url)
-    environment = {name: os.environ[name] for name in ("ROS_PACKAGE_PATH", "ROS_HOME")}
-    terminal = Terminal(*words, TERM="xterm", NO_COLOR="", **environment)
-    try:
-        terminal.wait_for("\x1b[36m[w-1]\x1b[0m waits")
-        terminal.process.send_signal(signal.SIGINT)
-        terminal.wait_for("[w-1] killing on exit")
-        terminal.wait_for("done")
-        assert terminal.ended() == 0
-    finally:
-        terminal.close()
-
-
-@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such terminals")
 def test_closed_terminal_ends_everything(robot: Path) -> None:
     file = write(robot, '<node pkg="robot" type="talker" name="talker" output="screen"/>')
     words = (sys.executable, "-m", "fibws", "launch", file, "-p", "0")
     environment = {name: os.environ[name] for name in ("ROS_PACKAGE_PATH", "ROS_HOME")}
     terminal = Terminal(*words, **environment)
     try:
-        terminal.wait_for("[talker-1]")
+        terminal.wait_for("[INFO]")
         found = re.search(r"FIBWS_HUB=(ws:[\d.:/]+)", terminal.output)
         assert found is not None
         terminal.hang_up()

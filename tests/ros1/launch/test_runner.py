@@ -15,7 +15,7 @@ import pytest
 
 from fibws.ros1.launch.model import Node
 from fibws.ros1.launch.node_command import NodeCommand
-from fibws.ros1.launch.output import Screen
+from fibws.ros1.launch.output import Screen, Terminal
 from fibws.ros1.launch.process import Process
 from fibws.ros1.launch.runner import Job, Runner
 
@@ -34,7 +34,8 @@ class Launched:
         self.folder = folder
         self.seen: list[str] = []
         self._lines: asyncio.Queue[str] = asyncio.Queue()
-        self.runner = Runner(Screen(self._write), folder / "log", **waits)
+        terminal = Terminal(is_shared=False)
+        self.runner = Runner(Screen(self._write), terminal, folder / "log", **waits)
 
     def _write(self, line: str, is_error: bool) -> None:
         # Process IDs and commands differ from run to run.
