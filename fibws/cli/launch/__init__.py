@@ -156,6 +156,7 @@ def _run(launch: Launch, packages: Packages, url: str, options: dict[str, Any]) 
             Options(
                 output=options["show"],
                 wait=options["wait"],
+                has_default_url=_has_default_url(options),
                 shares_terminal=True,
                 sigint_timeout=options["sigint_timeout"],
                 sigterm_timeout=options["sigterm_timeout"],
@@ -174,6 +175,12 @@ def _url(options: dict[str, Any]) -> str:
             raise click.UsageError("--port and --hub exclude each other.")
         return f"ws://127.0.0.1:{port}"
     return hub_address.hub_url(hub)
+
+
+def _has_default_url(options: dict[str, Any]) -> bool:
+    """Return whether neither an option nor $FIBWS_HUB chooses the hub's URL."""
+    is_chosen = options["port"] is not None or options["hub"] is not None
+    return not is_chosen and not os.environ.get(hub_address.ENVIRONMENT)
 
 
 def _node(launch: Launch, name: str) -> Node:
@@ -195,8 +202,13 @@ def _command_line(node: Node, packages: Packages, url: str) -> str:
 def _check(launch: Launch, packages: Packages, url: str) -> int:
     """Print why nodes cannot be started; return 1 if there are such nodes."""
     from fibws.ros1.launch.node_command import is_built_in, node_command
+    from fibws.ros1.launch.rosbridge import rosbridges
 
     errors = []
+    try:
+        list(rosbridges(launch, packages))
+    except FibwsError as error:
+        errors.append(str(error))
     for node in launch.nodes.values():
         try:
             if not is_built_in(node, packages):

@@ -21,11 +21,12 @@ from fibws.cli import output
 from fibws.cli.exit_handling import end_line
 from fibws.client.hub_client import HubClient, is_hub_running
 from fibws.client.parameters import Parameters
-from fibws.errors import LaunchError, NoHub, ParameterNotSet
-from fibws.hub_address import LOOPBACK
+from fibws.errors import HubUnreachable, LaunchError, NoHub, ParameterNotSet
+from fibws.hub_address import DEFAULT_PORT, ENVIRONMENT, LOOPBACK
 from fibws.ros1.launch.model import Launch, Node, Step
 from fibws.ros1.launch.node_command import is_built_in, log_folder, node_command
 from fibws.ros1.launch.output import Screen, Terminal
+from fibws.ros1.launch.rosbridge import rosbridges
 from fibws.ros1.launch.runner import SIGINT_TIMEOUT, SIGTERM_TIMEOUT, Runner
 from fibws.ros1.workspace.packages import Packages
 from fibws.values import parameter_files
@@ -44,11 +45,13 @@ class Options:
     Attributes:
         output: ``screen`` or ``log`` for all nodes; None for what each <node> says.
         wait: whether to wait for a hub instead of starting one.
+        has_default_url: whether neither an option nor $FIBWS_HUB chose the hub's URL.
         shares_terminal: whether nodes on the screen use this process's terminal directly.
     """
 
     output: str | None = None
     wait: bool = False
+    has_default_url: bool = False
     shares_terminal: bool = False
     sigint_timeout: float = SIGINT_TIMEOUT
     sigterm_timeout: float = SIGTERM_TIMEOUT
@@ -61,14 +64,16 @@ def run(launch: Launch, packages: Packages, url: str, options: Options) -> int:
         launch: the content of the launch files.
         packages: the known packages.
         url: the hub's URL. If no hub is running there and it is on this machine, one is started;
-            port 0 chooses a free port.
+            port 0 chooses a free port. If it is the default, the port that the launch files give
+            rosbridge_websocket comes first.
         options: how to run.
 
     Returns:
         The exit code: 1 after a failure, else 0.
 
     Raises:
-        FibwsError: the hub cannot be started, refuses a parameter, or is lost.
+        FibwsError: the hub cannot be started, refuses a parameter, or is lost; or the port of
+            rosbridge_websocket is invalid.
         OSError: output cannot be written; `BrokenPipeError` if its reader is gone.
     """
     return asyncio.run(Run(launch, packages, url, options).run())
@@ -85,6 +90,7 @@ class Run:
         self._packages = packages
         self._url = url
         self._options = options
+        self._rosbridges = list(rosbridges(launch, packages))
         self._write_error: OSError | None = None
         folder = log_folder(os.environ) / f"{time.strftime('%Y-%m-%d_%H-%M-%S')}-{os.getpid()}"
         self._folder = folder
@@ -124,23 +130,43 @@ class Run:
 
     async def _find_hub(self) -> None:
         """Connect to the hub, or start one."""
-        where = urlsplit(self._url)
-        if where.port != 0 and await self._is_hub_running():
-            return
+        urls = list(dict.fromkeys([self._url, *self._urls_of_launch()]))
+        for url in urls:
+            try:
+                if await self._is_hub_running(url):
+                    self._url = url
+                    return
+            except HubUnreachable:
+                # Another server may be the reason for a port of one's own.
+                if self._options.wait or url == urls[-1]:
+                    raise
         if self._runner.is_stopping:
             return
+        where = urlsplit(urls[-1])
         if where.hostname not in LOOPBACK or where.scheme != "ws":
             raise NoHub(self._url, "nothing answers")
         self._screen.info("auto-starting new hub")
         port = 80 if where.port is None else where.port
         self._url = await self._runner.start_hub(where.hostname, port)
         self._screen.info(f"its page: {self._url.replace('ws:', 'http:')}/")
+        if self._options.has_default_url and urlsplit(self._url).port != DEFAULT_PORT:
+            self._screen.info(f"In the other terminals, type: export {ENVIRONMENT}={self._url}")
 
-    async def _is_hub_running(self) -> bool:
+    def _urls_of_launch(self) -> list[str]:
+        """Return the URL with the port of rosbridge_websocket, if nobody chose another port."""
+        if not self._options.has_default_url:
+            return []
+        host = urlsplit(self._url).hostname
+        ports = [each.port for each in self._rosbridges if each.port is not None]
+        return [f"ws://{host}:{port}" for port in ports[:1]]
+
+    async def _is_hub_running(self, url: str) -> bool:
         """Return whether a hub is running, after waiting for it if that is wanted."""
+        if urlsplit(url).port == 0:
+            return False  # A hub on a free port is a new one.
         is_first = True
         while True:
-            if await self._in_thread(lambda: is_hub_running(self._url, TOOL)):
+            if await self._in_thread(lambda: is_hub_running(url, TOOL)):
                 return True
             if not self._options.wait or self._runner.is_stopping:
                 return False
@@ -149,8 +175,18 @@ class Run:
                 is_first = False
             await asyncio.sleep(RETRY)
 
+    def _warn_of_rosbridge(self) -> None:
+        """Warn of settings of rosbridge_websocket that the hub does not follow."""
+        for each in self._rosbridges:
+            ignored = list(each.ignored)
+            if each.port and each.port != urlsplit(self._url).port:
+                ignored.append(f"port {each.port} is ignored; the hub is at {self._url}")
+            for text in ignored:
+                self._screen.error(f"WARNING: {each.place}: {text}")
+
     async def _prepare(self) -> None:
         """Set the parameters."""
+        self._warn_of_rosbridge()
         self._screen.info(f"FIBWS_HUB={self._url}", bold=True)
         self._screen.info("")
         loop = asyncio.get_running_loop()

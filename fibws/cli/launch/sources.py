@@ -57,8 +57,6 @@ class Sources:
         reader = Reader(self._environment, self._values, names.check_namespace(namespace))
         for file in self.files:
             reader.read(*_document(file))
-        for package in self._environment.used_shares:
-            reader.launch.warnings.append(f"{package}: not started, since it is part of the hub")
         return reader
 
     def read_arguments(self) -> Reader:

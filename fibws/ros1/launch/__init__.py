@@ -7,6 +7,7 @@
     environment   files, packages and variables of this machine
 
     node_command  the command of a node's program;  share/  launch files of packages of ROS
+    rosbridge     rosbridge_websocket in launch files, whose place the hub takes
     runner        all processes;  process  one process;  output  screen and log files
 
 Reading needs no clocks and no processes. `fibws.cli.launch` connects to the hub and sets the

@@ -13,7 +13,7 @@ from ipaddress import IPv4Address, ip_address
 from pathlib import Path
 from typing import Any, Protocol, TypeAlias
 
-from fibws.ros1.workspace.packages import SHARE, Packages
+from fibws.ros1.workspace.packages import Packages
 
 MOST_BYTES = 2**26
 """Largest file that is read; a device may have no end."""
@@ -65,24 +65,17 @@ class LocalEnvironment:
     Args:
         packages: the known packages.
         read_yaml: the reader of YAML.
-
-    Attributes:
-        used_shares: the packages of `SHARE` that were asked for.
     """
 
     def __init__(self, packages: Packages, read_yaml: ReadYaml) -> None:
         self.variables: Mapping[str, str] = os.environ
-        self.used_shares: list[str] = []
         self._packages = packages
         self._read_yaml = read_yaml
         self._anonymous_names = 0
 
     def find(self, package: str) -> Path:
         """Return the folder of a package, or raise `PackageNotFound`."""
-        folder = self._packages.find(package).folder
-        if folder.parent == SHARE and package not in self.used_shares:
-            self.used_shares.append(package)
-        return folder
+        return self._packages.find(package).folder
 
     def read(self, file: str) -> bytes:
         """Return the content of a file, or raise `OSError`."""

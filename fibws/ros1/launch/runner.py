@@ -210,9 +210,10 @@ class Runner:
                 waits: list[asyncio.Future[Any]] = [stopping, everything]
                 await asyncio.wait(waits, return_when=asyncio.FIRST_COMPLETED)
                 everything.cancel()
-                if not self.is_stopping:
-                    self._say_all_have_ended()
-            if any(job.is_hub for job in self._jobs):
+            has_hub = any(job.is_hub for job in self._jobs)
+            if (nodes or has_hub) and not self.is_stopping:
+                self._say_all_have_ended(had_nodes=bool(nodes), has_hub=has_hub)
+            if has_hub:
                 await stopping
         finally:
             stopping.cancel()
@@ -335,9 +336,10 @@ class Runner:
     def _say_started(self, process: Process) -> None:
         self._screen.info(f"process[{process.name}]: started with pid [{process.pid}]", bold=True)
 
-    def _say_all_have_ended(self) -> None:
-        if any(job.is_hub for job in self._jobs):
-            self._screen.info("all nodes have ended; the hub runs until Ctrl-C")
+    def _say_all_have_ended(self, *, had_nodes: bool, has_hub: bool) -> None:
+        if has_hub:
+            ended = "all nodes have ended; " if had_nodes else ""
+            self._screen.info(f"{ended}the hub runs until Ctrl-C")
         else:
             launch = command_name("launch")
             self._screen.info(f"all processes on machine have died, {launch} will exit")

@@ -196,19 +196,6 @@ async def test_launch_without_nodes_sets_parameters(
     ]
 
 
-async def test_launch_file_of_rosbridge_starts_nothing(
-    begin: Begin, robot: Path, hub: HubThread
-) -> None:
-    file = write(
-        robot,
-        '<include file="$(find rosbridge_server)/launch/rosbridge_websocket.launch">'
-        '<arg name="port" value="9090"/></include>',
-    )
-    code, err = await (await begin(file, hub=hub)).end()
-    assert code == 0
-    assert err.startswith("WARNING: rosbridge_server: ") and err.count("\n") == 1
-
-
 async def test_waiting_for_a_hub_can_be_interrupted(begin: Begin, robot: Path) -> None:
     hub = HubThread()
     hub.start()
