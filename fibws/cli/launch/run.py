@@ -237,7 +237,12 @@ class Run:
             future.cancel()
 
     async def _start_nodes(self) -> None:
-        nodes = [node for node in self._launch.nodes.values() if not node.is_test]
+        nodes = []
+        for node in self._launch.nodes.values():
+            if is_built_in(node, self._packages):
+                self._screen.info(f"[{node.name}] not started: {node.package} is part of the hub")
+            elif not node.is_test:
+                nodes.append(node)
         if not nodes:
             self._screen.info("No processes to monitor", bold=True)
         if any(not self._is_shown(node) for node in nodes):
@@ -245,9 +250,6 @@ class Run:
         for node in nodes:
             if self._runner.is_stopping:
                 return
-            if is_built_in(node, self._packages):
-                self._screen.info(f"[{node.name}] not started: {node.package} is part of the hub")
-                continue
             try:
                 command = node_command(node, self._packages, self._url, os.environ)
             except LaunchError as error:

@@ -49,7 +49,8 @@ def rosbridges(launch: Launch, packages: Packages) -> Iterator[Rosbridge]:
     for node in launch.nodes.values():
         is_websocket = node.type.removesuffix(".py") == TYPE and not node.is_test
         if is_websocket and node.package == "rosbridge_server" and is_built_in(node, packages):
-            yield Rosbridge(node, _port(node, launch), tuple(_ignored(node, launch)))
+            port = _port(node, launch)
+            yield Rosbridge(node, port, tuple(_ignored(node, launch, port)))
 
 
 def _port(node: Node, launch: Launch) -> int | None:
@@ -70,11 +71,11 @@ def _port(node: Node, launch: Launch) -> int | None:
     return int(text)
 
 
-def _ignored(node: Node, launch: Launch) -> Iterator[str]:
+def _ignored(node: Node, launch: Launch, port: int | None) -> Iterator[str]:
     address = launch.parameters.get(f"{node.resolved}/address")
     if address and address not in LOOPBACK:
-        advice = "start a hub before this launch: fibws hub --host"
-        yield f"address {address} is ignored; for other machines, {advice} {address}"
+        hub = f"fibws hub --host {address}{f' --port {port}' if port else ''}"
+        yield f"address {address} is ignored; for other machines, start {hub} before this launch"
     if certificate := launch.parameters.get(f"{node.resolved}/certfile"):
         yield f"certfile {certificate} is ignored; for TLS, use a proxy (docs/operations.md)"
     if launch.parameters.get(f"{node.resolved}/authenticate"):

@@ -17,7 +17,7 @@ from .conftest import FakeEnvironment
 
 PYTHON = "/usr/bin/python3"
 SCRIPT = """
-import json, os, sys
+import contextlib, io, json, os, sys
 sys.argv[1:], files = [], json.loads(sys.argv[1])
 import roslaunch.xmlloader, roslaunch.config, rosgraph.names
 rosgraph.names.anonymous_name = lambda name: name + "_host_1"
@@ -26,8 +26,10 @@ for file, values in files:
     config = roslaunch.config.ROSLaunchConfig()
     loader = roslaunch.xmlloader.XmlLoader()
     loader.ignore_unset_args = False
+    printed = io.StringIO()
     try:
-        loader.load(file, config, argv=["roslaunch", *values], verbose=False)
+        with contextlib.redirect_stderr(printed):
+            loader.load(file, config, argv=["roslaunch", *values], verbose=False)
         config.assign_machines()
     except Exception as error:
         results.append(None)
@@ -42,6 +44,7 @@ for file, values in files:
         "tests": [[t.name, t.namespace.rstrip("/") or "/"] for t in config.tests],
         "parameters": {name: p.value for name, p in config.params.items()},
         "cleared": [name.rstrip("/") or "/" for name in config.clear_params],
+        "warnings": len(config.config_errors) + printed.getvalue().count("WARN"),
         "steps": [[e.args[0], e.args[-1].rstrip("/") or "/"] for e in config.executables],
     })
 print(json.dumps(results))
@@ -296,5 +299,6 @@ def test_result_is_that_of_roslaunch(number: int, theirs: tuple[Path, list[Any]]
         "tests": [[node.name, node.namespace] for node in launch.nodes.values() if node.is_test],
         "parameters": launch.parameters,
         "cleared": launch.cleared,
+        "warnings": len(launch.warnings),
         "steps": [[step.command, step.name] for step in launch.steps],
     } == expected[number]
