@@ -38,9 +38,9 @@ class Processes:
         self._folder = folder
         self._created: list[Process] = []
 
-    def make(self, script: str, output: Output) -> Process:
-        command = [sys.executable, "-u", "-c", script]
-        process = Process("p-1", NodeCommand(command, dict(os.environ), self._folder), output)
+    def make(self, script: str, output: Output, *inherited: str) -> Process:
+        node = NodeCommand([sys.executable, "-u", "-c", script], dict(os.environ), self._folder)
+        process = Process("p-1", node, output, inherited=set(inherited))
         self._created.append(process)
         return process
 
@@ -81,6 +81,26 @@ async def test_long_line_is_split(processes: Processes) -> None:
     await process.wait()
     assert "".join(line for line, _ in output.lines) == "x" * LONGEST_LINE * 3
     assert all(len(line) <= 2 * LONGEST_LINE for line, _ in output.lines)
+
+
+async def test_inherited_streams_are_those_of_this_process(
+    processes: Processes, capfd: pytest.CaptureFixture[str]
+) -> None:
+    script = "import sys; print('out'); print('err', file=sys.stderr)"
+    for inherited, lines in (
+        (["stdout"], [("err", True)]),
+        (["stderr"], [("out", False)]),
+        (["stdout", "stderr"], []),
+    ):
+        output = Output()
+        process = processes.make(script, output, *inherited)
+        await process.start()
+        assert await process.wait() == 0
+        assert output.lines == lines
+        shown = capfd.readouterr()
+        assert (shown.out, shown.err) == tuple(
+            f"{name[3:]}\n" if name in inherited else "" for name in ("stdout", "stderr")
+        )
 
 
 async def test_process_runs_in_its_folder_without_input(
