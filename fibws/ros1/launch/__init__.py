@@ -8,7 +8,7 @@
 
     node_command  the command of a node's program;  share/  launch files of packages of ROS
     rosbridge     rosbridge_websocket in launch files, whose place the hub takes
-    runner        all processes;  process  one process;  output  screen and log files
+    runner        all processes;  process  one process;  output  screen, terminal, log files
 
 Reading needs no clocks and no processes. `fibws.cli.launch` connects to the hub and sets the
 parameters.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -67,15 +68,20 @@ Begin: TypeAlias = Callable[..., Terminal]
 
 @pytest.fixture
 def begin(robot: Path, hub: HubThread) -> Iterator[Begin]:
-    """Start ``fibws launch`` with one node, a Python script, in a terminal."""
+    """Start ``fibws launch`` with one node, a Python script, in a terminal.
+
+    With ``shell``, bash runs this text, in which {} is the command.
+    """
     terminals = []
 
-    def begin(script: str, attributes: str, *options: str) -> Terminal:
+    def begin(script: str, attributes: str, *options: str, shell: str = "") -> Terminal:
         program = robot / "scripts" / "program"
         program.write_text(f"#!{sys.executable}\n{script}")
         program.chmod(0o755)
         file = write(robot, f'<node pkg="robot" type="program" name="n" {attributes}/>')
         words = (sys.executable, "-m", "fibws", "launch", file, "--hub", hub.url, *options)
+        if shell:
+            words = ("bash", "-c", shell.format(shlex.join(words)))
         environment = {name: os.environ[name] for name in ("ROS_PACKAGE_PATH", "ROS_HOME")}
         terminals.append(Terminal(*words, TERM="xterm", NO_COLOR="", **environment))
         return terminals[-1]
@@ -120,6 +126,13 @@ def test_terminal_is_restored_after_a_node_that_crashed(begin: Begin) -> None:
     assert terminal.ended() == 1
     assert terminal.modes() == before
     assert "\r\n\x1b[31m[n-1] process has died" in terminal.output
+
+
+def test_background_job_is_not_stopped_by_the_terminal(begin: Begin) -> None:
+    # A change of the terminal's settings would stop it, and `wait` would return 128 + SIGTTOU.
+    terminal = begin(CRASHING, 'output="screen"', shell="set -m; {} & wait $!; echo ended: $?.")
+    terminal.wait_for("ended: 1.")
+    assert terminal.ended() == 0
 
 
 def test_node_on_the_screen_writes_to_the_terminal_directly(begin: Begin) -> None:
