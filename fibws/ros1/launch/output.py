@@ -76,8 +76,8 @@ class Terminal:
             return
         import termios
 
-        with suppress(termios.error):  # The terminal was closed.
-            if self._read() != self._settings:
+        if self._read() not in (None, self._settings):
+            with suppress(termios.error):
                 termios.tcsetattr(sys.stdin, termios.TCSADRAIN, self._settings)
 
     def _is_in_foreground(self) -> bool:
@@ -88,12 +88,15 @@ class Terminal:
             return True  # It controls another session than this one.
 
     def _read(self) -> list[Any] | None:
-        """Return the settings; None on Windows."""
+        """Return the settings; None on Windows, and if the terminal was closed."""
         try:
             import termios
         except ImportError:
             return None
-        return termios.tcgetattr(sys.stdin)
+        try:
+            return termios.tcgetattr(sys.stdin)
+        except termios.error:
+            return None
 
 
 class LogFile:
