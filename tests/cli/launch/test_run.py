@@ -177,6 +177,28 @@ async def test_required_option_applies_to_all_nodes(
     assert "[w-1] killing on exit" in seen.lines
 
 
+async def test_commands_of_ros_are_nodes(begin: Begin, robot: Path, hub: HubThread) -> None:
+    file = write(
+        robot,
+        '<group ns="g"><remap from="here" to="/there"/><node pkg="rostopic" type="rostopic" '
+        'name="beeper" args="pub -r 50 here std_msgs/Int32 5"/></group>'
+        '<node pkg="rosparam" type="rosparam" name="setter" args="set /speed 7"/>'
+        '<node pkg="rosservice" type="rosservice" name="caller" output="screen" '
+        'args="type /rosapi/topics"/>',
+    )
+    seen = await begin(file, hub=hub)
+    ends = {"[caller-3] rosapi/Topics", "[setter-2] process has finished cleanly"}
+    while not ends <= set(seen.lines):
+        await seen.shows("[")
+    with HubClient("test", hub.url) as client:
+        assert client.call("/rosapi/get_param", {"name": "/speed"})["value"] == "7"
+        client.subscribe("/there")
+        assert next(client.messages("/there")) == {"data": 5}
+        assert "/g/beeper" in client.call("/rosapi/nodes")["nodes"]
+    seen.program.send(signal.SIGINT)
+    assert await seen.end() == (0, "")
+
+
 async def test_launch_without_nodes_sets_parameters(
     begin: Begin, robot: Path, hub: HubThread
 ) -> None:
