@@ -137,7 +137,7 @@ class Run:
                     self._url = url
                     return
             except HubUnreachable:
-                # Another server may be the reason for a port of one's own.
+                # The launch files may name a port because another server uses the default one.
                 if self._options.wait or url == urls[-1]:
                     raise
         if self._runner.is_stopping:
@@ -176,7 +176,7 @@ class Run:
             await asyncio.sleep(RETRY)
 
     def _warn_of_rosbridge(self) -> None:
-        """Warn of settings of rosbridge_websocket that the hub does not follow."""
+        """Warn of settings of rosbridge_websocket that the hub ignores."""
         for each in self._rosbridges:
             ignored = list(each.ignored)
             if each.port and each.port != urlsplit(self._url).port:

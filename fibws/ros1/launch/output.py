@@ -85,7 +85,7 @@ class Terminal:
         try:
             return os.tcgetpgrp(sys.stdin.fileno()) == os.getpgrp()
         except OSError:
-            return True  # It controls another session than this one.
+            return True  # The terminal belongs to another session, whose jobs it stops.
 
     def _read(self) -> list[Any] | None:
         """Return the settings; None on Windows, and if the terminal was closed."""

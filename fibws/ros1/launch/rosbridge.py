@@ -1,7 +1,7 @@
 """What launch files set for rosbridge_websocket, whose place the hub takes.
 
-Launch files start it as a node, mostly by including rosbridge_server's rosbridge_websocket.launch,
-and web pages then look for it at the port that they give it. Its parameters and options are in
+Launch files start it as a node, mostly by including rosbridge_server's rosbridge_websocket.launch.
+Web pages then look for it at the port in the launch file. Its parameters and options are in
 http://wiki.ros.org/rosbridge_suite/Tutorials/RunningRosbridge.
 """
 
@@ -27,7 +27,7 @@ class Rosbridge:
 
     Attributes:
         port: the port that the file gives it; 0 for a free one, None without one.
-        ignored: its settings that the hub does not follow, each with what to do instead.
+        ignored: the settings that the hub ignores, each with what to do instead.
     """
 
     node: Node

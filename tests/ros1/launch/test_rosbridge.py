@@ -61,7 +61,7 @@ def test_invalid_port_is_an_error(port: str, read: Read, tmp_path: Path) -> None
         ({"address": "localhost", "authenticate": "false", "certfile": ""}, []),
     ],
 )
-def test_settings_that_the_hub_does_not_follow_are_known(
+def test_settings_that_the_hub_ignores_are_known(
     settings: dict[str, str], facts: list[str], read: Read, tmp_path: Path
 ) -> None:
     params = "".join(f'<param name="{name}" value="{each}"/>' for name, each in settings.items())
