@@ -17,8 +17,12 @@ import {
 
 /** How many new marks are drawn in one frame. */
 const PORTION = 100;
-/** Below this zoom, types and rates are hidden; below half of it, names too. */
-const FAR = 0.35;
+/** Below this zoom, types and rates are too small to read, and hidden. */
+const FAR = 0.5;
+/** Below this zoom, names are hidden, and namespaces have names of a readable size instead. */
+const FARTHER = 0.3;
+/** The height of the row above the members of a namespace, for its name. */
+const CAPTION_ROW = 20;
 
 export interface Actions {
   /** An element was clicked, or Enter was pressed on it. */
@@ -76,7 +80,8 @@ export class Drawing {
    *
    * Many new marks are drawn in portions, so that the page stays responsive.
    */
-  draw(picture: Picture, layout: Layout, down: boolean, rates: Rates): void {
+  draw(picture: Picture, layout: Layout, rates: Rates): void {
+    const { down } = layout;
     cancelAnimationFrame(this.#nextPortion);
     const elements = portion(picture.elements, this.#elementMarks, PORTION);
     const fresh = elements.filter(({ id }) => !this.#elementMarks.has(id)).length;
@@ -100,9 +105,7 @@ export class Drawing {
     else this.#animator.animate(down);
     if (!isComplete) {
       // One portion for each frame: timers could run twice between two frames.
-      this.#nextPortion = requestAnimationFrame(() =>
-        this.draw(picture, layout, down, this.#rates),
-      );
+      this.#nextPortion = requestAnimationFrame(() => this.draw(picture, layout, this.#rates));
     }
   }
 
@@ -122,9 +125,8 @@ export class Drawing {
 
   /** Adapt to the zoom: 1 is the original size. */
   setZoom(zoom: number): void {
-    // Labels that are too small to read only cost time; names of namespaces stay.
     this.root.classList.toggle("far", zoom < FAR);
-    this.root.classList.toggle("farther", zoom < FAR / 2);
+    this.root.classList.toggle("farther", zoom < FARTHER);
     this.#titles.style.setProperty("--zoom", String(zoom));
   }
 
@@ -183,12 +185,13 @@ export class Drawing {
       frame.remove();
       title.remove();
     });
-    for (const { name } of groups) {
+    for (const { name, parent } of groups) {
       const box = layout.groups.get(name);
       if (box === undefined) continue;
       let mark = this.#groupMarks.get(name);
       if (mark === undefined) {
         const title = svg("text", { class: "group-name" }, name);
+        title.classList.toggle("inner", parent !== null);
         mark = { frame: svg("rect", { class: "group", rx: 8 }), title };
         this.#groupMarks.set(name, mark);
       }
@@ -200,7 +203,8 @@ export class Drawing {
       setAttribute(frame, "width", String(width));
       setAttribute(frame, "height", String(height));
       setAttribute(title, "x", String(left + 10));
-      setAttribute(title, "y", String(top + 6));
+      setAttribute(title, "y", String(top + CAPTION_ROW));
+      title.style.setProperty("--largest", `${captionSize(name, width)}px`);
       this.#groups.append(frame);
       this.#titles.append(title);
     }
@@ -259,6 +263,12 @@ export class Drawing {
       Object.assign(mark, { edge, from: mark.at, to });
     }
   }
+}
+
+/** The largest font for a namespace's name, in pixels, with which it covers no member. */
+function captionSize(name: string, width: number): number {
+  const letter = 0.65;
+  return Math.max(12, Math.min(CAPTION_ROW, (width - 20) / (letter * name.length)));
 }
 
 /** All that are drawn already, and some of the others. */

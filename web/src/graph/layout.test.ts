@@ -21,8 +21,7 @@ function request(
     boxes: names.map((name) => box(name)),
     links: pairs.map(([from, to]) => link(from, to)),
     groups: [],
-    aspect: 1.6,
-    down: false,
+    canvas: { width: 1280, height: 720 },
     ...more,
   };
 }
@@ -47,7 +46,7 @@ describe("a layout", () => {
     const across = new LayoutEngine().layOut(chain);
     expect(at(across, "a").x).toBeLessThan(at(across, "b").x);
     expect(at(across, "b").x).toBeLessThan(at(across, "c").x);
-    const down = new LayoutEngine().layOut({ ...chain, down: true });
+    const down = new LayoutEngine().layOut({ ...chain, canvas: { width: 390, height: 700 } });
     expect(at(down, "a").y).toBeLessThan(at(down, "b").y);
     expect(at(down, "b").y).toBeLessThan(at(down, "c").y);
   });
@@ -138,6 +137,70 @@ describe("a layout", () => {
     const step = (id: string) => at(after, id).x - at(before, id).x;
     expect(step("b")).toBe(step("a"));
     expect(step("y")).toBe(step("x"));
+  });
+
+  it("has a row for a namespace's name above its members", () => {
+    const layout = new LayoutEngine().layOut({
+      ...request([], [["a", "b"]]),
+      boxes: [box("a", "/r"), box("b", "/r/s"), box("c", "/r/s")],
+      groups: [
+        { name: "/r", parent: null, width: 20 },
+        { name: "/r/s", parent: "/r", width: 20 },
+      ],
+    });
+    const top = ({ y, height }: Box): number => y - height / 2;
+    const [outer, inner] = ["/r", "/r/s"].map((name) => layout.groups.get(name) as Box) as [
+      Box,
+      Box,
+    ];
+    expect(top(inner) - top(outer)).toBeGreaterThanOrEqual(20);
+    for (const id of ["a", "b", "c"])
+      expect(top(at(layout, id)) - top(outer)).toBeGreaterThanOrEqual(20);
+    for (const id of ["b", "c"])
+      expect(top(at(layout, id)) - top(inner)).toBeGreaterThanOrEqual(20);
+  });
+
+  it("turns if names are readable only in the other direction, and stays so", () => {
+    const chain = (count: number) => {
+      const names = Array.from({ length: count }, (_, index) => `${index}`);
+      return request(
+        names,
+        names.slice(1).map((name, index): [string, string] => [`${index}`, name]),
+        { canvas: { width: 700, height: 850 } },
+      );
+    };
+    const engine = new LayoutEngine();
+    expect(engine.layOut(chain(3)).down).toBe(false);
+    expect(engine.layOut(chain(8)).down).toBe(true);
+    expect(engine.layOut(chain(7)).down).toBe(true);
+    // As a whole, this is readable in neither direction.
+    expect(engine.layOut(chain(100)).down).toBe(false);
+  });
+
+  it("fills the canvas with many namespaces that share a topic", () => {
+    const spaces = Array.from({ length: 12 }, (_, index) => `/robot${index}`);
+    const large: LayoutRequest = {
+      boxes: [
+        box("/tf"),
+        ...spaces.flatMap((space) =>
+          Array.from({ length: 8 }, (_, index) => box(`${space}/${index}`, space)),
+        ),
+      ],
+      links: spaces.flatMap((space) => [
+        ...Array.from({ length: 7 }, (_, index) => link(`${space}/0`, `${space}/${index + 1}`)),
+        link(`${space}/1`, "/tf"),
+      ]),
+      groups: spaces.map((name) => ({ name, parent: null, width: 60 })),
+      canvas: { width: 1280, height: 720 },
+    };
+    const layout = new LayoutEngine().layOut(large);
+    const { width, height } = layout.bounds;
+    expect(width / height).toBeGreaterThan(1);
+    expect(width / height).toBeLessThan(3.2);
+    expect([...layout.links.keys()].sort()).toEqual(large.links.map(({ id }) => id).sort());
+    const { points } = layout.links.get("/robot3/1>/tf") ?? { points: [] };
+    const tf = at(layout, "/tf");
+    expect(Math.abs((points.at(-1)?.x ?? 0) - tf.x)).toBeCloseTo(tf.width / 2);
   });
 
   it("is deterministic", () => {

@@ -10,10 +10,16 @@ import {
   type LayoutRequest,
   moved,
   type Point,
+  prefersDown,
+  READABLE,
+  type Size,
+  zoomToFit,
 } from "./layout_types";
 
 /** A part of the request without an edge or namespace in common with the rest. */
-type Component = Omit<LayoutRequest, "aspect">;
+type Component = Omit<LayoutRequest, "canvas">;
+
+type Link = LayoutRequest["links"][number];
 
 /** Up to this many boxes get more space between layers. */
 const FEW = 8;
@@ -27,21 +33,90 @@ const BETWEEN_COMPONENTS = 36;
 const PADDING = 14;
 const TITLE = 14;
 
+/** A layout is good enough if names are about as large as in other parts of the page. */
+const GOOD = 0.9;
+/** The other direction of the layers must show everything this much larger to be chosen. */
+const MUCH_LARGER = 1.3;
+
 /** Caches the components of the last layout, since most changes concern only one. */
 export class LayoutEngine {
   #cache = new Map<string, Layout>();
+  /** The direction that was chosen last, for canvases that prefer that direction or the other. */
+  #chosen: { preferred: boolean; down: boolean } | null = null;
 
+  /**
+   * Lay out a graph in the direction that suits the canvas.
+   *
+   * Layers go from left to right on a wide canvas and from top to bottom on a narrow one, unless
+   * names become readable only in the other direction. Once chosen, it stays while the graph grows.
+   * In a graph that is too large for the canvas, namespaces are laid out one by one if they fill
+   * the canvas better without the edges between them.
+   */
   layOut(request: LayoutRequest): Layout {
     const cache = new Map<string, Layout>();
-    const layouts = components(request).map((component) => {
-      const key = JSON.stringify(component);
-      const layout = this.#cache.get(key) ?? componentLayout(component);
-      cache.set(key, layout);
-      return layout;
-    });
+    const { canvas } = request;
+    const arranged = (parts: readonly Component[], down: boolean): Layout => {
+      const layouts = parts.map((component) => {
+        const key = JSON.stringify([component, down]);
+        const layout = this.#cache.get(key) ?? componentLayout(component, down);
+        cache.set(key, layout);
+        return layout;
+      });
+      return pack(layouts, canvas, down);
+    };
+    const zoomOf = (layout: Layout): number => zoomToFit(layout.bounds, canvas);
+    const whole = components(request);
+    const preferred = prefersDown(canvas);
+    const first = this.#chosen?.preferred === preferred ? this.#chosen.down : preferred;
+    let best = arranged(whole, mayBeReadable(request) ? first : preferred);
+    if (zoomOf(best) < GOOD && mayBeReadable(request)) {
+      const other = arranged(whole, !first);
+      const isBetter = zoomOf(other) > MUCH_LARGER * zoomOf(best);
+      // If neither is readable as a whole, the preferred direction is easier to follow.
+      const isUseless = zoomOf(best) < READABLE && first !== preferred;
+      if (zoomOf(other) >= READABLE ? isBetter : isUseless) best = other;
+    }
+    const crossing = linksBetweenNamespaces(request);
+    if (zoomOf(best) < READABLE && crossing.size > 0) {
+      const links = request.links.filter((link) => !crossing.has(link));
+      const apart = arranged(components({ ...request, links }), best.down);
+      if (zoomOf(apart) > MUCH_LARGER * zoomOf(best)) best = withLinks(apart, crossing);
+    }
+    this.#chosen = { preferred, down: best.down };
     this.#cache = cache;
-    return pack(layouts, request.aspect);
+    return best;
   }
+}
+
+/** Whether names could be readable if the boxes and the usual space around them fill the canvas. */
+function mayBeReadable({ boxes, canvas }: LayoutRequest): boolean {
+  const area = boxes.reduce(
+    (sum, { width, height }) => sum + (width + BETWEEN_LAYERS) * (height + BETWEEN_BOXES / 2),
+    0,
+  );
+  return area * READABLE ** 2 < canvas.width * canvas.height;
+}
+
+/** The links between boxes of different outermost namespaces. */
+function linksBetweenNamespaces({ boxes, links, groups }: LayoutRequest): Set<Link> {
+  const parents = new Map(groups.map(({ name, parent }) => [name, parent]));
+  const outermost = (name: string | null): string | null => {
+    const parent = name === null ? null : (parents.get(name) ?? null);
+    return parent === null ? name : outermost(parent);
+  };
+  const spaces = new Map(boxes.map(({ id, group }) => [id, outermost(group)]));
+  return new Set(links.filter(({ from, to }) => spaces.get(from) !== spaces.get(to)));
+}
+
+/** Add links to a layout, each on a direct way. */
+function withLinks(layout: Layout, links: ReadonlySet<Link>): Layout {
+  const layers = { boxes: [], depths: new Map(), down: layout.down };
+  for (const { id, from, to } of links) {
+    const ends = [layout.boxes.get(from) as Box, layout.boxes.get(to) as Box] as const;
+    const [a, b] = ends;
+    layout.links.set(id, edgePath([], { x: (a.x + b.x) / 2, y: (a.y + b.y) / 2 }, ends, layers));
+  }
+  return layout;
 }
 
 /** The connected components of a request (union-find). */
@@ -66,7 +141,7 @@ export function components(request: LayoutRequest): Component[] {
   const found = new Map<string, Component>();
   for (const box of request.boxes) {
     const root = find(box.id);
-    const component = found.get(root) ?? { boxes: [], links: [], groups: [], down: request.down };
+    const component = found.get(root) ?? { boxes: [], links: [], groups: [] };
     component.boxes.push(box);
     found.set(root, component);
   }
@@ -75,17 +150,17 @@ export function components(request: LayoutRequest): Component[] {
   return [...found.values()];
 }
 
-function componentLayout(component: Component): Layout {
+function componentLayout(component: Component, down: boolean): Layout {
   const only = component.boxes[0];
   if (only !== undefined && component.boxes.length === 1 && component.links.length === 0) {
     const boxes = new Map([[only.id, { x: 0, y: 0, width: only.width, height: only.height }]]);
-    return fitted({ boxes, links: new Map(), groups: groupsOf(component, boxes) });
+    return fitted({ boxes, links: new Map(), groups: groupsOf(component, boxes), down });
   }
   const graph = new Graph({ directed: true, multigraph: true, compound: true });
   graph.setGraph({
-    rankdir: component.down ? "TB" : "LR",
+    rankdir: down ? "TB" : "LR",
     ranksep: component.boxes.length > FEW ? BETWEEN_LAYERS : 2 * BETWEEN_LAYERS,
-    nodesep: component.down ? BETWEEN_BOXES / 2 : BETWEEN_BOXES,
+    nodesep: down || component.boxes.length > FEW ? BETWEEN_BOXES / 2 : BETWEEN_BOXES,
     edgesep: BETWEEN_ARROWS,
     // As few edges as possible go back in a cycle, which makes fewer layers.
     acyclicer: "greedy",
@@ -110,19 +185,16 @@ function componentLayout(component: Component): Layout {
     const { x, y } = graph.node(id) as Point;
     boxes.set(id, { x, y, width, height });
   }
-  const layers = layersOf([...boxes.values()], component.down);
+  const layers = layersOf([...boxes.values()], down);
   const links = new Map<string, EdgePath>();
   for (const { id, from, to } of component.links) {
     const { points = [], x, y } = graph.edge(from, to, id) as { points?: Point[] } & Point;
     const ends = [boxes.get(from) as Box, boxes.get(to) as Box] as const;
     links.set(id, edgePath(points, { x, y }, ends, layers));
   }
-  const height = Math.max(
-    0,
-    ...component.links.map((link) => (component.down ? link.width : link.height)),
-  );
+  const height = Math.max(0, ...component.links.map((link) => (down ? link.width : link.height)));
   spreadLabels([...links.values()], layers, height + 2);
-  return fitted({ boxes, links, groups: groupsOf(component, boxes) });
+  return fitted({ boxes, links, groups: groupsOf(component, boxes), down });
 }
 
 /** The boxes of namespaces: around their members, with padding and a title. */
@@ -150,7 +222,7 @@ function groupsOf(component: Component, boxes: ReadonlyMap<string, Box>): Map<st
 }
 
 /** Complete a layout, with its upper left corner at the origin. */
-function fitted({ boxes, links, groups }: Omit<Layout, "bounds">): Layout {
+function fitted({ boxes, links, groups, down }: Omit<Layout, "bounds">): Layout {
   const bends = [...links.values()]
     .flatMap(({ points }) => points)
     .map((point) => ({ ...point, width: 0, height: 0 }));
@@ -158,11 +230,12 @@ function fitted({ boxes, links, groups }: Omit<Layout, "bounds">): Layout {
   const { x, y, width, height } = all ?? { x: 0, y: 0, width: 0, height: 0 };
   const [left, top] = [x - width / 2, y - height / 2];
   const bounds = { left, top, width, height };
-  return moved({ boxes, links, groups, bounds }, -left, -top);
+  return moved({ boxes, links, groups, bounds, down }, -left, -top);
 }
 
-/** Arrange components in rows that fill the aspect ratio. */
-function pack(layouts: readonly Layout[], aspect: number): Layout {
+/** Arrange components in rows that fill the canvas. */
+function pack(layouts: readonly Layout[], canvas: Size, down: boolean): Layout {
+  const aspect = canvas.width / canvas.height;
   const area = layouts.reduce(
     (sum, { bounds: { width, height } }) =>
       sum + (width + BETWEEN_COMPONENTS) * (height + BETWEEN_COMPONENTS),
@@ -171,7 +244,7 @@ function pack(layouts: readonly Layout[], aspect: number): Layout {
   const widest = Math.max(0, ...layouts.map(({ bounds }) => bounds.width));
   const limit = Math.max(widest, 1.1 * Math.sqrt(area * aspect));
   const bounds = { left: 0, top: 0, width: 0, height: 0 };
-  const whole: Layout = { boxes: new Map(), links: new Map(), groups: new Map(), bounds };
+  const whole: Layout = { boxes: new Map(), links: new Map(), groups: new Map(), bounds, down };
   let [x, y, high] = [0, 0, 0];
   // Large ones first, so that single boxes gather below.
   const sorted = layouts

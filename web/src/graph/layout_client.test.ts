@@ -38,7 +38,7 @@ const drawn = (more: Partial<Picture> = {}): Picture => ({
 });
 
 const measure = (text: string): number => 7 * text.length;
-const SCREEN = { aspect: 1.6, down: false };
+const CANVAS = { width: 1280, height: 720 };
 
 test("boxes grow with their names up to a limit", () => {
   const [short, long, longest] = layoutRequest(
@@ -46,7 +46,7 @@ test("boxes grow with their names up to a limit", () => {
       elements: [element("a"), element("b", "b".repeat(30)), element("c", "c".repeat(900))],
     }),
     measure,
-    SCREEN,
+    CANVAS,
   ).boxes;
   expect(short?.width).toBeLessThan(long?.width ?? 0);
   expect(longest?.width).toBeLessThan(400);
@@ -54,16 +54,16 @@ test("boxes grow with their names up to a limit", () => {
 
 test("elements keep their places when more are added", () => {
   const engine = new LayoutEngine();
-  const previous = moved(engine.layOut(layoutRequest(drawn(), measure, SCREEN)), 300, 200);
+  const previous = moved(engine.layOut(layoutRequest(drawn(), measure, CANVAS)), 300, 200);
   const more = drawn({ elements: [element("a"), element("b"), element("c", "c".repeat(40))] });
-  const layout = anchored(engine.layOut(layoutRequest(more, measure, SCREEN)), previous);
+  const layout = anchored(engine.layOut(layoutRequest(more, measure, CANVAS)), previous);
   expect(layout.boxes.get("a")).toEqual(previous.boxes.get("a"));
   expect(layout.boxes.get("b")).toEqual(previous.boxes.get("b"));
 });
 
 test("edges have space for their longest labels", () => {
   const room = (latched: boolean) =>
-    layoutRequest(drawn({ edges: [edge(latched)] }), measure, SCREEN).links[0]?.width ?? 0;
+    layoutRequest(drawn({ edges: [edge(latched)] }), measure, CANVAS).links[0]?.width ?? 0;
   expect(room(false)).toBeGreaterThanOrEqual(measure("99.9 Hz"));
   expect(room(true)).toBeGreaterThanOrEqual(measure("99.9 Hz latched"));
 });

@@ -1,6 +1,6 @@
 /** Requests layouts of pictures from the worker. */
 import { layoutWorker } from "../script_urls";
-import { type Layout, type LayoutRequest, moved } from "./layout_types";
+import { type Layout, type LayoutRequest, moved, type Size } from "./layout_types";
 import type { Edge, Picture } from "./picture";
 import { type Measure, shortened, sizeOf } from "./shapes";
 
@@ -63,11 +63,7 @@ export class LayoutClient {
 }
 
 /** The request for a layout of a picture. */
-export function layoutRequest(
-  picture: Picture,
-  measure: Measure,
-  screen: { aspect: number; down: boolean },
-): LayoutRequest {
+export function layoutRequest(picture: Picture, measure: Measure, canvas: Size): LayoutRequest {
   return {
     boxes: picture.elements.map((element) => ({
       id: element.id,
@@ -85,7 +81,7 @@ export function layoutRequest(
       parent,
       width: Math.round(measure(name, "rate") + 12),
     })),
-    ...screen,
+    canvas,
   };
 }
 

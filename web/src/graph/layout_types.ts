@@ -11,6 +11,11 @@ export interface Box extends Point {
   height: number;
 }
 
+export interface Size {
+  width: number;
+  height: number;
+}
+
 /** What is to be laid out. All lengths are in pixels at a zoom of 1. */
 export interface LayoutRequest {
   boxes: { id: string; width: number; height: number; group: string | null }[];
@@ -18,10 +23,8 @@ export interface LayoutRequest {
   links: { id: string; from: string; to: string; width: number; height: number }[];
   /** With the width of its title; parents come before their children. */
   groups: { name: string; parent: string | null; width: number }[];
-  /** The aspect ratio of the viewport. */
-  aspect: number;
-  /** Layers from top to bottom, for narrow screens, instead of from left to right. */
-  down: boolean;
+  /** The size of the canvas, which the layout should fill. */
+  canvas: Size;
 }
 
 /** The path of an edge from border to border, and the position of its label. */
@@ -43,6 +46,36 @@ export interface Layout {
   links: Map<string, EdgePath>;
   groups: Map<string, Box>;
   bounds: Bounds;
+  /** Whether the layers go from top to bottom, not from left to right. */
+  down: boolean;
+}
+
+/** Small graphs are not enlarged to the size of the canvas. */
+const MAX_FIT = 1.2;
+/** The least zoom at which names are readable: their 14 px become 10 px. */
+export const READABLE = 0.7;
+/** The space around a drawing that fits, in pixels; less on a small canvas. */
+const MARGIN = 28;
+/** A canvas narrower than this is that of a phone, in pixels. */
+const NARROW = 560;
+
+export function marginOf(canvas: Size): number {
+  return canvas.width < NARROW ? MARGIN / 2 : MARGIN;
+}
+
+/** The zoom at which a drawing just fits into a canvas, at most `MAX_FIT`. */
+export function zoomToFit(drawing: Size, canvas: Size): number {
+  const inner = (length: number): number => Math.max(40, length - 2 * marginOf(canvas));
+  return Math.min(
+    MAX_FIT,
+    inner(canvas.width) / drawing.width,
+    inner(canvas.height) / drawing.height,
+  );
+}
+
+/** Whether layers go from top to bottom on a canvas, if both directions are equally good. */
+export function prefersDown({ width, height }: Size): boolean {
+  return width < NARROW || width < 0.8 * height;
 }
 
 /** The smallest box around some boxes; null without boxes. */
@@ -67,6 +100,7 @@ export function around(boxes: Iterable<Box>): Box | null {
 export function moved(layout: Layout, dx: number, dy: number): Layout {
   const shift = <T extends Point>(at: T): T => ({ ...at, x: at.x + dx, y: at.y + dy });
   return {
+    down: layout.down,
     boxes: new Map([...layout.boxes].map(([id, box]) => [id, shift(box)])),
     links: new Map(
       [...layout.links].map(([id, { points, label }]) => [

@@ -2,7 +2,7 @@ import { expect, it } from "vitest";
 
 import type { Rates } from "../model";
 import type { Edge } from "./picture";
-import { rateLabel } from "./shapes";
+import { linesOf, rateLabel } from "./shapes";
 
 const EDGE: Edge = {
   id: "1",
@@ -25,6 +25,26 @@ function rates(messages: number, dropped = 0, total = 0): Rates {
     dropped: new Map([["/t /n", total]]),
   };
 }
+
+it.each([
+  ["/scan", ["/scan"]],
+  ["joint_state_publisher", ["joint_state_", "publisher"]],
+  ["camera/color/image_raw", ["camera/color/", "image_raw"]],
+  [
+    "move_base/global_costmap/costmap_updates",
+    ["move_base/", "global_costmap/", "costmap_updates"],
+  ],
+  ["a".repeat(30), ["a".repeat(30)]],
+  ["", [""]],
+])("the name %s is broken only after slashes and underscores", (name, lines) => {
+  expect(linesOf(name)).toEqual(lines);
+});
+
+it("the middle is cut out of a very long name", () => {
+  const lines = linesOf(`/${"part_".repeat(40)}end`);
+  expect(lines.length).toBeLessThanOrEqual(3);
+  expect(lines.join("")).toMatch(/^\/part_.*….*_end$/);
+});
 
 it("the label has the rate, the tooltip also the edge", () => {
   const { label, title, idle } = rateLabel(EDGE, rates(1));

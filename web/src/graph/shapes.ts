@@ -2,19 +2,19 @@
 import { svg } from "../dom";
 import { bandwidth, hertz, whole } from "../format";
 import type { Rates } from "../model";
-import type { Box, EdgePath, Point } from "./layout_types";
+import type { Box, EdgePath, Point, Size } from "./layout_types";
 import type { Edge, Kind, Element as PictureElement } from "./picture";
 
 /** Measures the width of a text in pixels. */
 export type Measure = (text: string, font: "name" | "node" | "type" | "rate") => number;
 
-export interface Size {
-  width: number;
-  height: number;
-}
-
 /** The maximum length of a label, in characters. */
-const MAX_LABEL = 42;
+const MAX_LABEL = 54;
+/** Longer labels are broken into lines. */
+const MAX_LINE = 18;
+const MAX_LINES = 3;
+/** The distance of two lines of a label, in pixels. */
+const LINE = 15;
 
 const FONTS = {
   name: "500 14px system-ui, sans-serif",
@@ -47,14 +47,38 @@ export function shortened(text: string, limit = MAX_LABEL): string {
   return `${text.slice(0, half)}…${text.slice(-half)}`;
 }
 
+/** Break a long label into lines of similar length, after its slashes and underscores only. */
+export function linesOf(label: string): string[] {
+  const words = shortened(label).match(/[^/_]+[/_]*|[/_]+/g) ?? [];
+  const count = Math.min(MAX_LINES, Math.ceil(label.length / MAX_LINE));
+  const shortest = Math.ceil(label.length / Math.max(1, count));
+  for (let limit = Math.max(shortest, Math.floor(MAX_LINE / 2)); ; limit += 1) {
+    const lines = [""];
+    for (const word of words) {
+      const last = lines.length - 1;
+      if (lines[last] === "" || `${lines[last]}${word}`.length <= limit) lines[last] += word;
+      else lines.push(word);
+    }
+    if (lines.length <= Math.max(1, count)) return lines;
+  }
+}
+
 export function sizeOf(element: PictureElement, measure: Measure): Size {
-  const name = measure(shortened(element.label), element.kind === "node" ? "node" : "name");
+  const lines = linesOf(element.label);
+  const font = element.kind === "node" ? "node" : "name";
+  const name = Math.max(...lines.map((each) => measure(each, font)));
   const type = measure(shortened(element.second), "type");
   const widest = Math.max(name, type);
-  const line = element.second === "" ? 0 : 10;
+  const more = LINE * (lines.length - 1);
+  const line = (element.second === "" ? 0 : 10) + more;
   switch (element.kind) {
-    case "node":
-      return { width: Math.round(Math.max(64, 1.06 * name + 20)), height: 44 };
+    case "node": {
+      const height = 44 + 0.7 * more;
+      // The corners of the text are inside the ellipse.
+      const part = (LINE * lines.length - 4) / height;
+      const width = name / Math.sqrt(1 - part ** 2) + 16;
+      return { width: Math.round(Math.max(64, width)), height };
+    }
     case "topic":
       return { width: Math.round(Math.max(44, widest + 18)), height: 30 + line };
     case "service":
@@ -137,12 +161,18 @@ export function makeElement(element: PictureElement, box: Box): SVGGElement {
 export function elementContent(
   { kind, name, type, label, second }: PictureElement,
   box: Box,
-): Node[] {
+): (Node | string)[] {
   const title = svg("title", {}, type === "" ? name : `${name}\n${type}`);
   const hasType = second !== "";
-  const firstLine = svg("text", { class: "name", y: hasType ? -2 : 4.5 }, shortened(label));
-  const secondLine = hasType ? [svg("text", { class: "type", y: 12 }, shortened(second))] : [];
-  return [title, ...outline(kind, box), firstLine, ...secondLine];
+  const lines = linesOf(label);
+  const middle = (LINE * (lines.length - 1)) / 2;
+  const text = svg(
+    "text",
+    { class: "name", y: (hasType ? -2 : 4.5) - middle },
+    ...lines.map((line, index) => svg("tspan", { x: 0, dy: index === 0 ? 0 : LINE }, line)),
+  );
+  const typeLine = svg("text", { class: "type", y: 12 + middle }, shortened(second));
+  return [title, ...outline(kind, box), text, hasType ? typeLine : ""];
 }
 
 export function makeEdge(edge: Edge, path: EdgePath): EdgeMark {

@@ -9,7 +9,7 @@ import { asText } from "./as_text";
 import { Details } from "./details";
 import { Drawing } from "./drawing";
 import { anchored, LayoutClient, layoutRequest } from "./layout_client";
-import { around, type Box, type Layout } from "./layout_types";
+import { around, type Box, type Layout, type Point, prefersDown } from "./layout_types";
 import type { Kind, Picture } from "./picture";
 import { idOf, picture } from "./picture";
 import { textMeasure } from "./shapes";
@@ -18,8 +18,6 @@ import { Viewport } from "./viewport";
 
 const KINDS: readonly Kind[] = ["node", "topic", "service", "action"];
 const NOTHING: Picture = { elements: [], edges: [], groups: [], typed: true };
-/** Below this width in pixels, layers go from top to bottom. */
-const NARROW = 560;
 /** After this time in ms, the user is told that the layout is being computed. */
 const LONG = 700;
 
@@ -80,7 +78,7 @@ class GraphView implements View {
     if (key === "Escape" && this.#chosen !== null && !isOther) this.#close();
   };
   #shown: Picture = NOTHING;
-  #requested: { picture: Picture; down: boolean } = { picture: NOTHING, down: false };
+  #requested = NOTHING;
   #request = "";
   #layout: Layout | null = null;
   #hint: number | undefined;
@@ -154,13 +152,11 @@ class GraphView implements View {
 
   /** Request the layout of a picture, or draw it at once if only its data changed. */
   #layOut(next: Picture): void {
-    const { width, aspect: exact } = this.#viewport;
-    const down = width > 0 && width < NARROW;
-    const aspect = Math.round(exact * 4) / 4;
-    const request = layoutRequest(next, this.#measure, { aspect, down });
-    // A new size of the window alone moves nothing, unless the layers turn.
-    const key = JSON.stringify({ ...request, aspect: 0 });
-    this.#requested = { picture: next, down };
+    const { canvas } = this.#viewport;
+    const request = layoutRequest(next, this.#measure, canvas);
+    // A new size of the window alone moves nothing, unless it is of another shape.
+    const key = JSON.stringify({ ...request, canvas: prefersDown(canvas) });
+    this.#requested = next;
     if (key === this.#request) {
       if (!this.#layouts.busy && this.#layout !== null) this.#draw(this.#layout);
       return;
@@ -179,17 +175,17 @@ class GraphView implements View {
     window.clearTimeout(this.#hint);
     setText(this.#notice, "");
     // If the user has moved the drawing, it stays in place.
-    const previous = this.#viewport.fits ? null : this.#layout;
+    const previous = this.#viewport.isMoved ? this.#layout : null;
     const layout = previous === null ? next : anchored(next, previous);
     this.#layout = layout;
     this.#draw(layout);
-    this.#viewport.contain(layout.bounds);
+    this.#viewport.contain(layout.bounds, startOf(layout));
     this.#showText();
   }
 
   #draw(layout: Layout): void {
-    this.#shown = this.#requested.picture;
-    this.#drawing.draw(this.#shown, layout, this.#requested.down, this.#model.rates.value);
+    this.#shown = this.#requested;
+    this.#drawing.draw(this.#shown, layout, this.#model.rates.value);
   }
 
   #showRates(rates: Rates): void {
@@ -218,7 +214,7 @@ class GraphView implements View {
     this.#drawing.choose(this.#chosen);
     const box = this.#chosen === null ? undefined : this.#layout?.boxes.get(this.#chosen);
     if (box === undefined) {
-      if (this.#viewport.fits) this.#viewport.fit();
+      this.#viewport.refit();
       return;
     }
     // With its neighbours, if there is space.
@@ -239,4 +235,12 @@ class GraphView implements View {
     location.hash = route("graph");
     if (chosen !== null) this.#drawing.focus(chosen);
   }
+}
+
+/** The centre of the first box in the direction of the edges. */
+function startOf({ boxes, down }: Layout): Point {
+  const [first] = [...boxes.values()].sort(
+    down ? (a, b) => a.y - b.y || a.x - b.x : (a, b) => a.x - b.x || a.y - b.y,
+  );
+  return first ?? { x: 0, y: 0 };
 }

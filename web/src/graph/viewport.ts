@@ -1,25 +1,33 @@
 /** The visible part of the drawing: moved by drag, wheel, pinch and keys. */
 
-import type { Bounds, Box } from "./layout_types";
+import {
+  type Bounds,
+  type Box,
+  marginOf,
+  type Point,
+  READABLE,
+  type Size,
+  zoomToFit,
+} from "./layout_types";
 
 const MAX_ZOOM = 3;
 const MIN_ZOOM = 0.03;
-/** Small graphs are not enlarged to the size of the window. */
-const MAX_FIT = 1.2;
-const MARGIN = 28;
+/** The distance of a revealed box from the border, in pixels. */
+const MARGIN = 14;
 /** How far an arrow key moves the drawing, in pixels. */
 const STEP = 60;
 /** A pointer that moves less than this does not drag, in pixels. */
 const DRAG_START = 4;
 
 export class Viewport {
-  /** Whether it shows everything, until the user moves it. */
-  fits = true;
+  /** What it shows after each change, until the user moves it. */
+  #shows: "start" | "everything" | null = "start";
   readonly #element: HTMLElement;
   readonly #content: SVGSVGElement;
   readonly #zoomed: (zoom: number) => void;
   readonly #pointers = new Map<number, PointerEvent>();
   #bounds: Bounds = { left: 0, top: 0, width: 0, height: 0 };
+  #start: Point = { x: 0, y: 0 };
   #x = 0;
   #y = 0;
   #zoom = 1;
@@ -39,38 +47,53 @@ export class Viewport {
     // The end of a drag is not a click.
     element.addEventListener("click", (event) => this.#dragged && event.stopPropagation(), true);
     element.addEventListener("keydown", (event) => this.#key(event));
-    new ResizeObserver(() => this.fits && this.fit(false)).observe(element);
+    new ResizeObserver(() => this.refit(false)).observe(element);
   }
 
-  get aspect(): number {
-    const { clientWidth, clientHeight } = this.#element;
-    return clientWidth > 0 && clientHeight > 0 ? clientWidth / clientHeight : 1.6;
+  /** The size of the visible part, in pixels; that of a usual window while it is hidden. */
+  get canvas(): Size {
+    const { clientWidth: width, clientHeight: height } = this.#element;
+    return width > 0 && height > 0 ? { width, height } : { width: 1280, height: 720 };
   }
 
-  get width(): number {
-    return this.#element.clientWidth;
-  }
-
-  /** Set the bounds of the drawing. */
-  contain(bounds: Bounds): void {
+  /** Set the bounds of the drawing, and the point to show first if it is too large. */
+  contain(bounds: Bounds, start: Point): void {
     this.#bounds = bounds;
+    this.#start = start;
     this.#content.style.width = `${bounds.width}px`;
     this.#content.style.height = `${bounds.height}px`;
-    if (this.fits) this.fit();
+    this.refit();
+  }
+
+  /** Whether the user has moved it. */
+  get isMoved(): boolean {
+    return this.#shows === null;
   }
 
   /** Show everything, also after later changes. */
-  fit(animated = true): void {
-    this.fits = true;
+  fit(): void {
+    this.#shows = "everything";
+    this.refit();
+  }
+
+  /** Show what it showed before a change, unless the user has moved it. */
+  refit(animated = true): void {
     const { left, top, width, height } = this.#bounds;
-    const { clientWidth, clientHeight } = this.#element;
-    if (width <= 0 || height <= 0 || clientWidth === 0) return;
-    const inner = (length: number): number => Math.max(40, length - 2 * MARGIN);
-    this.#zoom = clamped(
-      Math.min(MAX_FIT, inner(clientWidth) / width, inner(clientHeight) / height),
-    );
-    this.#x = (clientWidth - width * this.#zoom) / 2 - left * this.#zoom;
-    this.#y = (clientHeight - height * this.#zoom) / 2 - top * this.#zoom;
+    const { canvas } = this;
+    if (this.#shows === null || width <= 0 || height <= 0 || this.#element.clientWidth === 0)
+      return;
+    const fitting = zoomToFit(this.#bounds, canvas);
+    // At first, names are readable, even if not all of the drawing has space then.
+    this.#zoom = clamped(this.#shows === "start" ? Math.max(READABLE, fitting) : fitting);
+    const shift = (visible: number, low: number, length: number, start: number): number => {
+      const margin = marginOf(canvas);
+      const slack = visible - length * this.#zoom;
+      if (slack >= 2 * margin) return slack / 2 - low * this.#zoom;
+      const centred = visible / 2 - (start - low) * this.#zoom;
+      return Math.min(margin, Math.max(slack - margin, centred)) - low * this.#zoom;
+    };
+    this.#x = shift(canvas.width, left, width, this.#start.x);
+    this.#y = shift(canvas.height, top, height, this.#start.y);
     this.#apply(animated);
   }
 
@@ -82,14 +105,14 @@ export class Viewport {
     this.#x = at.x - (at.x - this.#x) * ratio;
     this.#y = at.y - (at.y - this.#y) * ratio;
     this.#zoom = next;
-    this.fits = false;
+    this.#shows = null;
     this.#apply(x === undefined);
   }
 
   pan(dx: number, dy: number, animated = true): void {
     this.#x += dx;
     this.#y += dy;
-    this.fits = false;
+    this.#shows = null;
     this.#apply(animated);
   }
 
@@ -100,16 +123,16 @@ export class Viewport {
     const distance = (centre: number, size: number, shift: number, room: number): number => {
       const low = (centre - size / 2) * this.#zoom + shift;
       const high = (centre + size / 2) * this.#zoom + shift;
-      if (low < MARGIN / 2) return MARGIN / 2 - low;
-      return high > room - MARGIN / 2 ? room - MARGIN / 2 - high : 0;
+      if (low < MARGIN) return MARGIN - low;
+      return high > room - MARGIN ? room - MARGIN - high : 0;
     };
     const dx = distance(x, width, this.#x, clientWidth);
     const dy = distance(y, height, this.#y, clientHeight);
     if (dx === 0 && dy === 0) return;
-    const { fits } = this;
+    const shows = this.#shows;
     this.pan(dx, dy);
     // The user did not move it.
-    this.fits = fits;
+    this.#shows = shows;
   }
 
   #apply(animated: boolean): void {
