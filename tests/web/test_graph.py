@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import re
 from collections.abc import AsyncIterator
+from xml.etree import ElementTree
 
 import pytest
-from playwright.async_api import Locator, Page, expect
+from playwright.async_api import FloatRect, Locator, Page, expect
 
 import fibws
 from fibws.action.actionlib_tutorials import Fibonacci
@@ -168,6 +170,25 @@ async def test_debug_shows_names_of_the_hub_and_of_this_page(hub: Hub, open_page
         await expect(element(page, "topic", "/rosout")).to_have_count(0)
 
 
+async def test_link_has_the_options_and_the_filter(hub: Hub, open_page: OpenPage) -> None:
+    async with chain(hub, "talker", "/chatter", "listener"), chain(hub, "a", "/other", "b"):
+        page = await open_page(hub)
+        await page.get_by_label("Filter").fill("-/other -/a")
+        await page.get_by_role("checkbox", name="Types").uncheck()
+        await element(page, "topic", "/chatter").click()
+        await expect(page.get_by_role("heading", name="/chatter")).to_be_visible()
+        copy = await open_page(hub, page.url.partition("/#")[2].join(["#", ""]))
+        await expect(element(copy, "topic", "/chatter")).to_have_attribute("aria-pressed", "true")
+        await expect(copy.get_by_label("Filter")).to_have_value("-/other -/a")
+        await expect(copy.get_by_role("checkbox", name="Types")).not_to_be_checked()
+        await expect(element(copy, "topic", "/other")).to_have_count(0)
+        # A tab keeps its state while others are shown.
+        await copy.get_by_role("link", name="Topics").click()
+        await expect(copy).to_have_url(re.compile("#/topics$"))
+        await copy.get_by_role("link", name="Graph").click()
+        await expect(copy).to_have_url(re.compile(r"#/graph\?filter=-/other\+-/a&types=0$"))
+
+
 async def test_options_are_kept_after_a_reload(hub: Hub, open_page: OpenPage) -> None:
     async with chain(hub, "talker", "/chatter", "listener"):
         page = await open_page(hub)
@@ -268,6 +289,99 @@ async def test_graph_is_available_as_text(hub: Hub, open_page: OpenPage) -> None
         await expect(page.locator(".graph .as-text pre")).to_contain_text(
             "topic /chatter [std_msgs/"
         )
+
+
+async def test_names_of_namespaces_cover_no_element(hub: Hub, open_page: OpenPage) -> None:
+    async with chain(hub, "camera", "/robot/arm/image", "viewer", namespace="/robot"):
+        page = await open_page(hub, "#/graph?namespaces=1")
+        await middle(element(page, "topic", "/robot/arm/image"))
+        for _ in range(5):
+            captions = await page.locator(".graph .group-name").all()
+            names = page.locator(".graph .element .outline, .graph .element .name")
+            boxes = [await each.bounding_box() for each in await names.all()]
+            for caption in captions:
+                box = await caption.bounding_box()
+                assert box is not None
+                assert box["width"] > 5
+                assert not any(other is not None and _overlap(box, other) for other in boxes)
+            await page.get_by_role("button", name="Zoom out").click()
+            await middle(element(page, "topic", "/robot/arm/image"))
+
+
+def _overlap(one: FloatRect, other: FloatRect) -> bool:
+    return (
+        one["x"] < other["x"] + other["width"]
+        and other["x"] < one["x"] + one["width"]
+        and one["y"] < other["y"] + other["height"]
+        and other["y"] < one["y"] + one["height"]
+    )
+
+
+async def test_large_graph_starts_readable_and_fits_on_demand(
+    hub: Hub, open_page: OpenPage
+) -> None:
+    names = [f"laser_scanner_{number}" for number in range(40)]
+    async with contextlib.AsyncExitStack() as nodes:
+        for name in names:
+            node = await nodes.enter_async_context(fibws.Node(name, hub=hub.url))
+            await node.advertise(f"/{name}/scan", Int32)
+        for width, height in ((1280, 800), (390, 700)):
+            page = await open_page(hub, width=width, height=height)
+            first = element(page, "node", f"/{names[0]}")
+            await middle(first)
+            letters = (
+                "parseFloat(getComputedStyle(document.querySelector('.graph .name')).fontSize)"
+            )
+            zoom = "new DOMMatrix(getComputedStyle(document.querySelector('.graph .drawing'))"
+            zoom += ".transform).a"
+            assert await page.evaluate(f"{letters} * {zoom}") > 9.5
+            await page.get_by_role("button", name="Fit").click()
+            for name in names:
+                x, y = await middle(element(page, "node", f"/{name}"))
+                assert 0 < x < width
+                assert 0 < y < height
+
+
+async def test_nodes_without_messages_can_be_hidden(hub: Hub, open_page: OpenPage) -> None:
+    async with (
+        chain(hub, "talker", "/chatter", "listener"),
+        fibws.Node("idle", hub=hub.url) as idle,
+    ):
+        await idle.advertise("/silent", Int32)
+        page = await open_page(hub)
+        await expect(element(page, "node", "/idle")).to_be_visible()
+        await page.get_by_role("checkbox", name="Quiet").uncheck()
+        await expect(element(page, "topic", "/chatter")).to_be_visible()
+        await expect(element(page, "node", "/listener")).to_be_visible()
+        await expect(element(page, "node", "/idle")).to_have_count(0)
+        await expect(element(page, "topic", "/silent")).to_have_count(0)
+
+
+async def test_graph_is_saved_as_svg_and_dot(hub: Hub, open_page: OpenPage) -> None:
+    async with chain(hub, "talker", "/robot/chatter", "listener", namespace="/robot"):
+        page = await open_page(hub, "#/graph?namespaces=1", color_scheme="dark")
+        await element(page, "node", "/robot/talker").wait_for()
+        async with page.expect_download() as download:
+            await page.get_by_role("button", name="Save the drawing as SVG").click()
+        saved = await download.value
+        assert saved.suggested_filename == "graph.svg"
+        drawing = ElementTree.parse(await saved.path()).getroot()
+        namespace = "{http://www.w3.org/2000/svg}"
+        texts = ["".join(text.itertext()) for text in drawing.iter(f"{namespace}text")]
+        assert {"talker", "chatter", "/listener", "/robot"} <= set(texts)
+        shapes = [each for each in drawing.iter() if each.tag.endswith(("ellipse", "path", "rect"))]
+        for shape in shapes:
+            assert re.fullmatch(r"none|rgb\(\d+, \d+, \d+\)", shape.attrib["fill"])
+            assert not {"class", "style"} & set(shape.attrib)
+        # The page is dark, the file is not.
+        paper = [int(part) for part in re.findall(r"\d+", drawing[0].attrib["fill"])]
+        assert min(paper) > 200
+        async with page.expect_download() as download:
+            await page.get_by_role("button", name="Save the graph as DOT").click()
+        saved = await download.value
+        assert saved.suggested_filename == "graph.dot"
+        dot = await asyncio.to_thread((await saved.path()).read_text)
+        assert '"node /robot/talker" -> "topic /robot/chatter";' in dot
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

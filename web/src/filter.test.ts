@@ -49,3 +49,22 @@ test("exclusion can be asked for alone", () => {
   expect(filter.excludes("/camera")).toBe(true);
   expect(filter.excludes("/scan")).toBe(false);
 });
+
+test.each([
+  ["/robot,-/tf", "/robot/scan", true],
+  ["-/tf, -/rosout", "/rosout", false],
+])("commas separate words, as in rqt_graph: %s", (text, field, expected) => {
+  expect(matches(text, field)).toBe(expected);
+});
+
+test("something is shown if a neighbour matches, but not if it is excluded itself", () => {
+  const shows = (text: string): boolean =>
+    new Filter(text).shows(["/scan", "sensor_msgs/LaserScan"], [["/driver"], ["/viewer"]]);
+  expect(shows("/driver")).toBe(true);
+  expect(shows("laser")).toBe(true);
+  expect(shows("/other")).toBe(false);
+  expect(shows("/driver -/scan")).toBe(false);
+  // Excluding one neighbour hides only that one.
+  expect(shows("-/driver")).toBe(true);
+  expect(shows("driver viewer")).toBe(false);
+});

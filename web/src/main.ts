@@ -5,7 +5,7 @@ import { isHidden } from "./hidden_names";
 import { Hub, hubUrl } from "./hub";
 import { Model } from "./model";
 import { Shell, TABS, type Tab } from "./shell";
-import { type MakeView, pathOf, type View } from "./view";
+import { type MakeView, pathOf, stateOf, type View } from "./view";
 import { welcome } from "./welcome";
 
 /** The modules of the views, each loaded when its tab is first opened. */
@@ -50,7 +50,7 @@ function start(url: string): void {
       shell.stage.dataset.view = tab;
       shown = view;
     }
-    view.show(path);
+    view.show(path, stateOf(hash));
   }
 
   function viewOf(tab: Tab): Promise<View> {

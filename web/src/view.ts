@@ -4,8 +4,13 @@ import type { Model } from "./model";
 /** One tab of the page. */
 export interface View {
   readonly element: HTMLElement;
-  /** The view becomes visible. The path is the rest of the route, decoded: `["node", "/talker"]`. */
-  show(path: string[]): void;
+  /**
+   * The view becomes visible, or its URL changes.
+   *
+   * `path` is the rest of the route, decoded: `["node", "/talker"]`. `state` is the state in the URL,
+   * such as the filter; without one, the view keeps its state. The view writes it by `saveState`.
+   */
+  show(path: string[], state: URLSearchParams | null): void;
   /** The view becomes hidden: it ends the subscriptions that it needs only while visible. */
   hide(): void;
 }
@@ -18,10 +23,37 @@ export function route(...path: string[]): string {
   return `#/${path.map(encodeURIComponent).join("/")}`;
 }
 
+/** The state in a URL fragment: `#/topics?filter=scan`; null if there is none. */
+export function stateOf(hash: string): URLSearchParams | null {
+  const [, query] = hash.split("?", 2);
+  return query === undefined ? null : new URLSearchParams(query);
+}
+
+/** A URL fragment with another state; entries that are empty or false are left out. */
+export function withState(hash: string, state: Record<string, string | boolean>): string {
+  const query = new URLSearchParams();
+  for (const [name, value] of Object.entries(state)) {
+    if (value !== "" && value !== false) query.set(name, value === true ? "1" : value);
+  }
+  const path = hash.replace(/\?.*$/s, "");
+  // Slashes are allowed in a fragment, and names are easier to read with them.
+  const text = query.toString().replaceAll("%2F", "/").replaceAll("%2C", ",");
+  return text === "" ? path : `${path || "#/"}?${text}`;
+}
+
+/** Put the state of the shown view into the URL, so that a link to it or a reload restores it. */
+export function saveState(state: Record<string, string | boolean>): void {
+  const hash = withState(location.hash, state);
+  if (hash !== location.hash) {
+    history.replaceState(history.state, "", `${location.pathname}${location.search}${hash}`);
+  }
+}
+
 /** The path in a URL fragment, decoded; parts that are invalid stay as they are. */
 export function pathOf(hash: string): string[] {
   return hash
     .replace(/^#\/?/, "")
+    .replace(/\?.*$/s, "")
     .split("/")
     .filter((part) => part !== "")
     .map((part) => {

@@ -48,7 +48,7 @@ export interface EntryFilter {
 
 export function passes(entry: Entry, { level, node, text }: EntryFilter): boolean {
   if (entry.level < level || (node !== "" && entry.node !== node)) return false;
-  return text.matches(entry.node, entry.text);
+  return text.shows([entry.node, entry.text]);
 }
 
 /** An entry as rospy prints it: `[INFO] [1700000000.123456] [/talker]: hello`. */

@@ -3,10 +3,10 @@ import "./console.css";
 
 import { copyButton } from "../copy_button";
 import { h, replace, setText } from "../dom";
-import { Filter, filterInput } from "../filter";
+import { Filter, FilterInput } from "../filter";
 import { plural, whole } from "../format";
 import type { Model } from "../model";
-import type { MakeView, View } from "../view";
+import { type MakeView, saveState, type View } from "../view";
 import {
   clock,
   type Entry,
@@ -40,6 +40,17 @@ class ConsoleView implements View {
     "aria-label": "Messages",
   });
   readonly #nodes = h("select", { "aria-label": "Node" }, h("option", { value: "" }, "all nodes"));
+  readonly #level = h(
+    "select",
+    { "aria-label": "Minimum level" },
+    h("option", { value: 0 }, "all levels"),
+    ...LEVELS.slice(1).map(({ value, name }, index, { length }) =>
+      h("option", { value }, index === length - 1 ? name : `${name} and above`),
+    ),
+  );
+  readonly #text = new FilterInput("Filter messages", () =>
+    this.#choose({ text: this.#text.filter }),
+  );
   readonly #names = new Set<string>();
   readonly #note = h("p", { class: "soft small", role: "status" });
   readonly #pause = h("button", { type: "button" }, "Pause");
@@ -70,7 +81,9 @@ class ConsoleView implements View {
     );
   }
 
-  show(): void {
+  show(_path: string[], state: URLSearchParams | null): void {
+    if (state !== null) this.#restore(state);
+    this.#save();
     this.#log.setVisible(true);
     this.#stop ??= this.#log.newest.watch(() => this.#draw());
     if (this.#following) this.#follow();
@@ -83,25 +96,18 @@ class ConsoleView implements View {
   }
 
   #toolbar(): HTMLElement {
-    const level = h(
-      "select",
-      { "aria-label": "Minimum level" },
-      h("option", { value: 0 }, "all levels"),
-      ...LEVELS.slice(1).map(({ value, name }, index, { length }) =>
-        h("option", { value }, index === length - 1 ? name : `${name} and above`),
-      ),
+    this.#level.addEventListener("change", () =>
+      this.#choose({ level: Number(this.#level.value) }),
     );
-    level.addEventListener("change", () => this.#choose({ level: Number(level.value) }));
     this.#nodes.addEventListener("change", () => this.#choose({ node: this.#nodes.value }));
-    const text = filterInput("Filter messages", (filter) => this.#choose({ text: filter }));
     const clear = h("button", { type: "button" }, "Clear");
     clear.addEventListener("click", () => this.#clear());
     return h(
       "div",
       { class: "toolbar" },
-      level,
+      this.#level,
       this.#nodes,
-      text,
+      this.#text.element,
       this.#pause,
       clear,
       copyButton("Copy", () => this.#shown.map(line).join("\n")),
@@ -110,6 +116,32 @@ class ConsoleView implements View {
 
   #choose(change: Partial<EntryFilter>): void {
     Object.assign(this.#filter, change);
+    this.#save();
+    this.#redraw();
+  }
+
+  /** `?level=warn&node=/talker&filter=motor` */
+  #save(): void {
+    const { level, node, text } = this.#filter;
+    saveState({
+      level: level === 0 ? "" : levelName(level).toLowerCase(),
+      node,
+      filter: text.text,
+    });
+  }
+
+  #restore(state: URLSearchParams): void {
+    const level = state.get("level")?.toUpperCase();
+    this.#text.text = state.get("filter") ?? "";
+    Object.assign(this.#filter, {
+      level: LEVELS.slice(1).find(({ name }) => name === level)?.value ?? 0,
+      node: state.get("node") ?? "",
+      text: this.#text.filter,
+    });
+    // The node may not have logged yet.
+    if (this.#filter.node !== "") this.#addNode(this.#filter.node);
+    this.#level.value = String(this.#filter.level);
+    this.#nodes.value = this.#filter.node;
     this.#redraw();
   }
 

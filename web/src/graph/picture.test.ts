@@ -54,6 +54,39 @@ describe("a picture", () => {
     expect(drawn.edges[1]?.subscriptions).toEqual(["/chatter /listener"]);
   });
 
+  it("has no quiet nodes and topics if these are hidden", () => {
+    const larger = graph(
+      ["/talker", "/listener", "/idle"],
+      [
+        topic("/chatter", ["/talker"], ["/listener"]),
+        topic("/silent", ["/idle", "/talker"], ["/listener"]),
+      ],
+      {
+        services: [
+          { name: "/talker/start", type: "a/B", node: "/talker" },
+          { name: "/idle/start", type: "a/B", node: "/idle" },
+        ],
+      },
+    );
+    const options = { ...DEFAULTS, services: true, quiet: false };
+    const busy = (flow: string): boolean => flow === "/chatter /talker";
+    expect(ids(picture(larger, options, busy))).toEqual([
+      "topic /chatter",
+      "node /talker",
+      "service /talker/start",
+    ]);
+    expect(ids(picture(larger, { ...options, quiet: true }, busy))).toHaveLength(7);
+    expect(ids(picture(larger, options, () => false))).toEqual([]);
+  });
+
+  it("hides the services of an excluded node, as the list of services does", () => {
+    const served = graph(["/talker"], [], {
+      services: [{ name: "/start", type: "a/B", node: "/talker" }],
+    });
+    const options = { ...DEFAULTS, services: true, filter: new Filter("-/talker") };
+    expect(ids(picture(served, options))).toEqual([]);
+  });
+
   it("has topics as labels if only nodes are drawn", () => {
     const drawn = picture(CHATTER, { ...DEFAULTS, topics: false });
     expect(ids(drawn)).toEqual(["node /listener", "node /talker"]);

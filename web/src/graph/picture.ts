@@ -1,6 +1,6 @@
 /** What of the graph is drawn: elements, edges and namespaces, not yet laid out. */
 
-import type { Filter } from "../filter";
+import { type Filter, fieldsOf } from "../filter";
 import { isHidden } from "../hidden_names";
 import type { ActionInfo, Graph, TopicInfo } from "../model";
 import { flowKey } from "../rates";
@@ -65,19 +65,25 @@ const topicsOf = ({ name }: ActionInfo): string[] => ACTION_TOPICS.map((each) =>
 
 export const idOf = (kind: Kind, name: string): string => `${kind} ${name}`;
 
-/** An element before namespaces are known. */
-type Sketch = Omit<Element, "group" | "label" | "second" | "about">;
+/** An element before namespaces are known; with the node that a service or action is part of. */
+type Sketch = Omit<Element, "group" | "label" | "second" | "about"> & { node?: string };
 type Line = Pick<Edge, "from" | "to" | "about"> & Partial<Edge>;
 
-/** Choose the part of the graph that is drawn. */
-export function picture(graph: Graph, options: GraphOptions): Picture {
-  const { elements, edges } = filtered(collected(graph, options), options.filter);
+/** Choose the part of the graph that is drawn; `busy` says which flows had messages lately. */
+export function picture(
+  graph: Graph,
+  options: GraphOptions,
+  busy: (flow: string) => boolean = () => true,
+): Picture {
+  const draft = collected(graph, options);
+  if (!options.quiet) removeQuiet(draft, busy);
+  const { elements, edges } = filtered(draft, options.filter);
   const outgoing = counter(edges.map(({ from }) => from));
   const incoming = counter(edges.filter(({ dashed }) => !dashed).map(({ to }) => to));
   const typed = options.types ?? elements.length <= FEW;
   const { groups, of } = namespaces(elements, options.namespaces);
   return {
-    elements: elements.map((element) => {
+    elements: elements.map(({ node: _node, ...element }) => {
       const group = of.get(element.id) ?? null;
       return {
         ...element,
@@ -96,12 +102,12 @@ export function picture(graph: Graph, options: GraphOptions): Picture {
 /** Collects elements and the edges between them. */
 class PictureDraft {
   readonly elements = new Map<string, Sketch>();
-  readonly edges: Edge[] = [];
+  edges: Edge[] = [];
 
   /** Add an element; returns its id. */
-  addElement(kind: Kind, name: string, type = ""): string {
+  addElement(kind: Kind, name: string, type = "", node = ""): string {
     const id = idOf(kind, name);
-    this.elements.set(id, { id, kind, name, type });
+    this.elements.set(id, { id, kind, name, type, node });
     return id;
   }
 
@@ -144,7 +150,7 @@ function collected(graph: Graph, options: GraphOptions): PictureDraft {
   }
   for (const service of options.services ? graph.services.filter(shown) : []) {
     draft.addEdge({
-      from: draft.addElement("service", service.name, service.type),
+      from: draft.addElement("service", service.name, service.type, service.node),
       to: idOf("node", service.node),
       dashed: true,
       about: `${service.node} provides ${service.name}`,
@@ -153,12 +159,26 @@ function collected(graph: Graph, options: GraphOptions): PictureDraft {
   return draft;
 }
 
+/** Remove the elements and edges without messages; a service stays with its node. */
+function removeQuiet(draft: PictureDraft, busy: (flow: string) => boolean): void {
+  const loud = new Set<string>();
+  for (const { from, to, publishers, subscriptions } of draft.edges) {
+    if ([...publishers, ...subscriptions].some(busy)) loud.add(from).add(to);
+  }
+  for (const { id, kind, node = "" } of draft.elements.values()) {
+    const isPart = kind === "service" || kind === "action";
+    if (isPart && loud.has(idOf("node", node))) loud.add(id);
+  }
+  for (const id of draft.elements.keys()) if (!loud.has(id)) draft.elements.delete(id);
+  draft.edges = draft.edges.filter(({ from, to }) => loud.has(from) && loud.has(to));
+}
+
 /** The elements that match the filter, their neighbours, and the edges between both. */
 function filtered(draft: PictureDraft, filter: Filter): { elements: Sketch[]; edges: Edge[] } {
-  const all = [...draft.elements.values()].filter(({ name, type }) => !filter.excludes(name, type));
+  const all = [...draft.elements.values()].filter((each) => !filter.excludes(...fieldsOf(each)));
   const ids = new Set(all.map(({ id }) => id));
   const matching = new Set(
-    all.filter(({ name, type }) => filter.matches(name, type)).map(({ id }) => id),
+    all.filter((each) => filter.matches(...fieldsOf(each))).map(({ id }) => id),
   );
   const edges = draft.edges.filter(
     ({ from, to, label }) =>
@@ -219,7 +239,7 @@ function addTopic(draft: PictureDraft, topic: TopicInfo, { topics, deadEnds }: G
 
 /** Add an action. One edge stands for what a client sends and receives. */
 function addAction(draft: PictureDraft, action: ActionInfo, all: readonly TopicInfo[]): void {
-  const box = draft.addElement("action", action.name, action.type);
+  const box = draft.addElement("action", action.name, action.type, action.node);
   const server = idOf("node", action.node);
   if (!action.over_topics) {
     draft.addEdge({

@@ -1,44 +1,31 @@
 import { expect, test } from "vitest";
 
 import { Filter } from "../filter";
-import { DEFAULTS, loadOptions, saveOptions } from "./toolbar";
+import { stateOf, withState } from "../view";
+import { DEFAULTS, optionsOf, stateOfOptions } from "./toolbar";
 
-function storage(text: string | null) {
-  const kept = { text };
-  return {
-    kept,
-    getItem: () => kept.text,
-    setItem: (_key: string, value: string) => {
-      kept.text = value;
-    },
-  };
-}
+test("default options leave no state in the URL", () => {
+  expect(withState("#/graph", stateOfOptions(DEFAULTS))).toBe("#/graph");
+  expect(optionsOf(new URLSearchParams())).toEqual(DEFAULTS);
+});
 
-test("options are loaded as they were saved", () => {
-  const place = storage(null);
-  saveOptions(
-    { ...DEFAULTS, debug: true, namespaces: false, filter: new Filter("/robot") },
-    () => place,
-  );
-  expect(loadOptions(() => place)).toEqual({
-    ...DEFAULTS,
+test("options survive a round trip through the URL", () => {
+  const options = {
+    topics: false,
+    services: true,
+    actions: false,
+    deadEnds: false,
+    quiet: false,
     debug: true,
     namespaces: false,
-    filter: new Filter("/robot"),
-  });
-});
-
-test.each([null, "", "no JSON", "null", "3", '{"debug": "yes", "filter": 3}'])(
-  "options have their defaults if %s was saved",
-  (text) => {
-    expect(loadOptions(() => storage(text))).toEqual(DEFAULTS);
-  },
-);
-
-test("options have their defaults if storage is forbidden", () => {
-  const forbidden = (): never => {
-    throw new Error("forbidden");
+    types: true,
+    filter: new Filter("/robot -/tf"),
   };
-  expect(loadOptions(forbidden)).toEqual(DEFAULTS);
-  expect(() => saveOptions(DEFAULTS, forbidden)).not.toThrow();
+  const hash = withState("#/graph/node/%2Frobot", stateOfOptions(options));
+  expect(optionsOf(stateOf(hash) as URLSearchParams)).toEqual(options);
 });
+
+test.each(["debug=yes", "debug=", "elements=3", "services=2", "unknown=1"])(
+  "an invalid state is ignored: %s",
+  (query) => expect(optionsOf(new URLSearchParams(query))).toEqual(DEFAULTS),
+);

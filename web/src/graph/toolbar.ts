@@ -1,6 +1,6 @@
 /** The toolbar of the graph, and the options that it sets. */
 import { h, svg } from "../dom";
-import { Filter, filterInput } from "../filter";
+import { Filter, FilterInput } from "../filter";
 import type { Kind } from "./picture";
 
 /** What the graph shows. */
@@ -10,6 +10,8 @@ export interface GraphOptions {
   services: boolean;
   actions: boolean;
   deadEnds: boolean;
+  /** Nodes and topics without messages. */
+  quiet: boolean;
   debug: boolean;
   /** null: only if there is more than one. */
   namespaces: boolean | null;
@@ -23,77 +25,75 @@ export const DEFAULTS: GraphOptions = {
   services: false,
   actions: true,
   deadEnds: true,
+  quiet: true,
   debug: false,
   namespaces: null,
   types: null,
   filter: new Filter(),
 };
 
-const KEY = "fibws.graph";
+/** The switches and their names in a URL. */
+const SWITCHES = {
+  services: "services",
+  actions: "actions",
+  namespaces: "namespaces",
+  types: "types",
+  deadEnds: "dead-ends",
+  quiet: "quiet",
+  debug: "debug",
+} as const;
+type Switch = keyof typeof SWITCHES;
 
-/** Load the options of the last visit; invalid ones get their defaults. */
-export function loadOptions(
-  storage: () => Pick<Storage, "getItem"> = () => localStorage,
-): GraphOptions {
-  const options = { ...DEFAULTS };
-  try {
-    const saved: unknown = JSON.parse(storage().getItem(KEY) ?? "null");
-    if (saved === null || typeof saved !== "object") return options;
-    const { topics, services, actions, deadEnds, debug, namespaces, types, filter } =
-      saved as Record<string, unknown>;
-    if (typeof topics === "boolean") options.topics = topics;
-    if (typeof services === "boolean") options.services = services;
-    if (typeof actions === "boolean") options.actions = actions;
-    if (typeof deadEnds === "boolean") options.deadEnds = deadEnds;
-    if (typeof debug === "boolean") options.debug = debug;
-    if (typeof namespaces === "boolean") options.namespaces = namespaces;
-    if (typeof types === "boolean") options.types = types;
-    if (typeof filter === "string") options.filter = new Filter(filter);
-  } catch {
-    // Storage is forbidden, or has something else.
+/** The options in the state of a URL, such as `?filter=/robot&services=1&actions=0`. */
+export function optionsOf(state: URLSearchParams): GraphOptions {
+  const options = { ...DEFAULTS, filter: new Filter(state.get("filter") ?? "") };
+  options.topics = state.get("elements") !== "nodes";
+  for (const [option, name] of Object.entries(SWITCHES) as [Switch, string][]) {
+    const value = state.get(name);
+    if (value === "0" || value === "1") options[option] = value === "1";
   }
   return options;
 }
 
-/** Save the options for the next visit. */
-export function saveOptions(
-  options: GraphOptions,
-  storage: () => Pick<Storage, "setItem"> = () => localStorage,
-): void {
-  try {
-    storage().setItem(KEY, JSON.stringify({ ...options, filter: options.filter.text }));
-  } catch {
-    // Storage is forbidden.
+/** The state for a URL that has these options; default values are left out. */
+export function stateOfOptions(options: GraphOptions): Record<string, string> {
+  const state: Record<string, string> = { filter: options.filter.text };
+  if (!options.topics) state.elements = "nodes";
+  for (const [option, name] of Object.entries(SWITCHES) as [Switch, string][]) {
+    const value = options[option];
+    if (value !== null && value !== DEFAULTS[option]) state[name] = value ? "1" : "0";
   }
+  return state;
 }
-
-type Switch = "services" | "actions" | "deadEnds" | "debug" | "namespaces" | "types";
 
 export class Toolbar {
   readonly element: HTMLElement;
   readonly #switches = new Map<Switch, HTMLInputElement>();
   readonly #options: GraphOptions;
   readonly #changed: () => void;
+  readonly #filter = new FilterInput("Filter graph", () =>
+    this.#set({ filter: this.#filter.filter }),
+  );
+  readonly #elements: HTMLSelectElement;
 
-  /** The toolbar changes `options`, and calls `changed` each time. */
-  constructor(options: GraphOptions, changed: () => void) {
+  /** The toolbar changes `options`, and calls `changed` each time; `tools` are placed at its end. */
+  constructor(options: GraphOptions, changed: () => void, ...tools: HTMLElement[]) {
     this.#options = options;
     this.#changed = changed;
+    this.#elements = h(
+      "select",
+      {
+        "aria-label": "Elements",
+        onchange: () => this.#set({ topics: this.#elements.value === "topics" }),
+      },
+      h("option", { value: "topics" }, "Nodes and topics"),
+      h("option", { value: "nodes" }, "Nodes only"),
+    );
     this.element = h(
       "div",
       { class: "toolbar", role: "group", "aria-label": "Graph options" },
-      h(
-        "select",
-        {
-          "aria-label": "Elements",
-          value: options.topics ? "topics" : "nodes",
-          onchange: ({ target }: Event) =>
-            this.#set({ topics: (target as HTMLSelectElement).value === "topics" }),
-        },
-        h("option", { value: "topics" }, "Nodes and topics"),
-        h("option", { value: "nodes" }, "Nodes only"),
-      ),
-      filterInput("Filter graph", (filter) => this.#set({ filter }), options.filter.text),
+      this.#elements,
+      this.#filter.element,
       h(
         "fieldset",
         { class: "switches" },
@@ -108,13 +108,22 @@ export class Toolbar {
         this.#switch("namespaces", "Namespaces", "Boxes around the elements of a namespace"),
         this.#switch("types", "Types", "Types of topics, services and actions"),
         this.#switch("deadEnds", "Dead ends", "Topics without a publisher or without a subscriber"),
+        this.#switch("quiet", "Quiet", "Nodes and topics without messages in the last half minute"),
         this.#switch(
           "debug",
           "Debug",
           "The hub's own nodes, /rosout, this page, and the topics of actions",
         ),
       ),
+      ...tools,
     );
+  }
+
+  /** Show the options after they were changed elsewhere. */
+  update(): void {
+    this.#elements.value = this.#options.topics ? "topics" : "nodes";
+    this.#filter.text = this.#options.filter.text;
+    for (const [name, box] of this.#switches) box.checked = this.#options[name] ?? false;
   }
 
   /** Check the boxes of options that are set automatically. */
@@ -129,7 +138,6 @@ export class Toolbar {
     const box = h("input", {
       type: "checkbox",
       name,
-      checked: this.#options[name] ?? false,
       onchange: ({ target }: Event) => this.#set({ [name]: (target as HTMLInputElement).checked }),
     });
     this.#switches.set(name, box);

@@ -4,16 +4,18 @@ import "./view.css";
 
 import { h, replace, setText } from "../dom";
 import type { Graph, Model, Rates } from "../model";
-import { type MakeView, route, type View } from "../view";
+import { type MakeView, route, saveState, type View } from "../view";
 import { asText } from "./as_text";
 import { Details } from "./details";
 import { Drawing } from "./drawing";
+import { dotFile, download, svgFile } from "./export";
 import { anchored, LayoutClient, layoutRequest } from "./layout_client";
 import { around, type Box, type Layout, type Point, prefersDown } from "./layout_types";
 import type { Kind, Picture } from "./picture";
 import { idOf, picture } from "./picture";
 import { textMeasure } from "./shapes";
-import { icon, loadOptions, saveOptions, Toolbar } from "./toolbar";
+import { DEFAULTS, icon, optionsOf, stateOfOptions, Toolbar } from "./toolbar";
+import { Traffic } from "./traffic";
 import { Viewport } from "./viewport";
 
 const KINDS: readonly Kind[] = ["node", "topic", "service", "action"];
@@ -26,7 +28,8 @@ export const makeView: MakeView = (_hub, model) => new GraphView(model);
 class GraphView implements View {
   readonly element: HTMLElement;
   readonly #model: Model;
-  readonly #options = loadOptions();
+  readonly #options = { ...DEFAULTS };
+  readonly #traffic = new Traffic();
   readonly #measure = textMeasure();
   readonly #notice = h("p", { class: "hint", role: "status" });
   readonly #empty = h("p", { class: "empty", hidden: true });
@@ -61,10 +64,14 @@ class GraphView implements View {
     this.#drawing.setZoom(zoom),
   );
   readonly #details: Details;
-  readonly #toolbar = new Toolbar(this.#options, () => {
-    saveOptions(this.#options);
-    this.#update(this.#model.graph.value);
-  });
+  readonly #toolbar = new Toolbar(
+    this.#options,
+    () => {
+      saveState(stateOfOptions(this.#options));
+      this.#update(this.#model.graph.value);
+    },
+    this.#saveButtons(),
+  );
   readonly #layouts = new LayoutClient(
     (layout) => this.#place(layout),
     (why) => {
@@ -98,7 +105,10 @@ class GraphView implements View {
   }
 
   /** `["node", "/talker"]` shows the details of that. */
-  show(path: string[]): void {
+  show(path: string[], state: URLSearchParams | null): void {
+    if (state !== null) Object.assign(this.#options, optionsOf(state));
+    saveState(stateOfOptions(this.#options));
+    this.#toolbar.update();
     if (this.#stops.length === 0) {
       this.#resized.observe(this.#stage);
       document.addEventListener("keydown", this.#escape);
@@ -110,12 +120,29 @@ class GraphView implements View {
         () => document.removeEventListener("keydown", this.#escape),
       ];
     }
+    this.#update(this.#model.graph.value);
     this.#choose(path);
   }
 
   hide(): void {
     for (const stop of this.#stops) stop();
     this.#stops = [];
+  }
+
+  #saveButtons(): HTMLElement {
+    const button = (format: string, title: string, save: () => void): HTMLElement =>
+      h("button", { type: "button", title, "aria-label": title, onclick: save }, format);
+    return h(
+      "div",
+      { class: "save", role: "group", "aria-label": "Save" },
+      button("SVG", "Save the drawing as SVG", () => {
+        if (this.#layout !== null)
+          download("graph.svg", "image/svg+xml", svgFile(this.#drawing.root, this.#layout.bounds));
+      }),
+      button("DOT", "Save the graph as DOT, for Graphviz", () => {
+        download("graph.dot", "text/vnd.graphviz", dotFile(this.#shown));
+      }),
+    );
   }
 
   #zoom(): HTMLElement {
@@ -137,15 +164,17 @@ class GraphView implements View {
       setText(this.#empty, "Waiting for the hub …");
       return;
     }
-    const next = picture(graph, this.#options);
+    const next = picture(graph, this.#options, (flow) => this.#traffic.isBusy(flow));
     this.#toolbar.showAutomatic({ namespaces: next.groups.length > 0, types: next.typed });
     this.#showLegend(next);
     this.#empty.hidden = next.elements.length > 0;
     setText(
       this.#empty,
-      this.#options.filter.isEmpty
-        ? "No nodes yet. Nodes appear here when they connect."
-        : "No elements match the filter. Clear the filter to see everything.",
+      this.#options.filter.isEmpty && !this.#options.quiet
+        ? "No messages in the last half minute. Check “Quiet” to see all nodes."
+        : this.#options.filter.isEmpty
+          ? "No nodes yet. Nodes appear here when they connect."
+          : "No elements match the filter. Clear the filter to see everything.",
     );
     this.#layOut(next);
   }
@@ -189,6 +218,9 @@ class GraphView implements View {
   }
 
   #showRates(rates: Rates): void {
+    if (this.#traffic.record(rates, performance.now()) && !this.#options.quiet) {
+      this.#update(this.#model.graph.value);
+    }
     this.#drawing.updateRates(rates);
     this.#details.updateNumbers();
     this.#showText();

@@ -2,10 +2,10 @@
 import "./parameters.css";
 
 import { h, replace, setText } from "../dom";
-import { Filter, filterInput } from "../filter";
+import { FilterInput } from "../filter";
 import { plural } from "../format";
 import type { Hub } from "../hub";
-import type { MakeView, View } from "../view";
+import { type MakeView, saveState, type View } from "../view";
 import {
   fromText,
   kind,
@@ -33,7 +33,10 @@ class ParametersView implements View {
   readonly #list = h("div", { class: "parameters-tree scroll panel" });
   readonly #error = h("p", { class: "error", role: "alert", hidden: true });
   readonly #note = h("p", { class: "soft small", role: "status" });
-  #filter = new Filter();
+  readonly #filter = new FilterInput("Filter parameters", () => {
+    this.#saveFilter();
+    this.#draw();
+  });
   readonly #folded = new Set<string>();
   #parameters: [name: string, value: string][] = [];
   #text = "";
@@ -45,15 +48,11 @@ class ParametersView implements View {
   constructor(hub: Hub) {
     this.#hub = hub;
     this.#server = new ParameterServer(hub);
-    const filter = filterInput("Filter parameters", (changed) => {
-      this.#filter = changed;
-      this.#draw();
-    });
     const refresh = h("button", { type: "button", onclick: () => void this.#refresh() }, "Refresh");
     this.element = h(
       "section",
       { class: "parameters", "aria-label": "Parameters" },
-      h("div", { class: "toolbar" }, filter, refresh),
+      h("div", { class: "toolbar" }, this.#filter.element, refresh),
       this.#addForm(),
       this.#error,
       this.#list,
@@ -61,7 +60,14 @@ class ParametersView implements View {
     );
   }
 
-  show(): void {
+  show(_path: string[], state: URLSearchParams | null): void {
+    if (state !== null) {
+      this.#filter.text = state.get("filter") ?? "";
+      this.#folded.clear();
+      for (const name of state.get("folded")?.split(",") ?? []) this.#folded.add(name);
+      this.#draw();
+    }
+    this.#saveFilter();
     this.#stop ??= this.#hub.state.watch((state) => {
       if (state === "open" && this.#editing === null) void this.#refresh();
     });
@@ -72,6 +78,11 @@ class ParametersView implements View {
     this.#stop?.();
     this.#stop = undefined;
     window.clearTimeout(this.#timer);
+  }
+
+  /** `?filter=arm&folded=/robot,/camera` */
+  #saveFilter(): void {
+    saveState({ filter: this.#filter.filter.text, folded: [...this.#folded].join() });
   }
 
   #addForm(): HTMLElement {
@@ -143,7 +154,7 @@ class ParametersView implements View {
   }
 
   #draw(): void {
-    const root = parameterTree(this.#parameters.filter((each) => this.#filter.matches(...each)));
+    const root = parameterTree(this.#parameters.filter((each) => this.#filter.filter.shows(each)));
     const { scrollTop } = this.#list;
     const focus = document.activeElement;
     replace(this.#list, this.#namespace(root));
@@ -183,6 +194,7 @@ class ParametersView implements View {
     folder.addEventListener("toggle", () => {
       if (folder.open) this.#folded.delete(space.name);
       else this.#folded.add(space.name);
+      if (folder.isConnected) this.#saveFilter();
     });
     return folder;
   }

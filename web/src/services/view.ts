@@ -1,12 +1,12 @@
 /** The Services tab: lists services and actions, and has a form to call a service. */
 import { followOnClick } from "../browse";
 import { h, replace, setText } from "../dom";
-import { Filter, filterInput } from "../filter";
+import { FilterInput, fieldsOf } from "../filter";
 import { plural } from "../format";
 import { isHidden } from "../hidden_names";
 import type { Hub } from "../hub";
 import type { ActionInfo, Graph, Model } from "../model";
-import { type MakeView, route } from "../view";
+import { type MakeView, route, saveState } from "../view";
 import { ServicePage } from "./service_page";
 import "./services.css";
 
@@ -22,7 +22,7 @@ class ServicesView {
   readonly element: HTMLElement;
   readonly #hub: Hub;
   readonly #model: Model;
-  #filter = new Filter();
+  readonly #filter = new FilterInput("Filter services", () => this.#changed());
   readonly #debug: HTMLInputElement;
   readonly #count = h("span", { class: "soft small", role: "status" });
   readonly #services = h("tbody");
@@ -37,11 +37,7 @@ class ServicesView {
   constructor(hub: Hub, model: Model) {
     this.#hub = hub;
     this.#model = model;
-    const filter = filterInput("Filter services", (changed) => {
-      this.#filter = changed;
-      this.#update();
-    });
-    this.#debug = h("input", { type: "checkbox", onchange: () => this.#update() });
+    this.#debug = h("input", { type: "checkbox", onchange: () => this.#changed() });
     this.#actionTable = h(
       "div",
       {},
@@ -51,7 +47,13 @@ class ServicesView {
     const list = h(
       "section",
       { class: "browse-list", "aria-label": "Services" },
-      h("div", { class: "toolbar" }, filter, h("label", {}, this.#debug, "Debug"), this.#count),
+      h(
+        "div",
+        { class: "toolbar" },
+        this.#filter.element,
+        h("label", {}, this.#debug, "Debug"),
+        this.#count,
+      ),
       h(
         "div",
         { class: "scroll" },
@@ -63,8 +65,13 @@ class ServicesView {
     this.element = h("div", { class: "browse services" }, list, this.#place);
   }
 
-  show([name = ""]: string[]): void {
+  show([name = ""]: string[], state: URLSearchParams | null): void {
     this.#name = name;
+    if (state !== null) {
+      this.#filter.text = state.get("filter") ?? "";
+      this.#debug.checked = state.has("debug");
+    }
+    this.#save();
     this.element.classList.toggle("has-page", name !== "");
     this.#place.hidden = name === "";
     this.#stop ??= this.#model.graph.watch(() => this.#update());
@@ -76,13 +83,24 @@ class ServicesView {
     this.#stop = undefined;
   }
 
+  #changed(): void {
+    this.#save();
+    this.#update();
+  }
+
+  /** `?filter=robot&debug=1` */
+  #save(): void {
+    saveState({ filter: this.#filter.filter.text, debug: this.#debug.checked });
+  }
+
   #update(): void {
     const graph = this.#model.graph.value;
     const filtered = (rows: readonly Row[]): Row[] =>
       rows
         .filter(
-          ({ name, type, node }) =>
-            (this.#debug.checked || !isHidden(name)) && this.#filter.matches(name, type, node),
+          (row) =>
+            (this.#debug.checked || !isHidden(row.name)) &&
+            this.#filter.filter.shows(fieldsOf(row)),
         )
         .sort((one, other) => (one.name < other.name ? -1 : 1));
     const services = filtered(graph?.services ?? []);
@@ -96,7 +114,7 @@ class ServicesView {
       this.#empty,
       graph === null
         ? "Waiting for the hub …"
-        : this.#filter.isEmpty
+        : this.#filter.filter.isEmpty
           ? "No services besides the hub's own (see “Debug”). Try: python -m fibws.examples.add_two_ints_server"
           : "No services match the filter.",
     );

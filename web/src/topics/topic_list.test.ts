@@ -66,4 +66,10 @@ describe("the list of topics", () => {
       },
     ]);
   });
+
+  it("has the topics of a node that matches the filter, as the graph has", () => {
+    expect(names("/n2", false, "name")).toEqual(["/cmd_vel"]);
+    expect(names("/n2 -/cmd", false, "name")).toEqual([]);
+    expect(names("-/n2", false, "name")).toEqual(["/chatter", "/cmd_vel", "/scan"]);
+  });
 });

@@ -1,13 +1,13 @@
 /** The table of topics: filtered, sorted, and updated cell by cell. */
 import { followOnClick } from "../browse";
 import { h, reorder, setText } from "../dom";
-import { Filter, filterInput } from "../filter";
+import { type Filter, FilterInput, fieldsOf } from "../filter";
 import { bandwidth, hertz, plural, whole } from "../format";
 import { isHidden } from "../hidden_names";
 import { plotButton } from "../message_tree";
 import type { Graph, Model, Rates, TopicInfo } from "../model";
 import { flowKey } from "../rates";
-import { route } from "../view";
+import { route, saveState } from "../view";
 
 const COLUMNS: readonly { column: Column; label: string; number: boolean }[] = [
   { column: "name", label: "Topic", number: false },
@@ -32,7 +32,7 @@ export class TopicList {
   readonly #plot: (topic: string, type: string) => void;
   readonly #body = h("tbody");
   readonly #heads = new Map<Column, HTMLTableCellElement>();
-  #filter = new Filter();
+  readonly #filter = new FilterInput("Filter topics", () => this.#changed());
   readonly #debug: HTMLInputElement;
   readonly #count = h("span", { class: "soft small", role: "status" });
   readonly #empty = h("p", { class: "empty" });
@@ -45,11 +45,7 @@ export class TopicList {
   constructor(model: Model, plot: (topic: string, type: string) => void, ...tools: HTMLElement[]) {
     this.#model = model;
     this.#plot = plot;
-    const filter = filterInput("Filter topics", (changed) => {
-      this.#filter = changed;
-      this.#update();
-    });
-    this.#debug = h("input", { type: "checkbox", onchange: () => this.#update() });
+    this.#debug = h("input", { type: "checkbox", onchange: () => this.#changed() });
     const heads = COLUMNS.map(({ column, label, number }) => {
       const head = h(
         "th",
@@ -65,7 +61,7 @@ export class TopicList {
       h(
         "div",
         { class: "toolbar" },
-        filter,
+        this.#filter.element,
         h("label", {}, this.#debug, "Debug"),
         ...tools,
         this.#count,
@@ -98,8 +94,10 @@ export class TopicList {
     this.#markOrder();
   }
 
-  show(selected: string): void {
+  show(selected: string, state: URLSearchParams | null): void {
     this.#selected = selected;
+    if (state !== null) this.#restore(state);
+    this.#save();
     if (this.#stops.length === 0) {
       this.#stops = [
         this.#model.graph.watch(() => this.#update()),
@@ -118,6 +116,34 @@ export class TopicList {
     const again = this.#order.column === column;
     // Numbers start with the largest.
     this.#order = { column, descending: again ? !this.#order.descending : number };
+    this.#markOrder();
+    this.#changed();
+  }
+
+  #changed(): void {
+    this.#save();
+    this.#update();
+  }
+
+  /** `?filter=scan&debug=1&sort=-rate` */
+  #save(): void {
+    const { column, descending } = this.#order;
+    saveState({
+      filter: this.#filter.filter.text,
+      debug: this.#debug.checked,
+      sort: column === "name" && !descending ? "" : `${descending ? "-" : ""}${column}`,
+    });
+  }
+
+  #restore(state: URLSearchParams): void {
+    this.#filter.text = state.get("filter") ?? "";
+    this.#debug.checked = state.has("debug");
+    const sort = state.get("sort") ?? "";
+    const column = COLUMNS.find((each) => each.column === sort.replace(/^-/, ""))?.column;
+    this.#order = {
+      column: column ?? "name",
+      descending: column !== undefined && sort.startsWith("-"),
+    };
     this.#markOrder();
     this.#update();
   }
@@ -139,7 +165,7 @@ export class TopicList {
     const rows = topicRows(
       graph,
       this.#model.rates.value,
-      this.#filter,
+      this.#filter.filter,
       this.#debug.checked,
       this.#order,
     );
@@ -166,7 +192,7 @@ export class TopicList {
     setText(this.#count, plural(shown, "topic"));
     this.#empty.hidden = shown > 0;
     if (shown > 0) return;
-    if (!this.#filter.isEmpty) setText(this.#empty, "No topics match the filter.");
+    if (!this.#filter.filter.isEmpty) setText(this.#empty, "No topics match the filter.");
     else
       setText(
         this.#empty,
@@ -277,8 +303,13 @@ export function topicRows(
   debug: boolean,
   order: Order,
 ): TopicRow[] {
+  const isShown = (name: string): boolean => debug || !isHidden(name);
+  const nodesOf = (topic: TopicInfo): string[][] =>
+    [...topic.publishers, ...topic.subscriptions]
+      .filter(({ node }) => isShown(node))
+      .map(({ node }) => fieldsOf({ name: node }));
   return graph.topics
-    .filter(({ name, type }) => (debug || !isHidden(name)) && filter.matches(name, type))
+    .filter((topic) => isShown(topic.name) && filter.shows(fieldsOf(topic), nodesOf(topic)))
     .map((topic) => topicRow(topic, rates))
     .sort((one, other) => compare(one, other, order));
 }

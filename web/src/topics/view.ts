@@ -45,7 +45,7 @@ class TopicsView {
   }
 
   /** `["/chatter"]` opens that topic; `["/chatter", "plot"]` also plots it. */
-  show([name = "", tool]: string[]): void {
+  show([name = "", tool]: string[], state: URLSearchParams | null): void {
     const expected = this.#new.typeOf(name);
     if (this.#page?.name !== name || this.#page.expected !== expected) {
       this.#page?.page.hide();
@@ -57,7 +57,7 @@ class TopicsView {
     this.#page?.page.show();
     this.element.classList.toggle("has-page", name !== "");
     this.#place.hidden = name === "";
-    this.#list.show(name);
+    this.#list.show(name, state);
     this.#plot.show();
     this.#stopWaiting?.();
     this.#stopWaiting = undefined;
