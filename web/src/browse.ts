@@ -1,7 +1,7 @@
 /** Pieces of the tabs that have a list and, beside it, a page about the chosen element. */
 import "./browse.css";
 
-import { type Child, h } from "./dom";
+import { breakable, type Child, h } from "./dom";
 import { route } from "./view";
 
 /** The page about one element of a tab, with a link to close it. */
@@ -18,7 +18,12 @@ export function browsePage(
   return h(
     "article",
     { class: "browse-page", "aria-label": name },
-    h("header", {}, h("h2", { class: "mono" }, name), h("a", close, "×")),
+    h(
+      "header",
+      {},
+      h("h2", { class: "mono ros-name", title: name }, ...breakable(name)),
+      h("a", close, "×"),
+    ),
     ...children,
   );
 }

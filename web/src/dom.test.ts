@@ -1,6 +1,6 @@
-import { expect, test } from "vitest";
+import { expect, test, vi } from "vitest";
 
-import { longestRising } from "./dom";
+import { breakable, longestRising } from "./dom";
 
 const sorted = (numbers: number[]): number[] => [...longestRising(numbers)].sort((a, b) => a - b);
 
@@ -17,4 +17,18 @@ test("all but one that was moved to the end or to the front", () => {
 test("the longest of several", () => {
   expect(sorted([5, 0, 6, 1, 2, 7, 3])).toEqual([0, 1, 2, 3]);
   expect(sorted([3, 2, 1, 0])).toHaveLength(1);
+});
+
+test.each([
+  ["", [""]],
+  ["/scan", ["/", "scan"]],
+  ["/robot_1/cmd_vel", ["/", "robot_", "1/", "cmd_", "vel"]],
+  ["a__b//c_", ["a__", "b//", "c_"]],
+])("a line of the name %s may end only after slashes and underscores", (name, words) => {
+  vi.stubGlobal("document", { createElement: () => "|" });
+  try {
+    expect(breakable(name)).toEqual(words.flatMap((word, at) => (at === 0 ? [word] : ["|", word])));
+  } finally {
+    vi.unstubAllGlobals();
+  }
 });

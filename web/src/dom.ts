@@ -57,6 +57,20 @@ export function setText(element: Element, text: string): void {
   if (element.textContent !== text) element.textContent = text;
 }
 
+/** The text of a name, of which a line may end after slashes and underscores only. */
+export function breakable(name: string): Child[] {
+  const [first = "", ...others] = name.split(/(?<=[/_])(?=[^/_])/);
+  return [first, ...others.flatMap((word) => [h("wbr"), word])];
+}
+
+/** Set an element's text to a name; if it is too long for a line, the tooltip has all of it. */
+export function setName(element: HTMLElement, name: string): void {
+  if (element.textContent === name) return;
+  replace(element, ...breakable(name));
+  element.classList.add("ros-name");
+  element.title = name;
+}
+
 /**
  * Put children of an element into a given order, moving as few of them as possible.
  *

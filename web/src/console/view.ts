@@ -233,7 +233,7 @@ function row(entry: Entry): HTMLElement {
     { class: `level-${name.toLowerCase()}`, title: entry.where || null },
     h("time", {}, clock(entry)),
     h("span", { class: "level" }, name),
-    h("span", { class: "node" }, entry.node),
+    h("span", { class: "node", title: entry.node }, entry.node),
     h("span", { class: "text" }, entry.text, where && h("small", {}, entry.where)),
   );
 }

@@ -1,6 +1,6 @@
 /** The panel with the details of one element, beside the drawing. */
 
-import { type Child, h, replace, setText } from "../dom";
+import { breakable, type Child, h, replace, setName, setText } from "../dom";
 import { ago, bandwidth, bytes, dateTime, hertz, whole } from "../format";
 import type {
   ActionInfo,
@@ -87,7 +87,7 @@ export class Details {
     this.#live = [];
     const hasFocus = this.#body.contains(document.activeElement);
     replace(this.#kind, shown.kind);
-    replace(this.#title, shown.name);
+    setName(this.#title, shown.name);
     replace(this.#body, ...this.#describe(shown.name, known));
     this.updateNumbers();
     // The focused link was replaced.
@@ -180,7 +180,7 @@ export class Details {
         h("a", { class: "button", href: route("topics", name, "plot") }, "plot"),
       ),
       terms([
-        ["type", h("code", {}, topic.type || "unknown")],
+        ["type", h("code", {}, ...breakable(topic.type || "unknown"))],
         topic.checked || topic.type === ""
           ? null
           : ["checked", "no, the hub does not know this type"],
@@ -292,7 +292,7 @@ export class Details {
 }
 
 function link(kind: Kind, name: string): HTMLElement {
-  return h("a", { href: route("graph", kind, name) }, name);
+  return h("a", { href: route("graph", kind, name), title: name }, ...breakable(name));
 }
 
 function terms(rows: ([string, Child] | null)[]): HTMLElement {

@@ -76,8 +76,8 @@ export class Toolbar {
   );
   readonly #elements: HTMLSelectElement;
 
-  /** The toolbar changes `options`, and calls `changed` each time; `tools` are placed at its end. */
-  constructor(options: GraphOptions, changed: () => void, ...tools: HTMLElement[]) {
+  /** The toolbar changes `options`, and calls `changed` each time. */
+  constructor(options: GraphOptions, changed: () => void) {
     this.#options = options;
     this.#changed = changed;
     this.#elements = h(
@@ -115,7 +115,6 @@ export class Toolbar {
           "The hub's own nodes, /rosout, this page, and the topics of actions",
         ),
       ),
-      ...tools,
     );
   }
 

@@ -64,14 +64,10 @@ class GraphView implements View {
     this.#drawing.setZoom(zoom),
   );
   readonly #details: Details;
-  readonly #toolbar = new Toolbar(
-    this.#options,
-    () => {
-      saveState(stateOfOptions(this.#options));
-      this.#update(this.#model.graph.value);
-    },
-    this.#saveButtons(),
-  );
+  readonly #toolbar = new Toolbar(this.#options, () => {
+    saveState(stateOfOptions(this.#options));
+    this.#update(this.#model.graph.value);
+  });
   readonly #layouts = new LayoutClient(
     (layout) => this.#place(layout),
     (why) => {
@@ -100,7 +96,7 @@ class GraphView implements View {
       { class: "graph", "aria-label": "Graph" },
       this.#toolbar.element,
       h("div", { class: "beside" }, this.#stage, this.#details.element, this.#zoom()),
-      this.#textDetails,
+      h("div", { class: "foot" }, this.#textDetails, this.#saveButtons()),
     );
   }
 
@@ -135,6 +131,7 @@ class GraphView implements View {
     return h(
       "div",
       { class: "save", role: "group", "aria-label": "Save" },
+      h("span", { class: "soft", "aria-hidden": "true" }, "Save:"),
       button("SVG", "Save the drawing as SVG", () => {
         if (this.#layout !== null)
           download("graph.svg", "image/svg+xml", svgFile(this.#drawing.root, this.#layout.bounds));
@@ -209,6 +206,7 @@ class GraphView implements View {
     this.#layout = layout;
     this.#draw(layout);
     this.#viewport.contain(layout.bounds, startOf(layout));
+    if (previous === null) this.#reveal();
     this.#showText();
   }
 
@@ -244,11 +242,14 @@ class GraphView implements View {
     this.#chosen = element && idOf(element.kind, element.name);
     this.#details.show(element);
     this.#drawing.choose(this.#chosen);
+    if (this.#chosen === null) this.#viewport.refit();
+    else this.#reveal();
+  }
+
+  /** Make the chosen element visible. */
+  #reveal(): void {
     const box = this.#chosen === null ? undefined : this.#layout?.boxes.get(this.#chosen);
-    if (box === undefined) {
-      this.#viewport.refit();
-      return;
-    }
+    if (box === undefined) return;
     // With its neighbours, if there is space.
     const area = around(this.#neighbourhood(this.#chosen)) ?? box;
     this.#viewport.reveal(area, this.#details.covered());

@@ -1,7 +1,7 @@
 /** The Parameters tab: shows all parameters by namespace, to change, add and delete. */
 import "./parameters.css";
 
-import { h, replace, setText } from "../dom";
+import { breakable, h, replace, setText } from "../dom";
 import { FilterInput } from "../filter";
 import { plural } from "../format";
 import type { Hub } from "../hub";
@@ -187,7 +187,12 @@ class ParametersView implements View {
     const folder = h(
       "details",
       { open: !this.#folded.has(space.name) },
-      h("summary", {}, h("code", {}, `${space.key}/`), h("span", { class: "badge" }, space.count)),
+      h(
+        "summary",
+        {},
+        h("code", { class: "ros-name", title: space.name }, ...breakable(`${space.key}/`)),
+        h("span", { class: "badge" }, space.count),
+      ),
       h("div", { class: "of-space" }, remove),
       this.#namespace(space),
     );
@@ -201,7 +206,10 @@ class ParametersView implements View {
 
   #parameter({ name, key, value }: Parameter): HTMLElement[] {
     if (this.#editing?.name === name) {
-      return [h("code", { class: "key" }, key), this.#editing.form];
+      return [
+        h("code", { class: "key ros-name", title: name }, ...breakable(key)),
+        this.#editing.form,
+      ];
     }
     const change = h(
       "button",
@@ -215,7 +223,7 @@ class ParametersView implements View {
     );
     change.addEventListener("click", () => this.#edit(name, value));
     return [
-      h("code", { class: "key", title: name }, key),
+      h("code", { class: "key ros-name", title: name }, ...breakable(key)),
       h("code", { class: "value" }, toText(value)),
       h("span", { class: "kind soft small" }, kind(value)),
       h("span", { class: "of-leaf" }, change, this.#deleteButton(name, name)),

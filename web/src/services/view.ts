@@ -1,6 +1,6 @@
 /** The Services tab: lists services and actions, and has a form to call a service. */
 import { followOnClick } from "../browse";
-import { h, replace, setText } from "../dom";
+import { breakable, h, replace, setText } from "../dom";
 import { FilterInput, fieldsOf } from "../filter";
 import { plural } from "../format";
 import { isHidden } from "../hidden_names";
@@ -167,24 +167,33 @@ function fill(body: HTMLElement, rows: readonly Row[], tab: string, selected: st
   replace(
     body,
     ...rows.map(({ name, type, node }) => {
-      const below = h("span", { class: "type-below" }, type);
+      const below = h("span", { class: "type-below ros-name", title: type }, ...breakable(type));
       const title =
         tab === ""
-          ? h("span", { class: "mono" }, name)
+          ? h("span", { class: "mono ros-name", title: name }, ...breakable(name))
           : h(
               "a",
-              { href: route(tab, name), "aria-current": name === selected ? "true" : null },
-              name,
+              {
+                href: route(tab, name),
+                class: "ros-name",
+                title: name,
+                "aria-current": name === selected ? "true" : null,
+              },
+              ...breakable(name),
             );
       const row = h(
         "tr",
         {},
         h("th", { scope: "row", class: "col-name" }, title, below),
-        h("td", { class: "col-type" }, type),
+        h("td", { class: "col-type ros-name", title: type }, ...breakable(type)),
         h(
           "td",
           { class: "col-node" },
-          h("a", { class: "mono", href: route("graph", "node", node) }, node),
+          h(
+            "a",
+            { class: "mono ros-name", title: node, href: route("graph", "node", node) },
+            ...breakable(node),
+          ),
         ),
       );
       if (title instanceof HTMLAnchorElement) {

@@ -1,6 +1,6 @@
 /** The table of topics: filtered, sorted, and updated cell by cell. */
 import { followOnClick } from "../browse";
-import { h, reorder, setText } from "../dom";
+import { breakable, h, reorder, setName, setText } from "../dom";
 import { type Filter, FilterInput, fieldsOf } from "../filter";
 import { bandwidth, hertz, plural, whole } from "../format";
 import { isHidden } from "../hidden_names";
@@ -204,11 +204,15 @@ export class TopicList {
 
   #createRow(name: string): RowElement {
     const type = h("td", { class: "col-type" });
-    const below = h("span", { class: "type-below" });
+    const below = h("span", { class: "type-below ros-name" });
     const number = (column: Column): HTMLElement => h("td", { class: `number col-${column}` });
     const [publishers, subscribers] = [number("publishers"), number("subscribers")];
     const [rate, flow, drops] = [number("rate"), number("bandwidth"), number("drops")];
-    const link = h("a", { href: route("topics", name) }, name);
+    const link = h(
+      "a",
+      { href: route("topics", name), class: "ros-name", title: name },
+      ...breakable(name),
+    );
     let typeName = "";
     const plot = plotButton(name, () => this.#plot(name, typeName));
     const element = h(
@@ -230,8 +234,8 @@ export class TopicList {
       link,
       show: (topic) => {
         typeName = topic.type;
-        setText(type, topic.type === "" ? "–" : topic.type);
-        setText(below, topic.type);
+        setName(type, topic.type === "" ? "–" : topic.type);
+        setName(below, topic.type);
         setText(publishers, whole(topic.publishers));
         setText(subscribers, whole(topic.subscribers));
         setText(rate, topic.rate === 0 ? "–" : hertz(topic.rate));

@@ -1,6 +1,6 @@
 /** The page of one topic: its newest message, a form to publish, its connections and its type. */
 import { browsePage } from "../browse";
-import { h, replace, setText } from "../dom";
+import { breakable, h, replace, setName, setText } from "../dom";
 import { bandwidth, hertz, plural } from "../format";
 import type { Hub } from "../hub";
 import type { Model, TopicInfo } from "../model";
@@ -105,7 +105,7 @@ export class TopicPage {
   async #createTools(type: string, isNew: boolean): Promise<void> {
     this.#toolsType = type;
     this.#typeError = "";
-    setText(this.#type, type);
+    setName(this.#type, type);
     let typedefs: TypeDef[];
     try {
       typedefs = await this.#model.typedefs(type);
@@ -240,7 +240,11 @@ function connectionList(label: string, nodes: [node: string, note: string][]): H
             h(
               "li",
               {},
-              h("a", { class: "mono", href: route("graph", "node", node) }, node),
+              h(
+                "a",
+                { class: "mono", title: node, href: route("graph", "node", node) },
+                ...breakable(node),
+              ),
               note === "" ? null : h("span", { class: "soft small" }, ` ${note}`),
             ),
           ),
