@@ -108,6 +108,25 @@ async def test_lines_are_filtered_by_level_node_and_text(open_page: OpenPage, hu
         await expect(page.locator(".console [role=status]")).to_contain_text("No lines")
 
 
+async def test_link_has_the_level_the_node_and_the_filter(open_page: OpenPage, hub: Hub) -> None:
+    page = await open_page(hub, "#/console")
+    async with logger(hub) as talker:
+        await talker.log("left motor is hot", WARN)
+        await expect(page.locator(ROWS)).to_have_count(1)
+        await page.get_by_label("Minimum level").select_option("WARN and above")
+        await page.get_by_label("Node").select_option("/talker")
+        await page.get_by_label("Filter").fill("motor -right")
+        route = "#" + page.url.partition("#")[2]
+        assert route == "#/console?level=warn&node=/talker&filter=motor+-right"
+        copy = await open_page(hub, route)
+        await talker.log("left motor is on", INFO)
+        await talker.log("right motor is hot", WARN)
+        await talker.log("left motor is off", ERROR)
+        await expect(copy.locator(ROWS)).to_have_count(1)
+        assert await texts(copy) == ["left motor is off"]
+        await expect(copy.get_by_label("Node")).to_have_value("/talker")
+
+
 async def test_paused_list_catches_up_when_resumed(open_page: OpenPage, hub: Hub) -> None:
     page = await open_page(hub, "#/console")
     async with logger(hub) as talker:

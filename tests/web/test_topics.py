@@ -12,6 +12,7 @@ from playwright.async_api import Locator, Page, expect
 import fibws
 from fibws.hub import Hub
 from fibws.msg.actionlib_msgs import GoalStatus
+from fibws.msg.actionlib_tutorials import FibonacciActionFeedback
 from fibws.msg.geometry_msgs import Point, Pose, PoseStamped
 from fibws.msg.sensor_msgs import LaserScan
 from fibws.msg.std_msgs import Float64, Header, Int8, Int32, Int64, String, UInt8MultiArray
@@ -95,6 +96,60 @@ async def test_list_is_sorted_and_filtered_and_hides_topics_of_the_hub(
     await expect(page.get_by_text("No topics match")).to_be_visible()
     await page.get_by_label("Debug").check()
     await expect(names).to_have_text(["/rosout", "/rosout_agg"])
+
+
+async def test_link_has_the_filter_the_order_and_the_topic(
+    hub: Hub, node: fibws.Node, fibonacci: None, open_page: OpenPage
+) -> None:
+    await node.advertise("/robot/scan", LaserScan)
+    page = await open_page(hub, "#/topics")
+    await page.get_by_label("Filter").fill("/robot -/rosout")
+    await page.get_by_role("checkbox", name="Debug").check()
+    await page.get_by_role("button", name="Rate").click()
+    await row(page, "/fibonacci").click()
+    await expect(page).to_have_url(re.compile("/%2Ffibonacci[?].*sort=-rate"))
+    copy = await open_page(hub, "#" + page.url.partition("#")[2])
+    await expect(copy.get_by_label("Filter")).to_have_value("/robot -/rosout")
+    await expect(copy.get_by_role("checkbox", name="Debug")).to_be_checked()
+    await expect(copy.get_by_role("columnheader", name="Rate")).to_have_attribute(
+        "aria-sort", "descending"
+    )
+    # The node /robot publishes both; /rosout, too, but this is excluded.
+    await expect(row(copy, "/rosout")).to_have_count(0)
+    await expect(row(copy, "/robot/scan")).to_have_count(1)
+    await expect(copy.get_by_role("article", name="/fibonacci")).to_be_visible()
+
+
+async def test_names_are_broken_only_after_slashes_and_underscores(
+    hub: Hub, node: fibws.Node, open_page: OpenPage
+) -> None:
+    name = "/kitchen_robot/front_laser_scanner/detected_obstacles/all_of_them_together"
+    await node.advertise(name, FibonacciActionFeedback)
+    page = await open_page(hub, "#/topics", width=390)
+    await row(page, name).wait_for()
+    lines = """
+        element => {
+            const lines = [];
+            const walker = document.createTreeWalker(element, NodeFilter.SHOW_TEXT);
+            while (walker.nextNode()) {
+                for (let at = 0; at < walker.currentNode.length; at += 1) {
+                    const range = document.createRange();
+                    range.setStart(walker.currentNode, at);
+                    range.setEnd(walker.currentNode, at + 1);
+                    const top = Math.round(range.getBoundingClientRect().top);
+                    if (lines.at(-1)?.top !== top) lines.push({top, text: ""});
+                    lines.at(-1).text += range.toString();
+                }
+            }
+            return lines.map(({text}) => text);
+        }
+    """
+    for selector in (".browse-list th a", ".browse-list .type-below", ".browse-page h2"):
+        if selector == ".browse-page h2":
+            await row(page, name).click()
+        broken = await page.locator(selector).first.evaluate(lines)
+        assert len(broken) > 1
+        assert all(line.endswith(("/", "_")) for line in broken[:-1]), broken
 
 
 async def test_rows_are_not_replaced_while_numbers_change(
