@@ -25,6 +25,10 @@ type Link = LayoutRequest["links"][number];
 const FEW = 8;
 /** More boxes than this need the faster algorithm. */
 const MANY = 40;
+/** As a whole, a graph with more boxes than this takes seconds. */
+const VERY_MANY = 200;
+/** The largest part of the edges that may go directly from one namespace to another. */
+const MAX_CROSSING = 0.3;
 const BETWEEN_LAYERS = 26;
 const BETWEEN_BOXES = 32;
 const BETWEEN_ARROWS = 10;
@@ -49,8 +53,8 @@ export class LayoutEngine {
    *
    * Layers go from left to right on a wide canvas and from top to bottom on a narrow one, unless
    * names become readable only in the other direction. Once chosen, it stays while the graph grows.
-   * In a graph that is too large for the canvas, namespaces are laid out one by one if they fill
-   * the canvas better without the edges between them.
+   * In a graph that is too large for the canvas, namespaces are laid out one by one if there are few
+   * edges between them, and they fill the canvas better.
    */
   layOut(request: LayoutRequest): Layout {
     const cache = new Map<string, Layout>();
@@ -65,22 +69,31 @@ export class LayoutEngine {
       return pack(layouts, canvas, down);
     };
     const zoomOf = (layout: Layout): number => zoomToFit(layout.bounds, canvas);
-    const whole = components(request);
+    const crossing = linksBetweenNamespaces(request);
+    const apart = (down: boolean): Layout => {
+      const links = request.links.filter((link) => !crossing.has(link));
+      return withLinks(arranged(components({ ...request, links }), down), crossing);
+    };
+    const areSeparable = crossing.size > 0 && crossing.size < MAX_CROSSING * request.links.length;
     const preferred = prefersDown(canvas);
     const first = this.#chosen?.preferred === preferred ? this.#chosen.down : preferred;
-    let best = arranged(whole, mayBeReadable(request) ? first : preferred);
-    if (zoomOf(best) < GOOD && mayBeReadable(request)) {
-      const other = arranged(whole, !first);
-      const isBetter = zoomOf(other) > MUCH_LARGER * zoomOf(best);
-      // If neither is readable as a whole, the preferred direction is easier to follow.
-      const isUseless = zoomOf(best) < READABLE && first !== preferred;
-      if (zoomOf(other) >= READABLE ? isBetter : isUseless) best = other;
-    }
-    const crossing = linksBetweenNamespaces(request);
-    if (zoomOf(best) < READABLE && crossing.size > 0) {
-      const links = request.links.filter((link) => !crossing.has(link));
-      const apart = arranged(components({ ...request, links }), best.down);
-      if (zoomOf(apart) > MUCH_LARGER * zoomOf(best)) best = withLinks(apart, crossing);
+    const mayBeRead = mayBeReadable(request);
+    let best: Layout;
+    if (!mayBeRead && areSeparable && request.boxes.length > VERY_MANY) best = apart(preferred);
+    else {
+      const whole = components(request);
+      best = arranged(whole, mayBeRead ? first : preferred);
+      if (mayBeRead && zoomOf(best) < GOOD) {
+        const other = arranged(whole, !first);
+        const isBetter = zoomOf(other) > MUCH_LARGER * zoomOf(best);
+        // If neither is readable as a whole, the preferred direction is easier to follow.
+        const isUseless = zoomOf(best) < READABLE && first !== preferred;
+        if (zoomOf(other) >= READABLE ? isBetter : isUseless) best = other;
+      }
+      if (zoomOf(best) < READABLE && areSeparable) {
+        const other = apart(best.down);
+        if (zoomOf(other) > MUCH_LARGER * zoomOf(best)) best = other;
+      }
     }
     this.#chosen = { preferred, down: best.down };
     this.#cache = cache;
