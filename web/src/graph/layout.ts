@@ -246,36 +246,62 @@ function fitted({ boxes, links, groups, down }: Omit<Layout, "bounds">): Layout 
   return moved({ boxes, links, groups, bounds, down }, -left, -top);
 }
 
+/** How wide rows of components are tried, in relation to a square part of the canvas. */
+const ROW_WIDTHS = [1.1, 0.9, 1.35, 1.6];
+/** Another width of rows must show everything this much larger to be chosen. */
+const LARGER = 1.1;
+
 /** Arrange components in rows that fill the canvas. */
 function pack(layouts: readonly Layout[], canvas: Size, down: boolean): Layout {
-  const aspect = canvas.width / canvas.height;
+  // Large ones first, so that single boxes gather below.
+  const sorted = layouts
+    .map((component, index) => ({ component, index }))
+    .sort((a, b) => size(b.component) - size(a.component) || a.index - b.index)
+    .map(({ component }) => component);
   const area = layouts.reduce(
     (sum, { bounds: { width, height } }) =>
       sum + (width + BETWEEN_COMPONENTS) * (height + BETWEEN_COMPONENTS),
     0,
   );
   const widest = Math.max(0, ...layouts.map(({ bounds }) => bounds.width));
-  const limit = Math.max(widest, 1.1 * Math.sqrt(area * aspect));
-  const bounds = { left: 0, top: 0, width: 0, height: 0 };
+  const ideal = Math.sqrt((area * canvas.width) / canvas.height);
+  const [usual = inRows([], 0), ...others] = ROW_WIDTHS.map((factor) =>
+    inRows(sorted, Math.max(widest, factor * ideal)),
+  );
+  const zoomOf = ({ width, height }: Rows): number => zoomToFit({ width, height }, canvas);
+  const best = others.reduce(
+    (one, other) => (zoomOf(other) > LARGER * zoomOf(one) ? other : one),
+    usual,
+  );
+  const bounds = { left: 0, top: 0, width: best.width, height: best.height };
   const whole: Layout = { boxes: new Map(), links: new Map(), groups: new Map(), bounds, down };
-  let [x, y, high] = [0, 0, 0];
-  // Large ones first, so that single boxes gather below.
-  const sorted = layouts
-    .map((component, index) => ({ component, index }))
-    .sort((a, b) => size(b.component) - size(a.component) || a.index - b.index);
-  for (const { component } of sorted) {
-    const { width, height } = component.bounds;
-    if (x > 0 && x + width > limit) [x, y, high] = [0, y + high + BETWEEN_COMPONENTS, 0];
+  for (const [index, component] of sorted.entries()) {
+    const { x, y } = best.places[index] as Point;
     const { boxes, links, groups } = moved(component, x, y);
     for (const [id, box] of boxes) whole.boxes.set(id, box);
     for (const [id, path] of links) whole.links.set(id, path);
     for (const [name, box] of groups) whole.groups.set(name, box);
-    x += width + BETWEEN_COMPONENTS;
-    high = Math.max(high, height);
-    bounds.width = Math.max(bounds.width, x - BETWEEN_COMPONENTS);
-    bounds.height = y + high;
   }
   return whole;
+}
+
+interface Rows extends Size {
+  /** The upper left corner of each component. */
+  places: Point[];
+}
+
+/** Place components one after the other, in rows of a limited width. */
+function inRows(layouts: readonly Layout[], limit: number): Rows {
+  const rows: Rows = { places: [], width: 0, height: 0 };
+  let [x, y] = [0, 0];
+  for (const { bounds } of layouts) {
+    if (x > 0 && x + bounds.width > limit) [x, y] = [0, rows.height + BETWEEN_COMPONENTS];
+    rows.places.push({ x, y });
+    x += bounds.width + BETWEEN_COMPONENTS;
+    rows.width = Math.max(rows.width, x - BETWEEN_COMPONENTS);
+    rows.height = Math.max(rows.height, y + bounds.height);
+  }
+  return rows;
 }
 
 /** In coarse steps, so that one more topic does not reorder components. */

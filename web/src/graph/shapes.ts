@@ -11,7 +11,7 @@ export type Measure = (text: string, font: "name" | "node" | "type" | "rate") =>
 /** The maximum length of a label, in characters. */
 const MAX_LABEL = 54;
 /** Longer labels are broken into lines. */
-const MAX_LINE = 18;
+const MAX_LINE = 20;
 const MAX_LINES = 3;
 /** The distance of two lines of a label, in pixels. */
 const LINE = 15;
@@ -49,18 +49,25 @@ export function shortened(text: string, limit = MAX_LABEL): string {
 
 /** Break a long label into lines of similar length, after its slashes and underscores only. */
 export function linesOf(label: string): string[] {
-  const words = shortened(label).match(/[^/_]+[/_]*|[/_]+/g) ?? [];
-  const count = Math.min(MAX_LINES, Math.ceil(label.length / MAX_LINE));
-  const shortest = Math.ceil(label.length / Math.max(1, count));
-  for (let limit = Math.max(shortest, Math.floor(MAX_LINE / 2)); ; limit += 1) {
-    const lines = [""];
-    for (const word of words) {
-      const last = lines.length - 1;
-      if (lines[last] === "" || `${lines[last]}${word}`.length <= limit) lines[last] += word;
-      else lines.push(word);
-    }
-    if (lines.length <= Math.max(1, count)) return lines;
+  const text = shortened(label);
+  const words = text.match(/[^/_]+[/_]*|[/_]+/g) ?? [""];
+  const count = Math.min(MAX_LINES, filled(words, MAX_LINE).length);
+  // The lowest limit gives the most similar lines.
+  for (let limit = Math.ceil(text.length / count); ; limit += 1) {
+    const lines = filled(words, limit);
+    if (lines.length <= count) return lines;
   }
+}
+
+/** Words in lines of a limited length; a longer word has a line of its own. */
+function filled([first = "", ...others]: readonly string[], limit: number): string[] {
+  const lines = [first];
+  for (const word of others) {
+    const longer = `${lines.at(-1)}${word}`;
+    if (longer.length <= limit) lines[lines.length - 1] = longer;
+    else lines.push(word);
+  }
+  return lines;
 }
 
 export function sizeOf(element: PictureElement, measure: Measure): Size {
