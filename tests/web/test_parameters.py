@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import AsyncIterator
 
 from playwright.async_api import Locator, Page, expect
@@ -181,3 +182,18 @@ async def test_parameters_are_filtered(open_page: OpenPage, hub: Hub, node: fibw
     await expect(leaf(page, "rosversion")).to_have_count(0)
     await expect(leaf(page, "speed")).to_be_visible()
     await expect(page.locator(".parameters > [role=status]")).to_have_text("1 of 7 parameters")
+
+
+async def test_link_has_the_filter_and_the_folded_namespaces(
+    open_page: OpenPage, hub: Hub, node: fibws.Node
+) -> None:
+    await node.params.set("/robot/arm/speed", 0.5)
+    await node.params.set("/robot/name", "R2")
+    page = await open_page(hub, "#/parameters")
+    await page.get_by_label("Filter").fill("/robot")
+    await page.locator(".parameters summary").filter(has_text="arm/").click()
+    await expect(page).to_have_url(re.compile(r"filter=/robot&folded=/robot/arm$"))
+    copy = await open_page(hub, "#" + page.url.partition("#")[2])
+    await expect(leaf(copy, "name")).to_be_visible()
+    await expect(leaf(copy, "speed")).to_be_hidden()
+    await expect(leaf(copy, "rosdistro")).to_have_count(0)
