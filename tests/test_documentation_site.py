@@ -1,0 +1,45 @@
+"""The pages of docs/ that are made from the code, and the site that MkDocs builds of all."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import fibws
+from docs import write_commands
+
+ROOT = Path(__file__).parents[1]
+DOCS = ROOT / "docs"
+
+
+def test_page_of_all_commands_is_that_of_the_code() -> None:
+    assert write_commands.PAGE.read_text("utf-8") == write_commands.page(), (
+        "run: python docs/write_commands.py"
+    )
+
+
+def test_api_page_has_all_public_names() -> None:
+    page = (DOCS / "api.md").read_text("utf-8")
+    names = re.findall(r"^::: fibws\.(\w+)$", page, re.MULTILINE)
+    names.remove("testing")  # a module
+    assert sorted(names) == sorted(fibws.__all__)
+
+
+def test_site_has_the_readme_and_docstrings(tmp_path: Path) -> None:
+    pytest.importorskip("mkdocs")
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(tmp_path)]
+    built = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    assert built.returncode == 0, built.stdout + built.stderr
+    home = (tmp_path / "index.html").read_text("utf-8")
+    assert 'href="operations/"' in home
+    assert 'href="../#first-steps"' in (tmp_path / "web" / "index.html").read_text("utf-8")
+    api = (tmp_path / "api" / "index.html").read_text("utf-8")
+    for name in fibws.__all__:
+        assert f'id="fibws.{name}"' in api
+    assert 'id="fibws.Node.advertise"' in api
+    tutorial = (tmp_path / "tutorial" / "index.html").read_text("utf-8")
+    assert "Terminal 2" in tutorial
