@@ -21,6 +21,7 @@ FROM ${PYTHON_IMAGE}
 # USER below is a number because Kubernetes' runAsNonRoot does not look up names.
 RUN useradd --create-home --uid 10001 fibws
 COPY --from=build /opt/fibws /opt/fibws
+COPY docker/with-node-name /usr/local/bin/
 # Unbuffered, so that `docker logs` shows output at once.
 ENV PATH=/opt/fibws/bin:$PATH \
     PYTHONUNBUFFERED=1
