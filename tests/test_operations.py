@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from websockets.asyncio.client import ClientConnection, unix_connect
+from websockets.asyncio.client import ClientConnection, connect, unix_connect
 from websockets.exceptions import InvalidStatus
 
 from fibws.hub import Hub, Settings
@@ -152,7 +152,7 @@ async def test_page_and_its_websocket_work_through_a_proxy(
             writer.close()
             return answer
 
-        def connect(origin: str) -> unix_connect:
+        def page_of(origin: str) -> connect:
             return unix_connect(
                 str(socket),
                 uri=f"wss://{HOST}/",
@@ -163,13 +163,13 @@ async def test_page_and_its_websocket_work_through_a_proxy(
         async with asyncio.timeout(TIMEOUT):
             assert (await get("/healthz")).startswith(b"HTTP/1.1 200")
             page: ClientConnection
-            async with connect(f"https://{HOST}") as page:
+            async with page_of(f"https://{HOST}") as page:
                 call = {"op": "call_service", "service": "/rosapi/topics", "id": "1"}
                 await page.send(json.dumps(call))
                 answer = json.loads(await page.recv())
                 assert answer["op"] == "service_response" and answer["result"] is True
             with pytest.raises(InvalidStatus) as refused:
-                async with connect("https://stranger.example"):
+                async with page_of("https://stranger.example"):
                     pass
             assert refused.value.response.status_code == 403
 

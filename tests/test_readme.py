@@ -21,7 +21,7 @@ import fibws
 from fibws.cli.commands import command as fibws_command
 from fibws.hub import Hub, Settings
 from fibws.msg.geometry_msgs import Twist
-from fibws.msg.std_msgs import String
+from fibws.msg.std_msgs import Float64, String
 
 ROOT = Path(__file__).parents[1]
 README = ROOT / "README.md"
@@ -33,7 +33,7 @@ NODES = PAGES[README] + re.sub(
 """The pages with programs, without the section that tests/test_testing.py runs."""
 PROGRAMS = {
     found["node"]: found[0].strip("`").removeprefix("python\n")
-    for found in re.finditer(r"```python\n[^`]*fibws\.Node\(\"(?P<node>\w+)\"[^`]*```", NODES)
+    for found in re.finditer(r"```python\n[^`]*?fibws\.Node\(\"(?P<node>\w+)\"[^`]*```", NODES)
 }
 """By the names of their nodes."""
 DEFINITION = re.search(r"`(fibonacci/msg/Fibonacci\.msg)`:\n\n```text\n(.*?)```", NODES, re.DOTALL)
@@ -84,7 +84,8 @@ async def test_listener_receives_what_talker_publishes(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("node", "lines"),
     [
-        ("adder", ["1 + 2 = 3", "last: 3 of ['/adder/last', ", "topics: {"]),
+        ("adder", ["1 + 2 = 3", "topics: {"]),
+        ("configured", ["speed: 0.5", "rate: 10", "/robot/color"]),
         ("counter", ["so far: [0, 1, 1]", "in all: [0, 1, 1, 2, 3, 5, 8]"]),
     ],
 )
@@ -96,6 +97,30 @@ async def test_node_that_calls_itself_prints_the_results(
         for line in lines:
             await line_with(line, process)
         assert await process.wait() == 0
+
+
+async def test_filter_publishes_what_it_makes_of_messages(folder: Path) -> None:
+    async with Hub(Settings(port=0)) as hub, fibws.Node("test", hub=hub.url) as node:
+        rough = await node.advertise("rough", Float64, latch=True)
+        await rough.publish(8.0)
+        process = await start(PROGRAMS["smoother"], hub, folder)
+        try:
+            smooth = await node.wait_for_message("smooth", Float64)
+            assert smooth.data == 8.0
+        finally:
+            process.terminate()
+            assert await process.wait() == 0
+
+
+async def test_several_nodes_run_in_one_process(folder: Path) -> None:
+    async with Hub(Settings(port=0)) as hub, fibws.Node("test", hub=hub.url) as node:
+        process = await start(PROGRAMS["sum"], hub, folder)
+        try:
+            await line_with("total: ", process)
+            assert {"/left", "/right", "/sum"} <= {*await node.graph.nodes()}
+        finally:
+            process.terminate()
+            assert await process.wait() == 0
 
 
 async def test_node_cleans_up_when_it_is_stopped(folder: Path) -> None:
@@ -124,7 +149,8 @@ async def test_program_with_a_hub_of_its_own(folder: Path) -> None:
 
 def test_all_programs_are_tested() -> None:
     assert PROGRAMS.keys() == {
-        *("talker", "listener", "adder", "counter", "indexed_broadcaster", "driver", "robot")
+        *("talker", "listener", "smoother", "adder", "configured", "counter", "sum"),
+        *("indexed_broadcaster", "driver", "robot"),
     }
     assert len(PROGRAMS) == NODES.count("```python")
 
