@@ -1,6 +1,6 @@
 """Tests of your own nodes: a hub for each test, and functions that wait.
 
-Needs ``pip install 'fibws[testing]'``, and in ``conftest.py``::
+Needs ``pip install 'fibws[testing]'``, and in ``conftest.py``:
 
     pytest_plugins = ["fibws.testing"]
 

@@ -40,6 +40,9 @@ def test_site_has_the_readme_and_docstrings(tmp_path: Path) -> None:
     api = (tmp_path / "api" / "index.html").read_text("utf-8")
     for name in fibws.__all__:
         assert f'id="fibws.{name}"' in api
+    for member in re.findall(r"members: \[(.*)\]", (DOCS / "api.md").read_text("utf-8")):
+        for name in member.split(", "):
+            assert re.search(rf'id="fibws\.\w+\.{name}"', api), name
     assert 'id="fibws.Node.advertise"' in api
     tutorial = (tmp_path / "tutorial" / "index.html").read_text("utf-8")
     assert "Terminal 2" in tutorial

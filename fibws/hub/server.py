@@ -45,7 +45,7 @@ BACKLOG = 1024
 class Hub:
     """A hub that listens while its ``async with`` block runs.
 
-    It is the hub of ``python -m fibws.hub``, for programs that have one of their own::
+    It is the hub of ``python -m fibws.hub``, for programs that have one of their own:
 
         async with fibws.Hub(Settings(port=0)) as hub:
             async with fibws.Node("robot", hub=hub.url) as node:
