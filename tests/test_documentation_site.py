@@ -40,9 +40,12 @@ def test_site_has_the_readme_and_docstrings(tmp_path: Path) -> None:
     api = (tmp_path / "api" / "index.html").read_text("utf-8")
     for name in fibws.__all__:
         assert f'id="fibws.{name}"' in api
-    for member in re.findall(r"members: \[(.*)\]", (DOCS / "api.md").read_text("utf-8")):
-        for name in member.split(", "):
-            assert re.search(rf'id="fibws\.\w+\.{name}"', api), name
+    page = (DOCS / "api.md").read_text("utf-8")
+    for name, members in re.findall(
+        r"^::: (\S+)\n    options:\n      members: \[(.*)\]", page, re.M
+    ):
+        for member in members.split(", "):
+            assert f'id="{name}.{member}"' in api
     assert 'id="fibws.Node.advertise"' in api
     tutorial = (tmp_path / "tutorial" / "index.html").read_text("utf-8")
     assert "Terminal 2" in tutorial
