@@ -5,17 +5,20 @@ from __future__ import annotations
 import array
 import math
 import pickle
+from collections import deque
 from io import BytesIO
 from typing import Any
 
+import numpy
 import pytest
-from genpy import DeserializationError, Duration, Message, Time
+from genpy import DeserializationError, Duration, Message, SerializationError, Time
 from genpy.classes import message_class
 
 import fibws
 from fibws.interfaces import Validators
 from fibws.msg import default_interfaces
 
+from ..conftest import Define
 from .conftest import Agree
 
 TYPES = [
@@ -35,7 +38,8 @@ def make(type_: str, *args: Any, **fields: Any) -> Any:
 
 def sent(message: Message) -> Any:
     """The message as a subscriber gets it."""
-    return type(message).from_dict(VALIDATORS.of(message._type).validate(message.to_dict()))
+    validators = Validators(type(message)._find_interfaces(), now=int)
+    return type(message).from_dict(validators.of(message._type).validate(message.to_dict()))
 
 
 @pytest.mark.parametrize(
@@ -106,6 +110,8 @@ def test_unknown_field_cannot_be_set(name: str) -> None:
         "packed(M('std_msgs/UInt8', 256))",
         "packed(M('std_msgs/UInt8', -1))",
         "packed(M('std_msgs/Bool', 1))",
+        "packed(M('std_msgs/Bool', 256))",
+        "packed(M('std_msgs/Bool', -1))",
         "packed(M('std_msgs/Bool', 'yes'))",
         "packed(M('std_msgs/Float64', 1))",
         "packed(M('std_msgs/Float64', True))",
@@ -122,6 +128,13 @@ def test_unknown_field_cannot_be_set(name: str) -> None:
         "packed(M('sensor_msgs/LaserScan', ranges=[None]))",
         "packed(M('sensor_msgs/LaserScan', ranges=5))",
         "packed(M('sensor_msgs/LaserScan', ranges='abc'))",
+        "packed(M('sensor_msgs/LaserScan', ranges=b'abc'))",
+        "packed(M('sensor_msgs/LaserScan', ranges={1.5: 2}.keys()))",
+        "packed(M('sensor_msgs/LaserScan', ranges=map(float, range(2))))",
+        "packed(M('rosgraph_msgs/Log', topics={'/a': 1, '/b': 2}.keys()))",
+        "packed(M('rosgraph_msgs/Log', topics={'/a': 1, '/b': 2}))",
+        "packed(M('rosgraph_msgs/Log', topics={'/a'}))",
+        "packed(M('rosgraph_msgs/Log', topics=map(str, range(2))))",
         "packed(M('sensor_msgs/Image', data=[1, 2, 255]))",
         "packed(M('sensor_msgs/Image', data=(1, 2, 255)))",
         "packed(M('sensor_msgs/Image', data=bytearray(b'abc')))",
@@ -151,12 +164,56 @@ def test_values_are_packed_or_refused_as_in_genpy(agree: Agree, expression: str)
         make("sensor_msgs/Image", data="AAAA"),
         make("rosgraph_msgs/Log", topics="abc"),
         make("geometry_msgs/Polygon", points=5),
-        make("sensor_msgs/LaserScan", ranges={1.0: 2.0}),
     ],
 )
 def test_values_that_json_would_misread_are_refused(message: Message) -> None:
     with pytest.raises(fibws.InvalidMessage):
         sent(message)
+
+
+BOOLS = [
+    *("[True, False, True]", "(True, False, True)", "[1, 0, 1]", "b'\\1\\0\\1'", "range(2)"),
+    *("bytearray(b'\\1\\0\\1')", "memoryview(b'\\1\\0\\1')", "{1: 2}.keys()", "[256, 0, 0]"),
+    *("['yes', 'no', 'no']", "'yes'", "None", "True", "[None, True, False]"),
+]
+
+
+@pytest.mark.parametrize("array_type", ["bool[]", "bool[3]"])
+def test_arrays_of_bools_are_packed_as_in_genpy(
+    define: Define, agree: Agree, array_type: str
+) -> None:
+    type_ = f"flags/Flags{3 if '3' in array_type else ''}"
+    define(type_, f"{array_type} flags")
+    agree(f"M({type_!r}).flags", type_)
+    assert agree(f"packed(M({type_!r}, flags={BOOLS[0]}))").endswith("x01\\x00\\x01'")
+    for value in BOOLS:
+        agree(f"packed(set(M({type_!r}), flags={value}))")
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        *([1, 0, 1], b"\1\0\1", array.array("i", [1, 0, 1]), numpy.array([True, False, True])),
+        *(list(numpy.array([True, False, True])), numpy.array([1, 0, 1]), deque([1, 0, 1])),
+    ],
+    ids=repr,
+)
+@pytest.mark.parametrize("array_type", ["bool[]", "bool[3]"])
+def test_arrays_of_bools_are_sent(define: Define, array_type: str, value: Any) -> None:
+    define("flags/Flags", f"{array_type} flags")
+    buffer = BytesIO()
+    message = make("flags/Flags", flags=value)
+    message.serialize(buffer)
+    for received in (sent(message), make("flags/Flags").deserialize(buffer.getvalue())):
+        assert received.flags == [True, False, True]
+        assert sent(received) == received
+
+
+@pytest.mark.parametrize("value", [[1.0, 0.0], numpy.array([1.0, 0.0]), [True]], ids=repr)
+def test_other_values_of_bools_are_refused(define: Define, value: Any) -> None:
+    define("flags/Flags", "bool[2] flags")
+    with pytest.raises(SerializationError, match="flags"):
+        make("flags/Flags", flags=value).serialize(BytesIO())
 
 
 def test_error_names_the_field_of_a_wrong_class() -> None:

@@ -1,15 +1,15 @@
 """One field of a message class: its default, and how its value is converted to JSON and back.
 
 Scripts may assign all values that genpy packs: numpy's numbers for ints, ints for floats, lists,
-tuples and arrays. They are converted for `MessageValidator.validate`; other values are converted to
-something that validation refuses.
+tuples, arrays and other collections. They are converted for `MessageValidator.validate`; other
+values are converted to something that validation refuses.
 """
 
 from __future__ import annotations
 
 import keyword
 from array import array
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Iterable
 from functools import partial
 from math import nan
 from operator import index
@@ -29,10 +29,10 @@ RESERVED = frozenset({*keyword.kwlist, "self"})
 
 _CODES = {
     **{"int8": "b", "uint8": "B", "int16": "h", "uint16": "H", "int32": "i", "uint32": "I"},
-    **{"int64": "q", "uint64": "Q", "byte": "b", "char": "B", "bool": "B"},
+    **{"int64": "q", "uint64": "Q", "byte": "b", "char": "B"},
     **{"float32": "d", "float64": "d"},  # Validation rounds a float32.
 }
-"""The type codes of `array` for numbers."""
+"""The type codes of `array` for numbers; bools are in lists."""
 
 _DTYPES = {"byte": "int8", "char": "uint8", "bool": "bool"}
 """The names of dtypes that differ from those of ROS."""
@@ -69,8 +69,9 @@ def make_member(field: Field, nested: type[Message] | None) -> Member:
     if field.is_bytes:
         write, read = _write_bytes, base64text.decode
         read_numpy = read
-    elif field.array is not None and field.type in _CODES:
-        write = partial(_write_numbers, _CODES[field.type])
+    elif field.array is not None and (field.type in _CODES or field.type == "bool"):
+        convert = partial(array, _CODES[field.type]) if field.type in _CODES else _bools
+        write = partial(_write_numbers, convert)
         read = _READ_ALL.get(field.type, tuple)
         read_numpy = partial(_read_array, _DTYPES.get(field.type, field.type))
     elif field.array is not None:
@@ -108,6 +109,11 @@ def _element(type_: str, nested: type[Message] | None) -> tuple[Convert, Convert
     return _ELEMENTS.get(type_, (_write_int, _same))
 
 
+def is_array(values: object) -> bool:
+    """Return whether genpy packs the value as an array: anything of a known length but a text."""
+    return isinstance(values, Collection) and not isinstance(values, str)
+
+
 def _same(value: Any) -> Any:
     return value
 
@@ -130,12 +136,18 @@ def _write_int(value: Any) -> Any:
 
 
 def _write_bool(value: Any) -> Any:
+    """Return a bool; also for the numbers that fit into genpy's one byte for it."""
     if type(value) is bool:
         return value
     try:
-        return bool(index(value))
+        number = index(value)
     except TypeError:  # numpy's bools are not numbers
         return value.item() if hasattr(value, "item") else value
+    return bool(number) if 0 <= number <= 255 else value
+
+
+def _bools(values: Iterable[Any]) -> list[Any]:
+    return [_write_bool(value) for value in values]
 
 
 def _write_float(value: Any) -> Any:
@@ -192,19 +204,18 @@ def _view(value: Any) -> memoryview:
     return view
 
 
-def _write_numbers(code: str, values: Any) -> Any:
-    """Return an array of numbers as a list."""
+def _write_numbers(convert: Callable[[Iterable[Any]], array[Any] | list[Any]], values: Any) -> Any:
+    """Return an array of numbers as a list; ``convert`` makes numbers of the field's type."""
     if hasattr(values, "tolist"):
         values = values.tolist()
-    if isinstance(values, (str, bytes, bytearray, dict)):
+    if not is_array(values):
         return refused(values)
+    # A list, because `array` takes bytes for the memory of its elements.
+    numbers = list(values)
     try:
-        numbers = array(code, values).tolist()
+        return list(convert(numbers))
     except (TypeError, ValueError, OverflowError):
-        if not isinstance(values, (list, tuple)):
-            return refused(values)
-        return [refused(value) if value is None else value for value in values]
-    return numbers
+        return [refused(value) if value is None else value for value in numbers]
 
 
 def _read_array(dtype: str, values: list[Any]) -> Any:
@@ -214,7 +225,7 @@ def _read_array(dtype: str, values: list[Any]) -> Any:
 
 
 def _write_all(write: Convert, values: Any) -> Any:
-    if isinstance(values, (str, bytes, dict)) or not hasattr(values, "__iter__"):
+    if not is_array(values):
         return refused(values)
     return [write(value) for value in values]
 
