@@ -140,6 +140,34 @@ async def test_callers_get_the_errors_of_handlers() -> None:
         ]
 
 
+async def test_arrays_of_a_response_may_be_any_iterables() -> None:
+    async with running_hub() as programs, fibws.Node("caller", hub=programs.hub.url) as node:
+        program = await programs.start("""
+            import rospy
+            from roscpp.msg import Logger
+            from roscpp.srv import GetLoggers, GetLoggersResponse
+
+            loggers = {"one": Logger("one", "info"), "two": Logger("two", "warn")}
+            responses = iter([
+                GetLoggersResponse(loggers.values()),
+                GetLoggersResponse(Logger(name, "info") for name in loggers),
+                map(loggers.get, loggers),
+                {"loggers": (loggers["one"], loggers["two"])},
+            ])
+
+            rospy.init_node("server")
+            rospy.Service("list", GetLoggers, lambda request: next(responses))
+            print("ready")
+            rospy.spin()
+        """)
+        assert await program.read_line() == "ready"
+        for _ in range(4):
+            response = await node.call("list", "roscpp/GetLoggers")
+            assert [logger.name for logger in response.loggers] == ["one", "two"]
+        program.interrupt()
+        assert await program.finish() == []
+
+
 async def test_error_of_a_handler_is_logged() -> None:
     async with running_hub() as programs, fibws.Node("caller", hub=programs.hub.url) as node:
         program = await programs.start("""

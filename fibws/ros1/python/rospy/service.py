@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import threading
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
 from rospy import core, names
 from rospy.impl.tcpros_base import DEFAULT_BUFF_SIZE
-from rospy.msg import Message
+from rospy.msg import Message, serialized
 
 if TYPE_CHECKING:
     import asyncio
@@ -135,7 +135,8 @@ class Service(ServiceEnd):
         outcome = CallRefused("error processing request: its thread has ended")
         try:
             response = convert_return_to_response(self.handler(request), self.response_class)
-            response._check_types()
+            _keep_iterators(response)
+            serialized(response)  # Checks the fields here, where the error handler can be called.
             outcome = response
         except ServiceException as error:
             outcome = CallRefused(f"service cannot process request: {error}")
@@ -163,6 +164,14 @@ def _settle(future: asyncio.Future[Any], outcome: Any) -> None:
         future.set_exception(outcome)
     else:
         future.set_result(outcome)
+
+
+def _keep_iterators(response: Message) -> None:
+    """Replace fields that can be read only once, such as ``map(...)``, by lists."""
+    for name in response.__slots__:
+        value = getattr(response, name)
+        if isinstance(value, Iterator):
+            setattr(response, name, list(value))
 
 
 def convert_return_to_response(response: Any, response_class: type[Message]) -> Message:
