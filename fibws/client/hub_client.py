@@ -211,7 +211,7 @@ class HubClient:
         request: Operation | None = None,
         timeout: float = PATIENCE,
         headers: dict[str, str] | None = None,
-    ) -> dict[str, Any]:
+    ) -> Response:
         """Call a service and return its response; other operations are kept for `receive`.
 
         Args:
@@ -381,13 +381,16 @@ def _answers(operation: Operation | None, id_: str) -> bool:
     )
 
 
-def _response(service: str, operation: Operation) -> dict[str, Any]:
+def _response(service: str, operation: Operation) -> Response:
     values = operation.get("values")
     if operation.get("result") is False:
         text = values if isinstance(values, str) else json.dumps(values)
         code = operation.get("code")
         raise CALL_ERRORS.get(str(code), ServiceError)(service, text, code)
-    return Response(service, values if isinstance(values, dict) else {})
+    response = Response(service, values if isinstance(values, dict) else {})
+    header = operation.get("header")
+    response.header = header if isinstance(header, dict) else {}
+    return response
 
 
 class Response(dict[str, Any]):
@@ -400,6 +403,8 @@ class Response(dict[str, Any]):
     def __init__(self, service: str, values: dict[str, Any]) -> None:
         super().__init__(values)
         self._service = service
+        self.header: dict[str, str] = {}
+        """If the call had headers: ``callerid``, the server's node."""
 
     def __getitem__(self, name: str) -> Any:
         value = super().__getitem__(name)

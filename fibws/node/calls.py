@@ -79,12 +79,23 @@ class Calls(OperationHandler):
         headers: Mapping[str, str] | None = None,
     ) -> Res:
         """Call a service by its global name; see `Node.call`."""
+        return (await self.call_with_header(service, type_, request, within, headers or None))[0]
+
+    async def call_with_header(
+        self,
+        service: str,
+        type_: type[Service[Req, Res]],
+        request: Req | Mapping[str, Any] | None,
+        within: float | None,
+        headers: Mapping[str, str] | None,
+    ) -> tuple[Res, dict[str, str]]:
+        """Call a service by its global name; see `Node.call_with_header`."""
         type_of_service = self._types.service(type_)
-        header = check_headers(headers) if headers else None
+        header = check_headers(headers) if headers is not None else None
         args = type_of_service.write_request(request)
-        values = await self._call(service, args, within, header)
+        response = await self._call(service, args, within, header)
         try:
-            return type_of_service.read_response(values)
+            return type_of_service.read_response(response.values), response.header or {}
         except InvalidMessage as error:
             text = f"its response does not fit {type_of_service.name}: {error}"
             raise ServiceError(service, text) from None
@@ -166,7 +177,7 @@ class Calls(OperationHandler):
         args: dict[str, Any],
         within: float | None,
         headers: dict[str, str] | None,
-    ) -> Any:
+    ) -> ServiceResponse:
         loop = asyncio.get_running_loop()
         end = loop.time() + within if within is not None else None
         id_ = self._session.id("call_service", service)
@@ -189,7 +200,7 @@ class Calls(OperationHandler):
             throw(outcome)
         if not outcome.result:
             raise _failure(service, outcome)
-        return outcome.values
+        return outcome
 
     def _slots_of(self, service: str) -> asyncio.Semaphore:
         return self._slots.setdefault(service, asyncio.Semaphore(MOST_CALLS))

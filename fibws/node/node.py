@@ -416,6 +416,26 @@ class Node:
             self.resolve(name), service, request, within=timeout, headers=headers
         )
 
+    async def call_with_header(
+        self,
+        name: str,
+        type: type[Service[Req, Res]] | str,
+        request: Req | Mapping[str, Any] | None = None,
+        *,
+        headers: Mapping[str, str],
+        timeout: float | None = None,
+    ) -> tuple[Res, dict[str, str]]:
+        """Call a service as `call` does; return the response and the server's connection header.
+
+        In the header, ``callerid`` is the server's node. It is empty with a rosbridge_suite server.
+        The arguments and the errors are those of `call`.
+        """
+        check_timeout(timeout)
+        service = self._types.service_class(type)
+        return await self._calls.call_with_header(
+            self.resolve(name), service, request, timeout, headers
+        )
+
     async def wait_for_service(self, name: str, *, timeout: float | None = None) -> None:
         """Wait until a service exists; without a hub, wait for that, too.
 

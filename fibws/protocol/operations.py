@@ -169,6 +169,9 @@ class ServiceResponse(Operation):
     values: Any = None
     result: bool
     code: Code = None
+    header: HubHeader = None
+    """For a caller that sent ``headers``: ``callerid``, the server's node (an addition of
+    fibws)."""
 
 
 class AdvertiseAction(Operation):

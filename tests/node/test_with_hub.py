@@ -504,6 +504,18 @@ async def test_header_of_a_request_names_its_caller(real_hub: Hub) -> None:
         await caller.call("/rosapi/statistics", GetStatistics, headers={"user": "ann"})
 
 
+async def test_header_of_a_response_names_its_server(real_hub: Hub) -> None:
+    url = real_hub.url
+    async with fibws.Node("provider", hub=url) as provider, fibws.Node("caller", hub=url) as caller:
+        await provider.service("who", Trigger, lambda request: (True, "me"))
+        await caller.wait_for_service("who")
+        for headers in ({}, {"user": "ann"}):
+            response, header = await caller.call_with_header("who", Trigger, headers=headers)
+            assert (response.message, header) == ("me", {"callerid": "/provider"})
+        _, header = await caller.call_with_header("/rosapi/nodes", "rosapi/Nodes", headers={})
+        assert header == {"callerid": "/rosapi"}
+
+
 async def test_publishers_and_subscribers_know_each_other(real_hub: Hub) -> None:
     url = real_hub.url
     async with fibws.Node("talker", hub=url) as talker:

@@ -108,6 +108,7 @@ FROM_HUB: list[Request | Reply] = [
     *BOTH,
     Publish(topic="~a", msg={"data": 1}),
     Publish(topic="/a", header={"callerid": "/talker", "latching": "0"}),
+    ServiceResponse(id=1, service="/add", result=True, header={"callerid": "/adder"}),
     Peers(topic="/a", nodes=[]),
     Peers(id="x", topic="/a", nodes=["/listener", "/talker"]),
     Peers(id="x", removed=["/talker"], added=["/listener", "/talker"]),

@@ -33,12 +33,16 @@ MOST_ENDED = 8
 
 
 class WaitingCall(NamedTuple):
-    """A call until its response, without its arguments, which may be large."""
+    """A call until its response, without its arguments, which may be large.
+
+    ``headers`` is true if the caller sent headers, and so wants the server's.
+    """
 
     id: Id
     service: str
     fragment_size: int | None
     timeout: float
+    headers: bool
 
 
 class Calls:
@@ -66,7 +70,8 @@ class Calls:
         # There may be an id behind the name, as the real server's call_service.py takes it.
         id_ = suffix if hash_ and request.id is None else request.id
         timeout = self._timeout(request)
-        waiting = WaitingCall(id_, request.service, request.fragment_size, timeout)
+        headers = request.headers is not None
+        waiting = WaitingCall(id_, request.service, request.fragment_size, timeout, headers)
         try:
             self._start(waiting, self._client.resolve(spelling), request)
         except FibwsError as error:
@@ -76,7 +81,7 @@ class Calls:
         """Respond with an error to a malformed call_service: its caller may wait all the same."""
         service, id_ = fields.get("service"), legal_id(fields.get("id"))
         if isinstance(service, str) and id_ is not None:
-            self._fail(WaitingCall(id_, service, None, inf), text, code)
+            self._fail(WaitingCall(id_, service, None, inf, headers=False), text, code)
 
     def leave(self) -> None:
         """Abandon all calls."""
@@ -105,7 +110,9 @@ class Calls:
             raise
 
     def _succeeded(self, call: Call, values: bytes) -> None:
-        self._respond(self._waiting.pop(call), values)
+        waiting = self._waiting.pop(call)
+        header = {"callerid": call.service.node} if waiting.headers else None
+        self._respond(waiting, values, header=header)
 
     def _failed(self, call: Call, text: str, code: str) -> None:
         self._fail(self._waiting.pop(call), text, code)
@@ -113,13 +120,20 @@ class Calls:
     def _fail(self, waiting: WaitingCall, text: str, code: str) -> None:
         self._respond(waiting, json_of(text), code)
 
-    def _respond(self, waiting: WaitingCall, values: bytes, code: str | None = None) -> None:
+    def _respond(
+        self,
+        waiting: WaitingCall,
+        values: bytes,
+        code: str | None = None,
+        header: dict[str, str] | None = None,
+    ) -> None:
         fields = {
             "op": "service_response",
             "service": waiting.service,
             "id": waiting.id,
             "result": code is None,
             "code": self._client.code(code),
+            "header": header,
         }
         self._client.reply(encode_fields(fields, values=values), waiting.fragment_size)
 

@@ -146,6 +146,15 @@ def test_server_that_does_not_ask_gets_no_header() -> None:
     assert asked.keys() == {"op", "id", "service", "args"}
 
 
+def test_caller_that_sends_headers_gets_the_servers_header() -> None:
+    _, service_server, caller = adder_and_caller()
+    for headers in ({"user": "ann"}, {}, None):
+        call_add(caller, headers=headers)
+        respond(service_server, received_call(service_server))
+        response = caller.receive_one("service_response")
+        assert response.get("header") == (None if headers is None else {"callerid": "/adder"})
+
+
 def test_newest_advertisement_decides_on_headers() -> None:
     _, service_server, caller = adder_and_caller()
     for headers in (True, False):
