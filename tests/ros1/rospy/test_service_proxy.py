@@ -49,7 +49,8 @@ rospy.wait_for_service("add", rospy.Duration(10))
 add = rospy.ServiceProxy("add", AddTwoInts, persistent=True)
 add.wait_for_service(timeout=60)
 print(add(1, 2).sum, add(a=3).sum, add.call(AddTwoIntsRequest(4, 5)).sum, add().sum)
-print(add()._connection_header["service"])
+header = add()._connection_header
+print(*(header[name] for name in ("callerid", "service", "type")))
 for arguments in ((13, 0), (14, 0), (15, 0), ("one", 2), (AddTwoIntsRequest,), (1, 2, 3)):
     try:
         print(add(*arguments))
@@ -64,7 +65,7 @@ for call in (lambda: rospy.ServiceProxy("none", AddTwoInts)(1, 2), lambda: add(1
 """
         ) == [
             "3 3 9 0",
-            "/add",
+            "/server /add rospy_tutorials/AddTwoInts",
             "ServiceException service [/add] responded with an error: "
             "b'error processing request: no 13'",
             "ServiceException service [/add] responded with an error: b'error processing request: "
@@ -99,6 +100,30 @@ for persistent in (False, True):
         for line in said:
             assert line.startswith("unable to connect to service: remote error reported: request ")
             assert line.endswith(f"]: md5sums do not match: [{EMPTY}] vs. [{ADD}]")
+
+
+@pytest.mark.parametrize("beginning", [NODE, NO_NODE], ids=["a node", "no node"])
+async def test_type_of_a_service_is_checked_before_the_fields(beginning: str) -> None:
+    async with running_hub() as programs, fibws.Node("server", hub=programs.hub.url) as node:
+        await serve(node)
+        printed = await programs.run(
+            beginning
+            + """
+from std_srvs.srv import SetBool
+
+for name in ("add", "none", "not legal"):
+    try:
+        rospy.ServiceProxy(name, SetBool)("no bool")
+    except rospy.ServiceException as fault:
+        print(fault)
+"""
+        )
+        assert printed == [
+            "unable to connect to service: [/add] has type [rospy_tutorials/AddTwoInts], "
+            "expected [std_srvs/SetBool]",
+            "service [/none] unavailable",
+            "service [/not legal] unavailable",
+        ]
 
 
 @pytest.mark.parametrize("beginning", [NODE, NO_NODE], ids=["a node", "no node"])

@@ -5,6 +5,8 @@ from __future__ import annotations
 from time import monotonic, sleep
 from typing import TYPE_CHECKING, Any
 
+from genpy.message import SerializationError
+
 from rospy import core, names
 from rospy.exceptions import ROSException, ROSInterruptException
 from rospy.msg import Message, args_kwds_to_message, serialized
@@ -12,6 +14,7 @@ from rospy.rostime import seconds_of
 from rospy.service import ServiceEnd, ServiceException
 
 if TYPE_CHECKING:
+    from fibws.client.hub_client import HubClient
     from rospy.rostime import Duration
 
 POLL_INTERVAL = 0.3
@@ -70,22 +73,23 @@ class ServiceProxy(ServiceEnd):
                 f"request object type [{type(request)}] "
                 f"does not match service type [{self.request_class}]"
             )
-        response = self._checked_call(request)
+        response, header = self._checked_call(request)
         response._connection_header = {
             "service": self.resolved_name,
             "type": self.service_class._type,
             "md5sum": self.service_class._md5sum,
+            **header,
         }
         return response
 
     def close(self) -> None:
         """Do nothing: a proxy has no connection of its own."""
 
-    def _checked_call(self, request: Message) -> Any:
+    def _checked_call(self, request: Message) -> tuple[Any, dict[str, str]]:
+        """Return the response and the server's header; raise as `call`."""
         from fibws.errors import (
             HubLost,
             HubUnreachable,
-            InvalidMessage,
             InvalidName,
             ServiceError,
             ServiceLost,
@@ -94,7 +98,7 @@ class ServiceProxy(ServiceEnd):
         )
 
         try:
-            return self._call(request)
+            return self._checked_request(request)
         except ROSInterruptException:
             raise ROSInterruptException(INTERRUPTED) from None
         except HubUnreachable:
@@ -111,19 +115,46 @@ class ServiceProxy(ServiceEnd):
             else:
                 reason = str(error.text.encode())
                 text = f"service [{self.resolved_name}] responded with an error: {reason}"
-        except InvalidMessage as error:
-            request._check_types(error)
-            raise
         # In a node that calls its own service, the handler may end before the call does.
         if core.is_shutdown():
             raise ROSInterruptException(INTERRUPTED)
         raise ServiceException(text)
 
-    def _call(self, request: Message) -> Any:
+    def _checked_request(self, request: Message) -> tuple[Any, dict[str, str]]:
+        """Call the service; ROS refuses another type of service before it looks at the fields."""
+        from fibws.errors import InvalidMessage, UnknownService
+
+        try:
+            return self._call(request)
+        except (InvalidMessage, SerializationError) as error:
+            type_ = self._find_type()
+            if not type_:
+                raise UnknownService(self.resolved_name, "it does not exist") from None
+            if type_ != self.service_class._type:
+                raise ServiceException(
+                    f"unable to connect to service: [{self.resolved_name}] has type [{type_}], "
+                    f"expected [{self.service_class._type}]"
+                ) from None
+            request._check_types(error)
+            raise
+
+    def _find_type(self) -> str | None:
+        """Return the type of the service that the hub knows by this name."""
+        if core.background.running:
+            graph = core.background.node.graph
+            return core.background.call(graph.service_type(self.resolved_name))
+        from fibws.client.hub_client import HubClient
+
+        with HubClient("unnamed") as client:
+            return _service_type(client, self.resolved_name)
+
+    def _call(self, request: Message) -> tuple[Any, dict[str, str]]:
         if core.background.running:
             node = core.background.node
             return core.background.call(
-                node.call(self.resolved_name, self.service_class, request, headers=self._headers)
+                node.call_with_header(
+                    self.resolved_name, self.service_class, request, headers=self._headers
+                )
             )
         from fibws.client.hub_client import HubClient
 
@@ -131,7 +162,7 @@ class ServiceProxy(ServiceEnd):
             serialized(request)  # Checks the fields, which otherwise the node does.
             fields = request.to_dict()
             values = client.call(self.resolved_name, fields, timeout=0, headers=self._headers)
-        return self.response_class.from_dict(values)
+        return self.response_class.from_dict(values), values.header
 
 
 def wait_for_service(service: str, timeout: float | Duration | None = None) -> None:
@@ -176,6 +207,12 @@ def _wait_in_node(service: str, timeout: float | None) -> None:
         raise WaitTimeout from None
 
 
+def _service_type(client: HubClient, service: str) -> str:
+    """Return the type of a service; an empty text if it does not exist."""
+    type_: str = client.call("/rosapi/service_type", {"service": service})["type"]
+    return type_
+
+
 def _wait_outside_node(service: str, timeout: float | None) -> None:
     """Check again and again whether a service exists, or raise `WaitTimeout`."""
     from fibws.client.hub_client import HubClient
@@ -186,7 +223,7 @@ def _wait_outside_node(service: str, timeout: float | None) -> None:
     while True:
         try:
             with HubClient("unnamed") as client:
-                if client.call("/rosapi/service_type", {"service": service})["type"]:
+                if _service_type(client, service):
                     return
         except (HubUnreachable, HubLost) as error:
             if not has_warned:
