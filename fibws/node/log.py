@@ -9,7 +9,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from string import Template
-from typing import TextIO
+from typing import ClassVar, TextIO
 
 from fibws.errors import CallRefused
 from fibws.interfaces import Time
@@ -32,6 +32,8 @@ from fibws.srv.roscpp import (
 
 FORMAT = "[${severity}] [${time}]: ${message}"
 """How rospy prints a line unless ROSCONSOLE_FORMAT is set."""
+FORMAT_WITH_NODE = "[${severity}] [${time}] [${node}]: ${message}"
+"""How a line is printed while the process has several nodes; ROS 2 prints names like this."""
 ROSOUT = "/rosout"
 ROSOUT_QUEUE_SIZE = 100
 LOGGER_NAME = "rosout"
@@ -47,13 +49,17 @@ class Console(logging.Handler):
 
     Args:
         node: the node's global name.
-        template: the line, with the keys of ROSCONSOLE_FORMAT.
+        template: the line, with the keys of ROSCONSOLE_FORMAT; None for rospy's, which names the
+            node while other nodes of the process are running.
     """
 
-    def __init__(self, node: str, template: str) -> None:
+    running: ClassVar[list[str]] = []
+    """The names of the nodes that run in this process."""
+
+    def __init__(self, node: str, template: str | None) -> None:
         super().__init__()
         self._node = node
-        self._template = Template(template)
+        self._template = template
 
     def emit(self, record: logging.LogRecord) -> None:
         """Write the record's line and flush it.
@@ -75,7 +81,11 @@ class Console(logging.Handler):
             self.handleError(record)
 
     def _line(self, record: logging.LogRecord) -> str:
-        return self._template.safe_substitute(
+        template = self._template
+        if template is None:
+            is_alone = all(name == self._node for name in self.running)
+            template = FORMAT if is_alone else FORMAT_WITH_NODE
+        return Template(template).safe_substitute(
             severity=_NAMES.get(record.levelno, record.levelname),
             time=f"{record.created:f}",
             walltime=f"{record.created:f}",
@@ -97,12 +107,12 @@ class _UnlistedLogger(logging.Logger):
         return not self.disabled and self.manager.disable < level >= self.getEffectiveLevel()
 
 
-def node_log(node: str, template: str) -> logging.Logger:
+def node_log(node: str, template: str | None) -> logging.Logger:
     """Return a logger for one node, which no other part of the program can find.
 
     Args:
         node: the node's global name.
-        template: the console's line, with the keys of ROSCONSOLE_FORMAT.
+        template: the console's line, as for `Console`.
     """
     log = _UnlistedLogger(node, logging.INFO)
     log.addHandler(Console(node, template))

@@ -20,7 +20,7 @@ from fibws.msg.rosgraph_msgs import Log
 from fibws.node.calls import Calls
 from fibws.node.checks import check_queue_size, check_timeout
 from fibws.node.connection import Connection
-from fibws.node.log import FORMAT, Loggers, Rosout, node_log
+from fibws.node.log import Console, Loggers, Rosout, node_log
 from fibws.node.publisher import P, Publisher
 from fibws.node.rate import Rate
 from fibws.node.services import Handler, HeaderHandler, Services, ServiceServer
@@ -92,7 +92,8 @@ class Node:
         anonymous: add a suffix that makes the name unique.
         namespace: the namespace of relative names; default $ROS_NAMESPACE, else ``/``.
         remapping: the remappings of the command line.
-        log_format: the console's line, as in ROSCONSOLE_FORMAT; default that variable.
+        log_format: the console's line, as in ROSCONSOLE_FORMAT; default that variable, else
+            rospy's line, which names the node while the process has several.
         log: a logger to use, with its level and handlers, instead of the node's own, which writes
             to the console.
         rosout: whether log records are published on /rosout.
@@ -121,7 +122,7 @@ class Node:
         self._hub = hub_address.hub_url(hub)
         self._types = Types(time.time_ns)
         self.log = log or node_log(
-            self.name, log_format or environment.get("ROSCONSOLE_FORMAT") or FORMAT
+            self.name, log_format or environment.get("ROSCONSOLE_FORMAT") or None
         )
         """The node's logger: its records go to the console and, once the node is entered, to
         /rosout."""
@@ -549,6 +550,7 @@ class Node:
     async def __aenter__(self) -> Self:
         if self._session.begun:
             raise RuntimeError("a node can be entered only once")
+        Console.running.append(self.name)
         if self._rosout is not None:
             self._rosout.loop = asyncio.get_running_loop()
             self.log.addHandler(self._rosout)
@@ -586,5 +588,7 @@ class Node:
 
     def _leave_log(self) -> None:
         """Remove the node's handler from its logger, which may outlive it."""
+        if self.name in Console.running:
+            Console.running.remove(self.name)
         if self._rosout is not None:
             self.log.removeHandler(self._rosout)

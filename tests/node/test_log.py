@@ -29,7 +29,7 @@ class BrokenPipe(io.StringIO):
 
 
 def test_lines_have_the_format_and_the_stream_of_rospy(capsys: pytest.CaptureFixture[str]) -> None:
-    log = node_log("/talker", FORMAT)
+    log = node_log("/talker", None)
     log.debug("not shown")
     log.info("I heard %d", 13)
     log.warning("careful")

@@ -329,3 +329,30 @@ async def test_end_cancels_pending_responses_and_waits_for_them(hub: ScriptedHub
         await peer.send("call_service", id="call", service="/never", args={})
         await asked.wait()
     assert left.is_set()
+
+
+async def test_log_lines_name_the_node_while_a_process_has_several(
+    hub: ScriptedHub, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("ROSCONSOLE_FORMAT", raising=False)
+    talker, listener = (fibws.Node(name, hub=hub.url) for name in ("talker", "listener"))
+    custom = fibws.Node("custom", hub=hub.url, log_format="custom: ${message}")
+    talker.log.info("not yet")
+    async with talker:
+        talker.log.info("alone")
+        listener.log.info("soon")
+        async with listener, custom:
+            for node in (talker, listener, custom):
+                node.log.info("together")
+        talker.log.warning("alone again")
+    printed = capsys.readouterr()
+    lines = re.sub(r"\d+\.\d{6}", "T", printed.out + printed.err).splitlines()
+    assert lines == [
+        "[INFO] [T]: not yet",
+        "[INFO] [T]: alone",
+        "[INFO] [T] [/listener]: soon",
+        "[INFO] [T] [/talker]: together",
+        "[INFO] [T] [/listener]: together",
+        "custom: together",
+        "[WARN] [T]: alone again",
+    ]
