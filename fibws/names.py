@@ -108,6 +108,16 @@ def anonymous(name: str, *, pid: int, random: bytes) -> str:
     return f"{name}_{pid}_{digits}"
 
 
+def anonymous_on_host(name: str, *, host: str, pid: int, random: bytes) -> str:
+    """Return a unique name of the form of roslaunch's ``$(anon)``: ``name_<host>_<pid>_<number>``.
+
+    Args:
+        random: at least 8 random bytes; containers may have equal host names, pids and clocks.
+    """
+    unique = f"{name}_{host}_{pid}_{int.from_bytes(random)}"
+    return "".join(each if each.isalnum() and each.isascii() else "_" for each in unique)
+
+
 @dataclass(frozen=True, slots=True)
 class Remapping:
     """The ``from:=to`` arguments of a command line.

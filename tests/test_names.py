@@ -152,6 +152,15 @@ def test_nodes_of_equal_pids_get_different_anonymous_names() -> None:
     assert len(made) == 1000
 
 
+def test_anonymous_name_on_a_host_is_legal_and_unique() -> None:
+    made = {
+        names.anonymous_on_host("talker", host="my-robot.local", pid=7, random=os.urandom(8))
+        for _ in range(1000)
+    }
+    assert len(made) == 1000
+    assert all(re.fullmatch(r"talker_my_robot_local_7_\d+", name) for name in made)
+
+
 @pytest.mark.parametrize("spelling", ["/a/b", "a/b", "/a/b/", "a/b/"])
 def test_spellings_of_a_namespace(spelling: str) -> None:
     assert names.check_namespace(spelling) == "/a/b"

@@ -6,13 +6,13 @@ import os
 import shlex
 import socket
 import subprocess
-import time
 from collections.abc import Callable, Mapping
 from functools import cached_property
 from ipaddress import IPv4Address, ip_address
 from pathlib import Path
 from typing import Any, Protocol, TypeAlias
 
+from fibws import names
 from fibws.ros1.workspace.packages import Packages
 
 MOST_BYTES = 2**26
@@ -71,7 +71,6 @@ class LocalEnvironment:
         self.variables: Mapping[str, str] = os.environ
         self._packages = packages
         self._read_yaml = read_yaml
-        self._anonymous_names = 0
 
     def find(self, package: str) -> Path:
         """Return the folder of a package, or raise `PackageNotFound`."""
@@ -111,11 +110,8 @@ class LocalEnvironment:
         return any(_can_bind(family, where) for family, *_, where in found)
 
     def anonymous(self, name: str) -> str:
-        """Return a unique name in roslaunch's form, ``name_<host>_<pid>_<number>``."""
-        self._anonymous_names += 1  # A clock may return the same time twice.
-        number = f"{time.time_ns()}_{self._anonymous_names}"
-        unique = f"{name}_{self._host}_{os.getpid()}_{number}"
-        return "".join(each if each.isalnum() and each.isascii() else "_" for each in unique)
+        """Return a unique name in roslaunch's form; see `names.anonymous_on_host`."""
+        return names.anonymous_on_host(name, host=self._host, pid=os.getpid(), random=os.urandom(8))
 
     @cached_property
     def _host(self) -> str:

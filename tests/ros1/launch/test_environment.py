@@ -69,8 +69,14 @@ def test_failed_command_is_an_error(
         environment.output(command)
 
 
-def test_anonymous_names_are_legal_and_unique(environment: LocalEnvironment) -> None:
-    first, second = environment.anonymous("talker"), environment.anonymous("talker")
+def test_anonymous_names_are_legal_and_unique(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    packages = package(tmp_path)
+    monkeypatch.setattr("os.getpid", lambda: 7)
+    monkeypatch.setattr("time.time_ns", lambda: 1_795_305_600_123_000_000)
+    containers = (LocalEnvironment(packages, yaml.safe_load) for _ in range(2))
+    first, second = (container.anonymous("talker") for container in containers)
     assert first != second
     assert first.startswith("talker_")
     assert names.check_base(first) == first

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 import re
 
 import pytest
@@ -106,7 +107,13 @@ def test_script_that_is_not_a_node_resolves_names() -> None:
     assert names.script_resolve_name("tool", "") == "/"
 
 
-def test_anonymous_name_is_legal() -> None:
-    one, other = names.anonymous_name("talker"), names.anonymous_name("talker")
+def test_anonymous_name_is_legal_and_unique_for_equal_pids_and_seeds(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("os.getpid", lambda: 7)
+    random.seed(0)
+    one = names.anonymous_name("talker")
+    random.seed(0)
+    other = names.anonymous_name("talker")
     assert one != other
     assert names.is_legal_base_name(one)

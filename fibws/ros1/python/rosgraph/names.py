@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-import random
 import re
 import socket
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 
+from fibws.names import anonymous_on_host
 from rosgraph.rosenv import ROS_NAMESPACE
 
 MSG_EXT = ".msg"
@@ -147,6 +147,6 @@ def load_mappings(argv: Iterable[str]) -> dict[str, str]:
 
 
 def anonymous_name(id: str) -> str:
-    """Return a unique name."""
-    host, number = socket.gethostname(), random.randint(0, sys.maxsize)
-    return re.sub("[.:-]", "_", f"{id}_{host}_{os.getpid()}_{number}")
+    """Return a unique name, ``id_<host>_<pid>_<number>``."""
+    host, pid = socket.gethostname(), os.getpid()
+    return anonymous_on_host(id, host=host, pid=pid, random=os.urandom(8))
