@@ -6,6 +6,7 @@ import warnings
 from functools import partial
 from typing import Any
 
+import numpy
 import pytest
 from rospy import core
 from rospy.exceptions import ROSException
@@ -162,6 +163,14 @@ def test_topic_needs_a_name_and_a_class(make: Any, name: Any, data_class: Any, f
     with pytest.raises(ValueError) as raised:
         make(name, data_class)
     assert str(raised.value) == fault
+
+
+@pytest.mark.parametrize("size", [10, 10.0, numpy.int64(10), numpy.float32(10)], ids=repr)
+def test_queue_size_of_a_publisher_may_be_any_number(size: Any) -> None:
+    publisher = Publisher("chatter", String, queue_size=size)
+    assert publisher.impl is not None
+    assert repr(publisher.impl.queue_size) == "10"
+    publisher.unregister()
 
 
 def test_publisher_without_queue_size_or_node_is_reported() -> None:

@@ -230,7 +230,7 @@ class Publisher(Topic[Publication]):
         impl.latch = impl.latch or latch
         impl.headers.update(headers or {})
         if queue_size is not None:
-            impl.queue_size = queue_size
+            impl.queue_size = int(queue_size)  # Scripts give 10.0, and numpy's numbers.
         else:
             warnings.warn(
                 "The publisher should be created with an explicit keyword argument 'queue_size'. "
