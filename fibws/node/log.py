@@ -44,8 +44,41 @@ _NAMES = {each.python: each.name.upper() for each in LEVELS}
 _RESET = "\033[0m"
 
 
-class Console(logging.Handler):
-    """Writes a line for each record: to stderr from WARN on, else to stdout.
+def severity_name(record: logging.LogRecord) -> str:
+    """Return ROS's name of a record's level, such as ``WARN``; Python's for other levels."""
+    return _NAMES.get(record.levelno, record.levelname)
+
+
+class ConsoleHandler(logging.Handler):
+    """Writes a line for each record, as subclasses format it: to stderr from WARN on, else to
+    stdout."""
+
+    def line(self, record: logging.LogRecord) -> str:
+        """Return the record's line."""
+        raise NotImplementedError
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Write the record's line and flush it.
+
+        Raises:
+            BrokenPipeError: the output is no longer read (``| head``).
+        """
+        try:
+            stream = sys.stderr if record.levelno >= logging.WARNING else sys.stdout
+            line = self.line(record)
+            if colour := _colour(record.levelno, stream):
+                line = f"{colour}{line}{_RESET}"
+            encoding = stream.encoding or "utf-8"
+            stream.write(line.encode(encoding, "backslashreplace").decode(encoding) + "\n")
+            stream.flush()
+        except BrokenPipeError:
+            raise
+        except Exception:
+            self.handleError(record)
+
+
+class Console(ConsoleHandler):
+    """The console of one node.
 
     Args:
         node: the node's global name.
@@ -61,32 +94,14 @@ class Console(logging.Handler):
         self._node = node
         self._template = template
 
-    def emit(self, record: logging.LogRecord) -> None:
-        """Write the record's line and flush it.
-
-        Raises:
-            BrokenPipeError: the output is no longer read (``| head``).
-        """
-        try:
-            stream = sys.stderr if record.levelno >= logging.WARNING else sys.stdout
-            line = self._line(record)
-            if colour := _colour(record.levelno, stream):
-                line = f"{colour}{line}{_RESET}"
-            encoding = stream.encoding or "utf-8"
-            stream.write(line.encode(encoding, "backslashreplace").decode(encoding) + "\n")
-            stream.flush()
-        except BrokenPipeError:
-            raise
-        except Exception:
-            self.handleError(record)
-
-    def _line(self, record: logging.LogRecord) -> str:
+    def line(self, record: logging.LogRecord) -> str:
+        """Return the record's line, in the format of ROSCONSOLE_FORMAT."""
         template = self._template
         if template is None:
             is_alone = all(name == self._node for name in self.running)
             template = FORMAT if is_alone else FORMAT_WITH_NODE
         return Template(template).safe_substitute(
-            severity=_NAMES.get(record.levelno, record.levelname),
+            severity=severity_name(record),
             time=f"{record.created:f}",
             walltime=f"{record.created:f}",
             message=_FORMATTER.format(record),

@@ -13,6 +13,8 @@ import genpy
 import pytest
 from rospy import console, rostime
 
+from fibws.node.log import FORMAT
+
 
 @pytest.fixture
 def simulated() -> Iterator[None]:
@@ -52,7 +54,7 @@ def test_tags_of_a_template_are_replaced(template: str, line: str) -> None:
 
 
 def test_line_has_the_time() -> None:
-    line = console.line_of(record(), console.FORMAT)
+    line = console.line_of(record(), FORMAT)
     assert re.fullmatch(r"\[INFO\] \[\d{10}\.\d{6}\]: hello %s", line)
     assert console.line_of(record(), "${thread}").isdigit()
 

@@ -14,7 +14,7 @@ import genpy
 from rosgraph.names import PRIV_NAME, REMAP, is_legal_base_name, is_legal_remap, ns_join
 from roslib import is_interactive
 
-from rospy import console, core, names, rostime
+from rospy import core, names, rostime
 from rospy.exceptions import ROSException, ROSInitException, ROSInterruptException
 from rospy.log import DEBUG, ERROR, FATAL, INFO, PYTHON_LEVELS, WARN, logdebug
 
@@ -299,6 +299,8 @@ def _logger(log_level: int | None) -> logging.Logger:
     logger.setLevel(logging.INFO if log_level is None else PYTHON_LEVELS[log_level])
     if not logger.propagate:
         return logger  # An earlier call did this, but its node was refused.
+    from rospy import console  # It needs the node library, which a node loads anyway.
+
     logger.propagate = False  # A root logger for the console would print all lines twice.
     logger.addHandler(console.Console())
     if path := names.get_mappings().get("__log"):
