@@ -1,4 +1,4 @@
-"""A client of an action, which follows each goal by its handle."""
+"""An action client that follows each goal by its handle."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ class ActionClient:
         self.last_status_msg: Any = None
         self._status_received = threading.Condition()
         self._goals: WeakValueDictionary[str, CommStateMachine] = WeakValueDictionary()
-        """The goals of which handles exist, by their ids."""
+        """The goals that still have handles, by id."""
 
         name = rospy.remap_name(ns)
         self.pub_queue_size = rospy.get_param("actionlib_client_pub_queue_size", QUEUE_SIZE)
@@ -110,7 +110,7 @@ class ActionClient:
     def make_goal(
         self, goal: Any, transition_cb: Transition | None, feedback_cb: Feedback | None
     ) -> ClientGoalHandle:
-        """Return what `send_goal` does without sending the goal."""
+        """Create a goal's handle as `send_goal` does, without sending the goal."""
         now = rospy.Time.now()
         name = f"{rospy.get_caller_id()}-{next(_goals)}-{now.to_sec():.3f}"
         message = self.ActionGoal(goal_id=GoalID(id=name, stamp=now), goal=goal)

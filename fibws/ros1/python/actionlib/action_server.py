@@ -1,4 +1,4 @@
-"""A server of an action, which processes each goal by its handle."""
+"""An action server that processes each goal by its handle."""
 
 from __future__ import annotations
 

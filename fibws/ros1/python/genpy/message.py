@@ -92,7 +92,7 @@ class Message(GraphMessage):
             setattr(self, attribute, default() if value is None else value)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the message as a dict for JSON; validation refuses what genpy could not pack."""
+        """Return a dict for JSON; validation refuses values that genpy cannot pack."""
         return {
             name: write(getattr(self, attribute)) for attribute, name, _, write, *_ in self._members
         }

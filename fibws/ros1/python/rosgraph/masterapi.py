@@ -49,7 +49,7 @@ class Master:
 
     Args:
         caller_id: the name of the program.
-        master_uri: has no effect: the hub is where $FIBWS_HUB says.
+        master_uri: ignored; $FIBWS_HUB has the hub's address.
 
     Raises:
         OSError: the hub cannot be reached.

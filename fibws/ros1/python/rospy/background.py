@@ -26,7 +26,7 @@ END_TIMEOUT = 2.0
 """Seconds to wait for messages on their way to the node before it ends."""
 
 MOMENT = 0.001
-"""Seconds for which `Background.give_way` waits."""
+"""Seconds that `Background.give_way` waits."""
 
 
 class Background:
@@ -164,7 +164,7 @@ class Background:
         ended: Callable[[Exception], None],
         ready: Response[None],
     ) -> None:
-        # Not asyncio.run(), which starts a thread at its end: at the interpreter's that fails.
+        # asyncio.run() starts a thread when it ends, which fails while the interpreter exits.
         loop = self.loop_lock.new_loop()
         try:
             loop.run_until_complete(self._live(make_node, ended, ready))

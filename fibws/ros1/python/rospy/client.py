@@ -200,7 +200,7 @@ def get_master(env: object = None) -> MasterProxy:
     """Return the hub as a substitute for ROS's master.
 
     Args:
-        env: has no effect: the hub is where $FIBWS_HUB says.
+        env: ignored; $FIBWS_HUB has the hub's address.
     """
     global _master
     if _master is None:
@@ -299,7 +299,7 @@ def _logger(log_level: int | None) -> logging.Logger:
     logger.setLevel(logging.INFO if log_level is None else PYTHON_LEVELS[log_level])
     if not logger.propagate:
         return logger  # An earlier call did this, but its node was refused.
-    from rospy import console  # It needs the node library, which a node loads anyway.
+    from rospy import console  # It loads the node library, which every node needs.
 
     logger.propagate = False  # A root logger for the console would print all lines twice.
     logger.addHandler(console.Console())

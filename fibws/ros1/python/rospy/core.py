@@ -255,7 +255,7 @@ def register_signals() -> None:
         earlier = signal.signal(number, _on_signal)
         _earlier_handlers[number] = signal.SIG_DFL if earlier is None else earlier
     background.loop_lock.allows_main_thread = True
-    _hush()
+    _silence_interruptions()
 
 
 def _on_signal(number: int, frame: FrameType | None) -> None:
@@ -277,7 +277,8 @@ def _on_signal(number: int, frame: FrameType | None) -> None:
             pass
 
 
-def _hush() -> None:
+def _silence_interruptions() -> None:
+    """Print no `ROSInterruptException` after the node's end, and exit with code 0."""
     show, show_in_thread = sys.excepthook, threading.excepthook
 
     def excepthook(kind: type[BaseException], error: BaseException, traceback: Any) -> None:

@@ -33,7 +33,7 @@ class MasterProxy:
     return what ROS's master did: 1, a text and the value; or -1 or 0, an error text and 0.
 
     Args:
-        uri: has no effect: the hub is where $FIBWS_HUB says.
+        uri: ignored; $FIBWS_HUB has the hub's address.
     """
 
     def __init__(self, uri: str | None = None) -> None:

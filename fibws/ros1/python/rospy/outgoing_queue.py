@@ -42,7 +42,7 @@ class OutgoingQueue:
         self._drained = Wakeup()
 
     def use(self, publisher: fibws.Publisher[Any, ...], *, lossless: bool) -> None:
-        """Let another publisher of the topic send what is not sent yet; call it in the loop."""
+        """Send the remaining messages by another publisher of the topic; call it in the loop."""
         self._publisher = publisher
         self._lossless = lossless
 
@@ -89,7 +89,7 @@ class OutgoingQueue:
         return True
 
     def _start(self) -> None:
-        """Send at once what there is room for; start a task for the rest."""
+        """Send as many messages as there is room for; start a task for the rest."""
         if self._task is None or self._task.done():
             self._send_some()
             if self._frames:

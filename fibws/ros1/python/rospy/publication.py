@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     import fibws
 
 INFINITE = 10_000
-"""Messages to keep while there is no hub, for a publisher whose queue has no limit, or none."""
+"""Messages to keep without a hub, for a publisher without a queue or with an unlimited one."""
 
 
 class Listener(Protocol):
@@ -188,7 +188,7 @@ class Publication:
         import asyncio
 
         if self._publisher is not None:
-            # For the hub a node's first advertisement of a topic says whether it latches.
+            # The hub takes `latch` from a node's first advertisement of a topic.
             self._publisher.close()
         if self._watching is not None:
             self._watching.cancel()

@@ -61,7 +61,7 @@ def get_time() -> float:
 
 
 def is_rostime_initialized() -> bool:
-    """Return whether `init_node` has been called, which time needs."""
+    """Return whether `init_node` has been called; there is no time before."""
     return _initialized
 
 

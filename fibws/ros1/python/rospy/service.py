@@ -44,8 +44,8 @@ class Service(ServiceEnd):
         handler: takes the request and returns the response: whole, or its fields as a dict, a
             tuple or a list, or the value of its only field.
         buff_size: has no effect.
-        error_handler: is called with what the handler raised: the exception, its class, the
-            exception again, and the traceback; by default this is logged.
+        error_handler: called if the handler raises, with the exception, its class, the exception
+            again and the traceback; by default, they are logged.
 
     Raises:
         ValueError: the name is invalid.
@@ -151,7 +151,7 @@ class Service(ServiceEnd):
 def _log_error(
     error: Exception, kind: type[Exception], value: Exception, tb: TracebackType | None
 ) -> None:
-    """Log what a handler has raised."""
+    """Log a handler's exception."""
     from rospy import logerr
 
     logerr(f"Error processing request: {error}\n{traceback.format_exception(kind, value, tb)}")

@@ -47,8 +47,8 @@ class Subscription:
         self.resolved_name = resolved_name
         self.data_class = data_class
         self._received_class = data_class
-        """The class that received messages have, which are then serialized for an `AnyMsg`, if the
-        server has them as JSON."""
+        """The class of received messages. For `AnyMsg`, a server that sends JSON needs the topic's
+        real class; its messages are then serialized again."""
         self._queue_size: int | None = None
         self._lock = threading.RLock()
         """Held to add a callback, or a latched message: each callback is passed the message once.
@@ -130,7 +130,7 @@ class Subscription:
 
         core.background.node.resolve(self.resolved_name)  # It raises if the name is not legal.
         self._task = asyncio.create_task(self._listen(), name=f"listen {self.resolved_name}")
-        # Its first step, which subscribes.
+        # Run its first step, which subscribes.
         await asyncio.sleep(0)
 
     def _unregister(self) -> None:
@@ -237,7 +237,7 @@ class Subscription:
         return header
 
     def _full_header(self, source: fibws.Subscription[Any], sent: dict[str, str]) -> dict[str, str]:
-        """Add to what the hub sends the fields that TCPROS has."""
+        """Return the hub's header with the other fields of TCPROS."""
         if self._received_class._type == ANYTYPE:
             type_, md5sum = source.type, source.md5sum or ANYTYPE
             definition = _definition(self.resolved_name, type_, md5sum)
