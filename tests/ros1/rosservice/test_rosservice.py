@@ -87,6 +87,7 @@ attempt([True])
 attempt([{"data": True}])
 attempt([False])
 attempt([1, 2])
+attempt(["yes"])
 """
 
 
@@ -100,7 +101,11 @@ async def test_service_is_called_with_values(hub: Hub, tmp_path: Path) -> None:
     assert lines[:2] == ["True on", "True on"]
     assert "only on" in lines[2]
     assert lines[3] == "Incompatible arguments to call service:"
-    assert lines[-4:] == [" * 1 (type int)", " * 2 (type int)", "", "Service arguments are: [data]"]
+    end = lines.index("Service arguments are: [data]")
+    assert lines[end - 3 : end] == [" * 1 (type int)", " * 2 (type int)", ""]
+    assert lines[end + 1].endswith("One of the fields has an incorrect type:")
+    assert "data" in lines[end + 2]
+    assert "bool data" in lines
 
 
 async def test_missing_hub_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -141,6 +141,7 @@ def call_service(
     """
     import genpy
     import genpy.message
+    import rosmsg
     import rospy
     from std_msgs.msg import Header
 
@@ -165,7 +166,8 @@ def call_service(
         raise ROSServiceException(str(error)) from None
     except (genpy.SerializationError, rospy.ROSSerializationException) as error:
         raise ROSServiceException(
-            f"Unable to send request. One of the fields has an incorrect type:\n  {error}"
+            f"Unable to send request. One of the fields has an incorrect type:\n  {error}\n\n"
+            f"srv file:\n{rosmsg.get_srv_text(service_class._type)}"
         ) from None
 
 
