@@ -11,4 +11,5 @@ while pub.get_num_connections() == 0:
 rospy.sleep(1)  # The server says first what it heard.
 rospy.wait_for_service('add_two_ints')
 add = rospy.ServiceProxy('add_two_ints', AddTwoInts, headers={'cookies': 'peanut butter'})
-print(add(1, 2).sum)
+response = add(1, 2)
+print(response.sum, sorted(response._connection_header.items()))
