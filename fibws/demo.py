@@ -14,6 +14,8 @@ from fibws.cli import node_program
 from fibws.client.hub_client import is_hub_running
 from fibws.errors import HubError
 from fibws.hub import Hub, Settings
+from fibws.hub.__main__ import environment_settings
+from fibws.hub.server import local_url
 from fibws.hub_address import page_url
 from fibws.listener import listen
 
@@ -21,20 +23,20 @@ TYPE = "std_msgs/Int32"
 LINE = "[${severity}] [${time}]: ${message}"
 
 
-async def demo(port: int, rate: float) -> None:
-    """Run the tutorial's two nodes, and a hub unless one is running."""
+async def demo(settings: Settings, rate: float) -> None:
+    """Run the tutorial's two nodes, and a hub with these settings unless one is running."""
     async with AsyncExitStack() as stack:
         try:
-            hub = await stack.enter_async_context(Hub(Settings(host="127.0.0.1", port=port)))
+            hub = await stack.enter_async_context(Hub(settings))
             url = hub.url
             click.echo(f"The hub listens at {url}.")
         except HubError as error:
             if not _is_taken(error):
                 raise
-            url = f"ws://127.0.0.1:{port}"
+            url = local_url(settings.host, settings.port)
             if not await asyncio.to_thread(_is_hub, url):
                 raise HubError(
-                    f"port {port} is in use by another program; choose another with --port"
+                    f"port {settings.port} is in use by another program; choose another with --port"
                 ) from None
             click.echo(f"Using the hub that is running at {url}.")
         click.echo(f"To see the graph, open {page_url(url)} in a browser.")
@@ -74,16 +76,19 @@ def _is_hub(url: str) -> bool:
     "--port",
     metavar="PORT",
     type=click.IntRange(0, 65535),
-    default=9090,
-    show_default=True,
-    envvar="FIBWS_PORT",
-    show_envvar=True,
-    help="Port of the hub on this machine.",
+    help="Port of the hub on this machine.  [default: $FIBWS_PORT, or 9090]",
 )
 @node_program.rate
-def command(port: int, rate: float) -> None:
-    """Run the first tutorial: a hub, a broadcaster of Fibonacci numbers, and a listener."""
-    node_program.run(demo(port, rate))
+def command(port: int | None, rate: float) -> None:
+    """Run the first tutorial: a hub, a broadcaster of Fibonacci numbers, and a listener.
+
+    The hub has the same environment variables as the command hub: $FIBWS_HOST, $FIBWS_CONFIG ...
+    """
+    try:
+        settings = environment_settings([] if port is None else ["--port", str(port)])
+    except HubError as error:
+        raise click.UsageError(str(error)) from None
+    node_program.run(demo(settings, rate))
 
 
 if __name__ == "__main__":

@@ -10,7 +10,7 @@ import os
 import signal
 import sys
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, get_args, get_origin, get_type_hints
@@ -124,6 +124,18 @@ def command(url_file: Path | None, **values: Any) -> None:
         pass
     finally:
         _flush_output()
+
+
+def environment_settings(flags: Sequence[str] = ()) -> Settings:
+    """Return the settings of flags, environment variables and $FIBWS_CONFIG, in that order.
+
+    Raises:
+        ClickException: a flag or a variable is unknown or invalid.
+        HubError: a setting is out of its range.
+    """
+    context = command.make_context("fibws hub", list(flags))
+    names = [field.name for field in dataclasses.fields(Settings)]
+    return Settings(**{name: context.params[name] for name in names})
 
 
 async def _serve(settings: Settings, url_file: Path | None) -> None:

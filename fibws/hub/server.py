@@ -155,8 +155,7 @@ class Hub:
     @property
     def url(self) -> str:
         """The URL by which nodes on this machine reach it."""
-        host = _reached_at(self.settings.host)
-        return f"ws://{f'[{host}]' if ':' in host else host}:{self.port}"
+        return local_url(self.settings.host, self.port)
 
     async def close(self) -> None:
         """Close all connections and stop; clients that do not answer in time are cut off."""
@@ -284,6 +283,12 @@ class Hub:
             self._handle_exception(loop, context)
         else:
             loop.default_exception_handler(context)
+
+
+def local_url(host: str, port: int) -> str:
+    """Return the URL by which programs on this machine reach a hub that listens there."""
+    host = _reached_at(host)
+    return f"ws://{f'[{host}]' if ':' in host else host}:{port}"
 
 
 def _reached_at(host: str) -> str:

@@ -6,6 +6,7 @@ import asyncio
 import re
 import signal
 from collections.abc import AsyncIterator
+from pathlib import Path
 from typing import NoReturn
 
 import pytest
@@ -41,6 +42,21 @@ async def test_port_is_that_of_the_environment(hub: Hub, start: Start) -> None:
     assert hub.url in await program.line()
     program.send(signal.SIGTERM)
     assert (await program.end())[0] == 0
+
+
+async def test_hub_has_the_settings_of_the_environment(start: Start, tmp_path: Path) -> None:
+    (tmp_path / "hub.toml").write_text("port = 0\n")
+    program = await start(*DEMO, FIBWS_CONFIG=str(tmp_path / "hub.toml"), FIBWS_HOST="localhost")
+    assert re.search(r"ws://localhost:[1-9]\d*", await program.line())
+    program.send(signal.SIGTERM)
+    assert (await program.end())[0] == 0
+
+
+async def test_invalid_setting_of_the_environment_is_an_error(start: Start) -> None:
+    program = await start(*DEMO, FIBWS_PORT="70000")
+    code, out, err = await program.end()
+    assert (code, out) == (2, "")
+    assert "--port must be between 0 and 65535, got 70000" in err
 
 
 async def test_demo_uses_a_running_hub(hub: Hub, start: Start) -> None:
