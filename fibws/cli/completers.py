@@ -6,7 +6,7 @@ A person waits for these, so a hub that does not answer in a moment gives none.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from threading import Thread
 from typing import TYPE_CHECKING, TypeAlias
@@ -139,7 +139,8 @@ def template(request: Callable[[HubClient, click.Context], Typedefs]) -> Complet
     def complete(
         context: click.Context, parameter: click.Parameter, incomplete: str
     ) -> list[CompletionItem]:
-        if incomplete or context.params.get(parameter.name or ""):
+        values = context.params.get(parameter.name or "")
+        if incomplete or (values and not _typed_type(context)):
             return []  # A value was typed already.
 
         def ask(client: HubClient) -> Found:
@@ -163,8 +164,18 @@ def _request(client: HubClient, context: click.Context) -> Typedefs:
 
 
 def _goal(client: HubClient, context: click.Context) -> Typedefs:
-    [action] = GraphSnapshot(client).actions_named(client.resolve(context.params["action"]))
-    return Typedefs.of_message(client, f"{action['type']}Goal")
+    type_ = _typed_type(context)
+    if not type_:
+        [action] = GraphSnapshot(client).actions_named(client.resolve(context.params["action"]))
+        type_ = action["type"]
+    return Typedefs.of_message(client, f"{type_}Goal")
+
+
+def _typed_type(context: click.Context) -> str:
+    """Return TYPE of ``action send ACTION TYPE``, or an empty text."""
+    words: Sequence[str] = context.params.get("goal") or ()
+    type_ = words[0].replace("/action/", "/", 1) if len(words) == 1 else ""
+    return type_ if is_type(type_) else ""
 
 
 message = template(_message)

@@ -176,6 +176,15 @@ def test_values_are_completed_by_a_message_of_defaults(client: HubClient) -> Non
     assert values(completers.message) == []
 
 
+def test_goal_is_completed_after_its_type() -> None:
+    context = click.Context(click.Command("send"))
+    context.params |= {"action": "/unknown", "goal": ("example_interfaces/action/Fibonacci",)}
+    goal = click.Argument(["goal"])
+    assert [each.value for each in completers.goal(context, goal, "")] == ["{order: 0}"]
+    context.params["goal"] = ("example_interfaces/Fibonacci", "{order: 1}")
+    assert completers.goal(context, goal, "") == []
+
+
 @pytest.mark.parametrize("type_", ["nobody/Knows", "String", "$(reboot)/X"])
 def test_unknown_type_has_no_message_of_defaults(type_: str) -> None:
     context = click.Context(click.Command("pub"))
