@@ -50,9 +50,12 @@ def test_python_modules() -> None:
     ("module", "missing"), [(row[0], row[2]) for row in rows("Python modules")]
 )
 def test_names_that_are_missing(module: str, missing: str) -> None:
+    [package, *_] = words(module)
     for name in words(missing):
         if name.isidentifier():
-            assert not hasattr(importlib.import_module(words(module)[0]), name)
+            assert not hasattr(importlib.import_module(package), name)
+            with pytest.raises(ImportError):
+                importlib.import_module(f"{package}.{name}")
 
 
 def test_python_modules_that_are_missing() -> None:
