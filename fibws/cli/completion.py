@@ -29,6 +29,11 @@ def _quoted(text: str) -> str:
 
 
 class _Bash(BashComplete):
+    # Brackets in a completion are no pattern: with nullglob, bash would drop it.
+    source_template = BashComplete.source_template.replace(
+        "local IFS=$'\\n'\n", "local - IFS=$'\\n'\n    set -f\n"
+    )
+
     def format_completion(self, item: CompletionItem[Any]) -> str:
         if item.type == QUOTED:
             return f"plain,{_quoted(item.value)}"

@@ -86,6 +86,30 @@ def test_bash_inserts_a_message_to_be_edited(bash: Terminal) -> None:
     bash.wait_for(f"<geometry_msgs/Twist><{TWIST}>")
 
 
+@pytest.mark.parametrize("option", ["nullglob", "failglob"])
+def test_bash_takes_brackets_as_they_are(environment: dict[str, str], option: str) -> None:
+    script = f"""
+        eval "$(fibws completion bash)"
+        shopt -s {option}
+        COMP_WORDS=(fibws topic pub /joy sensor_msgs/Joy "")
+        COMP_CWORD=5
+        for _ in {{1..20}}; do  # A completion does not wait long for its hub.
+            COMPREPLY=()
+            _fibws_completion fibws
+            [ ${{#COMPREPLY[@]}} -gt 0 ] && break
+        done
+        echo "${{COMPREPLY[0]}}"
+        echo *none*
+    """
+    command = ["bash", "--norc", "-c", script]
+    ran = subprocess.run(
+        command, env={**os.environ, **environment}, capture_output=True, text=True, timeout=PATIENCE
+    )
+    first, *others = ran.stdout.splitlines()
+    assert first.endswith('axes: [], buttons: []}"')
+    assert "*none*" not in others  # The shell's own options are as before.
+
+
 @pytest.mark.skipif(shutil.which("zsh") is None, reason="zsh is not installed")
 def test_zsh_inserts_a_message_to_be_edited(environment: dict[str, str]) -> None:
     shell = Terminal("zsh", "-f", "-i", PS1="> ", **environment)
