@@ -150,7 +150,6 @@ class TestBuilding:
         text = (tmp_path / "made" / LICENSES).read_text()
         assert re.findall(r"^(\S+) 1\.0: MIT$", text, re.MULTILINE) == [
             *("@dagrejs/dagre", "@dagrejs/dagre-part", "roslib", "roslib-part"),
-            *("uplot", "uplot-part"),
         ]
         assert "Free to use for roslib-part." in text
 

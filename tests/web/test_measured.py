@@ -111,7 +111,7 @@ async def test_memory_does_not_grow_during_an_hour_of_messages(
         await advertise(client, "/count")
         page = await open_page(hub, "#/topics/%2Fcount", prepare=KEEP_SOCKETS)
         await page.get_by_role("button", name="Plot", exact=True).first.click()
-        await expect(page.locator("canvas")).to_be_visible()
+        await expect(page.locator(".plot-canvas")).to_be_visible()
         await expect(page.locator(".echo")).to_be_visible()
         await simulate(page, HOUR // 6)
         before = await memory(page)

@@ -251,7 +251,7 @@ async def test_markup_is_not_interpreted(hub: Hub, node: fibws.Node, open_page: 
 
 
 INK = """() => {
-    const canvas = document.querySelector(".plot-canvas canvas");
+    const canvas = document.querySelector(".plot-canvas canvas + canvas");
     const [width, height] = [canvas.width, canvas.height];
     const copy = new OffscreenCanvas(width, height + 1);
     const context = copy.getContext("2d", {willReadFrequently: true});
@@ -302,10 +302,106 @@ async def test_plot_has_several_fields_of_several_topics(
     await page.get_by_role("link", name="Graph", exact=True).click()
     await page.get_by_role("link", name="Topics", exact=True).click()
     await expect(page.locator(".plot-legend li")).to_have_count(3)
+    await page.locator(".plot-fold").click()
     await page.get_by_role("button", name="Remove /temperature data").click()
     await expect(page.locator(".plot-legend li")).to_have_count(2)
-    await page.get_by_role("button", name="Remove all").click()
+    await page.get_by_role("button", name="Close the plot").click()
     await expect(page.locator(".plot-legend li")).to_have_count(0)
+    await expect(page.locator(".plot")).to_be_hidden()
+
+
+async def test_plot_moves_by_drawing_only_what_is_new(
+    hub: Hub, fibonacci: None, open_page: OpenPage
+) -> None:
+    """Neither the axes nor the drawn part of a curve are drawn again while it moves."""
+    page = await open_page(hub, f"{FIBONACCI}/plot")
+    await until(page, f"({INK})() > 300")
+    await page.evaluate("""() => {
+        const {fillText, lineTo, drawImage} = CanvasRenderingContext2D.prototype;
+        window.counts = {texts: 0, lines: 0, moves: 0};
+        const count = (name, original) => function(...all) {
+            window.counts[name] += 1;
+            return original.apply(this, all);
+        };
+        Object.assign(CanvasRenderingContext2D.prototype, {
+            fillText: count("texts", fillText),
+            lineTo: count("lines", lineTo),
+            drawImage: count("moves", drawImage),
+        });
+    }""")
+    await until(page, "counts.moves > 30")
+    counts = await page.evaluate("counts")
+    # All is drawn again when the time axis grows or a curve does not fit: a few times.
+    assert counts["texts"] < 200, counts
+    assert counts["lines"] < 3000, counts
+
+
+async def test_curves_of_different_size_can_have_own_axes(
+    hub: Hub, node: fibws.Node, open_page: OpenPage
+) -> None:
+    points = await node.advertise("/point", Point, latch=True)
+    page = await open_page(hub, "#/topics/%2Fpoint/plot")
+    await expect(page.locator(".plot-legend li")).to_have_count(3)
+    notes = page.locator(".plot-notes")
+    async with asyncio.timeout(60):
+        for each in (1.0, 2.0):
+            await points.publish(x=each, y=1000 * each, z=0.0)
+            await expect(curve(page, "/point y").locator("output")).to_have_text(f"{1000 * each:g}")
+    await expect(notes).to_contain_text("flat")
+    await page.get_by_label("Own axes").check()
+    await expect(notes).not_to_contain_text("flat")
+    await expect(curve(page, "/point x")).to_contain_text("1 … 2")
+    await expect(curve(page, "/point y")).to_contain_text("1000 … 2000")
+
+
+async def test_plot_is_open_where_it_was_opened_and_a_line_elsewhere(
+    hub: Hub, node: fibws.Node, fibonacci: None, open_page: OpenPage
+) -> None:
+    await node.advertise("/other", Int32)
+    page = await open_page(hub, FIBONACCI)
+    chart = page.locator(".plot-canvas")
+    await expect(page.locator(".plot")).to_be_hidden()
+    await page.get_by_role("button", name="Plot data").click()
+    await expect(chart).to_be_visible()
+    await row(page, "/other").get_by_role("link").click()
+    await expect(chart).to_be_hidden()
+    await expect(curve(page, "/fibonacci data")).to_be_visible()
+    fold = page.locator(".plot-fold")
+    await expect(fold).to_have_attribute("aria-expanded", "false")
+    await fold.click()
+    await expect(chart).to_be_visible()
+    await fold.click()
+    await expect(chart).to_be_hidden()
+    await row(page, "/fibonacci").get_by_role("link").click()
+    await expect(chart).to_be_visible()
+    await page.get_by_role("button", name="Close the plot").click()
+    await expect(page.locator(".plot")).to_be_hidden()
+
+
+async def test_link_reproduces_the_plot(
+    hub: Hub, node: fibws.Node, fibonacci: None, open_page: OpenPage
+) -> None:
+    poses = await node.advertise("/point", Point, latch=True)
+    await poses.publish(x=1.0, y=2.0, z=3.0)
+    page = await open_page(hub, f"{FIBONACCI}/plot")
+    await row(page, "/point").get_by_role("button", name="Plot").click()
+    await page.get_by_role("button", name="Remove /point y").click()
+    await page.get_by_label("Own axes").check()
+    await page.get_by_label("Time range").select_option("10 s")
+    await until(page, "location.hash.includes('range=10')")
+    link = await page.evaluate("location.hash")
+    assert "plot=/fibonacci:data,/point:x,/point:z" in link.replace("%3A", ":"), link
+
+    copy = await open_page(hub, link)
+    names = copy.locator(".plot-name")
+    await expect(names).to_have_text(["/fibonacci data", "/point x", "/point z"])
+    await expect(copy.get_by_label("Own axes")).to_be_checked()
+    await expect(copy.get_by_label("Time range")).to_have_value("10")
+    await expect(curve(copy, "/point z").locator("output")).to_have_text("3")
+    await copy.locator(".plot-fold").click()
+    folded = await open_page(hub, await copy.evaluate("location.hash"))
+    await expect(folded.locator(".plot-legend li")).to_have_count(3)
+    await expect(folded.locator(".plot-canvas")).to_be_hidden()
 
 
 async def test_paused_plot_does_not_change(hub: Hub, node: fibws.Node, open_page: OpenPage) -> None:

@@ -1,55 +1,109 @@
-import { describe, expect, it } from "vitest";
+import { describe, expect, it, test } from "vitest";
 import {
+  agoText,
   axisText,
   clock,
-  linearExtent,
-  logarithmicExtent,
-  logarithmicTicks,
-  notPositive,
+  contains,
+  extentOf,
+  linearAxis,
+  logarithmicAxis,
+  NOTHING,
+  spanFor,
+  timeStep,
+  union,
 } from "./axes";
-import type { Samples } from "./ring_buffer";
 
-function curve(values: number[]): Samples {
-  return { times: Float64Array.from(values, (_, at) => at), values: Float64Array.from(values) };
-}
+test("extents leave out what is not finite", () => {
+  expect(extentOf([3, NaN, -1, Infinity])).toEqual([-1, 3]);
+  expect(extentOf([NaN])).toEqual(NOTHING);
+  expect(union([[0, 1], NOTHING, [-5, 0]])).toEqual([-5, 1]);
+  expect(contains([0, 1], [0, 1])).toBe(true);
+  expect(contains([0, 1], [0, 1.1])).toBe(false);
+  expect(contains([0, 1], NOTHING)).toBe(true);
+});
 
-describe("axes", () => {
-  it("have a margin, except below zero", () => {
-    expect(linearExtent([curve([0, 50]), curve([100, NaN])], 0)).toEqual([0, 108]);
-    expect(linearExtent([curve([-50, 50])], 0)).toEqual([-58, 58]);
-    expect(linearExtent([curve([4, 4])], 0)).toEqual([2, 6]);
-    expect(linearExtent([curve([0])], 0)).toEqual([-1, 1]);
-    expect(linearExtent([curve([])], 0)).toEqual([0, 1]);
+describe("linear axes", () => {
+  it.each([
+    [
+      [-1, 1],
+      [-1, -0.5, 0, 0.5, 1],
+    ],
+    [
+      [0, 1.1],
+      [0, 0.3, 0.6, 0.9, 1.2],
+    ],
+    [
+      [98, 103],
+      [97.5, 99, 100.5, 102, 103.5],
+    ],
+    [
+      [0.1, 0.3],
+      [0.1, 0.15, 0.2, 0.25, 0.3],
+    ],
+    [
+      [4, 4],
+      [2, 3, 4, 5, 6],
+    ],
+    [
+      [0, 0],
+      [-1, -0.5, 0, 0.5, 1],
+    ],
+    [NOTHING, [0, 0.25, 0.5, 0.75, 1]],
+  ] as const)("for values of %j have ticks at %j", (values, ticks) => {
+    const axis = linearAxis(values, 4);
+    expect(axis.ticks).toEqual(ticks);
+    expect(axis.extent).toEqual([ticks[0], ticks[4]]);
   });
 
-  it("ignore samples before the window", () => {
-    expect(linearExtent([curve([1000, 0, 100])], 1.5)).toEqual([0, 108]);
+  it("contain their values, also tiny and huge ones", () => {
+    for (const values of [
+      [1e-300, 2e-300],
+      [-1e300, 1e300],
+      [1e12, 1e12 + 1],
+      [-7.3, -7.1],
+    ]) {
+      const axis = linearAxis(values as [number, number], 4);
+      expect(contains(axis.extent, values as [number, number])).toBe(true);
+      expect(axis.ticks).toHaveLength(5);
+    }
   });
+});
 
-  it("extend to powers of ten if logarithmic", () => {
-    expect(logarithmicExtent([curve([3, 250])], 0)).toEqual([1, 1000]);
-    expect(logarithmicExtent([curve([10, 10])], 0)).toEqual([10, 100]);
-    expect(logarithmicExtent([curve([NaN])], 0)).toEqual([1, 10]);
-    expect(notPositive([curve([0, -1, 1]), curve([NaN])])).toBe(2);
+test("logarithmic axes extend to powers of ten, with ticks between them if there is room", () => {
+  expect(logarithmicAxis([3, 98], 6)).toEqual({
+    extent: [1, 100],
+    ticks: [1, 2, 5, 10, 20, 50, 100],
   });
+  expect(logarithmicAxis([1, 10_000], 4).ticks).toEqual([1, 10, 100, 1000, 10_000]);
+  expect(logarithmicAxis([1, 1e10], 5).ticks).toEqual([1, 1e2, 1e4, 1e6, 1e8, 1e10]);
+  expect(logarithmicAxis([10, 10], 3).extent).toEqual([10, 100]);
+  expect(logarithmicAxis(NOTHING, 3).extent).toEqual([1, 10]);
+});
 
-  it("have ticks at powers of ten and between them", () => {
-    expect(logarithmicTicks([1, 100], 6)).toEqual([1, 2, 5, 10, 20, 50, 100]);
-    expect(logarithmicTicks([1, 10_000], 4)).toEqual([1, 10, 100, 1000, 10_000]);
-    expect(logarithmicTicks([1, 1e10], 5)).toEqual([1, 1e2, 1e4, 1e6, 1e8, 1e10]);
-  });
+test("the time axis grows in steps", () => {
+  expect([0, 2.1, 9, 11, 500].map((age) => spanFor(age, 30))).toEqual([2, 5, 10, 20, 30]);
+  expect(spanFor(301, 600)).toBe(600);
+});
 
-  it("have short labels", () => {
-    expect([0, 1200, 0.25, 1_800_000_000, -2e-7, 1e6].map(axisText)).toEqual([
-      "0",
-      "1200",
-      "0.25",
-      "1.8e9",
-      "-2e-7",
-      "1e6",
-    ]);
-    const secs = new Date(2026, 10, 21, 20, 35, 5).getTime() / 1000;
-    expect(clock(secs)).toBe("20:35:05");
-    expect(clock(secs + 0.5)).toBe("20:35:05.5");
-  });
+test("labels of the time axis have room", () => {
+  expect(timeStep(30, 10)).toBe(5);
+  expect(timeStep(600, 4)).toBe(300);
+  expect([0, 5, 90, 120].map(agoText)).toEqual(["now", "−5 s", "−90 s", "−2 min"]);
+});
+
+test("labels are short", () => {
+  expect([0, 1200, 0.25, 1_800_000_000, -2e-7, 1e6].map(axisText)).toEqual([
+    "0",
+    "1200",
+    "0.25",
+    "1.8e9",
+    "-2e-7",
+    "1e6",
+  ]);
+  const secs = new Date(2026, 10, 21, 20, 35, 5).getTime() / 1000;
+  expect([secs, secs + 0.5, secs + 0.96].map(clock)).toEqual([
+    "20:35:05",
+    "20:35:05.5",
+    "20:35:06",
+  ]);
 });

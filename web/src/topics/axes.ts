@@ -1,72 +1,110 @@
 /** The ranges, ticks and labels of a plot's axes. */
 import { timeOfDay } from "../format";
-import type { Samples } from "./ring_buffer";
 
 export type Extent = readonly [low: number, high: number];
 
-/** The margin above and below the curves, as a fraction of their height. */
-const MARGIN = 0.08;
+/** A vertical axis: the values at its ends, and those with a label. */
+export interface Axis {
+  readonly extent: Extent;
+  readonly ticks: readonly number[];
+}
 
-/** The range of the values from a time on, with a margin. */
-export function linearExtent(curves: readonly Samples[], from: number): Extent {
-  const [least, greatest] = extent(curves, from);
-  if (least > greatest) return [0, 1];
-  const height = greatest - least;
-  if (height === 0) {
-    const half = least === 0 ? 1 : Math.abs(least) / 2;
-    return [least - half, greatest + half];
+/** The extent of no values. */
+export const NOTHING: Extent = [Infinity, -Infinity];
+/** The first digits of the distance between two ticks. */
+const NICE = [1, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10];
+/** Possible times between two labels of the time axis, in seconds. */
+const SECONDS = [1, 2, 5, 10, 15, 30, 60, 120, 300];
+/** Lengths of the time axis before it has grown to the chosen one, in seconds. */
+const GROWING = [2, 5, 10, 20, 30, 60, 120, 300];
+
+/** The least and the greatest of some values, without those that are not finite. */
+export function extentOf(values: Iterable<number>): Extent {
+  let [least, greatest] = NOTHING;
+  for (const value of values) {
+    if (!Number.isFinite(value)) continue;
+    if (value < least) least = value;
+    if (value > greatest) greatest = value;
   }
-  // A curve that starts at zero touches the axis.
-  const below = least === 0 ? 0 : MARGIN * height;
-  return [least - below, greatest + MARGIN * height];
+  return [least, greatest];
 }
 
-/** The range of the positive values, extended to powers of ten. */
-export function logarithmicExtent(curves: readonly Samples[], from: number): Extent {
-  const [least, greatest] = extent(curves, from);
-  if (least > greatest) return [1, 10];
-  const low = 10 ** Math.floor(Math.log10(least));
-  const high = 10 ** Math.ceil(Math.log10(greatest));
-  return [low, high > low ? high : 10 * low];
+/** An extent that includes others. */
+export function union(extents: readonly Extent[]): Extent {
+  return extentOf(extents.flat());
 }
 
-/** About `limit` ticks of a logarithmic axis: powers of ten, with 2 and 5 if there is room. */
-export function logarithmicTicks([least, greatest]: Extent, limit: number): number[] {
-  const low = Math.round(Math.log10(least));
-  const high = Math.round(Math.log10(greatest));
+/** Whether all values are within an extent. */
+export function contains([low, high]: Extent, [least, greatest]: Extent): boolean {
+  return least > greatest || (low <= least && greatest <= high);
+}
+
+/**
+ * A linear axis for some values, with ticks at round numbers that divide it into equal parts.
+ *
+ * The ticks of all axes with as many parts are at the same heights.
+ */
+export function linearAxis([least, greatest]: Extent, parts: number): Axis {
+  if (least > greatest) return evenTicks(0, 1 / parts, parts);
+  const half = least === 0 ? 1 : Math.abs(least) / 2;
+  const [low, high] = least === greatest ? [least - half, least + half] : [least, greatest];
+  const power = 10 ** Math.floor(Math.log10((high - low) / parts));
+  for (const scale of [power, 10 * power]) {
+    for (const digits of NICE) {
+      const step = digits * scale;
+      const first = Math.floor(low / step + 1e-9);
+      if (first + parts >= high / step - 1e-9) return evenTicks(first * step, step, parts);
+    }
+  }
+  // Huge numbers have no round numbers between them.
+  return evenTicks(low, (high - low) / parts, parts);
+}
+
+function evenTicks(low: number, step: number, parts: number): Axis {
+  const ticks = Array.from({ length: parts + 1 }, (_, at) =>
+    Number((low + at * step).toPrecision(15)),
+  );
+  return { extent: [ticks[0] ?? low, ticks.at(-1) ?? low + parts * step], ticks };
+}
+
+/** A logarithmic axis for some positive values, with about `limit` ticks. */
+export function logarithmicAxis([least, greatest]: Extent, limit: number): Axis {
+  const low = least > greatest ? 0 : Math.floor(Math.log10(least));
+  const high = Math.max(low + 1, least > greatest ? 1 : Math.ceil(Math.log10(greatest)));
   const parts = 3 * (high - low) <= limit ? [1, 2, 5] : [1];
   const stride = Math.max(1, Math.ceil((high - low) / limit));
   const ticks: number[] = [];
   for (let power = low; power <= high; power += stride) {
     for (const part of parts) if (power < high || part === 1) ticks.push(part * 10 ** power);
   }
-  return ticks;
+  return { extent: [10 ** low, 10 ** high], ticks };
 }
 
-function extent(curves: readonly Samples[], from: number): Extent {
-  let least = Infinity;
-  let greatest = -Infinity;
-  for (const { times, values } of curves) {
-    values.forEach((value, at) => {
-      // The last sample before the window counts, as the line from there is visible.
-      if ((times[at + 1] ?? Infinity) < from || !Number.isFinite(value)) return;
-      if (value < least) least = value;
-      if (value > greatest) greatest = value;
-    });
-  }
-  return [least, greatest];
+/**
+ * The length of the time axis in seconds, for samples since `age` seconds ago.
+ *
+ * It grows in steps, as the whole plot is drawn again at each.
+ */
+export function spanFor(age: number, longest: number): number {
+  return Math.min(longest, GROWING.find((span) => span >= age) ?? longest);
 }
 
-/** How many values a logarithmic axis cannot show. */
-export function notPositive(curves: readonly Samples[]): number {
-  return curves.reduce((sum, { values }) => sum + values.filter((value) => value <= 0).length, 0);
+/** The distance in seconds between labels of the time axis, at most `limit` of them. */
+export function timeStep(span: number, limit: number): number {
+  return SECONDS.find((step) => span / step <= limit) ?? span;
+}
+
+/** A label for a time some seconds ago: `now`, `−5 s`, `−2 min`. */
+export function agoText(seconds: number): string {
+  if (seconds === 0) return "now";
+  return seconds % 60 === 0 ? `−${seconds / 60} min` : `−${seconds} s`;
 }
 
 /** The local time of day, with tenths of a second if it has any: `20:35:15`. */
 export function clock(secs: number): string {
-  const fraction = Math.round((secs % 1) * 10);
-  const text = timeOfDay(secs);
-  return fraction % 10 === 0 ? text : `${text}.${fraction}`;
+  const tenths = Math.round(secs * 10);
+  const text = timeOfDay(Math.floor(tenths / 10));
+  return tenths % 10 === 0 ? text : `${text}.${tenths % 10}`;
 }
 
 /** A short label for a value: `1200`, `0.25`, `1.8e9`. */

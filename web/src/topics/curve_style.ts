@@ -1,7 +1,7 @@
 /** The styles of curves, which differ in dashes and markers as well as colour, and their legend. */
-import type uPlot from "uplot";
-import { h, setText, svg } from "../dom";
+import { breakable, h, setName, setText, svg } from "../dom";
 import { figure } from "../format";
+import { axisText, type Extent } from "./axes";
 
 /** The number of colours, dashes and markers. */
 export const STYLES = 8;
@@ -18,7 +18,7 @@ export const DASHES: readonly (readonly number[])[] = [
 ];
 
 /** Markers within the square from -1 to 1. */
-const MARKERS: readonly (readonly (readonly [number, number])[])[] = [
+export const MARKERS: readonly (readonly (readonly [number, number])[])[] = [
   circle(16),
   [
     [-0.9, -0.9],
@@ -86,42 +86,15 @@ export function swatch(style: number): SVGElement {
   );
 }
 
-/** Draw the marker of a curve at its last visible sample. */
-export function drawMarker(
-  plot: uPlot,
-  at: number,
-  look: { style: number; colour: string } | undefined,
-): void {
-  const [times, values] = [plot.data[0], plot.data[at] ?? []];
-  if (look === undefined) return;
-  const to = plot.scales.x?.max ?? Infinity;
-  for (let row = times.length - 1; row >= 0; row -= 1) {
-    const [time, value] = [times[row], values[row]];
-    if (typeof value !== "number" || time === undefined || time > to) continue;
-    const [x, y, size] = [
-      plot.valToPos(time, "x", true),
-      plot.valToPos(value, "y", true),
-      4.5 * devicePixelRatio,
-    ];
-    plot.ctx.save();
-    plot.ctx.fillStyle = look.colour;
-    plot.ctx.setLineDash([]);
-    plot.ctx.beginPath();
-    for (const [dx, dy] of MARKERS[look.style] ?? []) plot.ctx.lineTo(x + size * dx, y + size * dy);
-    plot.ctx.closePath();
-    plot.ctx.fill();
-    plot.ctx.restore();
-    return;
-  }
-}
-
 /** An entry of the legend: a sample of the curve, its name and value, and a button to remove it. */
 export class LegendEntry {
   readonly element: HTMLElement;
   /** The number of its dashes, marker and colour. */
   readonly style: number;
   readonly #swatch: SVGElement;
+  readonly #path = h("span");
   readonly #value = h("output", { class: "plot-value" }, "–");
+  readonly #range = h("span", { class: "small soft", title: "Range of its axis", hidden: true });
 
   /** `remove` is called when the user removes the curve. */
   constructor(topic: string, path: string, style: number, remove: () => void) {
@@ -131,8 +104,15 @@ export class LegendEntry {
       "li",
       {},
       this.#swatch,
-      h("span", { class: "plot-name" }, h("span", { class: "soft" }, topic), ` ${path}`),
+      h(
+        "span",
+        { class: "plot-name" },
+        h("span", { class: "soft" }, ...breakable(topic)),
+        " ",
+        this.#path,
+      ),
       this.#value,
+      this.#range,
       h(
         "button",
         {
@@ -145,11 +125,23 @@ export class LegendEntry {
         "×",
       ),
     );
+    this.showPath(path);
   }
 
   /** The colour for the canvas in the current colour scheme; needs to be in the document. */
   get colour(): string {
     return getComputedStyle(this.#swatch).color;
+  }
+
+  /** Show the path of its number, which may get the name of an element. */
+  showPath(path: string): void {
+    setName(this.#path, path);
+  }
+
+  /** Show the range of the axis that only this curve has. */
+  showRange(extent: Extent | undefined): void {
+    this.#range.hidden = extent === undefined;
+    if (extent !== undefined) setText(this.#range, extent.map(axisText).join(" … "));
   }
 
   showValue(value: number | undefined): void {

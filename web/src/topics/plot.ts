@@ -3,31 +3,23 @@ import { h, replace, setText } from "../dom";
 import { hertz } from "../format";
 import type { Hub } from "../hub";
 import type { Model } from "../model";
-import { notPositive } from "./axes";
+import { clock, spanFor } from "./axes";
 import { Chart } from "./chart";
 import { LegendEntry, STYLES } from "./curve_style";
+import { curvesFrom, curvesText, ranges, type ViewState } from "./plot_state";
 import { type Curve, Sampler } from "./sampler";
 import "./plot.css";
 
-/** The ranges of time to choose from. */
-const WINDOWS = [
-  { seconds: 10, label: "10 s" },
-  { seconds: 30, label: "30 s" },
-  { seconds: 120, label: "2 min" },
-  { seconds: 600, label: "10 min" },
-];
 /** Minimum time between two messages, in ms; the buffers hold ten minutes at the longer one. */
 const THROTTLE = 20;
 const LONG_THROTTLE = 50;
-/** Minimum time between two redraws, in ms; the longer one with more than a few curves. */
+/** Minimum time between two frames, and the time after which one is drawn without samples, in ms. */
 const FRAME = 50;
-const LONG_FRAME = 100;
-const FEW = 3;
-/** How many samples a single curve is drawn with, and each of many at least. */
-const MAX_SAMPLES = 2000;
-const MIN_SAMPLES = 500;
-/** The minimum length of the time axis, in seconds. */
-const MIN_SECONDS = 2;
+const IDLE = 200;
+/** By how many CSS pixels the curves move between two frames, within these times. */
+const STEP = 3;
+/** Minimum time between two updates of the values in the legend, in ms. */
+const LEGEND = 200;
 
 interface Row {
   readonly curve: Curve;
@@ -39,238 +31,330 @@ export class Plot {
   readonly element: HTMLElement;
   readonly #hub: Hub;
   readonly #model: Model;
+  readonly #changed: () => void;
   readonly #samplers = new Map<string, Sampler>();
   readonly #rows: Row[] = [];
-  readonly #chart = new Chart((time) => this.#point(time));
+  readonly #chart = new Chart(() => this.#refresh());
   readonly #legend = h("ul", { class: "plot-legend", "aria-label": "Curves" });
   readonly #notes = h("p", { class: "plot-notes small soft", "aria-live": "polite" });
-  readonly #hint = h(
-    "p",
-    { class: "soft small" },
-    "Choose a number: “Plot” in the list, or the curve icon beside a value.",
-  );
   readonly #fold = h(
     "button",
-    {
-      type: "button",
-      class: "plot-fold",
-      "aria-expanded": "true",
-      onclick: () => this.#toggleFold(),
-    },
+    { type: "button", class: "plot-fold", onclick: () => this.#toggleFold() },
     "Plot",
   );
-  readonly #tools: HTMLElement;
-  readonly #window: HTMLSelectElement;
-  readonly #log: HTMLInputElement;
+  readonly #range: HTMLSelectElement;
+  readonly #log = this.#checkbox("Logarithmic");
+  readonly #separate = this.#checkbox("Own axes");
+  readonly #separateLabel = h(
+    "label",
+    { title: "Each curve has an axis of its own" },
+    this.#separate,
+    "Own axes",
+  );
   readonly #pause: HTMLButtonElement;
+  /** The topics, and "" for the list, on whose pages the plot is open; elsewhere it is folded. */
+  readonly #openOn = new Set<string>();
+  #page = "";
+  /** Why a topic is not plotted. */
+  #hint = "";
   /** The time at which the plot was paused. */
   #pausedAt: number | undefined;
-  #pointed: number | undefined;
   #shown = false;
-  /** Whether a redraw is scheduled. */
-  #scheduled = false;
+  #timer: number | undefined;
+  /** When the next frame is due, and when the last ones were drawn. */
+  #due = Infinity;
   #lastDraw = 0;
+  #lastLegend = 0;
   #full = false;
   #stopRates: (() => void) | undefined;
 
-  constructor(hub: Hub, model: Model) {
+  /** `changed` is called when the state changes that belongs into the URL. */
+  constructor(hub: Hub, model: Model, changed: () => void) {
     this.#hub = hub;
     this.#model = model;
-    this.#window = h(
+    this.#changed = changed;
+    this.#range = h(
       "select",
-      { "aria-label": "Time range", onchange: () => this.#changeWindow() },
-      ...WINDOWS.map(({ seconds, label }) => h("option", { value: seconds }, label)),
+      { "aria-label": "Time range", onchange: () => this.#changeRange() },
+      ...ranges.all.map(({ seconds, label }) => h("option", { value: seconds }, label)),
     );
-    this.#window.value = "30";
-    this.#log = h("input", {
-      type: "checkbox",
-      "aria-label": "Logarithmic",
-      onchange: () => this.#recreate(),
-    });
-    this.#pause = h("button", { type: "button", onclick: () => this.#toggle() }, "Pause");
-    this.#tools = h(
-      "div",
-      { class: "toolbar end" },
-      h("label", { title: "Logarithmic axis" }, this.#log, "Log"),
-      this.#window,
-      this.#pause,
-      h(
-        "button",
-        { type: "button", title: "Discard the samples so far", onclick: () => this.#clear() },
-        "Clear",
-      ),
-      h(
-        "button",
-        {
-          type: "button",
-          class: "plot-all",
-          title: "Remove all curves",
-          onclick: () => this.#removeAll(),
-        },
-        "Remove all",
-      ),
-    );
+    this.#range.value = ranges.usual;
+    this.#pause = h("button", { type: "button", onclick: () => this.#togglePause() }, "Pause");
+    const clear = { title: "Discard the samples so far", onclick: () => this.#clear() };
+    const close = {
+      class: "plot-close",
+      title: "Remove all curves",
+      "aria-label": "Close the plot",
+      onclick: () => this.close(),
+    };
     this.element = h(
       "section",
-      { class: "plot panel", "aria-label": "Plot" },
+      { class: "plot panel", "aria-label": "Plot", hidden: true },
       h(
         "div",
         { class: "toolbar" },
         h("h2", {}, this.#fold),
-        this.#hint,
         this.#legend,
-        this.#tools,
+        h(
+          "div",
+          { class: "toolbar plot-tools" },
+          this.#separateLabel,
+          h("label", { title: "Logarithmic axis" }, this.#log, "Log"),
+          this.#range,
+          this.#pause,
+          h("button", { type: "button", ...clear }, "Clear"),
+        ),
+        h("button", { type: "button", ...close }, "×"),
       ),
       this.#chart.element,
       this.#notes,
     );
     // The canvas does not follow the colour scheme by itself.
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.#recreate());
-    new ResizeObserver(() => this.#refresh()).observe(this.#chart.element);
-    this.#recreate();
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.#restyle());
   }
 
-  /** Add a curve, or scroll to it if it exists already. */
+  /** Add a curve, or scroll to it if it exists already; the plot opens on the current page. */
   add(topic: string, path: string): void {
+    this.#openOn.add(this.#page);
+    this.#hint = "";
     const existing = this.#rows.find(
       ({ curve, sampler }) => sampler.topic === topic && curve.path === path,
     );
-    if (existing !== undefined) {
-      existing.entry.element.scrollIntoView({ block: "nearest" });
-      return;
+    if (existing === undefined) this.#addRow(topic, path);
+    this.#update();
+    existing?.entry.element.scrollIntoView({ block: "nearest" });
+  }
+
+  /** Show why a topic is not plotted. */
+  showHint(why: string): void {
+    this.#hint = why;
+    this.#openOn.add(this.#page);
+    this.#update();
+  }
+
+  /** Remove all curves, and hide the plot. */
+  close(): void {
+    for (const row of [...this.#rows]) this.#remove(row);
+    this.#hint = "";
+    this.#full = false;
+    this.#openOn.clear();
+    if (this.#pausedAt !== undefined) this.#togglePause();
+    this.#update();
+  }
+
+  /** The plot becomes visible on the page of a topic, or beside none; with the state in the URL. */
+  show(page: string, state: URLSearchParams | null): void {
+    this.#page = page;
+    this.#shown = true;
+    if (state !== null) this.#restore(state);
+    for (const sampler of this.#samplers.values()) sampler.start();
+    this.#stopRates ??= this.#model.rates.watch(() => this.#refresh());
+    this.#update();
+  }
+
+  hide(): void {
+    this.#shown = false;
+    window.clearTimeout(this.#timer);
+    this.#due = Infinity;
+    for (const sampler of this.#samplers.values()) sampler.stop();
+    this.#stopRates?.();
+    this.#stopRates = undefined;
+  }
+
+  /** The state that belongs into the URL: `?plot=/pose:position.x,/pose:position.y&range=10`. */
+  get state(): ViewState {
+    if (this.#rows.length === 0) return {};
+    return {
+      plot: curvesText(this.#rows.map(({ sampler, curve }) => [sampler.topic, curve.path])),
+      range: this.#range.value === ranges.usual ? "" : this.#range.value,
+      log: this.#log.checked,
+      own_axes: this.#separate.checked,
+      folded: this.#isFolded,
+    };
+  }
+
+  #restore(state: URLSearchParams): void {
+    const curves = curvesFrom(state.get("plot") ?? "");
+    const wanted = new Set(curves.map((curve) => curvesText([curve])));
+    for (const row of [...this.#rows]) {
+      const name = curvesText([[row.sampler.topic, row.curve.path]]);
+      if (!wanted.delete(name)) this.#remove(row);
     }
+    for (const curve of curves) if (wanted.has(curvesText([curve]))) this.#addRow(...curve);
+    this.#range.value = ranges.usual;
+    if (ranges.all.some(({ seconds }) => String(seconds) === state.get("range")))
+      this.#range.value = state.get("range") ?? "";
+    this.#log.checked = state.has("log");
+    this.#separate.checked = state.has("own_axes");
+    if (state.has("folded")) this.#openOn.delete(this.#page);
+    else this.#openOn.add(this.#page);
+    this.#changeThrottle();
+  }
+
+  get #isFolded(): boolean {
+    return !this.#openOn.has(this.#page);
+  }
+
+  get #throttle(): number {
+    return Number(this.#range.value) > 120 ? LONG_THROTTLE : THROTTLE;
+  }
+
+  #checkbox(label: string): HTMLInputElement {
+    return h("input", {
+      type: "checkbox",
+      "aria-label": label,
+      onchange: () => this.#update(),
+    });
+  }
+
+  #addRow(topic: string, path: string): void {
     const style = Array.from({ length: STYLES }, (_, at) => at).find((at) =>
       this.#rows.every(({ entry }) => entry.style !== at),
     );
     this.#full = style === undefined;
-    if (style === undefined) {
-      this.#showNotes([]);
-      return;
-    }
+    if (style === undefined) return;
     let sampler = this.#samplers.get(topic);
     if (sampler === undefined) {
       sampler = new Sampler(this.#hub, topic, this.#throttle, () => this.#refresh());
       this.#samplers.set(topic, sampler);
       if (this.#shown) sampler.start();
     }
-    const entry = new LegendEntry(topic, path, style, () => this.#remove(row));
+    const entry = new LegendEntry(topic, path, style, () => {
+      this.#remove(row);
+      this.#update();
+    });
     const row: Row = { curve: sampler.add(path), sampler, entry };
     this.#rows.push(row);
-    this.#recreate();
-  }
-
-  /** Show why something is not plotted. */
-  showHint(why: string): void {
-    setText(this.#hint, why);
-    this.#hint.hidden = false;
-  }
-
-  show(): void {
-    this.#shown = true;
-    for (const sampler of this.#samplers.values()) sampler.start();
-    this.#stopRates ??= this.#model.rates.watch(() => this.#refresh());
-    this.#recreate();
-  }
-
-  hide(): void {
-    this.#shown = false;
-    for (const sampler of this.#samplers.values()) sampler.stop();
-    this.#stopRates?.();
-    this.#stopRates = undefined;
-  }
-
-  get #throttle(): number {
-    return Number(this.#window.value) > 120 ? LONG_THROTTLE : THROTTLE;
   }
 
   #remove(row: Row): void {
     this.#rows.splice(this.#rows.indexOf(row), 1);
     this.#full = false;
     if (row.sampler.remove(row.curve)) this.#samplers.delete(row.sampler.topic);
-    this.#recreate();
-  }
-
-  #removeAll(): void {
-    for (const row of [...this.#rows]) this.#remove(row);
   }
 
   #clear(): void {
     for (const { curve } of this.#rows) curve.samples.clear();
-    if (this.#pausedAt !== undefined) this.#toggle();
-    this.#refresh();
+    if (this.#pausedAt !== undefined) this.#togglePause();
+    this.#restyle();
   }
 
-  #toggle(): void {
+  #togglePause(): void {
     this.#pausedAt = this.#pausedAt === undefined ? Date.now() / 1000 : undefined;
     this.#pause.classList.toggle("on", this.#pausedAt !== undefined);
     setText(this.#pause, this.#pausedAt === undefined ? "Pause" : "Resume");
     this.#refresh();
   }
 
-  /** Hide or show the chart; the curves remain. */
+  /** Show only a line of the plot, or all of it. */
   #toggleFold(): void {
-    const folded = this.element.classList.toggle("plot-folded");
-    this.#fold.setAttribute("aria-expanded", String(!folded));
-    this.#refresh();
+    if (!this.#openOn.delete(this.#page)) this.#openOn.add(this.#page);
+    this.#update();
   }
 
-  #changeWindow(): void {
+  #changeRange(): void {
+    this.#changeThrottle();
+    this.#update();
+  }
+
+  #changeThrottle(): void {
     for (const sampler of this.#samplers.values()) sampler.throttle = this.#throttle;
-    this.#refresh();
   }
 
-  /** Create the chart again, for other curves, colours or scales. */
-  #recreate(): void {
+  /** Update the panel, for other curves or settings. */
+  #update(): void {
     const hasCurves = this.#rows.length > 0;
+    this.element.hidden = !hasCurves && this.#hint === "";
     this.element.classList.toggle("plot-empty", !hasCurves);
-    this.#hint.hidden = hasCurves;
-    this.#fold.disabled = !hasCurves;
-    this.#tools.hidden = !hasCurves;
+    this.element.classList.toggle("plot-folded", this.#isFolded);
+    this.#fold.setAttribute("aria-expanded", String(!this.#isFolded));
+    this.#separateLabel.hidden = this.#rows.length < 2;
     replace(this.#legend, ...this.#rows.map(({ entry }) => entry.element));
+    this.#restyle();
+    this.#changed();
+  }
+
+  /** Draw everything again, with the current colours. */
+  #restyle(): void {
     if (!this.element.isConnected) return;
     const { color, borderTopColor } = getComputedStyle(this.#notes);
-    const looks = this.#rows.map(({ entry: { style, colour } }) => ({ style, colour }));
-    this.#chart.create(looks, { ink: color, line: borderTopColor }, this.#log.checked);
-    this.#refresh();
+    this.#chart.set(
+      this.#rows.map(({ curve: { samples }, entry: { style, colour } }) => ({
+        samples,
+        style,
+        colour,
+      })),
+      {
+        ink: color,
+        line: borderTopColor,
+        logarithmic: this.#log.checked,
+        separate: this.#separate.checked && this.#rows.length > 1,
+      },
+    );
+    this.#lastLegend = 0;
+    this.#refresh(0);
   }
 
-  /** Schedule a redraw. */
-  #refresh(): void {
-    if (!this.#shown || this.#scheduled) return;
-    this.#scheduled = true;
-    const pause = this.#rows.length > FEW ? LONG_FRAME : FRAME;
-    const draw = (now: number) => {
-      this.#scheduled = false;
-      this.#lastDraw = now;
-      this.#draw();
-      // The time axis moves even without new samples.
-      if (this.#rows.length > 0 && this.#pausedAt === undefined) this.#refresh();
-    };
-    const rest = this.#lastDraw + pause - performance.now();
-    setTimeout(() => requestAnimationFrame(draw), Math.max(0, rest));
-  }
-
-  #draw(): void {
-    const now = this.#pausedAt ?? Date.now() / 1000;
-    const first = Math.min(now, ...this.#rows.map(({ curve }) => curve.samples.first ?? now));
-    const from = Math.max(now - Number(this.#window.value), Math.min(first, now - MIN_SECONDS));
-    // Each curve gets a row for each sample of all others, so the cost is quadratic.
-    const limit = Math.max(MIN_SAMPLES, MAX_SAMPLES / this.#rows.length);
-    const curves = this.#rows.map(({ curve }) => curve.samples.between(from, now, limit));
-    this.#chart.show(curves, from, now, this.#log.checked);
-    const time = this.#pointed ?? this.#pausedAt;
-    for (const { curve, entry } of this.#rows)
-      entry.showValue(time === undefined ? curve.samples.newest : curve.samples.valueAt(time));
-    this.#showNotes(
-      this.#log.checked && notPositive(curves) > 0
-        ? ["A logarithmic axis cannot show values of zero and below."]
-        : [],
+  /** Draw a frame some time after the last one, in ms; by default once the curves have moved. */
+  #refresh(delay = this.#pauseBetweenFrames): void {
+    const due = this.#lastDraw + delay;
+    if (!this.#shown || this.#due <= due) return;
+    this.#due = due;
+    window.clearTimeout(this.#timer);
+    this.#timer = window.setTimeout(
+      () => requestAnimationFrame(() => this.#frame()),
+      Math.max(0, due - performance.now()),
     );
   }
 
-  #showNotes(notes: string[]): void {
-    const all = [...notes];
+  get #pauseBetweenFrames(): number {
+    const moving = (1000 * STEP * this.#span) / this.#chart.width;
+    return Math.min(IDLE, Math.max(FRAME, moving));
+  }
+
+  #frame(): void {
+    this.#due = Infinity;
+    this.#lastDraw = performance.now();
+    if (!this.#shown) return;
+    const now = this.#pausedAt ?? Date.now() / 1000;
+    const isPaused = this.#pausedAt !== undefined;
+    if (!this.#isFolded) this.#chart.draw(now, this.#span, isPaused);
+    const pointed = this.#chart.pointed;
+    const isStill = isPaused || pointed !== undefined;
+    if (isStill || this.#lastDraw - this.#lastLegend >= LEGEND) {
+      this.#lastLegend = this.#lastDraw;
+      this.#showValues(pointed ?? this.#pausedAt);
+      this.#showNotes(pointed);
+    }
+    // The time axis moves even without new samples.
+    if (this.#rows.length > 0 && !isPaused) this.#refresh(IDLE);
+  }
+
+  /** The length of the time axis in seconds: it grows with the curves up to the chosen range. */
+  get #span(): number {
+    const now = this.#pausedAt ?? Date.now() / 1000;
+    const first = Math.min(now, ...this.#rows.map(({ curve }) => curve.samples.first ?? now));
+    return spanFor(now - first, Number(this.#range.value));
+  }
+
+  #showValues(time: number | undefined): void {
+    const isSeparate = this.#separate.checked && this.#rows.length > 1;
+    this.#rows.forEach(({ curve, entry }, at) => {
+      entry.showPath(curve.path);
+      entry.showValue(time === undefined ? curve.samples.newest : curve.samples.valueAt(time));
+      entry.showRange(isSeparate ? this.#chart.extents[at] : undefined);
+    });
+  }
+
+  #showNotes(pointed: number | undefined): void {
+    const all: string[] = [];
+    if (pointed !== undefined) all.push(`At ${clock(pointed)}.`);
+    if (this.#hint !== "") all.push(this.#hint);
     if (this.#full) all.push(`At most ${STYLES} curves; remove one first.`);
+    if (this.#chart.isOffLogarithm)
+      all.push("A logarithmic axis cannot show values of zero and below.");
+    if (this.#chart.hasFlatCurve)
+      all.push("A curve is flat beside a larger one: “Own axes” shows each in full height.");
     for (const { topic, error, missing } of this.#samplers.values()) {
       if (error !== "") all.push(`${topic}: ${error}`);
       if (missing !== "") all.push(`${topic} has no number at ${missing} now.`);
@@ -279,11 +363,5 @@ export class Plot {
       if (rate > 1.1 * most) all.push(`${topic} has ${hertz(rate)}; ${hertz(most)} are plotted.`);
     }
     setText(this.#notes, all.join(" "));
-  }
-
-  #point(time: number | undefined): void {
-    if (time === this.#pointed) return;
-    this.#pointed = time;
-    this.#refresh();
   }
 }

@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { align, RingBuffer } from "./ring_buffer";
+import { RingBuffer } from "./ring_buffer";
 
 function filled(capacity: number, count: number, value = (at: number): number => at): RingBuffer {
   const ring = new RingBuffer(capacity);
@@ -23,6 +23,14 @@ describe("a ring buffer", () => {
     expect([...ring.between(3.5, 5.5, 100).times]).toEqual([3, 4, 5, 6]);
     expect([...ring.between(20, 30, 100).times]).toEqual([9]);
     expect([...new RingBuffer(3).between(0, 9, 100).times]).toEqual([]);
+  });
+
+  it("returns the samples since an index, as far as it has them", () => {
+    const ring = filled(4, 10);
+    expect(ring.after(7.5)).toBe(8);
+    expect([...ring.slice(8, 10).values]).toEqual([8, 9]);
+    expect([...ring.slice(2, 8).values]).toEqual([6, 7]);
+    expect([...ring.slice(10, 10).values]).toEqual([]);
   });
 
   it("keeps all peaks when it thins out samples", () => {
@@ -56,26 +64,5 @@ describe("a ring buffer", () => {
     expect(ring.valueAt(7)).toBe(7);
     expect(ring.valueAt(100)).toBe(9);
     expect(ring.valueAt(5)).toBeUndefined();
-  });
-});
-
-describe("curves", () => {
-  it("are aligned to one column of times", () => {
-    const curve = (
-      times: number[],
-      values: number[],
-    ): { times: Float64Array; values: Float64Array } => ({
-      times: Float64Array.from(times),
-      values: Float64Array.from(values),
-    });
-    expect(align([curve([1, 3], [10, NaN]), curve([1, 2, 2], [7, 8, 9])])).toEqual([
-      [1, 2, 3],
-      [10, null, null],
-      [7, 9, undefined],
-    ]);
-    expect(
-      align([curve([1, 3, 5, 7], [1, 2, NaN, 3]), curve([0, 2, 4, 6, 8], [0, 0, 0, 0, 0])])[1],
-    ).toEqual([undefined, 1, undefined, 2, null, null, null, 3, undefined]);
-    expect(align([])).toEqual([[]]);
   });
 });

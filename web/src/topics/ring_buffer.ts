@@ -46,7 +46,7 @@ export class RingBuffer {
 
   /** The newest value at a time. */
   valueAt(time: number): number | undefined {
-    const after = this.#after(time);
+    const after = this.after(time);
     return after === this.#count - this.length ? undefined : this.#value(after - 1);
   }
 
@@ -56,11 +56,29 @@ export class RingBuffer {
    * More than `limit` samples are thinned out to about that many, keeping all peaks.
    */
   between(from: number, to: number, limit: number): Samples {
-    const start = Math.max(this.#count - this.length, this.#after(from) - 1);
-    const end = Math.min(this.#count, this.#after(to) + 1);
+    const start = Math.max(this.#count - this.length, this.after(from) - 1);
+    const end = Math.min(this.#count, this.after(to) + 1);
     const count = end - start;
     if (count <= limit) return this.#copy(start, count);
     return this.#thin(start, end, 2 ** Math.ceil(Math.log2((2 * count) / limit)));
+  }
+
+  /** The samples from an index up to another one, which is not included. */
+  slice(start: number, end: number): Samples {
+    const first = Math.max(start, this.#count - this.length);
+    return this.#copy(first, Math.max(0, end - first));
+  }
+
+  /** The index of the first sample after a time, counted from the first sample ever. */
+  after(time: number): number {
+    let low = this.#count - this.length;
+    let high = this.#count;
+    while (low < high) {
+      const middle = (low + high) >>> 1;
+      if (this.#time(middle) <= time) low = middle + 1;
+      else high = middle;
+    }
+    return low;
   }
 
   #copy(start: number, count: number): Samples {
@@ -98,18 +116,6 @@ export class RingBuffer {
     };
   }
 
-  /** The index of the first sample after a time. */
-  #after(time: number): number {
-    let low = this.#count - this.length;
-    let high = this.#count;
-    while (low < high) {
-      const middle = (low + high) >>> 1;
-      if (this.#time(middle) <= time) low = middle + 1;
-      else high = middle;
-    }
-    return low;
-  }
-
   #time(at: number): number {
     return this.#times[at % this.#capacity] ?? NaN;
   }
@@ -117,36 +123,4 @@ export class RingBuffer {
   #value(at: number): number {
     return this.#values[at % this.#capacity] ?? NaN;
   }
-}
-
-/** Columns of values: `undefined` where only other curves have a sample, null in a gap. */
-export type Aligned = [times: number[], ...values: (number | null | undefined)[][]];
-
-/** Align curves to one column of times; a value that is not finite is a gap. */
-export function align(curves: readonly Samples[]): Aligned {
-  const all = new Float64Array(curves.reduce((sum, { times }) => sum + times.length, 0));
-  let filled = 0;
-  for (const { times } of curves) {
-    all.set(times, filled);
-    filled += times.length;
-  }
-  all.sort();
-  const times: number[] = [];
-  for (const time of all) if (times.at(-1) !== time) times.push(time);
-  const columns = curves.map((curve) => {
-    const column = new Array<number | null | undefined>(times.length).fill(undefined);
-    let row = 0;
-    let gap = false;
-    curve.times.forEach((time, at) => {
-      const value = curve.values[at] ?? NaN;
-      const previous = row;
-      while (times[row] !== time) row += 1;
-      // A gap extends from sample to sample, also over the rows of other curves.
-      if (gap || !Number.isFinite(value)) column.fill(null, Math.min(previous + 1, row), row);
-      gap = !Number.isFinite(value);
-      column[row] = gap ? null : value;
-    });
-    return column;
-  });
-  return [times, ...columns];
 }

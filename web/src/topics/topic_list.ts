@@ -7,7 +7,7 @@ import { isHidden } from "../hidden_names";
 import { plotButton } from "../message_tree";
 import type { Graph, Model, Rates, TopicInfo } from "../model";
 import { flowKey } from "../rates";
-import { route, saveState } from "../view";
+import { route } from "../view";
 
 const COLUMNS: readonly { column: Column; label: string; number: boolean }[] = [
   { column: "name", label: "Topic", number: false },
@@ -30,6 +30,7 @@ export class TopicList {
   readonly element: HTMLElement;
   readonly #model: Model;
   readonly #plot: (topic: string, type: string) => void;
+  readonly #onChange: () => void;
   readonly #body = h("tbody");
   readonly #heads = new Map<Column, HTMLTableCellElement>();
   readonly #filter = new FilterInput("Filter topics", () => this.#changed());
@@ -41,10 +42,19 @@ export class TopicList {
   #selected = "";
   #stops: (() => void)[] = [];
 
-  /** `plot` is called with a topic and its type; `tools` are placed beside the filter. */
-  constructor(model: Model, plot: (topic: string, type: string) => void, ...tools: HTMLElement[]) {
+  /**
+   * `plot` is called with a topic and its type; `changed` when the state changes that belongs into
+   * the URL. `tools` are placed beside the filter.
+   */
+  constructor(
+    model: Model,
+    plot: (topic: string, type: string) => void,
+    changed: () => void,
+    ...tools: HTMLElement[]
+  ) {
     this.#model = model;
     this.#plot = plot;
+    this.#onChange = changed;
     this.#debug = h("input", { type: "checkbox", onchange: () => this.#changed() });
     const heads = COLUMNS.map(({ column, label, number }) => {
       const head = h(
@@ -97,7 +107,6 @@ export class TopicList {
   show(selected: string, state: URLSearchParams | null): void {
     this.#selected = selected;
     if (state !== null) this.#restore(state);
-    this.#save();
     if (this.#stops.length === 0) {
       this.#stops = [
         this.#model.graph.watch(() => this.#update()),
@@ -121,18 +130,18 @@ export class TopicList {
   }
 
   #changed(): void {
-    this.#save();
+    this.#onChange();
     this.#update();
   }
 
-  /** `?filter=scan&debug=1&sort=-rate` */
-  #save(): void {
+  /** The state that belongs into the URL: `?filter=scan&debug=1&sort=-rate`. */
+  get state(): Record<string, string | boolean> {
     const { column, descending } = this.#order;
-    saveState({
+    return {
       filter: this.#filter.filter.text,
       debug: this.#debug.checked,
       sort: column === "name" && !descending ? "" : `${descending ? "-" : ""}${column}`,
-    });
+    };
   }
 
   #restore(state: URLSearchParams): void {

@@ -3,7 +3,7 @@ import { h, replace } from "../dom";
 import type { Hub } from "../hub";
 import type { Model } from "../model";
 import { Types } from "../types";
-import type { MakeView } from "../view";
+import { type MakeView, route, saveState } from "../view";
 import { NewTopic } from "./new_topic";
 import { Plot } from "./plot";
 import { TopicList } from "./topic_list";
@@ -20,6 +20,7 @@ class TopicsView {
   readonly #list: TopicList;
   readonly #place = h("div", { class: "browse-place scroll" });
   readonly #new: NewTopic;
+  #shown = false;
   /** Stops waiting for the type of a topic that is to be plotted. */
   #stopWaiting: (() => void) | undefined;
   #page: { readonly name: string; readonly expected: string; readonly page: TopicPage } | undefined;
@@ -27,11 +28,12 @@ class TopicsView {
   constructor(hub: Hub, model: Model) {
     this.#hub = hub;
     this.#model = model;
-    this.#plot = new Plot(hub, model);
+    this.#plot = new Plot(hub, model, () => this.#save());
     this.#new = new NewTopic(model);
     this.#list = new TopicList(
       model,
       (topic, type) => void this.#plotTopic(topic, type),
+      () => this.#save(),
       this.#new.button,
     );
     this.#list.element.children[0]?.after(this.#new.element);
@@ -58,7 +60,11 @@ class TopicsView {
     this.element.classList.toggle("has-page", name !== "");
     this.#place.hidden = name === "";
     this.#list.show(name, state);
-    this.#plot.show();
+    this.#plot.show(name, state);
+    this.#shown = true;
+    // The state has the curves from now on: following a link to it must not add them again.
+    if (tool === "plot") history.replaceState(history.state, "", route("topics", name));
+    this.#save();
     this.#stopWaiting?.();
     this.#stopWaiting = undefined;
     if (tool === "plot") this.#plotWhenKnown(name);
@@ -79,10 +85,16 @@ class TopicsView {
   }
 
   hide(): void {
+    this.#shown = false;
     this.#stopWaiting?.();
     this.#list.hide();
     this.#plot.hide();
     this.#page?.page.hide();
+  }
+
+  /** Put the state of list and plot into the URL, unless that is another view's by now. */
+  #save(): void {
+    if (this.#shown) saveState({ ...this.#list.state, ...this.#plot.state });
   }
 
   /** Plot all numbers of a small message, or the first of a large one. */
