@@ -14,7 +14,7 @@ from fibws.hub import Hub
 from fibws.msg.actionlib_msgs import GoalStatus
 from fibws.msg.actionlib_tutorials import FibonacciActionFeedback
 from fibws.msg.geometry_msgs import Point, Pose, PoseStamped
-from fibws.msg.sensor_msgs import LaserScan
+from fibws.msg.sensor_msgs import JointState, LaserScan
 from fibws.msg.std_msgs import Float64, Header, Int8, Int32, Int64, String, UInt8MultiArray
 
 from .conftest import OpenPage, fixture, until
@@ -352,6 +352,24 @@ async def test_curves_of_different_size_can_have_own_axes(
     await expect(notes).not_to_contain_text("flat")
     await expect(curve(page, "/point x")).to_contain_text("1 … 2")
     await expect(curve(page, "/point y")).to_contain_text("1000 … 2000")
+
+
+async def test_elements_are_called_by_their_names(
+    hub: Hub, node: fibws.Node, open_page: OpenPage
+) -> None:
+    states = await node.advertise("/joint_states", JointState, latch=True)
+    await states.publish(name=["shoulder", "elbow"], position=[0.5, 1.5])
+    page = await open_page(hub, "#/topics/%2Fjoint_states")
+    await expect(value(page, "[1] elbow")).to_have_text("1.5")
+    await page.get_by_role("button", name="Plot position[elbow]").click()
+    output = curve(page, "/joint_states position[elbow]").locator("output")
+    await expect(output).to_have_text("1.5")
+    await states.publish(name=["elbow"], position=[2.5])
+    await expect(output).to_have_text("2.5")
+    await expect(value(page, "[0] elbow")).to_have_text("2.5")
+    await row(page, "/joint_states").get_by_role("button", name="Plot").click()
+    await expect(page.locator(".plot-name").first).to_have_text("/joint_states position[elbow]")
+    await expect(page.locator(".plot-name")).to_have_count(3)
 
 
 async def test_plot_is_open_where_it_was_opened_and_a_line_elsewhere(

@@ -2,6 +2,7 @@
 import "./message_tree.css";
 
 import { h, setText, svg } from "./dom";
+import { elementNames } from "./element_names";
 import { dateTime, duration, plural, whole } from "./format";
 import {
   byteLength,
@@ -39,9 +40,12 @@ export class MessageTree {
   }
 
   show(message: unknown): void {
-    this.#branch.show(message, { name: "", type: this.#type, array: -1 });
+    this.#branch.show(message, { name: "", type: this.#type, array: -1 }, []);
   }
 }
+
+/** The messages around a value, innermost first: they may name elements of arrays. */
+type Owners = readonly unknown[];
 
 interface Context {
   readonly types: Types | undefined;
@@ -55,6 +59,8 @@ class Children {
   readonly #path: string;
   readonly #depth: number;
   readonly #items = new Map<string, Item>();
+  /** The labels of the items. */
+  readonly #labels = new Map<string, string>();
   readonly #more = h("button", {
     type: "button",
     class: "tree-more",
@@ -63,6 +69,7 @@ class Children {
   #limit = FIRST;
   #value: unknown;
   #field: Field | undefined;
+  #owners: Owners = [];
 
   constructor(place: HTMLElement, context: Context, path: string, depth: number) {
     this.#place = place;
@@ -71,24 +78,28 @@ class Children {
     this.#depth = depth;
   }
 
-  show(value: unknown, field: Field | undefined): void {
+  /** Show other values; `owners` are the messages around them, innermost first. */
+  show(value: unknown, field: Field | undefined, owners: Owners): void {
     this.#value = value;
     this.#field = field;
+    this.#owners = owners;
     if (Array.isArray(value)) this.#showArray(value, field);
     else this.#showMessage(value, field);
   }
 
   #showMore(): void {
     this.#limit = Math.min(MAX_ELEMENTS, this.#limit + STEP);
-    this.show(this.#value, this.#field);
+    this.show(this.#value, this.#field, this.#owners);
   }
 
   #showMessage(value: unknown, field: Field | undefined): void {
+    const owners = [value, ...this.#owners];
     const keys =
       typeof value === "object" && value !== null ? Object.keys(value).slice(0, this.#limit) : [];
     for (const key of keys) {
       const inner = field === undefined ? undefined : this.#context.types?.field(field.type, key);
-      this.#put(key, key, this.#path === "" ? key : `${this.#path}.${key}`, own(value, key), inner);
+      const path = this.#path === "" ? key : `${this.#path}.${key}`;
+      this.#put(key, key, path, own(value, key), inner, owners);
     }
     this.#removeExcept(new Set(keys));
     if (keys.length === 0)
@@ -98,11 +109,16 @@ class Children {
   #showArray(values: unknown[], field: Field | undefined): void {
     const element = field === undefined ? undefined : { ...field, array: -1 };
     const shown = Math.min(values.length, this.#limit);
+    const names = elementNames(values, keyOf(this.#path), this.#owners);
     for (let at = 0; at < shown; at += 1) {
-      this.#put(String(at), `[${at}]`, `${this.#path}[${at}]`, values[at], element);
+      const name = names?.[at];
+      const label = name === undefined ? `[${at}]` : `[${at}] ${name}`;
+      const path = `${this.#path}[${name ?? at}]`;
+      this.#put(String(at), label, path, values[at], element, this.#owners);
     }
     for (let at = this.#items.size - 1; at >= shown; at -= 1) this.#remove(String(at));
     this.#place.classList.toggle("of-leaves", typeof values[0] !== "object");
+    this.#place.classList.toggle("with-names", names?.some((name) => name !== undefined) === true);
     const rest = values.length - shown;
     if (rest === 0) {
       this.#more.remove();
@@ -117,11 +133,19 @@ class Children {
     }
   }
 
-  #put(key: string, label: string, path: string, value: unknown, field: Field | undefined): void {
+  #put(
+    key: string,
+    label: string,
+    path: string,
+    value: unknown,
+    field: Field | undefined,
+    owners: Owners,
+  ): void {
     const existing = this.#items.get(key);
-    if (existing?.show(value) === true) return;
-    const item = makeItem(this.#context, label, path, value, field, this.#depth);
+    if (this.#labels.get(key) === label && existing?.show(value, owners) === true) return;
+    const item = makeItem(this.#context, label, path, value, field, this.#depth, owners);
     this.#items.set(key, item);
+    this.#labels.set(key, label);
     if (existing === undefined) this.#place.append(item.element);
     else existing.element.replaceWith(item.element);
   }
@@ -133,7 +157,13 @@ class Children {
   #remove(key: string): void {
     this.#items.get(key)?.element.remove();
     this.#items.delete(key);
+    this.#labels.delete(key);
   }
+}
+
+/** The field at the end of a path. */
+function keyOf(path: string): string {
+  return /([A-Za-z_]\w*)$/.exec(path)?.[1] ?? "";
 }
 
 function makeItem(
@@ -143,12 +173,13 @@ function makeItem(
   value: unknown,
   field: Field | undefined,
   depth: number,
+  owners: Owners,
 ): Item {
   const single = field === undefined || field.array < 0;
   const kind = field === undefined ? undefined : kindOf(field.type);
   const isTime = single && (kind === "time" || kind === "duration");
   if (typeof value === "object" && value !== null && !isTime) {
-    return new Branch(context, label, path, value, field, depth);
+    return new Branch(context, label, path, value, field, depth, owners);
   }
   return new Leaf(context.plot, label, path, value, field);
 }
@@ -162,6 +193,7 @@ class Branch implements Item {
   readonly #field: Field | undefined;
   readonly #isArray: boolean;
   #value: unknown;
+  #owners: Owners = [];
 
   constructor(
     context: Context,
@@ -170,6 +202,7 @@ class Branch implements Item {
     value: object,
     field: Field | undefined,
     depth: number,
+    owners: Owners,
   ) {
     this.#field = field;
     this.#isArray = Array.isArray(value);
@@ -191,20 +224,21 @@ class Branch implements Item {
     );
     // A closed branch is not updated.
     this.element.addEventListener("toggle", () => this.#update());
-    this.show(value);
+    this.show(value, owners);
   }
 
-  show(value: unknown): boolean {
+  show(value: unknown, owners: Owners): boolean {
     if (typeof value !== "object" || value === null || Array.isArray(value) !== this.#isArray)
       return false;
     this.#value = value;
+    this.#owners = owners;
     setText(this.#note, this.#describe(value));
     this.#update();
     return true;
   }
 
   #update(): void {
-    if (this.element.open) this.#children.show(this.#value, this.#field);
+    if (this.element.open) this.#children.show(this.#value, this.#field, this.#owners);
     setText(this.#preview, this.element.open ? "" : preview(this.#value, this.#field, this.#types));
   }
 
@@ -246,7 +280,7 @@ export type PlotPath = (path: string) => void;
 export interface Item {
   readonly element: HTMLElement;
   /** Show another value; returns false if it needs another kind of item. */
-  show(value: unknown): boolean;
+  show(value: unknown, owners: Owners): boolean;
 }
 
 export class Leaf implements Item {

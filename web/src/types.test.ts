@@ -8,6 +8,7 @@ import {
   numberAt,
   own,
   parsePath,
+  pathText,
   rangeOf,
   Types,
   typeText,
@@ -72,10 +73,17 @@ describe("types", () => {
 
   it("read the number at a path", () => {
     const at = (message: unknown, path: string): number | undefined =>
-      numberAt(message, parsePath(path) ?? []);
+      numberAt(message, (parsePath(path) ?? []) as (string | number)[]);
     expect(parsePath("poses[3].x")).toEqual(["poses", 3, "x"]);
-    expect(parsePath("poses[x]")).toBeUndefined();
-    expect(parsePath("")).toBeUndefined();
+    expect(parsePath("position[arm/elbow.left 2].x")).toEqual([
+      "position",
+      { name: "arm/elbow.left 2" },
+      "x",
+    ]);
+    for (const invalid of ["", "poses[]", "poses[x", "poses.", "a..b", "[3]", "a[1]b"])
+      expect(parsePath(invalid)).toBeUndefined();
+    for (const path of ["poses[3].x", "a[1][2]", "position[arm/elbow.left 2].x"])
+      expect(pathText(parsePath(path) ?? [])).toBe(path);
     expect(at({ pose: { x: 1.5 } }, "pose.x")).toBe(1.5);
     expect(at({ ranges: [1, 2] }, "ranges[1]")).toBe(2);
     expect(at({ ranges: [1, 2] }, "ranges[2]")).toBeUndefined();

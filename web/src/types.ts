@@ -150,16 +150,35 @@ function elementPaths(path: string, length: number, limit: number): string[] {
   return Array.from({ length: count }, (_, index) => `${path}[${index}]`);
 }
 
-/** Parse a path: `poses[3].x` is `["poses", 3, "x"]`; `undefined` if it is invalid. */
-export function parsePath(path: string): (string | number)[] | undefined {
-  const steps: (string | number)[] = [];
-  for (const part of path.trim().split(".")) {
-    const found = /^([A-Za-z_]\w*)((?:\[\d+\])*)$/.exec(part);
+/** A step of a path to a value: a field, an index of an array, or the name of an element. */
+export type Step = string | number | { readonly name: string };
+
+/**
+ * Parse a path: `poses[3].x` is `["poses", 3, "x"]`, `position[elbow]` has an element's name.
+ *
+ * Returns `undefined` if it is invalid.
+ */
+export function parsePath(path: string): Step[] | undefined {
+  const steps: Step[] = [];
+  const part = /([A-Za-z_]\w*)((?:\[[^[\]]+\])*)(?:\.(?=[A-Za-z_])|$)/y;
+  const text = path.trim();
+  do {
+    const found = part.exec(text);
     if (found === null) return undefined;
     steps.push(found[1] ?? "");
-    for (const index of (found[2] ?? "").matchAll(/\d+/g)) steps.push(Number(index[0]));
-  }
+    for (const [, element = ""] of (found[2] ?? "").matchAll(/\[([^\]]+)\]/g))
+      steps.push(/^\d+$/.test(element) ? Number(element) : { name: element });
+  } while (part.lastIndex < text.length);
   return steps;
+}
+
+/** A path as text. */
+export function pathText(steps: readonly Step[]): string {
+  return steps.reduce<string>((text, step) => {
+    if (typeof step === "number") return `${text}[${step}]`;
+    if (typeof step === "object") return `${text}[${step.name}]`;
+    return text === "" ? step : `${text}.${step}`;
+  }, "");
 }
 
 /** An own property of an object: a field may be called `__proto__` or `constructor`. */

@@ -133,9 +133,11 @@ export class LegendEntry {
     return getComputedStyle(this.#swatch).color;
   }
 
-  /** Show the path of its number, which may get the name of an element. */
-  showPath(path: string): void {
+  /** Show the path of its number, to which a message may add names; returns whether it changed. */
+  showPath(path: string): boolean {
+    if (this.#path.textContent === path) return false;
     setName(this.#path, path);
+    return true;
   }
 
   /** Show the range of the axis that only this curve has. */

@@ -117,8 +117,9 @@ export class Plot {
   add(topic: string, path: string): void {
     this.#openOn.add(this.#page);
     this.#hint = "";
+    const named = this.#samplers.get(topic)?.named(path) ?? path;
     const existing = this.#rows.find(
-      ({ curve, sampler }) => sampler.topic === topic && curve.path === path,
+      ({ curve, sampler }) => sampler.topic === topic && curve.path === named,
     );
     if (existing === undefined) this.#addRow(topic, path);
     this.#update();
@@ -339,11 +340,13 @@ export class Plot {
 
   #showValues(time: number | undefined): void {
     const isSeparate = this.#separate.checked && this.#rows.length > 1;
+    let isRenamed = false;
     this.#rows.forEach(({ curve, entry }, at) => {
-      entry.showPath(curve.path);
+      isRenamed = entry.showPath(curve.path) || isRenamed;
       entry.showValue(time === undefined ? curve.samples.newest : curve.samples.valueAt(time));
       entry.showRange(isSeparate ? this.#chart.extents[at] : undefined);
     });
+    if (isRenamed) this.#changed();
   }
 
   #showNotes(pointed: number | undefined): void {

@@ -38,6 +38,21 @@ describe("a sampler", () => {
     expect([x.samples.newest, inner.samples.newest, sampler.missing]).toEqual([13, NaN, "list[1]"]);
   });
 
+  it("follows an element by its name", () => {
+    const { hub, sampler } = create();
+    const curve = sampler.add("position[1]");
+    sampler.start();
+    hub.receive({ name: ["shoulder", "elbow"], position: [1, 2] });
+    expect([curve.path, curve.samples.newest]).toEqual(["position[elbow]", 2]);
+    hub.receive({ name: ["wrist"], position: [9] });
+    expect([curve.samples.length, sampler.missing]).toEqual([1, ""]);
+    hub.receive({ name: ["elbow"], position: [3] });
+    expect([curve.samples.newest, sampler.missing]).toEqual([3, ""]);
+    hub.receive({ name: ["elbow"], position: [] });
+    sampler.add("position[hand]");
+    expect(sampler.missing).toBe("position[hand]");
+  });
+
   it("gives a new curve the newest message", () => {
     const { hub, sampler } = create();
     sampler.add("x");

@@ -1,15 +1,37 @@
 /** Subscribes to one topic and records the numbers that are plotted. */
+import { resolve } from "../element_names";
 import type { Hub, Message } from "../hub";
-import { numberAt, own, parsePath } from "../types";
+import { numberAt, own, parsePath, pathText, type Step } from "../types";
 import { RingBuffer } from "./ring_buffer";
 
 const CAPACITY = 12_000;
 /** A header's time is used if it differs from the clock by no more than this, in seconds. */
 const MAX_SKEW = 5;
 
-export interface Curve {
-  readonly path: string;
-  readonly samples: RingBuffer;
+export class Curve {
+  /** With the names of array elements once there was a message: `position[elbow]`. */
+  path: string;
+  readonly samples = new RingBuffer(CAPACITY);
+  #steps: readonly Step[];
+
+  constructor(path: string) {
+    this.path = path;
+    this.#steps = parsePath(path) ?? [];
+  }
+
+  /** Record the number of a message. Returns whether the message should have had one, but has not. */
+  record(message: Message, time: number): boolean {
+    const found = resolve(message, this.#steps);
+    // Messages of other nodes have other elements: they leave no gap.
+    if (found === undefined) return this.samples.length === 0;
+    const value = numberAt(message, found.indices);
+    this.samples.push(time, value ?? NaN);
+    if (value === undefined) return true;
+    // From now on the curve is that of the element with this name, wherever that is.
+    this.#steps = found.named;
+    this.path = pathText(found.named);
+    return false;
+  }
 }
 
 export class Sampler {
@@ -20,7 +42,7 @@ export class Sampler {
   missing = "";
   readonly #hub: Hub;
   readonly #changed: () => void;
-  readonly #curves = new Map<Curve, readonly (string | number)[]>();
+  readonly #curves = new Set<Curve>();
   #throttle: number;
   #unsubscribe: (() => void) | undefined;
   #newest: { readonly message: Message; readonly time: number } | undefined;
@@ -42,11 +64,17 @@ export class Sampler {
   }
 
   add(path: string): Curve {
-    const curve = { path, samples: new RingBuffer(CAPACITY) };
-    this.#curves.set(curve, parsePath(path) ?? []);
+    const curve = new Curve(path);
+    this.#curves.add(curve);
     // So that a slow topic has a value at once.
     if (this.#newest !== undefined) this.#record(curve, this.#newest.message, this.#newest.time);
     return curve;
+  }
+
+  /** A path with the names of array elements, if there was a message. */
+  named(path: string): string {
+    const found = this.#newest && resolve(this.#newest.message, parsePath(path) ?? []);
+    return found === undefined ? path : pathText(found.named);
   }
 
   /** Remove a curve. Returns whether it was the last: then the subscription has ended. */
@@ -73,7 +101,7 @@ export class Sampler {
     if (this.#unsubscribe === undefined) return;
     this.#stopSubscription();
     // The time without a subscription is a gap in the curve.
-    for (const { samples } of this.#curves.keys())
+    for (const { samples } of this.#curves)
       if (samples.length > 0) samples.push(Date.now() / 1000, NaN);
   }
 
@@ -87,14 +115,12 @@ export class Sampler {
     this.missing = "";
     const time = timeOf(message, Date.now() / 1000);
     this.#newest = { message, time };
-    for (const curve of this.#curves.keys()) this.#record(curve, message, time);
+    for (const curve of this.#curves) this.#record(curve, message, time);
     this.#changed();
   }
 
   #record(curve: Curve, message: Message, time: number): void {
-    const value = numberAt(message, this.#curves.get(curve) ?? []);
-    if (value === undefined) this.missing = curve.path;
-    curve.samples.push(time, value ?? NaN);
+    if (curve.record(message, time)) this.missing = curve.path;
   }
 }
 
