@@ -118,7 +118,8 @@ class Children {
     }
     for (let at = this.#items.size - 1; at >= shown; at -= 1) this.#remove(String(at));
     this.#place.classList.toggle("of-leaves", typeof values[0] !== "object");
-    this.#place.classList.toggle("with-names", names?.some((name) => name !== undefined) === true);
+    const isWide = typeof values[0] === "string" || names?.some((name) => name !== undefined);
+    this.#place.classList.toggle("wide", isWide === true);
     const rest = values.length - shown;
     if (rest === 0) {
       this.#more.remove();

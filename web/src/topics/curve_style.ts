@@ -94,7 +94,11 @@ export class LegendEntry {
   readonly #swatch: SVGElement;
   readonly #path = h("span");
   readonly #value = h("output", { class: "plot-value" }, "–");
-  readonly #range = h("span", { class: "small soft", title: "Range of its axis", hidden: true });
+  readonly #range = h("span", {
+    class: "plot-range small soft",
+    title: "Range of its axis",
+    hidden: true,
+  });
 
   /** `remove` is called when the user removes the curve. */
   constructor(topic: string, path: string, style: number, remove: () => void) {
