@@ -371,6 +371,8 @@ async def test_elements_are_called_by_their_names(
     await states.publish(name=["shoulder", "elbow"], position=[0.5, 1.5])
     page = await open_page(hub, "#/topics/%2Fjoint_states")
     await expect(value(page, "[1] elbow")).to_have_text("1.5")
+    await page.get_by_label("Field to plot").focus()
+    await expect(page.locator("#topic-paths option[value='position[elbow]']")).to_have_count(1)
     await page.get_by_role("button", name="Plot position[elbow]").click()
     output = curve(page, "/joint_states position[elbow]").locator("output")
     await expect(output).to_have_text("1.5")

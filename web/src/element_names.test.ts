@@ -1,5 +1,5 @@
 import { describe, expect, it, test } from "vitest";
-import { elementNames, resolve } from "./element_names";
+import { elementNames, expand, resolve } from "./element_names";
 import { parsePath, pathText } from "./types";
 
 /** The path with names, and with the indices of a message. */
@@ -49,4 +49,19 @@ test("names that are ambiguous or numbers are left out", () => {
     ...[undefined, undefined, undefined, undefined, undefined],
     "c",
   ]);
+});
+
+test("a path of the first element stands for all named ones", () => {
+  expect(expand(JOINTS, "position[0]")).toEqual(["position[shoulder]", "position[elbow]"]);
+  expect(expand(JOINTS, "effort[0]")).toEqual(["effort[0]"]);
+  expect(expand(TRAJECTORY, "points[0].positions[0]")).toEqual([
+    "points[0].positions[shoulder]",
+    "points[0].positions[elbow]",
+  ]);
+  expect(
+    expand(
+      { status: [{ name: "a", values: [{ key: "k" }, { key: "l" }] }] },
+      "status[0].values[0].x",
+    ),
+  ).toEqual(["status[a].values[k].x", "status[a].values[l].x"]);
 });

@@ -1,5 +1,5 @@
 /** The names of array elements: a joint's position is `position[elbow]` instead of `position[3]`. */
-import { own, type Step } from "./types";
+import { own, parsePath, pathText, type Step } from "./types";
 
 /** Fields that name an element of an array of messages, such as KeyValue or TransformStamped. */
 const OWN_NAMES = ["name", "key", "label", "child_frame_id"];
@@ -84,4 +84,24 @@ export function resolve(
     named.push(name === undefined ? step : { name });
   }
   return { indices, named };
+}
+
+/** The paths of all named elements that a path with indices stands for: `position[elbow]`. */
+export function expand(message: unknown, path: string): string[] {
+  const steps = parsePath(path) ?? [];
+  const at = steps.findIndex((step, index) => {
+    if (typeof step !== "number") return false;
+    const found = resolve(message, steps.slice(0, index + 1));
+    return typeof found?.named[index] === "object";
+  });
+  if (at < 0) return [path];
+  const array = valueAt(message, resolve(message, steps.slice(0, at))?.indices ?? []);
+  return (Array.isArray(array) ? array : []).flatMap((_, index) => {
+    const start = resolve(message, [...steps.slice(0, at), index])?.named ?? [];
+    return expand(message, pathText([...start, ...steps.slice(at + 1)]));
+  });
+}
+
+function valueAt(message: unknown, path: readonly (string | number)[]): unknown {
+  return path.reduce<unknown>((value, step) => own(value, String(step)), message);
 }

@@ -1,5 +1,5 @@
 /** The styles of curves, which differ in dashes and markers as well as colour, and their legend. */
-import { breakable, h, setName, setText, svg } from "../dom";
+import { h, setText, svg } from "../dom";
 import { figure } from "../format";
 import { axisText, type Extent } from "./axes";
 
@@ -111,7 +111,7 @@ export class LegendEntry {
       h(
         "span",
         { class: "plot-name" },
-        h("span", { class: "soft" }, ...breakable(topic)),
+        h("span", { class: "soft", title: topic }, topic),
         " ",
         this.#path,
       ),
@@ -140,7 +140,8 @@ export class LegendEntry {
   /** Show the path of its number, to which a message may add names; returns whether it changed. */
   showPath(path: string): boolean {
     if (this.#path.textContent === path) return false;
-    setName(this.#path, path);
+    setText(this.#path, path);
+    this.#path.title = path;
     return true;
   }
 

@@ -75,6 +75,10 @@ export class Echo {
     this.#updateSubscription();
   }
 
+  get newest(): Message | undefined {
+    return this.#newest;
+  }
+
   /** Subscribe while visible and not paused. */
   #updateSubscription(): void {
     if (this.#shown && !this.#paused) {

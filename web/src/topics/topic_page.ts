@@ -1,6 +1,7 @@
 /** The page of one topic: its newest message, a form to publish, its connections and its type. */
 import { browsePage } from "../browse";
 import { breakable, h, replace, setName, setText } from "../dom";
+import { expand } from "../element_names";
 import { bandwidth, hertz, plural } from "../format";
 import type { Hub } from "../hub";
 import type { Model, TopicInfo } from "../model";
@@ -11,6 +12,9 @@ import { Echo } from "./echo";
 import type { Plot } from "./plot";
 import { PublishForm } from "./publish_form";
 import { topicRow } from "./topic_list";
+
+/** How many paths the field of the plot offers. */
+const MAX_PATHS = 500;
 
 export class TopicPage {
   readonly element: HTMLElement;
@@ -147,8 +151,15 @@ export class TopicPage {
   #plotPicker(types: Types): HTMLElement | null {
     const paths = types.numberPaths();
     if (paths.length === 0) return null;
+    const options = h("datalist", { id: "topic-paths" });
+    const offer = (): void => {
+      const message = this.#tools?.echo.newest;
+      const all = paths.flatMap((path) => (message === undefined ? path : expand(message, path)));
+      replace(options, ...all.slice(0, MAX_PATHS).map((path) => h("option", { value: path })));
+    };
     const input = h("input", {
       class: "mono grow",
+      onfocus: offer,
       list: "topic-paths",
       value: types.plotPaths()[0] ?? paths[0] ?? "",
       "aria-label": "Field to plot",
@@ -163,7 +174,7 @@ export class TopicPage {
       "form",
       { class: "toolbar topic-picker", onsubmit: add },
       input,
-      h("datalist", { id: "topic-paths" }, ...paths.map((path) => h("option", { value: path }))),
+      options,
       h("button", { type: "submit" }, "Plot"),
     );
   }
