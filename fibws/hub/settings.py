@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from fibws.errors import HubError
+from fibws.hub.websocket.origins import is_allowable
 
 KIB = 1024
 MIB = 1024 * KIB
@@ -22,7 +23,7 @@ class Settings:
     """The hub's settings; each is a flag of ``python -m fibws.hub`` as well.
 
     Raises:
-        HubError: a number is negative, a port is too large, or an origin has no scheme.
+        HubError: a number is negative, a port is too large, or an origin is not one.
     """
 
     host: str = _setting(
@@ -98,5 +99,8 @@ class Settings:
         if self.port > 65535:
             raise HubError(f"--port must be between 0 and 65535, got {self.port}")
         for origin in self.allow_origin:
-            if "://" not in origin and origin not in ("*", "null"):
-                raise HubError(f"--allow-origin must look like https://lab.example, got {origin}")
+            if not is_allowable(origin):
+                raise HubError(
+                    "--allow-origin must be a scheme, a host and perhaps a port, such as "
+                    f"https://lab.example, or null or *; got {origin}"
+                )

@@ -1,8 +1,9 @@
 """HTTP requests on the hub's port: which WebSockets may open, and responses to plain requests.
 
-A web page may speak to the hub only if its origin names a host that the hub is known by: its own
-``Host`` header proves nothing, since a stranger's page can give its name this machine's address
-(DNS rebinding). Programs other than browsers send no origin and may connect.
+Which web pages may open a WebSocket is decided in `origins`. A browser does not show a page why its
+WebSocket was refused, so the page asks ``/origin``: the response says which origin the hub sees, if
+it may connect, and which option lets it in. It says nothing that trying would not show, so pages of
+any origin may read it.
 
 The page at ``/``, its parts and ``/roslib.js`` are files that the package's build makes. They are
 read once, when the hub starts; a request's path never reaches the file system.
@@ -14,20 +15,21 @@ import email.utils
 import gzip
 import hashlib
 import http
-import ipaddress
 from collections.abc import Callable, Collection, Mapping
 from functools import cached_property
 from importlib import resources
 from importlib.resources.abc import Traversable
 from typing import TypeAlias
-from urllib.parse import parse_qs, urlsplit
+from urllib.parse import parse_qs
 
+from pydantic_core import to_json
 from websockets.datastructures import Headers, MultipleValuesError
 from websockets.http11 import Request, Response
 
 from fibws import names
 from fibws.errors import InvalidName
 from fibws.hub.settings import Settings
+from fibws.hub.websocket.origins import AllowedOrigins, Origin, origin_of_url
 
 BUILT = resources.files("fibws").joinpath("hub", "page")
 
@@ -52,7 +54,7 @@ CONTENT_SECURITY_POLICY = "; ".join(
         "script-src 'self'",
         "style-src 'self'",
         "img-src 'self' data:",
-        "connect-src 'self' ws: wss:",
+        "connect-src 'self' ws: wss: http: https:",
         "worker-src 'self'",
         "base-uri 'none'",
         "form-action 'none'",
@@ -62,6 +64,8 @@ CONTENT_SECURITY_POLICY = "; ".join(
     )
 )
 """The page's policy: nothing is loaded from other hosts, and no text becomes markup or script.
+
+The page may connect to other hubs, whose ``/origin`` it asks why they refuse it.
 
 ``fibws`` is the page's only policy of Trusted Types, which lets its worker's address through.
 """
@@ -96,10 +100,9 @@ class HttpRequests:
     def __init__(
         self, settings: Settings, files: Mapping[str, bytes], reserved: Collection[str] = ()
     ) -> None:
-        self._origins = frozenset(origin.rstrip("/").lower() for origin in settings.allow_origin)
-        self._host = settings.host.lower()
+        self._origins = AllowedOrigins(settings.allow_origin, settings.host)
         self._reserved = reserved
-        self._routes: dict[str, Route] = {"/": _respond_not_built}
+        self._routes: dict[str, Route] = {"/": _respond_not_built, "/origin": self._describe_origin}
         for path, content in files.items():
             self._routes[f"/{path}"] = File(path, content).respond
         if "/index.html" in self._routes:
@@ -122,9 +125,12 @@ class HttpRequests:
     def respond(self, request: Request) -> Response | None:
         """Return the response to a plain or refused request; None if a WebSocket may open."""
         try:
+            host = request.headers.get("Host")
+            if host is not None and Origin.of_host("http", host) is None:
+                return text_response(http.HTTPStatus.BAD_REQUEST, "Invalid header Host")
             if request.headers.get("Upgrade", "").lower() != "websocket":
                 return self._respond_to_plain(request)
-            refusal = self._refuse_origin(request.headers)
+            refusal = self._origins.refusal(request.headers)
             if refusal is not None:
                 return text_response(http.HTTPStatus.FORBIDDEN, refusal)
             if node_name(request.path) in self._reserved:
@@ -155,9 +161,7 @@ class HttpRequests:
     def _refuse_host(self, headers: Headers) -> Response | None:
         """Refuse pages that gave the hub's address a name of their own."""
         host = headers.get("Host", "localhost")
-        here = _host_of(f"//{host}")
-        allowed = "*" in self._origins or f"http://{host}".lower() in self._origins
-        if allowed or (here is not None and self._is_own_name(here, here)):
+        if self._origins.knows_host(host):
             return None
         return text_response(
             http.HTTPStatus.FORBIDDEN,
@@ -165,29 +169,24 @@ class HttpRequests:
             f"Start it with --allow-origin http://{host}",
         )
 
-    def _refuse_origin(self, headers: Headers) -> str | None:
-        """Return why a page may not open a WebSocket; None if it may."""
-        origin = headers.get("Origin")
-        if origin is None or "*" in self._origins or origin.lower() in self._origins:
-            return None
-        page, here = _host_of(origin), _host_of(f"//{headers.get('Host', '')}")
-        if page is None or not self._is_own_name(page, here):
-            fault = f"Pages of origin {origin} may not connect"
-        elif here is None or not self._is_own_name(here, here):
-            fault = f"Pages may not connect by the name {here}, which is not known to be the hub's"
-        else:
-            return None
-        return f"{fault}. Start the hub with --allow-origin {origin} to let them in"
+    def _describe_origin(self, headers: Headers) -> Response:
+        """Respond with the origin that the hub sees, and whether its pages may connect.
 
-    def _is_own_name(self, host: str, dialled: str | None) -> bool:
-        """Return whether a name is the hub's; an address that was dialled cannot be rebound."""
-        if host in ("localhost", self._host) or host.endswith(".localhost"):
-            return True
-        try:
-            address = ipaddress.ip_address(host)
-        except ValueError:
-            return False
-        return address.is_loopback or host == dialled
+        A browser names the origin in ``Origin`` if the request goes to another one, and in
+        ``Referer`` if the page asks it to.
+        """
+        origin = headers.get("Origin") or origin_of_url(headers.get("Referer", ""))
+        refusal = origin and self._origins.refusal_of(origin, headers.get("Host", ""))
+        body = {
+            "origin": origin,
+            "allowed": not refusal,
+            "reason": refusal or "",
+            "option": f"--allow-origin {origin}" if refusal else "",
+        }
+        found = response(http.HTTPStatus.OK, "application/json", to_json(body))
+        found.headers["Cache-Control"] = "no-store"
+        found.headers["Access-Control-Allow-Origin"] = "*"
+        return found
 
 
 class File:
@@ -311,10 +310,3 @@ def _accepts_gzip(headers: Headers) -> bool:
             # Of weights, only 0 has no other digit: q=0, q=0.000.
             return not weight or weight.strip("q=0.") != ""
     return False
-
-
-def _host_of(origin: str) -> str | None:
-    try:
-        return urlsplit(origin).hostname
-    except ValueError:
-        return None

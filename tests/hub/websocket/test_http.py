@@ -97,7 +97,6 @@ def test_pages_of_other_origins_are_refused(origin: str) -> None:
         ("http://evil.example:9090", "evil.example:9090"),
         ("http://localhost", "evil.example"),
         ("http://localhost", None),
-        ("http://localhost", "["),
     ],
 )
 def test_unknown_host_names_for_this_machine_are_refused(origin: str, host: str | None) -> None:
@@ -270,7 +269,7 @@ def test_responses_forbid_content_sniffing(path: str) -> None:
         ("rebound.example:9090", (), 403),
         ("rebound.example:9090", ("http://rebound.example:9090",), 200),
         ("rebound.example:9090", ("*",), 200),
-        ("[", (), 403),
+        ("[", (), 400),
     ],
 )
 def test_health_is_served_only_under_the_hubs_own_names(

@@ -158,7 +158,7 @@ def test_headers_may_be_repeated() -> None:
 
 
 @pytest.mark.parametrize("files", [FILES, {}], ids=["built", "not built"])
-def test_content_security_policy_allows_only_the_hubs_own_files(
+def test_content_security_policy_loads_only_the_hubs_own_files(
     files: dict[str, bytes],
 ) -> None:
     assert directives(get("/", files)) == {
@@ -166,7 +166,7 @@ def test_content_security_policy_allows_only_the_hubs_own_files(
         "script-src": "'self'",
         "style-src": "'self'",
         "img-src": "'self' data:",
-        "connect-src": "'self' ws: wss:",
+        "connect-src": "'self' ws: wss: http: https:",
         "worker-src": "'self'",
         "base-uri": "'none'",
         "form-action": "'none'",

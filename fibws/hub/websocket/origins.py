@@ -1,0 +1,148 @@
+"""Which web pages may use the hub: origins and host names, compared strictly.
+
+A web page may open a WebSocket only if its origin names a host that the hub is known by. Its own
+``Host`` header proves nothing: a stranger's page can give its name this machine's address (DNS
+rebinding), so that the header must name the hub, too. Programs other than browsers send no origin
+and may connect.
+
+An origin is written as browsers write it (RFC 6454, section 6.1): a scheme, a host and a port,
+without user, path or query. Scheme and host are compared without regard to case, and a scheme's
+default port is the same as none. A name that ends in a dot is another name than that without it.
+"""
+
+from __future__ import annotations
+
+import ipaddress
+import re
+from collections.abc import Iterable
+from typing import NamedTuple, Self
+
+from websockets.datastructures import Headers
+
+DEFAULT_PORTS = {"http": 80, "https": 443}
+NULL = "null"
+"""The origin of pages that have none, such as those opened as files."""
+ANY = "*"
+
+_HOST = r"(?P<host>\[[0-9a-f:.]+(?:%[\w.~-]+)?\]|[a-z0-9_.-]+)(?::(?P<port>\d{1,5}))?"
+_ORIGIN = re.compile(rf"(?P<scheme>[a-z][a-z0-9+.-]*)://{_HOST}", re.ASCII | re.IGNORECASE)
+_AUTHORITY = re.compile(_HOST, re.ASCII | re.IGNORECASE)
+_FILES = "file://"
+"""The origin of files in browsers that are part of another program."""
+
+
+class Origin(NamedTuple):
+    """A web page's origin: ``("https", "lab.example", 443)``.
+
+    The host is in lower case, an IPv6 address without brackets in its shortest spelling. Schemes
+    without a default port have the port None.
+    """
+
+    scheme: str
+    host: str
+    port: int | None
+
+    @classmethod
+    def parse(cls, text: str) -> Self | None:
+        """Return the origin that a text is; None if it is not exactly one."""
+        if text.lower() == _FILES:
+            return cls("file", "", None)
+        found = _ORIGIN.fullmatch(text)
+        if found is None:
+            return None
+        scheme = found["scheme"].lower()
+        return cls._checked(scheme, found["host"], found["port"])
+
+    @classmethod
+    def of_host(cls, scheme: str, header: str) -> Self | None:
+        """Return the origin of pages under a ``Host`` header; None if the header is invalid."""
+        found = _AUTHORITY.fullmatch(header)
+        return None if found is None else cls._checked(scheme, found["host"], found["port"])
+
+    @classmethod
+    def _checked(cls, scheme: str, host: str, port: str | None) -> Self | None:
+        host = host.lower()
+        if host.startswith("["):
+            try:
+                host = str(ipaddress.IPv6Address(host[1:-1]))
+            except ValueError:
+                return None
+        number = DEFAULT_PORTS.get(scheme) if port is None else int(port)
+        if number is not None and not 0 < number < 65536:
+            return None
+        return cls(scheme, host, number)
+
+
+class AllowedOrigins:
+    """Decides which pages may connect.
+
+    Args:
+        allowed: origins, ``null`` or ``*``, from ``--allow-origin``.
+        host: the address or the name that the hub listens on.
+    """
+
+    def __init__(self, allowed: Iterable[str], host: str) -> None:
+        texts = [text.strip().rstrip("/").lower() for text in allowed]
+        self._any = ANY in texts
+        self._null = NULL in texts
+        parsed = (Origin.parse(_FILES if text == "file:" else text) for text in texts)
+        self._allowed = frozenset(origin for origin in parsed if origin is not None)
+        self._host = host.strip("[]").lower()
+
+    def refusal(self, headers: Headers) -> str | None:
+        """Return why the page that sends a request may not open a WebSocket; None if it may.
+
+        Raises:
+            MultipleValuesError: a header is repeated.
+        """
+        origin = headers.get("Origin")
+        return None if origin is None else self.refusal_of(origin, headers.get("Host", ""))
+
+    def refusal_of(self, origin: str, host: str) -> str | None:
+        """Return why a page of an origin may not connect by a host; None if it may.
+
+        Args:
+            host: the request's ``Host`` header.
+        """
+        page = Origin.parse(origin)
+        if self._any or page in self._allowed or (self._null and origin == NULL):
+            return None
+        here = Origin.of_host("http", host)
+        if page is None or not self._is_own_name(page.host, here):
+            fault = f"Pages of origin {origin} may not connect"
+        elif here is None or not self._is_own_name(here.host, here):
+            name = here.host if here is not None else host or "without a Host header"
+            fault = f"Pages may not connect by the name {name}, which is not known to be the hub's"
+        else:
+            return None
+        return f"{fault}. Start the hub with --allow-origin {origin} to let them in"
+
+    def knows_host(self, host: str) -> bool:
+        """Return whether a ``Host`` header names the hub, or the host of an allowed origin."""
+        if self._any:
+            return True
+        if any(Origin.of_host(scheme, host) in self._allowed for scheme in DEFAULT_PORTS):
+            return True
+        here = Origin.of_host("http", host)
+        return here is not None and self._is_own_name(here.host, here)
+
+    def _is_own_name(self, host: str, dialled: Origin | None) -> bool:
+        """Return whether a name is the hub's; an address that was dialled cannot be rebound."""
+        if host == "localhost" or host.endswith(".localhost") or (host and host == self._host):
+            return True
+        try:
+            address = ipaddress.ip_address(host)
+        except ValueError:
+            return False
+        return address.is_loopback or (dialled is not None and host == dialled.host)
+
+
+def origin_of_url(url: str) -> str | None:
+    """Return the origin at the beginning of a URL, such as a ``Referer``; None without one."""
+    found = re.match(r"[^:/?#]+://[^/?#]*", url)
+    return found[0] if found is not None and Origin.parse(found[0]) is not None else None
+
+
+def is_allowable(text: str) -> bool:
+    """Return whether a text may stand after ``--allow-origin``."""
+    return text in (ANY, NULL, _FILES) or Origin.parse(text.removesuffix("/")) is not None
