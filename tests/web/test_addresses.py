@@ -19,8 +19,12 @@ from .conftest import OpenPage, web_address
 
 
 @asynccontextmanager
-async def proxy(hub: Hub, prefix: str) -> AsyncIterator[str]:
-    """Run a reverse proxy that serves only the hub, below a path; yield its address."""
+async def proxy(hub: Hub, prefix: str, *, upgrades: bool = True) -> AsyncIterator[str]:
+    """Run a reverse proxy that serves only the hub, below a path; yield its address.
+
+    Args:
+        upgrades: whether it passes the header Upgrade on.
+    """
 
     async def pump(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         with contextlib.suppress(ConnectionError):
@@ -33,7 +37,10 @@ async def proxy(hub: Hub, prefix: str) -> AsyncIterator[str]:
         request = await reader.readline()
         asked.append(request.split()[1].decode())
         upstream, downstream = await asyncio.open_connection("127.0.0.1", hub.port)
-        downstream.write(request.replace(f" {prefix}/".encode(), b" /", 1))
+        head = await reader.readuntil(b"\r\n\r\n")
+        if not upgrades:
+            head = head.replace(b"Upgrade: websocket\r\n", b"")
+        downstream.write(request.replace(f" {prefix}/".encode(), b" /", 1) + head)
         await asyncio.gather(pump(reader, downstream), pump(upstream, writer))
 
     asked: list[str] = []

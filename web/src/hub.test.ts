@@ -62,6 +62,18 @@ test("the page connects as a node", () => {
   expect(hub.state.value).toBe("open");
 });
 
+test("failed attempts to connect are counted until one succeeds", () => {
+  close(1006, "");
+  vi.advanceTimersByTime(250);
+  close(1006, "");
+  expect(hub.failures.value).toBe(2);
+  vi.advanceTimersByTime(500);
+  open();
+  expect(hub.failures.value).toBe(0);
+  close();
+  expect(hub.failures.value).toBe(0);
+});
+
 test("a call made before the connection opens is sent afterwards", async () => {
   const response = hub.call("/add", "a/Add", { a: 1 });
   expect(take("call_service")).toEqual([]);

@@ -54,10 +54,13 @@ export class Hub {
   readonly reason: Signal<string>;
   /** Whether the page has stopped reconnecting. */
   readonly ended: Signal<boolean>;
+  /** How many attempts in a row to connect have failed. */
+  readonly failures: Signal<number>;
 
   readonly #state = new Source<State>("connecting");
   readonly #reason = new Source("");
   readonly #ended = new Source(false);
+  readonly #failures = new Source(0);
   /** Calls without a response, by their ids. */
   readonly #calls = new Map<string, Call>();
   readonly #listeners = new Map<string, TopicListeners<Operation>>();
@@ -75,6 +78,7 @@ export class Hub {
     this.state = this.#state;
     this.reason = this.#reason;
     this.ended = this.#ended;
+    this.failures = this.#failures;
     this.connect();
   }
 
@@ -243,14 +247,17 @@ export class Hub {
     for (const operation of operations) this.#socket?.send(JSON.stringify(operation));
     this.#reason.set("");
     this.#ended.set(false);
+    this.#failures.set(0);
     this.#state.set("open");
     for (const call of this.#calls.values()) if (!call.sent) this.#sendCall(call);
   }
 
   #disconnected(why: string): void {
     // Attempts that fail later have no reason: the first one stays.
-    if (this.#state.value === "open" || why !== "") this.#reason.set(why);
+    const wasOpen = this.#state.value === "open";
+    if (wasOpen || why !== "") this.#reason.set(why);
     this.#state.set("closed");
+    if (!wasOpen) this.#failures.set(this.#failures.value + 1);
     for (const call of [...this.#calls.values()]) {
       if (call.sent) call.reject(new Error("The connection was lost before the response arrived"));
     }

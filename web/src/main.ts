@@ -1,5 +1,6 @@
 /** The page's entry: connects to the hub and shows the view of the chosen tab. */
 import { offerConsole } from "./browser_console";
+import { connectionProblem } from "./connection_problem";
 import { h, replace } from "./dom";
 import { isHidden } from "./hidden_names";
 import { Hub, hubUrl } from "./hub";
@@ -22,6 +23,7 @@ function start(url: string): void {
   const hub = new Hub(url);
   const model = new Model(hub);
   const shell = new Shell(hub, model);
+  shell.stage.before(connectionProblem(hub));
   const views = new Map<Tab, Promise<View>>();
   const welcomeView = staticView(
     h(

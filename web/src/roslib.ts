@@ -1,4 +1,12 @@
-/** The entry of /roslib.js: roslib 2, and the classes of roslib 1 that tutorials use. */
+/**
+ * The entry of /roslib.js: roslib 2, and the classes of roslib 1 that tutorials use.
+ *
+ * Its `Ros` writes to the browser's console what roslib drops: the hub's statuses, such as that of a
+ * refused message, and why the hub refuses the page.
+ */
+import { Ros as RoslibRos } from "roslib";
+
+import { askHub } from "./origin";
 
 export * from "roslib";
 
@@ -21,3 +29,63 @@ export class ServiceRequest extends Values {}
 
 /** The response of a service that a page provides. */
 export class ServiceResponse extends Values {}
+
+/** An operation that the hub sends, as far as it is of interest here. */
+interface Status {
+  op: "status";
+  id?: string;
+  level: string;
+  msg: string;
+}
+
+/** Hubs that have been asked why they refuse this page. */
+const asked = new Set<string>();
+
+export class Ros extends RoslibRos {
+  /**
+   * Pass an event on; statuses that the page has no listener for go to the console.
+   *
+   * roslib gives the status of an operation only to listeners of `status:` and the operation's id,
+   * which pages do not know. Here listeners of `status` receive it, too.
+   */
+  override emit(...parameters: Parameters<RoslibRos["emit"]>): boolean {
+    const [event, status] = parameters;
+    const isReceived = super.emit(...parameters);
+    if (isReceived || !isStatus(status)) return isReceived;
+    if (event !== "status" && super.emit("status", status)) return true;
+    logStatus(status);
+    return false;
+  }
+
+  override connect(url: string): Promise<void> {
+    const explain = (): void => {
+      this.off("connection", forget);
+      void explainRefusal(url);
+    };
+    const forget = (): void => {
+      this.off("error", explain);
+    };
+    this.once("error", explain);
+    this.once("connection", forget);
+    return super.connect(url);
+  }
+}
+
+function isStatus(operation: unknown): operation is Status {
+  return typeof operation === "object" && operation !== null && Object(operation).op === "status";
+}
+
+function logStatus({ id, level, msg }: Status): void {
+  const text = `The hub says${id ? ` about ${id}` : ""}: ${msg}`;
+  if (level === "error") console.error(text);
+  else if (level === "warning") console.warn(text);
+  else console.info(text);
+}
+
+/** Write to the console why a hub refuses this page, once for each hub. */
+async function explainRefusal(url: string): Promise<void> {
+  if (asked.has(url)) return;
+  asked.add(url);
+  const answer = await askHub(url);
+  if (answer?.allowed === false) console.error(`The hub refuses this page: ${answer.reason}.`);
+}
