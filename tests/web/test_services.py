@@ -1,4 +1,4 @@
-"""The Services tab of the page: list, form for calls, and actions, in a real browser."""
+"""The Services tab of the page: list, and form for calls, in a real browser."""
 
 from __future__ import annotations
 
@@ -8,16 +8,13 @@ import pytest
 from playwright.async_api import Page, expect
 
 import fibws
-from fibws.action.actionlib_tutorials import Fibonacci
 from fibws.hub import Hub
-from fibws.msg.actionlib_tutorials import FibonacciFeedback, FibonacciGoal, FibonacciResult
 from fibws.srv.rospy_tutorials import AddTwoInts, AddTwoIntsRequest, AddTwoIntsResponse
 from fibws.srv.std_srvs import Trigger, TriggerRequest, TriggerResponse
 
 from .conftest import OpenPage, fixture
 
 MARKUP = "<img src=x onerror='window.harmed = true'>"
-Goal = fibws.ServerGoal[FibonacciGoal, FibonacciResult, FibonacciFeedback]
 ADD = "#/services/%2Fadd_two_ints"
 
 
@@ -37,10 +34,6 @@ async def node(hub: Hub) -> AsyncIterator[fibws.Node]:
         await node.service("/add_two_ints", AddTwoInts, add)
         await node.service("/speak", Trigger, speak)
         yield node
-
-
-async def never(goal: Goal) -> FibonacciResult:
-    raise AssertionError("no goal was sent")
 
 
 async def call(page: Page, a: str, b: str) -> None:
@@ -122,17 +115,6 @@ async def test_missing_service_can_be_called_when_it_appears(hub: Hub, open_page
         await call(page, "1", "2")
         await expect(page.locator(".service-response .tree")).to_have_text("sum:3")
     await expect(page.get_by_text("No node provides this service")).to_be_visible()
-
-
-async def test_actions_are_listed_with_type_and_node(
-    hub: Hub, node: fibws.Node, open_page: OpenPage
-) -> None:
-    page = await open_page(hub, "#/services")
-    await expect(page.get_by_role("heading", name="Actions")).to_be_hidden()
-    await node.action_server("/fibonacci", Fibonacci, never)
-    line = page.locator("tbody tr", has_text="actionlib_tutorials/Fibonacci")
-    await expect(line).to_contain_text("actionlib_tutorials/Fibonacci over topics")
-    await expect(line).to_contain_text("/adder")
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])

@@ -7,7 +7,7 @@ import { route } from "./view";
 /** The page about one element of a tab, with a link to close it. */
 export function browsePage(
   name: string,
-  tab: "topics" | "services",
+  tab: "topics" | "services" | "actions",
   ...children: Child[]
 ): HTMLElement {
   const close = {

@@ -62,6 +62,42 @@ test("the page connects as a node", () => {
   expect(hub.state.value).toBe("open");
 });
 
+test("a goal is sent, canceled, and ends once", () => {
+  open();
+  const [onFeedback, onEnd] = [vi.fn(), vi.fn()];
+  const cancel = hub.sendGoal({ action: "/a", type: "a/A", values: { to: 8 } }, onFeedback, onEnd);
+  const [goal] = take("send_action_goal");
+  const id = goal?.id;
+  expect(goal).toMatchObject({ action: "/a", action_type: "a/A", args: { to: 8 }, feedback: true });
+  receive({ op: "action_feedback", id, action: "/a", values: { at: 1 } });
+  expect(onFeedback).toHaveBeenCalledWith({ at: 1 });
+  cancel();
+  expect(take("cancel_action_goal")).toMatchObject([{ id, action: "/a" }]);
+  const result = { op: "action_result", id, action: "/a", status: 5, result: true, values: {} };
+  receive(result);
+  receive(result);
+  expect(onEnd.mock.calls).toEqual([[{ status: 5, result: true, values: {} }]]);
+  cancel();
+  expect(take("cancel_action_goal")).toEqual([]);
+});
+
+test("a goal ends when the hub rejects it, and when there is no connection", () => {
+  const onEnd = vi.fn();
+  const send = () =>
+    hub.sendGoal({ action: "/a", type: "a/A", values: {} }, () => undefined, onEnd);
+  send();
+  open();
+  send();
+  receive({ op: "status", id: take("send_action_goal")[0]?.id, level: "error", msg: "no" });
+  send();
+  close();
+  expect(onEnd.mock.calls.map(([end]) => [end.status, end.result])).toEqual([
+    [0, false],
+    [6, false],
+    [0, false],
+  ]);
+});
+
 test("failed attempts to connect are counted until one succeeds", () => {
   close(1006, "");
   vi.advanceTimersByTime(250);

@@ -24,6 +24,27 @@ export interface SubscribeOptions {
   queue?: number;
 }
 
+/** A goal of an action that is served by ROS 2's operations. */
+export interface GoalRequest {
+  action: string;
+  type: string;
+  values: Message;
+}
+
+/** How a goal ended. */
+export interface GoalEnd {
+  /** A number of action_msgs/GoalStatus. */
+  status: number;
+  /** Whether `values` is the action's result; else it is the reason. */
+  result: boolean;
+  values: unknown;
+}
+
+interface SentGoal {
+  onFeedback(feedback: Message): void;
+  onEnd(end: GoalEnd): void;
+}
+
 interface Call {
   readonly operation: Operation;
   sent: boolean;
@@ -38,6 +59,9 @@ const MIN_RETRY = 250;
 const MAX_RETRY = 4000;
 /** The hub closes with a code from here on if a client must not reconnect by itself. */
 const NO_RECONNECT = 4000;
+
+/** The status of a goal that was not executed, of action_msgs/GoalStatus. */
+const ABORTED = 6;
 
 /** Neither the service nor the hub responded in time. */
 export class CallTimeout extends Error {
@@ -63,6 +87,8 @@ export class Hub {
   readonly #failures = new Source(0);
   /** Calls without a response, by their ids. */
   readonly #calls = new Map<string, Call>();
+  /** Goals that have not ended, by their ids. */
+  readonly #goals = new Map<string, SentGoal>();
   readonly #listeners = new Map<string, TopicListeners<Operation>>();
   readonly #advertised = new Map<string, Operation>();
   /** Who receives the errors about an operation, by its id. */
@@ -135,6 +161,32 @@ export class Hub {
       this.#onError.set(id, (why) => call.reject(new Error(why)));
       this.#sendCall(call);
     });
+  }
+
+  /**
+   * Send a goal by ROS 2's operations; return a function that asks the server to cancel it.
+   *
+   * `onEnd` is called once, also when the hub rejects the goal or the connection is lost.
+   */
+  sendGoal(
+    { action, type, values }: GoalRequest,
+    onFeedback: (feedback: Message) => void,
+    onEnd: (end: GoalEnd) => void,
+  ): () => void {
+    if (this.#state.value !== "open") {
+      onEnd(unknownEnd("Not connected to the hub: the goal was not sent"));
+      return () => undefined;
+    }
+    const id = this.#newId("goal");
+    this.#goals.set(id, { onFeedback, onEnd });
+    const goal = { action, action_type: type, args: values, feedback: true };
+    this.#onError.set(id, (why) =>
+      this.#endGoal(id, { status: ABORTED, result: false, values: why }),
+    );
+    this.#send({ op: "send_action_goal", id, ...goal });
+    return () => {
+      if (this.#goals.has(id)) this.#send({ op: "cancel_action_goal", id, action });
+    };
   }
 
   /**
@@ -216,10 +268,27 @@ export class Hub {
       case "service_response":
         this.#respond(this.#calls.get(id as string), operation);
         break;
+      case "action_feedback":
+        this.#goals.get(id as string)?.onFeedback(operation.values as Message);
+        break;
+      case "action_result":
+        this.#endGoal(id as string, {
+          status: Number(operation.status),
+          result: operation.result === true,
+          values: operation.values,
+        });
+        break;
       case "status":
         this.#onError.get(id as string)?.(String(operation.msg));
         break;
     }
+  }
+
+  #endGoal(id: string, end: GoalEnd): void {
+    const goal = this.#goals.get(id);
+    this.#goals.delete(id);
+    this.#onError.delete(id);
+    goal?.onEnd(end);
   }
 
   #respond(call: Call | undefined, { result, values, service }: Operation): void {
@@ -261,6 +330,10 @@ export class Hub {
     for (const call of [...this.#calls.values()]) {
       if (call.sent) call.reject(new Error("The connection was lost before the response arrived"));
     }
+    // The hub cancels the goals of a client that leaves.
+    for (const id of [...this.#goals.keys()]) {
+      this.#endGoal(id, unknownEnd("The connection was lost before the goal ended"));
+    }
   }
 
   #retry(): void {
@@ -273,6 +346,11 @@ export class Hub {
     this.#ids += 1;
     return `${kind}:${this.#ids}`;
   }
+}
+
+/** The end of a goal whose status nobody knows. */
+function unknownEnd(why: string): GoalEnd {
+  return { status: 0, result: false, values: why };
 }
 
 const DEFAULT_PORT = "9090";

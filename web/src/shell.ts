@@ -13,6 +13,7 @@ export const TABS = [
   { name: "graph", label: "Graph" },
   { name: "topics", label: "Topics" },
   { name: "services", label: "Services" },
+  { name: "actions", label: "Actions" },
   { name: "console", label: "Console" },
   { name: "parameters", label: "Parameters" },
 ] as const;

@@ -1,22 +1,16 @@
-/** The Services tab: lists services and actions, and has a form to call a service. */
-import { followOnClick } from "../browse";
-import { breakable, h, replace, setText } from "../dom";
+/** The Services tab: lists services, and has a form to call one. */
+import { h, replace, setText } from "../dom";
 import { FilterInput, fieldsOf } from "../filter";
 import { plural } from "../format";
 import { isHidden } from "../hidden_names";
 import type { Hub } from "../hub";
-import type { ActionInfo, Graph, Model } from "../model";
+import type { Graph, Model } from "../model";
+import { NameTable } from "../name_table";
 import { type MakeView, route, saveState } from "../view";
 import { ServicePage } from "./service_page";
 import "./services.css";
 
 export const makeView: MakeView = (hub, model) => new ServicesView(hub, model);
-
-interface Row {
-  readonly name: string;
-  readonly type: string;
-  readonly node: string;
-}
 
 class ServicesView {
   readonly element: HTMLElement;
@@ -25,10 +19,8 @@ class ServicesView {
   readonly #filter = new FilterInput("Filter services", () => this.#changed());
   readonly #debug: HTMLInputElement;
   readonly #count = h("span", { class: "soft small", role: "status" });
-  readonly #services = h("tbody");
-  readonly #actions = h("tbody");
+  readonly #table = new NameTable("Service");
   readonly #empty = h("p", { class: "empty" });
-  readonly #actionTable: HTMLElement;
   readonly #place = h("div", { class: "browse-place scroll" });
   #page: ServicePage | undefined;
   #name = "";
@@ -38,12 +30,6 @@ class ServicesView {
     this.#hub = hub;
     this.#model = model;
     this.#debug = h("input", { type: "checkbox", onchange: () => this.#changed() });
-    this.#actionTable = h(
-      "div",
-      {},
-      h("h3", { class: "service-heading" }, "Actions"),
-      table("Action", this.#actions),
-    );
     const list = h(
       "section",
       { class: "browse-list", "aria-label": "Services" },
@@ -54,13 +40,7 @@ class ServicesView {
         h("label", {}, this.#debug, "Debug"),
         this.#count,
       ),
-      h(
-        "div",
-        { class: "scroll" },
-        table("Service", this.#services),
-        this.#empty,
-        this.#actionTable,
-      ),
+      h("div", { class: "scroll" }, this.#table.element, this.#empty),
     );
     this.element = h("div", { class: "browse services" }, list, this.#place);
   }
@@ -95,19 +75,15 @@ class ServicesView {
 
   #update(): void {
     const graph = this.#model.graph.value;
-    const filtered = (rows: readonly Row[]): Row[] =>
-      rows
-        .filter(
-          (row) =>
-            (this.#debug.checked || !isHidden(row.name)) &&
-            this.#filter.filter.shows(fieldsOf(row)),
-        )
-        .sort((one, other) => (one.name < other.name ? -1 : 1));
-    const services = filtered(graph?.services ?? []);
-    const actions = filtered((graph?.actions ?? []).map(actionRow));
-    fill(this.#services, services, "services", this.#name);
-    fill(this.#actions, actions, "", "");
-    this.#actionTable.hidden = actions.length === 0;
+    const services = (graph?.services ?? []).filter(
+      (service) =>
+        (this.#debug.checked || !isHidden(service.name)) &&
+        this.#filter.filter.shows(fieldsOf(service)),
+    );
+    this.#table.show(
+      services.map((service) => ({ ...service, link: route("services", service.name) })),
+      route("services", this.#name),
+    );
     this.#empty.hidden = services.length > 0;
     setText(this.#count, plural(services.length, "service"));
     setText(
@@ -138,69 +114,4 @@ class ServicesView {
     }
     this.#page.showNode(service?.node, graph !== null);
   }
-}
-
-/** An action may exist twice, over topics and over operations, so the row says which. */
-function actionRow({ name, type, node, over_topics }: ActionInfo): Row {
-  const transport = `over ${over_topics ? "topics" : "operations"}`;
-  return { name, type: type === "" ? transport : `${type} ${transport}`, node };
-}
-
-function table(label: string, body: HTMLElement): HTMLTableElement {
-  const head = (text: string, column: string): HTMLElement =>
-    h("th", { scope: "col", class: `col-${column}` }, text);
-  return h(
-    "table",
-    {},
-    h("thead", {}, h("tr", {}, head(label, "name"), head("Type", "type"), head("Node", "node"))),
-    body,
-  );
-}
-
-function fill(body: HTMLElement, rows: readonly Row[], tab: string, selected: string): void {
-  const text = JSON.stringify([rows, selected]);
-  if (body.dataset.rows === text) return;
-  body.dataset.rows = text;
-  const focused = body.contains(document.activeElement)
-    ? document.activeElement?.textContent
-    : undefined;
-  replace(
-    body,
-    ...rows.map(({ name, type, node }) => {
-      const below = h("span", { class: "type-below ros-name", title: type }, ...breakable(type));
-      const title =
-        tab === ""
-          ? h("span", { class: "mono ros-name", title: name }, ...breakable(name))
-          : h(
-              "a",
-              {
-                href: route(tab, name),
-                class: "ros-name",
-                title: name,
-                "aria-current": name === selected ? "true" : null,
-              },
-              ...breakable(name),
-            );
-      const row = h(
-        "tr",
-        {},
-        h("th", { scope: "row", class: "col-name" }, title, below),
-        h("td", { class: "col-type ros-name", title: type }, ...breakable(type)),
-        h(
-          "td",
-          { class: "col-node" },
-          h(
-            "a",
-            { class: "mono ros-name", title: node, href: route("graph", "node", node) },
-            ...breakable(node),
-          ),
-        ),
-      );
-      if (title instanceof HTMLAnchorElement) {
-        followOnClick(row, title);
-        if (name === focused) queueMicrotask(() => title.focus({ preventScroll: true }));
-      }
-      return row;
-    }),
-  );
 }
