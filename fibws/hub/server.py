@@ -114,7 +114,7 @@ class Hub:
             self._server.close()
             raise
         self._threads = WorkerThreads(loop)
-        rosbridge = Rosbridge(self.graph, loop, self.settings)
+        rosbridge = Rosbridge(self.graph, loop, self.settings, self._own.refusals.report)
         self.endpoints = Endpoints(rosbridge.open)
         self.endpoints.add(partial(rosbridge.open, serialized=True), subprotocol=SUBPROTOCOL)
         requests = HttpRequests(self.settings, read_files(), OWN_NODES)

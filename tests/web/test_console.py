@@ -236,3 +236,22 @@ async def test_burst_of_messages_does_not_block_the_page(
         note = page.locator(".console [role=status]")
         await expect(note).to_contain_text("2\u202f000")
     assert 0.001 < max(tasks) < 0.5, sorted(tasks)[-5:]
+
+
+async def test_refused_message_of_another_page_is_shown(hub: Hub, open_page: OpenPage) -> None:
+    page = await open_page(hub, "#/console")
+    await page.evaluate(
+        """url => {
+            const socket = new WebSocket(`${url}/?node=/dashboard`);
+            const send = (operation) => socket.send(JSON.stringify(operation));
+            socket.onopen = () => {
+                send({op: "advertise", topic: "/number", type: "std_msgs/Int32"});
+                send({op: "publish", topic: "/number", msg: {data: "eight"}});
+            };
+        }""",
+        hub.url,
+    )
+    line = page.locator(".log li")
+    await expect(line).to_contain_text("/dashboard: ")
+    await expect(line).to_contain_text("data")
+    await expect(line.locator(".level")).to_have_text("WARN")

@@ -20,6 +20,7 @@ from fibws.hub.rosapi import loggers
 from fibws.hub.rosapi.clients import Client, ConnectedClients
 from fibws.hub.rosapi.introspection import Introspection
 from fibws.hub.rosapi.parameters import ParameterServices, set_defaults
+from fibws.hub.rosapi.refusals import Refusals
 from fibws.hub.rosapi.rosnode import Rosnode
 from fibws.hub.rosapi.snapshot import Snapshot
 from fibws.hub.rosapi.statistics import Statistics
@@ -32,12 +33,12 @@ OWN_NODES = (ROSAPI, ROSBRIDGE, ROSOUT)
 LOG = "rosgraph_msgs/Log"
 
 PUBLISHED = {
-    ROSOUT: (ROSAPI, LOG),
-    "/rosout_agg": (ROSOUT, LOG),
-    "/client_count": (ROSBRIDGE, "std_msgs/Int32"),
-    "/connected_clients": (ROSBRIDGE, "rosbridge_msgs/ConnectedClients"),
+    ROSOUT: ((ROSAPI, ROSBRIDGE), LOG),
+    "/rosout_agg": ((ROSOUT,), LOG),
+    "/client_count": ((ROSBRIDGE,), "std_msgs/Int32"),
+    "/connected_clients": ((ROSBRIDGE,), "rosbridge_msgs/ConnectedClients"),
 }
-"""The hub's own topics, each with the node that publishes it and its type."""
+"""The hub's own topics, each with the nodes that publish it and its type."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -105,21 +106,29 @@ class OwnNodes:
         self._graph = graph
         graph.internal.update(OWN_NODES)
         set_defaults(graph.parameters, run_id=run_id, host=host, port=port, address=address)
-        self._sources = {topic: self._advertise(topic) for topic in PUBLISHED}
+        self._sources = {
+            (node, topic): graph.advertise(graph.topic(topic), node, type_)
+            for topic, (nodes, type_) in PUBLISHED.items()
+            for node in nodes
+        }
         self.clients = ConnectedClients(
-            self._sources["/client_count"], self._sources["/connected_clients"], clock
+            self._sources[ROSBRIDGE, "/client_count"],
+            self._sources[ROSBRIDGE, "/connected_clients"],
+            clock,
         )
         """The clients that are connected."""
+        self.refusals = Refusals(self._sources[ROSBRIDGE, ROSOUT], clock)
+        """The operations that were refused."""
         self._rosnode = Rosnode(graph, self.clients, clock)
         services = self._services()
         for service, (type_, function) in services.items():
             graph.serve_internally(service, type_, _namespace(service), function)
-        self._aggregator = RosoutAggregator(self._sources["/rosout_agg"])
+        self._aggregator = RosoutAggregator(self._sources[ROSOUT, "/rosout_agg"])
         graph.subscribe(graph.topics[ROSOUT], self._aggregator, LOG)
         self._nodes = [
             OwnNode(
                 name,
-                [topic for topic, (node, _) in PUBLISHED.items() if node == name],
+                [topic for topic, (nodes, _) in PUBLISHED.items() if name in nodes],
                 [ROSOUT] if name == ROSOUT else [],
                 [service for service in services if _namespace(service) == name],
             )
@@ -155,10 +164,6 @@ class OwnNodes:
                 self._graph.remove_service(self._graph.services[service])
             self._graph.leave(node, node.name)
         self._nodes.clear()
-
-    def _advertise(self, topic: str) -> Source:
-        node, type_ = PUBLISHED[topic]
-        return self._graph.advertise(self._graph.topic(topic), node, type_)
 
     def _services(self) -> dict[str, tuple[str, Function]]:
         """Return all services by their global names, each with its type and handler."""

@@ -21,7 +21,7 @@ from fibws.hub.graph.graph import Graph
 from fibws.hub.rosbridge.actions import Actions, Goals
 from fibws.hub.rosbridge.client import Client
 from fibws.hub.rosbridge.services import Calls, Services
-from fibws.hub.rosbridge.statuses import INTERNAL_ERROR, Statuses
+from fibws.hub.rosbridge.statuses import INTERNAL_ERROR, Report, Statuses, ignore
 from fibws.hub.rosbridge.subscription import Groups
 from fibws.hub.rosbridge.topics import Topics
 from fibws.hub.settings import Settings
@@ -61,9 +61,13 @@ class Rosbridge:
 
     Args:
         clock: the event loop.
+        report: takes the node and the reason of each operation that failed.
     """
 
-    def __init__(self, graph: Graph, clock: Clock, settings: Settings) -> None:
+    def __init__(
+        self, graph: Graph, clock: Clock, settings: Settings, report: Report = ignore
+    ) -> None:
+        self.report = report
         self.graph = graph
         self.clock = clock
         self.settings = settings
@@ -108,7 +112,7 @@ class Session:
         self._close = opening.close
         self._reassembly: Reassembly | None = None
         self.node = graph.enter(self, opening.node)
-        self._statuses = Statuses(self.node, queue, codes=serialized)
+        self._statuses = Statuses(self.node, queue, rosbridge.report, codes=serialized)
         self._client = Client(
             self.node,
             graph,

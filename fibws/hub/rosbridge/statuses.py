@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Callable
+from typing import TypeAlias
 
 from fibws.hub.delivery.send_queue import SendQueue
 from fibws.hub.log_text import is_power_of_ten, printable, shortened
@@ -17,11 +19,20 @@ INTERNAL_ERROR = "this failed in the hub; see its log"
 _VERBOSITY: dict[Level, int] = {"none": 0, "error": 1, "warning": 2, "info": 3}
 
 
+Report: TypeAlias = Callable[[str, str], object]
+"""Takes the node and the reason of an operation that failed."""
+
+
+def ignore(node: str, text: str) -> None:
+    """Report nothing."""
+
+
 class Statuses:
     """Sends a client the statuses that it wants: errors, unless it asks for more or for none.
 
     Args:
         node: the client's name, for the log.
+        report: reports each error to others than the client and the log.
         codes: whether errors are sent with their codes, as on connections of ``fibws.v1``.
     """
 
@@ -33,11 +44,15 @@ class Statuses:
         "_level",
         "_node",
         "_queue",
+        "_report",
         "wants_info",
     )
 
-    def __init__(self, node: str, queue: SendQueue, *, codes: bool) -> None:
+    def __init__(
+        self, node: str, queue: SendQueue, report: Report = ignore, *, codes: bool
+    ) -> None:
         self._node = node
+        self._report = report
         self._queue = queue
         self._codes = codes
         self._displaced = 0
@@ -72,6 +87,7 @@ class Statuses:
                 exc_info=fault,
             )
         self._send("error", id_, text, code)
+        self._report(self._node, text)
 
     def warning(self, id_: object, text: str) -> None:
         """Report that an operation was done in another way than the client meant."""
@@ -90,6 +106,7 @@ class Statuses:
             )
         if self._level:
             self._put("warning", None, text)
+        self._report(self._node, text)
 
     def unchecked(self, id_: object, text: str, fault: str) -> None:
         """Report that something's messages are not checked, to the log as well.

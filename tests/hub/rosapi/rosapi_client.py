@@ -51,6 +51,7 @@ class RosapiClient:
             address="127.0.0.1",
             run_id=RUN_ID,
         )
+        self.hub.rosbridge.report = self.own.refusals.report
         self.client = self.hub.client(node)
         self._ports = count(50001)
 

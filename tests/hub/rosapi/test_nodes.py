@@ -33,7 +33,7 @@ def test_hubs_own_nodes_publish_subscribe_and_serve(rosapi: RosapiClient) -> Non
     }
     rosbridge = rosapi.call("/rosapi/node_details", node="/rosbridge_websocket")
     assert rosbridge == {
-        "publishing": ["/client_count", "/connected_clients"],
+        "publishing": ["/client_count", "/connected_clients", "/rosout"],
         "subscribing": [],
         "services": loggers("/rosbridge_websocket"),
     }
