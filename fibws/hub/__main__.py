@@ -19,6 +19,7 @@ import click
 
 from fibws import __version__
 from fibws.errors import FibwsError, HubError
+from fibws.hub.announcement import announcement
 from fibws.hub.server import Hub
 from fibws.hub.settings import MIB, Settings
 
@@ -152,12 +153,8 @@ async def _serve(settings: Settings, url_file: Path | None) -> None:
     _remove(url_file)  # An earlier hub may have been killed.
     async with Hub(settings) as hub:
         _write(url_file, hub.url)
-        page = hub.url.replace("ws:", "http:")
         try:
-            print(
-                f"The hub listens at {hub.url}; open {page}/ in a browser. Press Ctrl-C to stop.",
-                flush=True,
-            )
+            print(announcement(settings, hub.url), flush=True)
         except OSError as error:
             logger.warning("Cannot write to stdout: %s.", error.strerror)
         try:
