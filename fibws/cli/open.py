@@ -22,11 +22,12 @@ PARTS = {
     "topics": ("{open topics} /fibonacci", "echo, plot, publish"),
     "plot": ("{open plot} /fibonacci/data", "numbers over time"),
     "services": ("{open services} /add_two_ints", "call"),
+    "actions": ("{open actions} /fibonacci", "send goals"),
     "console": ("{open console}", "what nodes log"),
     "parameters": ("{open parameters}", "get and set"),
 }
 """The parts of the page, each with an example for the help."""
-WITH_NAMES = {"topics", "plot", "services"}
+WITH_NAMES = {"topics", "plot", "services", "actions"}
 DISPLAYS = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")
 """Without any of these variables, Linux would open a browser inside the terminal."""
 

@@ -41,6 +41,7 @@ def no_display(monkeypatch: pytest.MonkeyPatch) -> list[str]:
         (["plot", "fibonacci/data:other"], "topics/%2Ffibonacci/plot"),
         (["plot", "/fibonacci/data[0]"], "topics/%2Ffibonacci/plot"),
         (["services", "add"], "services/%2Fadd"),
+        (["actions", "fibonacci"], "actions/%2Ffibonacci"),
         (["console"], "console"),
         (["parameters"], "parameters"),
     ],
