@@ -55,6 +55,14 @@ async def test_page_of_another_hub_shows_why_that_refuses_it(page: Page, hub: Hu
         await page.goto("about:blank")
 
 
+async def test_address_without_a_hub_is_named(page: Page, hub: Hub) -> None:
+    async with Hub(Settings(port=0)) as other:
+        address = f"localhost:{other.port}"
+    await page.goto(f"{web_address(hub)}/?hub={address}")
+    await expect(page.get_by_role("alert")).to_contain_text(f"No hub answers at ws://{address}")
+    await page.goto("about:blank")
+
+
 async def test_proxy_without_websockets_is_named_as_the_reason(page: Page, hub: Hub) -> None:
     async with proxy(hub, "/robot", upgrades=False) as address:
         await page.goto(f"{address}/")

@@ -15,16 +15,28 @@ export interface Problem {
 /** After so many failures to connect, the hub is asked again. */
 const ASK_EACH = 3;
 
-/** What keeps a page from connecting to a hub that answers HTTP requests. */
-export function problemOf(answer: OriginAnswer, failures: number): Problem | undefined {
-  if (!answer.allowed) {
+/**
+ * What keeps a page from connecting to a hub for the first time.
+ *
+ * `answer` is undefined if the hub does not answer HTTP requests, either.
+ */
+export function problemOf(
+  url: string,
+  answer: OriginAnswer | undefined,
+  failures: number,
+): Problem | undefined {
+  if (answer?.allowed === false) {
     return {
       text: `The hub refuses this page: ${answer.reason}.`,
       command: `python -m fibws.hub ${answer.option}`,
     };
   }
-  // The hub may just have started.
+  // The hub may just be starting.
   if (failures < ASK_EACH) return undefined;
+  if (answer === undefined) {
+    const text = `No hub answers at ${url}. Check the address, and that a hub is running there.`;
+    return { text, command: "" };
+  }
   return {
     text:
       "The hub answers HTTP requests, but no WebSocket opens. A proxy between this page and the " +
@@ -54,10 +66,11 @@ export function connectionProblem(hub: Hub): HTMLElement {
     show(undefined);
   });
   hub.failures.watch(async (failures) => {
-    // A hub that let the page in is most likely down.
     if (failures === 0 || (failures % ASK_EACH !== 0 && (opened || failures > 1))) return;
     const answer = await askHub(hub.url);
-    const problem = answer && problemOf(answer, failures);
+    // A hub that let the page in is most likely down: the header says that already.
+    const problem =
+      opened && answer === undefined ? undefined : problemOf(hub.url, answer, failures);
     if (hub.state.value === "open" || problem === undefined || problem.text === shown) return;
     shown = problem.text;
     show(problem);
