@@ -352,7 +352,7 @@ def test_topics_are_listed_as_by_rostopic(
         ("/chatter", "std_msgs/String", node),
         ("/client_count", "std_msgs/Int32", ["/rosbridge_websocket"]),
         ("/connected_clients", "rosbridge_msgs/ConnectedClients", ["/rosbridge_websocket"]),
-        ("/rosout", log, ["/rosapi"]),
+        ("/rosout", log, ["/rosapi", "/rosbridge_websocket"]),
         ("/rosout_agg", log, ["/rosout"]),
     ]
     subscribed = [
