@@ -29,6 +29,7 @@ FibwsError
 │   ├── ExecutableNotFound     the package has no such program, or it cannot be run
 │   └── PackageFileError       an invalid package.xml or CMakeLists.txt
 ├── LaunchError            an invalid launch file
+├── AccessError            an invalid token file, right, key or certificate
 ├── HubError               the hub cannot start or continue
 └── NodeError              a node's request failed, or the node cannot continue
     ├── InvalidAddress         not the address of a hub
@@ -320,6 +321,10 @@ class PackageFileError(WorkspaceError, ValueError):
         self.line = line
         self.fault = fault
         super().__init__(f"{source}, line {line}: {fault}")
+
+
+class AccessError(FibwsError, ValueError):
+    """A token file, a right, a key or a certificate is invalid; the text says why."""
 
 
 class LaunchError(FibwsError, ValueError):

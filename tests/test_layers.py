@@ -5,7 +5,7 @@ tools       cli/                        ros1/ (launch, workspace, shell; python/
                 \\                        /
 ends of         client/ (synchronous)    node/ (asyncio; with msg/, srv/, action/)    hub/
 the wire            |                        |                                          |
-pure        values/  protocol/  interfaces/  hub_address  names  suggestions  errors
+pure        values/  protocol/  interfaces/  access/  hub_address  names  suggestions  errors
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ MASK = {"websockets.speedups.apply_mask", "websockets.utils.apply_mask"}
 CLASSES = {"msg", "srv", "action"}
 NODE = {*fibws.__all__} - {"Hub"}
 """The public names of the node library."""
-LOWEST = {"errors", "names", "suggestions", "hub_address"}
+LOWEST = {"errors", "names", "suggestions", "hub_address", "access"}
 BELOW = {
     "errors": {"command_names"},
     "names": {"errors"},
@@ -33,10 +33,11 @@ BELOW = {
     "command_names": set[str](),
     "definition_folders": set[str](),
     "processes": set[str](),
+    "access": {"errors", "suggestions"},
     "interfaces": {"errors", "names", "suggestions"},
     "protocol": {"errors", "names", "interfaces"},
     "values": {*LOWEST, "interfaces", "definition_folders"},
-    "hub": {"errors", "names", "protocol", "interfaces", "__version__"},
+    "hub": {"errors", "names", "access", "protocol", "interfaces", "__version__"},
     "client": {*LOWEST, "protocol", "values"},
     "msg": {"errors", "interfaces"},
     "srv": {"errors", "interfaces", "msg"},
@@ -77,8 +78,18 @@ ONLY = {
 }
 """The only modules of other parts that a part may import: those that load at once."""
 
-QUICK = ["client/**/*.py", "values/**/*.py", "cli/**/*.py"]
-SLOW = {"asyncio", "pydantic", "pydantic_core", "yaml", "rich", "ssl", "cbor2", "fibws.interfaces"}
+QUICK = ["access/*.py", "client/**/*.py", "values/**/*.py", "cli/**/*.py"]
+SLOW = {
+    "asyncio",
+    "pydantic",
+    "pydantic_core",
+    "yaml",
+    "rich",
+    "ssl",
+    "cbor2",
+    "tomlkit",
+    "fibws.interfaces",
+}
 NODES = {"cli/launch/run.py", "cli/rostest/run.py", "cli/node_program.py"}
 """Commands that are nodes themselves, or run some."""
 
@@ -116,7 +127,7 @@ def is_in(name: str, package: str) -> bool:
 
 PURE = modules(
     *("errors.py", "names.py", "suggestions.py", "hub_address.py", "command_names.py"),
-    *("protocol/*.py", "interfaces/*.py"),
+    *("access/*.py", "protocol/*.py", "interfaces/*.py"),
     *("hub/graph/*.py", "hub/delivery/*.py", "hub/rosbridge/*.py", "hub/rosapi/*.py"),
     *(f"ros1/launch/{name}.py" for name in ("model", "parameters", "reader", "scope")),
     "ros1/launch/xml_element.py",

@@ -1,0 +1,1 @@
+"""Who may do what: principals, their rights, and the file of tokens."""

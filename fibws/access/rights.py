@@ -1,0 +1,179 @@
+"""Principals and their rights: which names of the graph they may use, and how.
+
+Rights are lists of globs, as in NATS's permissions and MQTT's access lists: what no glob allows is
+forbidden, and a deny overrides every allow. In a glob, ``*`` stands for any characters within one
+level of a name, ``**`` for any characters at all, and ``%n`` for the principal's own name.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, Literal, Self, TypeAlias, get_args
+
+from fibws.errors import AccessError
+from fibws.suggestions import suggestion_or_known
+
+Right: TypeAlias = Literal[
+    "publish", "subscribe", "call", "provide", "param_read", "param_write", "node"
+]
+"""What one may do with a name: ``call`` and ``provide`` are for services and actions, ``node`` is
+to be a node of this name."""
+
+RIGHTS: tuple[Right, ...] = get_args(Right)
+GLOBS: TypeAlias = Mapping[Right, Sequence[str]]
+
+LONGEST_NAME = 200
+"""Most characters of a principal's name."""
+MOST_ANSWERS = 10_000
+"""Answers of one principal's rights that are remembered; names may be made up without end."""
+_TOKEN = re.compile(r"\*\*|\*|%n|[^*%]+|%")
+_LISTS = ("allow", "deny")
+_LEVEL = re.compile(r"\w+", re.ASCII)
+
+
+@dataclass(frozen=True)
+class Rights:
+    """What a principal may do; answers are remembered.
+
+    Args:
+        allow: globs of names by right.
+        deny: exceptions from these.
+        admin: whether everything is allowed, what only the hub's operator may do included: to kill
+            nodes, to set log levels of others, to read metrics.
+        name: the principal's, for ``%n``, which matches nothing if it is not one level of a name.
+
+    Raises:
+        AccessError: a glob is invalid.
+    """
+
+    allow: GLOBS = field(default_factory=dict)
+    deny: GLOBS = field(default_factory=dict)
+    admin: bool = False
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        for globs in (*self.allow.values(), *self.deny.values()):
+            for glob in globs:
+                check_glob(glob)
+
+    @classmethod
+    def parse(cls, table: Mapping[str, Any], *, name: str, where: str) -> Self:
+        """Return the rights of a TOML table or a JSON object, and ignore its other keys.
+
+        Args:
+            table: with ``admin``, ``allow`` and ``deny``; the last two have lists of globs by
+                right.
+            name: the principal's.
+            where: the table's name, for errors.
+
+        Raises:
+            AccessError: a value is not of its type, or a right is unknown.
+        """
+        admin = table.get("admin", False)
+        if not isinstance(admin, bool):
+            raise AccessError(f"{where}.admin must be true or false, got {admin!r}")
+        allow, deny = (_parse_globs(table.get(key, {}), f"{where}.{key}") for key in _LISTS)
+        return cls(allow, deny, admin, name)
+
+    def table(self) -> dict[str, Any]:
+        """Return the table that `parse` takes, without what is empty."""
+        found: dict[str, Any] = {"admin": True} if self.admin else {}
+        for key, globs in (("allow", self.allow), ("deny", self.deny)):
+            kept = {right: list(globs[right]) for right in RIGHTS if globs.get(right)}
+            if kept:
+                found[key] = kept
+        return found
+
+    def allows(self, right: Right, name: str) -> bool:
+        """Return whether the principal may use a global name so."""
+        if self.admin:
+            return True
+        answer = self._answers.get((right, name))
+        if answer is None:
+            allowed, denied = self._compiled[right]
+            answer = allowed.fullmatch(name) is not None and denied.fullmatch(name) is None
+            if len(self._answers) >= MOST_ANSWERS:
+                self._answers.clear()
+            self._answers[right, name] = answer
+        return answer
+
+    @cached_property
+    def _answers(self) -> dict[tuple[Right, str], bool]:
+        return {}
+
+    @cached_property
+    def _compiled(self) -> dict[Right, tuple[re.Pattern[str], re.Pattern[str]]]:
+        return {
+            right: (
+                compile_globs(self.allow.get(right, ()), self.name),
+                compile_globs(self.deny.get(right, ()), self.name),
+            )
+            for right in RIGHTS
+        }
+
+
+@dataclass(frozen=True)
+class Principal:
+    """Whoever has proved by a token or a certificate who they are, or ``anonymous``.
+
+    Attributes:
+        name: tells principals apart.
+        expires: seconds since 1970 from which on the proof does not count; None for never.
+    """
+
+    name: str
+    rights: Rights
+    expires: float | None = None
+
+    def is_expired(self, now: float) -> bool:
+        """Return whether the proof does not count any more at a time in seconds since 1970."""
+        return self.expires is not None and now >= self.expires
+
+
+def check_name(name: str) -> str:
+    """Return a principal's name; raise `AccessError` if it is empty, too long or not printable."""
+    if not name or len(name) > LONGEST_NAME or not name.isprintable():
+        raise AccessError(
+            f"a principal's name must have 1 to {LONGEST_NAME} printable characters, "
+            f"got {name[:LONGEST_NAME]!r}"
+        )
+    return name
+
+
+def check_glob(glob: str) -> str:
+    """Return a glob; raise `AccessError` if it can match no global name."""
+    if not glob.startswith(("/", "*")):
+        raise AccessError(f"a glob must begin with / or *, such as /robot1/** or /**; got {glob!r}")
+    return glob
+
+
+def compile_globs(globs: Iterable[str], name: str = "") -> re.Pattern[str]:
+    """Return the pattern of all names that one of the globs matches.
+
+    Args:
+        name: what ``%n`` stands for.
+    """
+    usable = (each for each in globs if "%n" not in each or _LEVEL.fullmatch(name))
+    parts = ["".join(_pattern(token, name) for token in _TOKEN.findall(each)) for each in usable]
+    return re.compile("|".join(parts) if parts else r"(?!)", re.DOTALL)
+
+
+def _pattern(token: str, name: str) -> str:
+    known = {"**": ".*", "*": "[^/]*", "%n": name}
+    return known.get(token) or re.escape(token)
+
+
+def _parse_globs(table: object, where: str) -> GLOBS:
+    if not isinstance(table, Mapping):
+        raise AccessError(f"{where} must be a table of lists of globs, got {table!r}")
+    found: dict[Right, Sequence[str]] = {}
+    for right, globs in table.items():
+        if right not in RIGHTS:
+            raise AccessError(f"unknown right {where}.{right}{suggestion_or_known(right, RIGHTS)}")
+        if not isinstance(globs, list) or not all(isinstance(each, str) for each in globs):
+            raise AccessError(f"{where}.{right} must be a list of globs, got {globs!r}")
+        found[right] = tuple(globs)
+    return found

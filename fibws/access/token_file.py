@@ -1,0 +1,224 @@
+"""The file of tokens, from which a hub knows whom to let in.
+
+It is TOML, and holds digests only: a token is shown once, when it is made. A token has 256 random
+bits, so that a plain SHA-256 of it cannot be reversed, as that of a password could.
+
+    [tokens.teleop]
+    sha256 = "6b86b273ff34fce19d6b804eff5a3f5747ada4eaa22f1d49c01e52ddb7875b4b"
+    expires = 2027-01-01T00:00:00Z
+
+    [tokens.teleop.allow]
+    publish = ["/cmd_vel"]
+    subscribe = ["/**"]
+
+    [certificates.robot1]
+    allow = {publish = ["/robot1/**"], node = ["/robot1/**"]}
+
+    [anonymous]
+    allow = {subscribe = ["/map"]}
+"""
+
+from __future__ import annotations
+
+import hashlib
+import hmac
+import os
+import re
+import secrets
+import tomllib
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from datetime import UTC, date, datetime, time
+from pathlib import Path
+from typing import Any, Self
+
+from fibws.access.rights import Principal, Rights, check_name
+from fibws.errors import AccessError
+from fibws.suggestions import suggestion, suggestion_or_known
+
+PREFIX = "fibws_"
+"""How tokens begin, so that programs that look for published secrets find them."""
+ANONYMOUS = "anonymous"
+"""The principal of clients without a token."""
+LONGEST_TOKEN = 8192
+"""Most characters of a token that is looked at."""
+_DIGEST = re.compile(r"[0-9a-f]{64}")
+_SECTIONS = ("tokens", "certificates", ANONYMOUS)
+_KEYS = ("sha256", "expires", "admin", "allow", "deny")
+
+
+@dataclass(frozen=True)
+class Tokens:
+    """The principals of a file.
+
+    Attributes:
+        tokens: by the digests of their tokens.
+        certificates: by the common names of their certificates.
+        anonymous: whom clients without a token are; None if these may not enter.
+    """
+
+    tokens: Mapping[str, Principal]
+    certificates: Mapping[str, Principal]
+    anonymous: Principal | None
+
+    @classmethod
+    def load(cls, path: Path) -> Self:
+        """Read a file; raise `AccessError` if that fails, or something in it is invalid."""
+        return cls.parse(_read(path), str(path))
+
+    @classmethod
+    def parse(cls, text: str, source: str) -> Self:
+        """Return the principals of a text; ``source`` names it in errors."""
+        try:
+            return cls._parse(tomllib.loads(text))
+        except (AccessError, tomllib.TOMLDecodeError) as error:
+            raise AccessError(f"{source}: {error}") from None
+
+    @classmethod
+    def _parse(cls, document: dict[str, Any]) -> Self:
+        for section in document:
+            if section not in _SECTIONS:
+                known = suggestion_or_known(section, _SECTIONS)
+                raise AccessError(f"unknown section {section}{known}")
+        tokens: dict[str, Principal] = {}
+        for name, table in _tables(document, "tokens"):
+            where = f"tokens.{name}"
+            digest = table.get("sha256")
+            if not isinstance(digest, str) or not _DIGEST.fullmatch(digest):
+                fault = "must be the 64 lower-case hexadecimal digits of a token's SHA-256"
+                raise AccessError(f"{where}.sha256 {fault}")
+            if digest in tokens:
+                raise AccessError(f"{where} has the same token as {tokens[digest].name}")
+            tokens[digest] = _principal(name, table, where)
+        certificates = {
+            name: _principal(name, table, f"certificates.{name}")
+            for name, table in _tables(document, "certificates")
+        }
+        anonymous = None
+        if ANONYMOUS in document:
+            anonymous = _principal(ANONYMOUS, _table(document, ANONYMOUS), ANONYMOUS)
+        return cls(tokens, certificates, anonymous)
+
+    def find(self, token: str) -> Principal | None:
+        """Return the principal that a token proves to be; it may be expired."""
+        digest = digest_of(token)
+        found = None
+        # Every one is compared, in a time that does not depend on where two digests differ.
+        for known, principal in self.tokens.items():
+            if hmac.compare_digest(known, digest):
+                found = principal
+        return found
+
+
+class TokenFile:
+    """A file of tokens that is edited; comments and the rest of it are kept.
+
+    Args:
+        path: of the file, which need not exist yet.
+
+    Raises:
+        AccessError: it cannot be read, or is invalid.
+    """
+
+    def __init__(self, path: Path) -> None:
+        import tomlkit  # Only the commands that edit the file need it.
+
+        self._path = path
+        text = _read(path) if path.exists() else ""
+        self.tokens = Tokens.parse(text, str(path))
+        self._document: Any = tomlkit.parse(text)
+
+    def add(self, name: str, rights: Rights, expires: datetime | None = None) -> str:
+        """Add a principal and return its new token, which is not kept.
+
+        Raises:
+            AccessError: the name is taken or invalid.
+        """
+        import tomlkit
+
+        check_name(name)
+        if any(each.name == name for each in self.tokens.tokens.values()):
+            raise AccessError(f"{self._path} has a token {name} already; revoke it first")
+        token = PREFIX + secrets.token_urlsafe(32)
+        table: dict[str, Any] = {"sha256": digest_of(token)}
+        if expires is not None:
+            table["expires"] = expires.astimezone(UTC).replace(microsecond=0)
+        if "tokens" not in self._document:
+            self._document["tokens"] = tomlkit.table(is_super_table=True)
+        self._document["tokens"][name] = tomlkit.item({**table, **rights.table()})
+        self._changed()
+        return token
+
+    def revoke(self, name: str) -> None:
+        """Remove a principal's token; raise `AccessError` if there is none."""
+        known = [each.name for each in self.tokens.tokens.values()]
+        if name not in known:
+            raise AccessError(f"{self._path} has no token {name}{suggestion(name, known)}")
+        del self._document["tokens"][name]
+        self._changed()
+
+    def save(self) -> None:
+        """Write the file at once, readable by its owner only; raise `AccessError` if that fails."""
+        new = self._path.with_name(f".{self._path.name}.{os.getpid()}")
+        try:
+            mode = self._path.stat().st_mode & 0o777 if self._path.exists() else 0o600
+            descriptor = os.open(new, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600)
+            with open(descriptor, "w", encoding="utf-8") as file:
+                file.write(self._document.as_string())
+            new.chmod(mode)
+            new.replace(self._path)
+        except OSError as error:
+            with suppress(OSError):
+                new.unlink(missing_ok=True)
+            raise AccessError(f"cannot write {self._path}: {error.strerror}") from None
+
+    def _changed(self) -> None:
+        self.tokens = Tokens.parse(self._document.as_string(), str(self._path))
+
+
+def digest_of(token: str) -> str:
+    """Return the digest by which the file knows a token."""
+    return hashlib.sha256(token.encode("utf-8", "surrogatepass")).hexdigest()
+
+
+def _read(path: Path) -> str:
+    try:
+        return path.read_text("utf-8")
+    except UnicodeDecodeError:
+        raise AccessError(f"{path} is not UTF-8") from None
+    except OSError as error:
+        raise AccessError(f"cannot read {path}: {error.strerror}") from None
+
+
+def _tables(document: dict[str, Any], section: str) -> list[tuple[str, dict[str, Any]]]:
+    found = _table(document, section) if section in document else {}
+    if ANONYMOUS in found:
+        raise AccessError(f"{section}.{ANONYMOUS}: this name is for clients without a token")
+    return [(check_name(name), _table(found, name, f"{section}.{name}")) for name in found]
+
+
+def _table(above: dict[str, Any], key: str, where: str | None = None) -> dict[str, Any]:
+    found = above[key]
+    if not isinstance(found, dict):
+        raise AccessError(f"{where or key} must be a table")
+    return found
+
+
+def _principal(name: str, table: dict[str, Any], where: str) -> Principal:
+    for key in table:
+        if key not in _KEYS:
+            raise AccessError(f"unknown key {where}.{key}{suggestion_or_known(key, _KEYS)}")
+    rights = Rights.parse(table, name=name, where=where)
+    return Principal(name, rights, _seconds(table.get("expires"), f"{where}.expires"))
+
+
+def _seconds(value: object, where: str) -> float | None:
+    """Return seconds since 1970 of a date or a date-time, which is UTC if it names no zone."""
+    if value is None:
+        return None
+    if isinstance(value, date) and not isinstance(value, datetime):
+        value = datetime.combine(value, time())
+    if not isinstance(value, datetime):
+        raise AccessError(f"{where} must be a date, such as 2027-01-01T00:00:00Z, got {value!r}")
+    return (value if value.tzinfo else value.replace(tzinfo=UTC)).timestamp()
