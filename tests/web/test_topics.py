@@ -581,6 +581,7 @@ async def test_new_topic_is_created_by_its_first_message(
     await page.keyboard.press("Enter")
     await expect(page.locator(".browse-page .notice")).to_contain_text("does not exist yet")
     async with asyncio.timeout(60), node.subscribe("/chatter", String) as received:
+        await node.flush()
         await page.get_by_label("data string").fill("hello")
         await page.keyboard.press("Enter")
         assert (await anext(received)).data == "hello"

@@ -7,7 +7,8 @@ from actionlib_tutorials.msg import FibonacciAction, FibonacciGoal
 
 
 def feedback(message):
-    print('feedback: %s' % list(message.sequence))
+    # In one piece: another thread prints, too.
+    sys.stdout.write('feedback: %s\n' % list(message.sequence))
 
 
 if __name__ == '__main__':
