@@ -19,6 +19,8 @@ FibwsError
 │   ├── UnknownDefinition      messages cannot be serialized, as their fields are unknown
 │   ├── UnknownPublisher       a binary frame of a publisher that is not advertised
 │   ├── NotAllowed             the hub's policy forbids it
+│   ├── AuthenticationError    a client's token or certificate is missing, wrong or expired
+│   │   └── TooManyAttempts        after many wrong tokens, the next must wait
 │   ├── LimitReached           a client's limit for something is reached
 │   └── CallFailed             a call or a goal ended without a result
 ├── ParameterError         an operation on a parameter failed
@@ -28,8 +30,8 @@ FibwsError
 │   ├── PackageNotFound        no package of this name is on the path
 │   ├── ExecutableNotFound     the package has no such program, or it cannot be run
 │   └── PackageFileError       an invalid package.xml or CMakeLists.txt
-├── LaunchError            an invalid launch file
 ├── AccessError            an invalid token file, right, key or certificate
+├── LaunchError            an invalid launch file
 ├── HubError               the hub cannot start or continue
 └── NodeError              a node's request failed, or the node cannot continue
     ├── InvalidAddress         not the address of a hub
@@ -228,15 +230,35 @@ class UnknownPublisher(OperationError):
 
 
 class NotAllowed(OperationError):
-    """The hub's policy does not let a node do something."""
+    """The hub's policy does not let a node do something.
+
+    Args:
+        right: the missing right, such as ``publish``.
+        name: the topic, service, action, parameter or node that it is for.
+        fault: why, if the right is not what is missing.
+    """
 
     code = "not_allowed"
 
-    def __init__(self, node: str, verb: str, name: str) -> None:
+    def __init__(self, node: str, right: str, name: str, fault: str = "") -> None:
         self.node = node
-        self.verb = verb
+        self.right = right
         self.name = name
-        super().__init__(f"{node} is not allowed to {verb} {name}")
+        super().__init__(f"{fault or f'missing right {right} for {name}'} (node {node})")
+
+
+class AuthenticationError(OperationError):
+    """A client has not proved who it is: its token or certificate is missing, wrong or expired."""
+
+    code = "not_authenticated"
+
+
+class TooManyAttempts(AuthenticationError):
+    """After many wrong tokens from one address, the next must wait."""
+
+    def __init__(self, seconds: int) -> None:
+        self.seconds = seconds
+        super().__init__(f"too many wrong tokens; try again in {seconds} s")
 
 
 class LimitReached(OperationError):

@@ -58,11 +58,28 @@ BELOW = {
 """The parts of fibws that each part may import, besides itself."""
 
 BELOW_IN_HUB = {
-    "graph": {"errors", "names", "interfaces", "hub.graph"},
+    "graph": {"errors", "names", "interfaces", "access.rights", "hub.graph"},
     "delivery": {"protocol.frame_queue", "hub.delivery"},
-    "websocket": {"errors", "names", "protocol.websocket", "hub.delivery", "hub.websocket"}
-    | {"hub.settings", "hub.log_text"},
-    "rosbridge": {"errors", "names", "protocol", "hub.graph", "hub.delivery", "hub.rosbridge"}
+    "websocket": {
+        "errors",
+        "names",
+        "access",
+        "protocol.websocket",
+        "hub.delivery",
+        "hub.websocket",
+    }
+    | {"hub.settings", "hub.log_text", "hub.access.authentication"},
+    "access": {"errors", "access", "hub.access", "hub.graph", "hub.settings", "hub.log_text"}
+    | {"hub.websocket.endpoint"},
+    "rosbridge": {
+        "errors",
+        "names",
+        "access.rights",
+        "protocol",
+        "hub.graph",
+        "hub.delivery",
+        "hub.rosbridge",
+    }
     | {"hub.settings", "hub.log_text", "hub.websocket.endpoint"},
     "rosapi": {"errors", "names", "protocol", "interfaces", "hub.graph", "hub.delivery"}
     | {"hub.rosapi", "hub.log_text"},

@@ -244,19 +244,24 @@ def test_commands_and_their_options_exist(path: Path) -> None:
 
 def check_options(command: click.Command, arguments: list[str]) -> None:
     """Parse a command's arguments, as if it were called, and do nothing."""
-    context = click.Context(command, info_name=command.name)
+    context = _context(command)
     while isinstance(command, click.Group):
         name = next(iter(arguments), "")
         found = command.get_command(context, name)
         assert found is not None, f"{command.name} has no command {name!r}"
         command, arguments = found, arguments[1:]
-        context = click.Context(command, info_name=name, parent=context)
+        context = _context(command, context)
     try:
         command.parse_args(context, arguments)
     except click.exceptions.Exit:
         pass  # -h has printed the help.
     except click.BadParameter as error:
         assert "does not exist" in error.message, f"{command.name} {arguments}: {error}"
+
+
+def _context(command: click.Command, parent: click.Context | None = None) -> click.Context:
+    # With its settings: click keeps the names of a command's help option of the first context.
+    return click.Context(command, parent, command.name, **command.context_settings)
 
 
 def test_table_of_settings_is_that_of_the_code() -> None:
@@ -271,7 +276,9 @@ def test_table_of_settings_is_that_of_the_code() -> None:
 def written(default: object) -> str:
     if isinstance(default, float):
         return f"{default:g}"
-    return "" if default == () else str(default).lower()
+    if default is None or default == ():
+        return ""
+    return default if isinstance(default, str) else str(default).lower()
 
 
 # Files and links.

@@ -100,6 +100,10 @@ class Rights:
             self._answers[right, name] = answer
         return answer
 
+    def denies(self, right: Right, name: str) -> bool:
+        """Return whether a use of a name is denied expressly."""
+        return not self.admin and self._compiled[right][1].fullmatch(name) is not None
+
     @cached_property
     def _answers(self) -> dict[tuple[Right, str], bool]:
         return {}

@@ -152,6 +152,8 @@ async def _serve(settings: Settings, url_file: Path | None) -> None:
             asyncio.get_running_loop().add_signal_handler(number, stop)
     _remove(url_file)  # An earlier hub may have been killed.
     async with Hub(settings) as hub:
+        if hasattr(signal, "SIGHUP"):
+            asyncio.get_running_loop().add_signal_handler(signal.SIGHUP, _reload, hub)
         _write(url_file, hub.url)
         try:
             print(announcement(settings, hub.url), flush=True)
@@ -161,6 +163,15 @@ async def _serve(settings: Settings, url_file: Path | None) -> None:
             await stopped.wait()
         finally:
             _remove(url_file)
+
+
+def _reload(hub: Hub) -> None:
+    try:
+        hub.reload()
+    except FibwsError as error:
+        logger.error("Reload failed, everything is as before: %s.", error)
+    else:
+        logger.info("Reloaded.")
 
 
 def _write(url_file: Path | None, url: str) -> None:

@@ -17,8 +17,11 @@ from pydantic_core import to_json
 
 from fibws import __version__
 from fibws.errors import FibwsError, HubError
+from fibws.hub.access.authentication import Authentication
+from fibws.hub.access.policy import AccessPolicy
 from fibws.hub.delivery.send_queue import CHUNK, MOST_UNWRITTEN, Flusher
-from fibws.hub.graph.graph import Graph, Policy
+from fibws.hub.graph.graph import Graph
+from fibws.hub.graph.policy import Policy
 from fibws.hub.graph.topic import SinkReport
 from fibws.hub.rosapi.nodes import OWN_NODES, OwnNodes
 from fibws.hub.rosbridge.session import Rosbridge
@@ -56,7 +59,8 @@ class Hub:
     Args:
         settings: the port and the limits; the defaults are those of ``python -m fibws.hub``, whose
             environment variables have no effect here.
-        policy: decides what nodes may do; None allows everything.
+        policy: decides what nodes may do; None is for the policy of the settings: everything is
+            allowed, or what the tokens' rights allow.
 
     Raises:
         HubError: on entering, when it cannot listen, most likely because the port is taken.
@@ -65,6 +69,10 @@ class Hub:
 
     def __init__(self, settings: Settings | None = None, policy: Policy | None = None) -> None:
         self.settings = settings or Settings()
+        self._authentication: Authentication | None = None
+        if self.settings.has_authentication:
+            self._authentication = Authentication(self.settings, time.time)
+            policy = policy or AccessPolicy(self._authentication.known())
         self.port = self.settings.port
         """The port it listens on; once entered, also when the system chose it."""
         self.graph = Graph(
@@ -135,6 +143,7 @@ class Hub:
             turns=Turns(loop.call_later, flusher.flush),
             limits=self._limits,
             observer=self,
+            authentication=self._authentication,
         )
         self._warn_if_public()
         self._started = time.monotonic()
@@ -176,6 +185,20 @@ class Hub:
         loop = asyncio.get_running_loop()
         if loop.get_exception_handler() == self._on_exception:
             loop.set_exception_handler(self._handle_exception)
+
+    def reload(self) -> None:
+        """Read the files of tokens and keys anew; clients lose what they may not do any more.
+
+        Raises:
+            AccessError: a file is invalid; nothing has changed.
+        """
+        if self._authentication is None:
+            return
+        self._authentication.reload()
+        if isinstance(self.graph.policy, AccessPolicy):
+            self.graph.policy.keep_names(self._authentication.known())
+        for connection in list(self._connections):
+            connection.check_login()
 
     def health(self) -> dict[str, object]:
         """Return what ``/healthz`` shows: counts, and the clients that read too slowly."""
@@ -222,7 +245,7 @@ class Hub:
 
     def _warn_if_public(self) -> None:
         address = self._server.sockets[0].getsockname()[0]
-        if not ipaddress.ip_address(address).is_loopback:
+        if self._authentication is None and not ipaddress.ip_address(address).is_loopback:
             logger.warning(
                 "Other machines can reach this hub at %s, port %d; no authentication is enabled.",
                 address,
@@ -239,8 +262,11 @@ class Hub:
             connection.abort()
 
     def connected(self, connection: Connection) -> None:
-        """Add a client that has finished its handshake."""
+        """Count a client that has finished its handshake."""
         self._limits.clients += 1
+
+    def entered(self, connection: Connection) -> None:
+        """Add a client that is a node now."""
         self._own.connected(connection)
 
     def ponged(self, connection: Connection, data: bytes) -> None:

@@ -35,6 +35,24 @@ class Settings:
         "Web page origin that may connect besides this machine's own, such as "
         "https://lab.example, null (pages opened as files) or * (any); may be repeated.",
     )
+    tokens: Path | None = _setting(
+        None, "File of the tokens that clients need, from `fibws token add`; without, none do."
+    )
+    jwt_key: Path | None = _setting(
+        None,
+        "Key that signs JSON web tokens: a secret for HS256, else a public key in PEM or JWKS.",
+    )
+    jwt_algorithm: str = _setting(
+        "HS256", "Algorithm of JSON web tokens: HS256, EdDSA, ES256 or RS256."
+    )
+    jwt_audience: str = _setting("", "Audience (aud) that JSON web tokens must be for.")
+    jwt_leeway: float = _setting(10.0, "Seconds by which the clock of their issuer may differ.")
+    client_ca: Path | None = _setting(
+        None, "Certificate authority (PEM) whose client certificates stand for tokens."
+    )
+    auth_timeout: float = _setting(
+        5.0, "Seconds in which a client must send its token if it has none in its handshake."
+    )
     interfaces: tuple[Path, ...] = _setting(
         (), "Folder of message definitions (PACKAGE/msg/*.msg); may be repeated."
     )
@@ -89,6 +107,11 @@ class Settings:
     fast_framing: bool = _setting(
         True, "Parse whole messages directly, not through the websockets library."
     )
+
+    @property
+    def has_authentication(self) -> bool:
+        """Whether clients must prove who they are."""
+        return any((self.tokens, self.jwt_key, self.client_ca))
 
     def __post_init__(self) -> None:
         for setting in fields(self):

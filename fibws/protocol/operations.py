@@ -249,9 +249,14 @@ class Fragment(Operation):
 
 
 class Auth(Operation):
-    """Authentication as in rosauth, which this hub ignores."""
+    """The client's token, also to renew one that expires soon.
+
+    The fields of rosauth (``mac``, ``client`` and so on) are ignored.
+    """
 
     op: Literal["auth"] = "auth"
+    token: str | None = None
+    """(An addition of fibws.)"""
 
 
 class SetLevel(Operation):

@@ -68,6 +68,22 @@ SILENT = CloseReason(1011, "no answer to a ping")
 REPLACED = CloseReason(4001, "new node registered with same name")
 KILLED = CloseReason(4002, "shutdown request: user request")
 
+UNAUTHENTICATED = 4401
+"""The close code for a token that is missing, unknown, expired or revoked."""
+FORBIDDEN = 4403
+"""The close code for a missing right."""
+LIMITED = 4429
+"""The close code for a client that has gone beyond a limit, or tried too many tokens."""
+MISSING_TOKEN = CloseReason(UNAUTHENTICATED, "missing token")
+EXPIRED = CloseReason(UNAUTHENTICATED, "the token expired")
+MOST_REASON_BYTES = 123
+"""Most bytes of a close frame's reason (RFC 6455, section 5.5)."""
+
+
+def close_reason(code: int, text: str) -> CloseReason:
+    """Return a reason for closing, whose text is cut to what a close frame can hold."""
+    return CloseReason(code, text.encode()[:MOST_REASON_BYTES].decode("utf-8", "ignore"))
+
 
 def server_header(first: int, size: int) -> bytes:
     """Return the header of an unmasked frame.

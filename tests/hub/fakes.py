@@ -10,9 +10,11 @@ from typing import Any
 
 import cbor2
 
+from fibws.access.rights import Principal
 from fibws.hub.delivery.deferred import DeferredFrame
 from fibws.hub.delivery.send_queue import Bytes, Flusher, Frame, LargeFrame, SendQueue
-from fibws.hub.graph.graph import Graph, Policy
+from fibws.hub.graph.graph import Graph
+from fibws.hub.graph.policy import Policy
 from fibws.hub.rosbridge.session import Rosbridge, Session
 from fibws.hub.settings import Settings
 from fibws.hub.websocket.endpoint import Opening
@@ -132,9 +134,15 @@ class FakeHub:
         )
         self.rosbridge = Rosbridge(self.graph, self.clock, self.settings)
 
-    def client(self, node: str | None = None, *, serialized: bool = False) -> Client:
+    def client(
+        self,
+        node: str | None = None,
+        *,
+        serialized: bool = False,
+        principal: Principal | None = None,
+    ) -> Client:
         """Return a new client; one that is ``serialized`` speaks ``fibws.v1``."""
-        return Client(self, node, serialized=serialized)
+        return Client(self, node, serialized=serialized, principal=principal)
 
     @property
     def empty(self) -> bool:
@@ -147,16 +155,20 @@ class FakeHub:
 class Client:
     """A client of the hub: sends operations, and receives operations."""
 
-    def __init__(self, hub: FakeHub, node: str | None, *, serialized: bool) -> None:
+    def __init__(
+        self, hub: FakeHub, node: str | None, *, serialized: bool, principal: Principal | None
+    ) -> None:
         self.writes: list[Bytes] = []
         self.closings: list[CloseReason] = []
         self.queue = SendQueue(
             self.writes.append, self.fail, hub.flusher, max_bytes=hub.settings.max_queued_bytes
         )
         self._hub = hub
-        self.session: Session = hub.rosbridge.open(
-            Opening(node, self.queue, self.closings.append), serialized=serialized
+        session = hub.rosbridge.open(
+            Opening(node, self.queue, self.closings.append, principal), serialized=serialized
         )
+        assert isinstance(session, Session)
+        self.session = session
 
     def send(self, op: str, topic: str | None = None, **fields: Any) -> None:
         """Send an operation."""

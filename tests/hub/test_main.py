@@ -283,7 +283,7 @@ def test_config_file_may_be_set_by_the_environment(tmp_path: Path, origins: str)
 @pytest.mark.parametrize("flag", ["-h", "--help"])
 def test_help_lists_every_setting_with_its_default(flag: str) -> None:
     result = CliRunner().invoke(command, [flag])
-    assert result.exit_code == 0
+    assert result.exit_code == 0, result.output
     for field in dataclasses.fields(Settings):
         assert f"--{field.name.replace('_', '-')}" in result.output
     assert "9090" in result.output

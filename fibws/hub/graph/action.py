@@ -5,7 +5,7 @@ As in ROS 2 (action_msgs): a goal is accepted, may send feedback, and ends with 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Any, Protocol
@@ -13,6 +13,9 @@ from typing import Any, Protocol
 from fibws.hub.graph.types import ActionType
 from fibws.interfaces import base64text
 from fibws.interfaces.json_text import json_of
+
+CANCEL_SUFFIX = "/_action/cancel_goal"
+"""What an action's name has behind it in the name of the service that cancels its goals."""
 
 
 class Ros2GoalStatus(IntEnum):
@@ -84,6 +87,7 @@ class Goal:
 
     Args:
         args: the goal's fields: an object, or a list in their order.
+        caller: the node that sends it.
         uuid: 16 bytes that no other goal has.
         accepted: when, in nanoseconds since 1970.
 
@@ -91,12 +95,19 @@ class Goal:
         InvalidMessage: the goal does not fit the type.
     """
 
-    __slots__ = ("_canceling", "_client", "accepted", "action", "id", "request", "uuid")
+    __slots__ = ("_canceling", "_client", "accepted", "action", "caller", "id", "request", "uuid")
 
     def __init__(
-        self, action: Action, args: object, client: ActionClient, uuid: bytes, accepted: int
+        self,
+        action: Action,
+        args: object,
+        client: ActionClient,
+        caller: str,
+        uuid: bytes,
+        accepted: int,
     ) -> None:
         self.action = action
+        self.caller = caller
         self.request = action.type.fill_goal(args)
         """Its values, every field filled."""
         self.uuid = uuid
@@ -150,15 +161,20 @@ class Goal:
 
 def cancel_service(action: str) -> str:
     """Return the name of the service that cancels an action's goals, as in ROS 2."""
-    return f"{action}/_action/cancel_goal"
+    return action + CANCEL_SUFFIX
 
 
-def cancel_goals(action: Action, request: dict[str, Any]) -> dict[str, Any]:
-    """Respond to a call of action_msgs/CancelGoal, whose definition specifies the meant goals."""
+def cancel_goals(
+    action: Action, request: dict[str, Any], may_cancel: Callable[[Goal], bool]
+) -> dict[str, Any]:
+    """Respond to a call of action_msgs/CancelGoal, whose definition specifies the meant goals.
+
+    Goals that the caller may not cancel look unknown.
+    """
     info = request["goal_info"]
     uuid = base64text.decode(info["goal_id"]["uuid"])
     stamp = info["stamp"]["secs"] * 1_000_000_000 + info["stamp"]["nsecs"]
-    chosen = list(_chosen(action, uuid, stamp))
+    chosen = [goal for goal in _chosen(action, uuid, stamp) if may_cancel(goal)]
     for goal in chosen:
         goal.cancel()
     known = bool(chosen) or not any(uuid)

@@ -11,11 +11,13 @@ from __future__ import annotations
 import logging
 import secrets
 from collections.abc import Callable, Iterable
+from functools import partial
 from itertools import count
-from typing import Any, Literal, Protocol, TypeAlias
+from typing import Any, Protocol
 from weakref import WeakValueDictionary
 
 from fibws import names
+from fibws.access.rights import Principal, Right
 from fibws.errors import (
     CallFailed,
     DefinitionMismatch,
@@ -33,9 +35,10 @@ from fibws.hub.graph.action import (
     cancel_goals,
     cancel_service,
 )
-from fibws.hub.graph.parameters import Parameters, canonical
+from fibws.hub.graph.parameters import Parameters, canonical, names_in
+from fibws.hub.graph.policy import RIGHTS_OF, AllowAll, Kind, Policy
 from fibws.hub.graph.service import Call, Function, InternalServer, Service, ServiceServer
-from fibws.hub.graph.topic import Quota, Receiver, Sink, Source, Topic
+from fibws.hub.graph.topic import Guard, GuardedSource, Quota, Receiver, Sink, Source, Topic
 from fibws.hub.graph.types import MessageType, Types
 from fibws.interfaces import Interfaces
 
@@ -44,13 +47,6 @@ logger = logging.getLogger("fibws.hub")
 CANCEL_GOAL = "action_msgs/CancelGoal"
 ROSBRIDGE = "/rosbridge_websocket"
 """The hub's own node that stands for the real rosbridge server."""
-
-Verb: TypeAlias = Literal["publish", "subscribe", "call", "provide", "get", "set", "list"]
-"""The kinds of access that a policy decides on.
-
-``call`` and ``provide`` are for services and actions, ``get`` and ``set`` for parameters; ``list``
-is to learn that something of this name exists.
-"""
 
 
 class Node(Protocol):
@@ -67,26 +63,6 @@ class Node(Protocol):
 
     def providing(self) -> Iterable[str]:
         """Return the global names of the services that it provides."""
-
-
-class Policy(Protocol):
-    """Decides what a node may do."""
-
-    allows_all: bool
-    """Whether every node may do everything, so that listings need no filter and can be shared."""
-
-    def may(self, node: str, verb: Verb, name: str) -> bool:
-        """Return whether a node may do this with a topic, service, action, parameter or node."""
-
-
-class AllowAll:
-    """The policy that lets every node do everything."""
-
-    allows_all = True
-
-    def may(self, node: str, verb: Verb, name: str) -> bool:
-        """Return True."""
-        return True
 
 
 class Graph:
@@ -116,6 +92,10 @@ class Graph:
         self.policy: Policy = policy or AllowAll()
         self.internal: set[str] = set()
         """The hub's own nodes, for which the policy is not asked."""
+        self.reserved: set[str] = set()
+        """The topics that only the hub's own nodes may publish."""
+        self.guards: dict[str, Guard] = {}
+        """By topics: further checks of what nodes publish there that are not admins."""
         self.now = now
         self.revision = 0
         """Another number whenever something but the parameters has changed."""
@@ -130,34 +110,86 @@ class Graph:
         self._goal_numbers = count(1)
         self._topic_numbers = count(1)
 
-    def check_allowed(self, node: str, verb: Verb, name: str) -> None:
+    # What nodes may do and see.
+
+    def check_allowed(self, node: str, right: Right, name: str) -> None:
         """Raise `NotAllowed` unless the policy lets a node do this."""
-        if node not in self.internal and not self.policy.may(node, verb, name):
-            raise NotAllowed(node, verb, name)
+        if not self.is_allowed(node, right, name):
+            raise NotAllowed(node, right, name)
 
-    def may_list(self, node: str, name: str) -> bool:
+    def is_allowed(self, node: str, right: Right, name: str) -> bool:
+        """Return whether a node may do this with a topic, service, action or parameter."""
+        return node in self.internal or self.policy.may(node, right, name)
+
+    def is_source_allowed(self, source: Source) -> bool:
+        """Return whether a source may still publish as it does."""
+        name = source.topic.name
+        is_guarded = isinstance(source, GuardedSource) or name not in self.guards
+        is_free = is_guarded or self.policy.is_admin(source.node)
+        return is_free and self.is_allowed(source.node, "publish", name)
+
+    def is_visible(self, caller: str, kind: Kind, name: str) -> bool:
         """Return whether a node may learn that something of this name exists."""
-        return self.policy.allows_all or self.policy.may(node, "list", name)
+        if self.policy.allows_all:
+            return True
+        return any(self.is_allowed(caller, right, name) for right in RIGHTS_OF[kind])
 
-    def listed(self, node: str, names: Iterable[str]) -> list[str]:
-        """Return the names that a node may list, sorted."""
+    def is_node_visible(self, caller: str, name: str) -> bool:
+        """Return whether a node may learn that another one exists.
+
+        It sees the nodes of its own principal, and those that use anything that it sees.
+        """
+        if self.policy.allows_all or caller in self.internal:
+            return True
+        node = self.nodes.get(name)
+        if node is None:
+            return False
+        if self.policy.is_same_owner(caller, name) or self.policy.is_admin(caller):
+            return True
+        topics = (*node.publishing(), *node.subscribing())
+        return any(self.is_visible(caller, "topic", each) for each in topics) or any(
+            self.is_visible(caller, "service", each) for each in node.providing()
+        )
+
+    def is_address_visible(self, caller: str, node: str) -> bool:
+        """Return whether a node may learn from where another one has connected."""
+        return self.policy.is_admin(caller) or self.policy.is_same_owner(caller, node)
+
+    def visible(self, caller: str, kind: Kind, names: Iterable[str]) -> list[str]:
+        """Return the names that a node may see, sorted."""
         if self.policy.allows_all:
             return sorted(names)
-        return sorted(name for name in names if self.policy.may(node, "list", name))
+        return sorted(name for name in names if self.is_visible(caller, kind, name))
+
+    def visible_nodes(self, caller: str, names: Iterable[str]) -> list[str]:
+        """Return the nodes that a node may see, sorted."""
+        if self.policy.allows_all:
+            return sorted(names)
+        return sorted(name for name in names if self.is_node_visible(caller, name))
 
     # Nodes.
 
-    def enter(self, node: Node, name: str | None) -> str:
+    def enter(self, node: Node, name: str | None, principal: Principal | None = None) -> str:
         """Add a node under the requested name, or a generated one; return the name.
 
         An older node of that name is informed that it is replaced, as by ROS's master.
+
+        Args:
+            principal: who the node is, for the policy.
+
+        Raises:
+            NotAllowed: the policy forbids the name.
         """
+        is_chosen = name is not None
+        name = self._new_name() if name is None else name
+        if name not in self.internal:
+            is_taken = name in self.nodes
+            self.policy.enter(name, principal, is_chosen=is_chosen, is_taken=is_taken)
         self.revision += 1
-        if name is None:
-            name = self._new_name()
-            self._unnamed.add(name)
-        else:
+        if is_chosen:
             self._unnamed.discard(name)
+        else:
+            self._unnamed.add(name)
         older = self.nodes.pop(name, None)
         self.nodes[name] = node
         if older is not None:
@@ -181,7 +213,14 @@ class Graph:
         if self.nodes.get(name) is node:
             del self.nodes[name]
             self._unnamed.discard(name)
+            self.policy.leave(name)
             self.revision += 1
+
+    def authorize(self, node: str, principal: Principal) -> None:
+        """Give a living node the rights of a principal; raises `NotAllowed` for its name."""
+        is_chosen = node not in self._unnamed
+        self.policy.enter(node, principal, is_chosen=is_chosen, is_taken=False)
+        self.revision += 1
 
     def resolve(self, name: str, node: str) -> str:
         """Return the global name of a topic, a service, an action or a node that a node means.
@@ -222,11 +261,14 @@ class Graph:
 
         Raises:
             NotAllowed: the policy forbids it.
+            OperationError: the topic is the hub's own.
             TypeConflict: the topic has another type, and nodes that hold it to that.
             DefinitionMismatch: the md5 is another one.
             UnknownDefinition: messages are serialized, but there is no room for the definition.
             InterfaceError: the type's name is not valid, or its package does not have it.
         """
+        if topic.name in self.reserved and node not in self.internal:
+            raise OperationError(f"{topic.name} is published by the hub alone")
         self.check_allowed(node, "publish", topic.name)
         message_type = self._set_type(topic, type_, definition, md5sum, node)
         if serialized and message_type.fault:
@@ -234,13 +276,19 @@ class Graph:
             message_type.check_known()
         source = topic.sources.get(node)
         if source is None:
-            source = Source(
-                node, topic, message_type, self.now, latch=latch, quota=quota or Quota()
-            )
+            source = self._new_source(node, topic, message_type, latch=latch, quota=quota)
             topic.add(source)
             self.topics[topic.name] = topic
             self.revision += 1
         return source
+
+    def _new_source(
+        self, node: str, topic: Topic, type_: MessageType, *, latch: bool, quota: Quota | None
+    ) -> Source:
+        guard = self.guards.get(topic.name)
+        is_free = guard is None or node in self.internal or self.policy.is_admin(node)
+        make = Source if guard is None or is_free else partial(GuardedSource, guard)
+        return make(node, topic, type_, self.now, latch=latch, quota=quota or Quota())
 
     def remove_source(self, source: Source) -> None:
         """Remove a source from its topic."""
@@ -285,6 +333,8 @@ class Graph:
             if serialized and topic.type is not None:
                 topic.type.check_known()
             holds = type_ is not None if holds_type is None else holds_type
+            # Whoever may not publish must not be able to fix the type for those who may.
+            holds = holds and self.is_allowed(sink.node, "publish", topic.name)
             topic.attach(
                 sink,
                 sink if receiver is None else receiver,
@@ -362,7 +412,7 @@ class Graph:
         if older is not None:
             self._types.release(older, topic)
         if type_ is not None:
-            self._types.hold(type_, topic, lambda: f"{topic.holder()} ({topic.name})")
+            self._types.hold(type_, topic, lambda: self._described(topic.holder(), topic.name))
 
     def _settle(self, topic: Topic) -> None:
         """Remove the topic, its type, or the type's definition if they have no holder left."""
@@ -374,6 +424,10 @@ class Graph:
         type_ = self._types.without_definition(topic.type) if topic.held else None
         if type_ is not topic.type:
             self._change_type(topic, type_)
+
+    def _described(self, node: str, name: str) -> str:
+        """Return who uses a type, for errors that any node may get."""
+        return f"{node} ({name})" if self.policy.allows_all else "another node"
 
     # Services.
 
@@ -392,6 +446,7 @@ class Graph:
         older = self.services.get(name)
         if older is not None and isinstance(older.server, InternalServer):
             raise OperationError(f"Service {name} is the hub's own ({older.node})")
+        self._check_free("Service", name, older, server.node)
         return self._serve(Service(name, service_type, server))
 
     def serve_internally(self, name: str, type_: str, node: str, function: Function) -> None:
@@ -401,12 +456,17 @@ class Graph:
     def _serve(self, service: Service) -> Service:
         older = self.services.get(service.name)
         self.services[service.name] = service
-        self._types.hold(service.type, service, lambda: f"{service.node} ({service.name})")
+        self._types.hold(service.type, service, lambda: self._described(service.node, service.name))
         self.revision += 1
         if older is not None:
             self._types.release(older.type, older)
             older.server.displaced(older)
         return service
+
+    def _check_free(self, kind: str, name: str, older: Service | Action | None, node: str) -> None:
+        """Refuse to take a service or an action away from another principal's node."""
+        if older is not None and not self.policy.is_same_owner(node, older.node):
+            raise NotAllowed(node, "provide", name, f"{kind} {name} belongs to another principal")
 
     def remove_service(self, service: Service) -> None:
         """Remove a service, unless another server has taken it over."""
@@ -450,16 +510,17 @@ class Graph:
         self.check_allowed(server.node, "provide", name)
         action_type = self._types.action(Interfaces.canonical(type_), definition, server.node)
         older = self.actions.get(name)
+        self._check_free("Action", name, older, server.node)
         if older is not None:
             self.remove_action(older)
         goals = self._goals.setdefault(name, Goals())
         action = self.actions[name] = Action(name, action_type, server, goals)
-        self._types.hold(action_type, action, lambda: f"{action.node} ({name})")
+        self._types.hold(action_type, action, lambda: self._described(action.node, name))
         self.serve_internally(
             cancel_service(action.name),
             CANCEL_GOAL,
             server.node,
-            lambda request, caller: cancel_goals(action, request),
+            lambda request, caller: cancel_goals(action, request, partial(self._may_end, caller)),
         )
         if older is not None:
             older.server.displaced(older)
@@ -484,7 +545,11 @@ class Graph:
             text = f"Action {name} is of type {action.type.name}, not {wanted}"
             raise CallFailed(text, "type_conflict")
         uuid = next(self._goal_numbers).to_bytes(16, "big")
-        return Goal(action, args, client, uuid, self.now())
+        return Goal(action, args, client, caller, uuid, self.now())
+
+    def _may_end(self, caller: str, goal: Goal) -> bool:
+        """Return whether a node may cancel a goal: its own, or its principal's."""
+        return self.policy.is_same_owner(caller, goal.caller) or self.policy.is_admin(caller)
 
     def _is_same_action(self, action: Action, type_: str) -> bool:
         """Return whether an action's type and the one of this name have the same fields."""
@@ -505,25 +570,55 @@ class Graph:
     # Parameters.
 
     def get_parameter(self, node: str, name: str) -> bytes:
-        """Return a parameter's value as JSON.
+        """Return a parameter's value as JSON; of a namespace, what the node may read of it.
 
         Raises:
-            NotAllowed: the policy forbids it.
+            NotAllowed: the policy forbids it, or would, if there were such a parameter.
             ParameterNotSet, InvalidName: as `Parameters.text`.
         """
-        self.check_allowed(node, "get", canonical(name))
-        return self.parameters.text(name)
+        name = canonical(name)
+        if self.policy.allows_all:
+            return self.parameters.text(name)
+        below = [each for each in self.parameters.below(name) if each != name]
+        readable = [each for each in below if self.is_allowed(node, "param_read", each)]
+        if not readable:
+            self.check_allowed(node, "param_read", name)
+        if len(readable) == len(below):
+            return self.parameters.text(name)
+        return self.parameters.text(name, readable)
 
     def set_parameter(self, node: str, name: str, value: Any) -> None:
-        """Set a parameter; raises `NotAllowed`, and as `Parameters.set`."""
-        self.check_allowed(node, "set", canonical(name))
+        """Set a parameter; raises `NotAllowed`, and as `Parameters.set`.
+
+        The node must have the right for everything that it sets or replaces.
+        """
+        name = canonical(name)
+        new = names_in(name, value) if isinstance(value, dict) else ()
+        self._check_writable(node, name, (*new, *self.parameters.replaced_by(name)))
         self.parameters.set(name, value)
 
     def delete_parameter(self, node: str, name: str) -> None:
         """Delete a parameter if there is one; raises `NotAllowed`, and as `Parameters.delete`."""
-        self.check_allowed(node, "set", canonical(name))
+        name = canonical(name)
+        self._check_writable(node, name, self.parameters.below(name))
         if self.parameters.has(name):
             self.parameters.delete(name)
+
+    def _check_writable(self, node: str, name: str, others: Iterable[str]) -> None:
+        """Check the right to write a parameter and others, whose names the error does not hold."""
+        if self.policy.allows_all:
+            return
+        affected = tuple(others) or (name,)
+        if not all(self.is_allowed(node, "param_write", each) for each in affected):
+            raise NotAllowed(node, "param_write", name)
+
+    def is_parameter_visible(self, caller: str, name: str) -> bool:
+        """Return whether a node may learn that there is a parameter, or a namespace."""
+        if self.policy.allows_all:
+            return True
+        name = canonical(name)
+        below = self.parameters.below(name) or (name,)
+        return any(self.is_visible(caller, "parameter", each) for each in below)
 
 
 def _check_md5sum(type_: MessageType, md5sum: str | None) -> None:

@@ -11,7 +11,7 @@ can change it from outside, and its length is the memory it takes.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Set
 from typing import Any, TypeAlias
 
 from pydantic_core import from_json, to_json
@@ -54,11 +54,17 @@ class Parameters:
         """
         return from_json(self.text(name))
 
-    def text(self, name: str) -> bytes:
-        """Return the value as JSON; raises as `get` does."""
+    def text(self, name: str, only: Collection[str] | None = None) -> bytes:
+        """Return the value as JSON; raises as `get` does.
+
+        Args:
+            only: the names of the parameters of a namespace to return; None for all.
+        """
         found = self._find(_path(name))
         if found is None:
             raise ParameterNotSet(name)
+        if only is not None:
+            found = _without(found, _root(name), frozenset(only)) or {}
         parts: list[bytes] = []
         _write(found, parts)
         return b"".join(parts)
@@ -150,6 +156,22 @@ class Parameters:
         """Return the names of all parameters, sorted, without namespaces."""
         return sorted(_names("", self._above[""]))
 
+    def below(self, name: str) -> list[str]:
+        """Return the names of the parameters in a namespace, or the name itself if it has a value.
+
+        It is empty for names that are not set, and raises `InvalidName`.
+        """
+        found = self._find(_path(name))
+        return [] if found is None else list(_names(_root(name), found))
+
+    def replaced_by(self, name: str) -> list[str]:
+        """Return the parameters that would be replaced by one of this name, or else the name."""
+        path = _path(name)
+        for depth in range(1, len(path)):
+            if isinstance(self._find(path[:depth]), bytes):
+                return ["/".join(path[:depth])]
+        return self.below(name) or [name]
+
     def _find(self, path: list[str]) -> Namespace | bytes | None:
         node: Namespace | bytes | None = self._above
         for key in path:
@@ -162,6 +184,21 @@ class Parameters:
 def canonical(name: str) -> str:
     """Return a parameter's name without empty parts: ``/a/b`` for ``/a//b/``."""
     return "/".join(_path(name)) or "/"
+
+
+def names_in(name: str, value: dict[str, Any]) -> Iterator[str]:
+    """Yield the names of the parameters that a dict would be, set to a namespace's name."""
+    for key, each in value.items():
+        below = f"{_root(name)}/{key}"
+        if isinstance(each, dict) and each:
+            yield from names_in(below, each)
+        else:
+            yield below
+
+
+def _root(name: str) -> str:
+    """Return a canonical name as the beginning of those below it: nothing for the root."""
+    return "" if name == "/" else name
 
 
 def _path(name: str) -> list[str]:
@@ -241,6 +278,14 @@ def _write(node: Namespace | bytes, parts: list[bytes]) -> None:
         _write(each, parts)
         before = b","
     parts.append(b"}" if node else b"{}")
+
+
+def _without(node: Namespace | bytes, name: str, only: Set[str]) -> Namespace | bytes | None:
+    """Return the part of a tree that holds some parameters; None if it holds none of them."""
+    if isinstance(node, bytes):
+        return node if name in only else None
+    parts = ((key, _without(each, f"{name}/{key}", only)) for key, each in node.items())
+    return {key: part for key, part in parts if part is not None} or None
 
 
 def _names(name: str, node: Namespace | bytes) -> Iterator[str]:

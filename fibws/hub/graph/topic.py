@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Collection, Mapping
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, TypeAlias
 
 from pydantic_core import to_json
 
@@ -58,6 +58,10 @@ class Sink(Receiver, Protocol):
 
     def report(self) -> SinkReport:
         """Return its settings and totals."""
+
+
+Guard: TypeAlias = Callable[[str, Mapping[str, Any]], None]
+"""Checks the values of a node's message, and raises `OperationError` to refuse it."""
 
 
 class Quota:
@@ -391,6 +395,33 @@ class Source:
                 f"a message of {self.topic.name} was delivered but not latched: the latched "
                 f"messages of one client may take {self._quota.limit} bytes (--max-latched-bytes)"
             )
+
+
+class GuardedSource(Source):
+    """A source whose messages are checked for more than their type.
+
+    Args:
+        guard: takes the node and each message's values, and raises `OperationError` to refuse it.
+        arguments: those of `Source`.
+    """
+
+    __slots__ = ("_guard",)
+
+    def __init__(self, guard: Guard, *args: Any, **arguments: Any) -> None:
+        super().__init__(*args, **arguments)
+        self._guard = guard
+
+    def publish(self, msg: object, size: int | None = None, to: str | None = None) -> None:
+        """Check a message and deliver it, as `Source` does."""
+        values = self.type.validate({} if msg is None else msg)
+        self._guard(self.node, values)
+        super().publish(values, size, to)
+
+    def publish_serialized(self, data: Buffer, to: str | None = None) -> None:
+        """Check a message and deliver it, as `Source` does."""
+        self.type.check(data)
+        self._guard(self.node, self.type.deserialize(data)[0])
+        super().publish_serialized(data, to)
 
 
 def _numbered(data: Buffer, sequence: int) -> Buffer:

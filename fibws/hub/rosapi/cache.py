@@ -30,8 +30,8 @@ class ResponseCache:
     """Responses about the graph, each made once for each revision of it.
 
     Large responses that hold their own revision or time may be served a little stale, so that
-    alternating changes and queries cannot keep the hub from everything else. Where a policy limits
-    what nodes may list, nothing is cached.
+    alternating changes and queries cannot keep the hub from everything else. Where a policy hides
+    names from nodes, nothing is cached.
     """
 
     def __init__(self, graph: Graph) -> None:

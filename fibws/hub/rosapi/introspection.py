@@ -38,7 +38,7 @@ class Introspection:
     """The services that list the graph.
 
     Names in a request may be relative to the caller. Unknown names give empty strings and lists,
-    and so does what the policy does not let the caller list.
+    and so do those that the policy hides from the caller.
     """
 
     def __init__(self, graph: Graph) -> None:
@@ -89,7 +89,7 @@ class Introspection:
         wanted = self._canonical(request["type"])
         topics = self._graph.topics.values()
         found = (each.name for each in topics if each.type is not None and each.type.name == wanted)
-        return {"topics": self._graph.listed(caller, found)}
+        return {"topics": self._graph.visible(caller, "topic", found)}
 
     def topic_type(self, request: dict[str, Any], caller: str) -> Response:
         """Return the type of a topic."""
@@ -99,13 +99,13 @@ class Introspection:
     def publishers(self, request: dict[str, Any], caller: str) -> Response:
         """Return the nodes that publish on a topic."""
         topic = self._topic(request["topic"], caller)
-        nodes = self._graph.listed(caller, topic.sources) if topic is not None else []
+        nodes = self._graph.visible_nodes(caller, topic.sources) if topic is not None else []
         return {"publishers": nodes}
 
     def subscribers(self, request: dict[str, Any], caller: str) -> Response:
         """Return the nodes that subscribe to a topic."""
         topic = self._topic(request["topic"], caller)
-        nodes = self._graph.listed(caller, topic.subscribers()) if topic is not None else []
+        nodes = self._graph.visible_nodes(caller, topic.subscribers()) if topic is not None else []
         return {"subscribers": nodes}
 
     # Services.
@@ -119,14 +119,17 @@ class Introspection:
         wanted = self._canonical(request["type"])
         services = self._graph.services.values()
         found = (each.name for each in services if each.type.name == wanted)
-        return {"services": self._graph.listed(caller, found)}
+        return {"services": self._graph.visible(caller, "service", found)}
 
     def service_providers(self, request: dict[str, Any], caller: str) -> Response:
         """Return the nodes that serve a type, which the request calls the service."""
         wanted = self._canonical(request["service"])
         services = self._graph.services.values()
-        found = {each.node for each in services if each.type.name == wanted}
-        return {"providers": self._graph.listed(caller, found)}
+        known = self._graph.visible(
+            caller, "service", (each.name for each in services if each.type.name == wanted)
+        )
+        found = {self._graph.services[name].node for name in known}
+        return {"providers": self._graph.visible_nodes(caller, found)}
 
     def service_type(self, request: dict[str, Any], caller: str) -> Response:
         """Return the type of a service."""
@@ -137,7 +140,7 @@ class Introspection:
         """Return the node that serves a service."""
         name = self._service(request["service"], caller)
         node = self._graph.services[name].node if name is not None else ""
-        return {"node": node if self._graph.may_list(caller, node) else ""}
+        return {"node": node}
 
     def service_host(self, request: dict[str, Any], caller: str) -> Response:
         """Return the host of a service."""
@@ -151,15 +154,15 @@ class Introspection:
 
     def node_details(self, request: dict[str, Any], caller: str) -> Response:
         """Return the topics and services of a node."""
-        listed = self._graph.listed
+        visible = self._graph.visible
         name = global_name(self._graph, request["node"], caller)
-        if name not in self._graph.nodes or not self._graph.may_list(caller, name):
+        if name not in self._graph.nodes or not self._graph.is_node_visible(caller, name):
             return {"subscribing": [], "publishing": [], "services": []}
         node = self._graph.nodes[name]
         return {
-            "subscribing": listed(caller, node.subscribing()),
-            "publishing": listed(caller, node.publishing()),
-            "services": listed(caller, node.providing()),
+            "subscribing": visible(caller, "topic", node.subscribing()),
+            "publishing": visible(caller, "topic", node.publishing()),
+            "services": visible(caller, "service", node.providing()),
         }
 
     def action_servers(self, request: dict[str, Any], caller: str) -> Response:
@@ -193,33 +196,38 @@ class Introspection:
         return b'%b,"typedefs_full_text":[%b]}' % (topics[:-1], b",".join(texts))
 
     def _services(self, caller: str) -> bytes:
-        return to_json({"services": self._graph.listed(caller, self._graph.services)})
+        return to_json({"services": self._graph.visible(caller, "service", self._graph.services)})
 
     def _nodes(self, caller: str) -> bytes:
-        return to_json({"nodes": self._graph.listed(caller, self._graph.nodes)})
+        return to_json({"nodes": self._graph.visible_nodes(caller, self._graph.nodes)})
 
     def _action_servers(self, caller: str) -> bytes:
         graph = self._graph
-        servers = actions_over_topics(graph.listed(caller, graph.topics)) | graph.actions.keys()
-        return to_json({"action_servers": graph.listed(caller, servers)})
+        over_topics = actions_over_topics(graph.visible(caller, "topic", graph.topics))
+        servers = over_topics.union(graph.visible(caller, "action", graph.actions))
+        return to_json({"action_servers": sorted(servers)})
 
     def _types_of_topics(self, caller: str) -> list[tuple[str, str]]:
         """Return all topics, sorted, each with its type's name, which is empty without a type."""
         topics = self._graph.topics
-        types = ((name, topics[name].type) for name in self._graph.listed(caller, topics))
+        types = ((name, topics[name].type) for name in self._graph.visible(caller, "topic", topics))
         return [(name, type_.name if type_ is not None else "") for name, type_ in types]
 
     # Looking up.
 
     def _topic(self, name: str, caller: str) -> Topic | None:
-        """Return a topic that the caller may list."""
+        """Return a topic that the caller may see."""
         found = global_name(self._graph, name, caller)
-        return self._graph.topics.get(found) if self._graph.may_list(caller, found) else None
+        return (
+            self._graph.topics.get(found)
+            if self._graph.is_visible(caller, "topic", found)
+            else None
+        )
 
     def _service(self, name: str, caller: str) -> str | None:
-        """Return the global name of a service that is there and that the caller may list."""
+        """Return the global name of a service that is there and that the caller may see."""
         found = global_name(self._graph, name, caller)
-        known = found in self._graph.services and self._graph.may_list(caller, found)
+        known = found in self._graph.services and self._graph.is_visible(caller, "service", found)
         return found if known else None
 
     def _full_text(self, type_: str) -> bytes:

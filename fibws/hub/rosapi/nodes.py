@@ -8,9 +8,11 @@ are additions of fibws: one response replaces hundreds of calls.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
+from fibws.errors import NotAllowed
 from fibws.hub.delivery.clock import Clock
 from fibws.hub.graph.graph import ROSBRIDGE, Graph
 from fibws.hub.graph.publication import Publication
@@ -25,6 +27,7 @@ from fibws.hub.rosapi.rosnode import Rosnode
 from fibws.hub.rosapi.snapshot import Snapshot
 from fibws.hub.rosapi.statistics import Statistics
 from fibws.hub.rosapi.typedefs import TypeDefs
+from fibws.protocol.decoding import quoted
 
 ROSOUT = "/rosout"
 """A node, and the topic that it subscribes to."""
@@ -105,6 +108,8 @@ class OwnNodes:
     ) -> None:
         self._graph = graph
         graph.internal.update(OWN_NODES)
+        graph.reserved.update(PUBLISHED.keys() - {ROSOUT})
+        graph.guards[ROSOUT] = check_author
         set_defaults(graph.parameters, run_id=run_id, host=host, port=port, address=address)
         self._sources = {
             (node, topic): graph.advertise(graph.topic(topic), node, type_)
@@ -179,6 +184,14 @@ class OwnNodes:
         for name in OWN_NODES:
             services.update(loggers.services(name))
         return services
+
+
+def check_author(node: str, values: Mapping[str, Any]) -> None:
+    """Refuse a log line that a node writes in the name of another; raises `NotAllowed`."""
+    author = values["name"]
+    if author not in ("", node):
+        fault = f"log lines must have the name of their node, got {quoted(author)}"
+        raise NotAllowed(node, "publish", ROSOUT, fault)
 
 
 def _namespace(name: str) -> str:

@@ -14,7 +14,7 @@ from pydantic_core import from_json, to_json
 from fibws import names
 from fibws.errors import OperationError, ParameterNotSet, ParametersFull
 from fibws.hub.graph.graph import ROSBRIDGE, Graph
-from fibws.hub.graph.parameters import Parameters, canonical
+from fibws.hub.graph.parameters import Parameters
 from fibws.hub.graph.service import Function, Response
 
 ROSDISTRO = "noetic\n"
@@ -93,7 +93,7 @@ class ParameterServices:
         """Return whether there is a parameter of that name, or a namespace."""
         name = _global(request["name"], caller)
         exists = self._parameters.has(name)
-        return {"exists": exists and self._graph.may_list(caller, canonical(name))}
+        return {"exists": exists and self._graph.is_parameter_visible(caller, name)}
 
     def delete(self, request: dict[str, Any], caller: str) -> Response:
         """Delete a parameter, whether or not it was there."""
@@ -103,12 +103,12 @@ class ParameterServices:
     def search(self, request: dict[str, Any], caller: str) -> Response:
         """Return the name of the parameter nearest to the caller, or an empty string."""
         found = self._parameters.search(request["name"], caller)
-        listed = found is not None and self._graph.may_list(caller, canonical(found))
-        return {"global_name": found if listed else ""}
+        is_visible = found is not None and self._graph.is_parameter_visible(caller, found)
+        return {"global_name": found if is_visible else ""}
 
     def names(self, request: dict[str, Any], caller: str) -> Response:
         """Return the names of all parameters."""
-        return {"names": self._graph.listed(caller, self._parameters.names())}
+        return {"names": self._graph.visible(caller, "parameter", self._parameters.names())}
 
 
 def _global(name: str, caller: str) -> str:

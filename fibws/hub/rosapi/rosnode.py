@@ -8,6 +8,7 @@ from functools import partial
 from itertools import count
 from typing import Any
 
+from fibws.errors import NotAllowed
 from fibws.hub.delivery.clock import Clock, Timer
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.service import Deferred, Function, Response
@@ -74,7 +75,11 @@ class Rosnode:
         return response
 
     def kill(self, request: dict[str, Any], caller: str) -> Response:
-        """End a node by closing its connection with a reason, on which fibws's nodes exit."""
+        """End a node by closing its connection with a reason, on which fibws's nodes exit.
+
+        Raises:
+            NotAllowed: the node is another principal's, and the caller is no admin.
+        """
         node = global_name(self._graph, request["node"], caller)
         if not self._is_known(node, caller):
             return {"success": False, "message": _unknown(node)}
@@ -82,6 +87,9 @@ class Rosnode:
         if client is None:
             text = f"{node} is the hub's own, which ends with the hub alone"
             return {"success": False, "message": text}
+        policy = self._graph.policy
+        if not policy.is_same_owner(caller, node) and not policy.is_admin(caller):
+            raise NotAllowed(caller, "admin", node)
         logger.info("%s kills %s.", printable(caller), printable(node))
         # It may be the caller, whose operations in the same text must not outlive it.
         self._clock.call_later(0, partial(client.close, KILLED))
@@ -109,8 +117,8 @@ class Rosnode:
                 self._settle(client, data, _ping_failed("the hub is shutting down"))
 
     def _is_known(self, node: str, caller: str) -> bool:
-        """Return whether a node is there and the caller may list it."""
-        return node in self._graph.nodes and self._graph.may_list(caller, node)
+        """Return whether a node is there and the caller may see it."""
+        return node in self._graph.nodes and self._graph.is_node_visible(caller, node)
 
     def _give_up(self, client: Client, data: bytes) -> None:
         text = f"{self._pings[client][data].node} did not answer within {PATIENCE:g} s"

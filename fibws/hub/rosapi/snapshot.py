@@ -40,7 +40,10 @@ class Snapshot:
         return {"/rosapi/graph": ("fibws_msgs/GetGraph", self.graph)}
 
     def graph(self, request: dict[str, Any], caller: str) -> Response:
-        """Return everything that the caller may list, and the revision of the graph."""
+        """Return everything that the caller may see, and the revision of the graph.
+
+        Whoever sees a topic, a service or an action sees the nodes that use it.
+        """
         return self._cached(self._all, caller)
 
     def _all(self, caller: str) -> bytes:
@@ -50,16 +53,16 @@ class Snapshot:
                 "revision": graph.revision,
                 "nodes": self._nodes(caller),
                 "topics": [
-                    self._topic(graph.topics[name], caller)
-                    for name in graph.listed(caller, graph.topics)
+                    self._topic(graph.topics[name])
+                    for name in graph.visible(caller, "topic", graph.topics)
                 ],
                 "services": [
                     {
                         "name": name,
                         "type": graph.services[name].type.name,
-                        "node": self._node(graph.services[name].node, caller),
+                        "node": graph.services[name].node,
                     }
-                    for name in graph.listed(caller, graph.services)
+                    for name in graph.visible(caller, "service", graph.services)
                 ],
                 "actions": sorted(self._actions(caller), key=lambda action: str(action["name"])),
             }
@@ -68,52 +71,45 @@ class Snapshot:
     def _nodes(self, caller: str) -> list[dict[str, Any]]:
         connected = {client.name: (client.peer, since) for client, since in self._clients}
         nodes = []
-        for name in self._graph.listed(caller, self._graph.nodes):
+        for name in self._graph.visible_nodes(caller, self._graph.nodes):
             address, since = connected.get(name, ("", self._began))
+            is_visible = self._graph.is_address_visible(caller, name)
             secs, nsecs = divmod(since, 1_000_000_000)
             nodes.append(
                 {
                     "name": name,
-                    "address": address,
+                    "address": address if is_visible else "",
                     "since": {"secs": secs, "nsecs": nsecs},
                     "own": name in self._own,
                 }
             )
         return nodes
 
-    def _topic(self, topic: Topic, caller: str) -> dict[str, Any]:
-        may_list = self._graph.may_list
+    def _topic(self, topic: Topic) -> dict[str, Any]:
         sinks = sorted(topic.sinks(), key=lambda sink: sink.node)
         return {
             "name": topic.name,
             "type": topic.type.name if topic.type is not None else "",
             "checked": topic.type is not None and topic.type.checked,
             "publishers": [
-                {"node": node, "latch": topic.sources[node].latch}
-                for node in self._graph.listed(caller, topic.sources)
+                {"node": node, "latch": topic.sources[node].latch} for node in sorted(topic.sources)
             ],
-            "subscriptions": [_subscription(sink) for sink in sinks if may_list(caller, sink.node)],
+            "subscriptions": [_subscription(sink) for sink in sinks],
         }
-
-    def _node(self, name: str, caller: str) -> str:
-        """Return a node's name, or an empty string if the caller may not list it."""
-        return name if self._graph.may_list(caller, name) else ""
 
     def _actions(self, caller: str) -> Iterator[dict[str, Any]]:
         graph = self._graph
-        for name in graph.listed(caller, graph.actions):
+        for name in graph.visible(caller, "action", graph.actions):
             action = graph.actions[name]
-            node = self._node(action.node, caller)
-            yield _action(name, action.type.name, node, over_topics=False)
-        topics = graph.listed(caller, graph.topics)
-        for name in graph.listed(caller, actions_over_topics(topics)):
+            yield _action(name, action.type.name, action.node, over_topics=False)
+        for name in actions_over_topics(graph.visible(caller, "topic", graph.topics)):
             goal, status, result = (
                 graph.topics[f"{name}/{topic}"] for topic in ("goal", "status", "result")
             )
             type_ = goal.type.name if goal.type is not None else ""
             node = min(status.sources or result.sources, default="")
             type_ = type_.removesuffix(GOAL) if type_.endswith(GOAL) else ""
-            yield _action(name, type_, self._node(node, caller), over_topics=True)
+            yield _action(name, type_, node, over_topics=True)
 
 
 def _subscription(sink: Sink) -> dict[str, Any]:

@@ -45,25 +45,12 @@ class Statistics:
                 "revision": graph.revision,
                 "stamp": {"secs": secs, "nsecs": nsecs},
                 "topics": [
-                    self._topic(graph.topics[name], caller)
-                    for name in graph.listed(caller, graph.topics)
+                    _topic(graph.topics[name])
+                    for name in graph.visible(caller, "topic", graph.topics)
                 ],
                 "clients": self._list(caller),
             }
         )
-
-    def _topic(self, topic: Topic, caller: str) -> dict[str, Any]:
-        may_list = self._graph.may_list
-        sources = [topic.sources[node] for node in self._graph.listed(caller, topic.sources)]
-        sinks = sorted(topic.sinks(), key=lambda sink: sink.node)
-        return {
-            "topic": topic.name,
-            "publishers": [
-                {"node": each.node, "messages": each.messages, "bytes": each.bytes}
-                for each in sources
-            ],
-            "subscriptions": [_subscription(sink) for sink in sinks if may_list(caller, sink.node)],
-        }
 
     def _list(self, caller: str) -> list[dict[str, Any]]:
         # A client that was replaced, or is being closed, may still be connected.
@@ -72,13 +59,27 @@ class Statistics:
         return [
             {
                 "node": name,
-                "address": clients[name].peer,
+                "address": clients[name].peer
+                if self._graph.is_address_visible(caller, name)
+                else "",
                 "kept_bytes": clients[name].queue.kept_bytes,
                 "dropped": clients[name].queue.dropped,
                 "slow": clients[name].queue.paused,
             }
-            for name in self._graph.listed(caller, names)
+            for name in self._graph.visible_nodes(caller, names)
         ]
+
+
+def _topic(topic: Topic) -> dict[str, Any]:
+    sources = (topic.sources[node] for node in sorted(topic.sources))
+    sinks = sorted(topic.sinks(), key=lambda sink: sink.node)
+    return {
+        "topic": topic.name,
+        "publishers": [
+            {"node": each.node, "messages": each.messages, "bytes": each.bytes} for each in sources
+        ],
+        "subscriptions": [_subscription(sink) for sink in sinks],
+    }
 
 
 def _subscription(sink: Sink) -> dict[str, Any]:

@@ -172,6 +172,13 @@ class Actions:
             for goal in list(self._goals_of.get(action.name, {}).values()):
                 goal.fail(f"Action {action.name} was unadvertised", "server_lost")
 
+    def withdraw_forbidden(self) -> None:
+        """Take back the actions that the client's rights do not allow any more."""
+        for name, (_, spelling) in list(self._served.items()):
+            if not self._client.graph.is_allowed(self.node, "provide", name):
+                self.unadvertise(UnadvertiseAction(action=spelling))
+                self._client.report_withdrawn("provide", name)
+
     def execute(self, goal: Goal) -> None:
         """Pass a goal to the client."""
         action = goal.action

@@ -8,7 +8,8 @@ from itertools import count
 from typing import TYPE_CHECKING
 
 from fibws import names
-from fibws.errors import LimitReached
+from fibws.access.rights import Right
+from fibws.errors import LimitReached, NotAllowed
 from fibws.hub.delivery.clock import Clock
 from fibws.hub.delivery.send_queue import SendQueue
 from fibws.hub.graph.graph import Graph
@@ -49,6 +50,11 @@ class Client:
     statuses: Statuses
     serialized: bool
     numbers: Iterator[int] = field(default_factory=lambda: count(1))
+
+    def report_withdrawn(self, right: Right, name: str) -> None:
+        """Tell the client that it has lost a registration together with the right to it."""
+        error = NotAllowed(self.node, right, name)
+        self.statuses.error(None, f"{right}: {error}; it was taken back", code=error.code)
 
     def resolve(self, spelling: str) -> str:
         """Return the global name that the client means; raise `InvalidName`."""

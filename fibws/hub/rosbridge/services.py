@@ -249,6 +249,13 @@ class Services:
             for id_ in list(self._calls_of.get(service.name, ())):
                 self._fail(id_, f"Service {service.name} was unadvertised", "server_lost")
 
+    def withdraw_forbidden(self) -> None:
+        """Take back the services that the client's rights do not allow any more."""
+        for name, served in list(self._served.items()):
+            if not self._client.graph.is_allowed(self.node, "provide", name):
+                self.unadvertise(UnadvertiseService(service=served.spelling))
+                self._client.report_withdrawn("provide", name)
+
     def handle(self, call: Call) -> None:
         """Pass a call to the client."""
         served = self._served[call.service.name]

@@ -11,11 +11,20 @@ otherwise CBOR, or JSON as the real server takes it.
 from __future__ import annotations
 
 from contextlib import ExitStack
+from dataclasses import replace
 from typing import Any, assert_never
 
 from pydantic_core import from_json
 
-from fibws.errors import FibwsError, InvalidUtf8, OperationError
+from fibws.access.rights import Principal
+from fibws.errors import (
+    AuthenticationError,
+    FibwsError,
+    InvalidUtf8,
+    NotAllowed,
+    OperationError,
+    TooManyAttempts,
+)
 from fibws.hub.delivery.clock import Clock
 from fibws.hub.graph.graph import Graph
 from fibws.hub.rosbridge.actions import Actions, Goals
@@ -50,10 +59,22 @@ from fibws.protocol.operations import (
     Unsubscribe,
 )
 from fibws.protocol.value_limits import FEWEST_BYTES, check_json
-from fibws.protocol.websocket import REPLACED, Payload
+from fibws.protocol.websocket import (
+    FORBIDDEN,
+    LIMITED,
+    MISSING_TOKEN,
+    REPLACED,
+    UNAUTHENTICATED,
+    Payload,
+    close_reason,
+)
 
 MAX_OBJECTS = 1000
 """Operations in one text: a megabyte of ``{}{}{}`` would keep all others waiting."""
+
+
+MOST_REFUSED = 100
+"""Operations of a client without a token that are refused one by one."""
 
 
 class Rosbridge:
@@ -75,13 +96,97 @@ class Rosbridge:
         self.servers: dict[str, Services] = {}
         """The clients that serve services, by the secrets in the ids of their calls."""
 
-    def open(self, opening: Opening, *, serialized: bool = False) -> Session:
-        """Return a new session.
+    def open(self, opening: Opening, *, serialized: bool = False) -> Session | TokenWait:
+        """Return a new session, or what precedes it if the client has yet to send its token.
 
         Args:
             serialized: whether the connection speaks ``fibws.v1``.
+
+        Raises:
+            NotAllowed: the client may not be the node that it wants to be.
         """
+        if opening.log_in is not None and opening.principal is None:
+            return TokenWait(self, opening, serialized=serialized)
         return Session(self, opening, serialized=serialized)
+
+
+class TokenWait:
+    """What precedes a client's session until it has sent its token by ``auth``; an `Endpoint`."""
+
+    node = ""
+    incomplete_bytes = 0
+
+    def __init__(self, rosbridge: Rosbridge, opening: Opening, *, serialized: bool) -> None:
+        self._rosbridge = rosbridge
+        self._opening = opening
+        self._serialized = serialized
+        self._statuses = Statuses("a client without a token", opening.queue, codes=serialized)
+        self._refused = 0
+
+    def receive_text(self, data: Payload) -> None:
+        """Open the session if the client proves who it is; otherwise close the connection."""
+        try:
+            check_json(data)
+            operations = decode_json(data)
+            for fields in operations:
+                session = self._session(fields)
+                if session is not None:
+                    for rest in operations:
+                        session.perform(rest, 0)
+        except AuthenticationError as error:
+            limited = isinstance(error, TooManyAttempts)
+            self._end(LIMITED if limited else UNAUTHENTICATED, error)
+        except NotAllowed as error:
+            self._end(FORBIDDEN, error)
+        except OperationError as error:
+            self._refuse(None, str(error), error.code)
+
+    def receive_binary(self, data: Payload) -> None:
+        """Refuse it: a token comes as text."""
+        self._refuse(None, "binary messages need a token", AuthenticationError.code)
+
+    def authorize(self, principal: Principal) -> None:
+        """Do nothing: the client has no rights yet."""
+
+    def leave(self) -> None:
+        """Do nothing: the client has registered nothing."""
+
+    def _session(self, fields: dict[str, Any]) -> Session | None:
+        """Return the session that ``auth`` opens; refuse all other operations."""
+        operation = fields.get("op")
+        if operation != "auth":
+            text = f"{operation}: this hub needs a token; send it by the operation auth first"
+            self._refuse(fields.get("id"), text, AuthenticationError.code)
+            return None
+        opening = self._opening
+        assert opening.log_in is not None
+        assert opening.replace is not None
+        request = parse_request(fields)
+        assert isinstance(request, Auth)
+        principal = opening.log_in(token_of(request))
+        session = Session(
+            self._rosbridge, replace(opening, principal=principal), serialized=self._serialized
+        )
+        opening.replace(session)
+        return session
+
+    def _refuse(self, id_: object, text: str, code: str) -> None:
+        self._refused += 1
+        if self._refused > MOST_REFUSED:
+            self._opening.close(MISSING_TOKEN)
+        else:
+            self._statuses.error(id_, text, code=code)
+
+    def _end(self, code: int, error: FibwsError) -> None:
+        self._statuses.error(None, f"auth: {error}", code=error.code)
+        self._opening.close(close_reason(code, str(error)))
+
+
+def token_of(request: Auth) -> str:
+    """Return the token of an operation; raise `AuthenticationError` if it has none."""
+    if request.token is None:
+        raise AuthenticationError("missing token")
+    return request.token
 
 
 class Session:
@@ -93,6 +198,7 @@ class Session:
         "_client",
         "_close",
         "_goals",
+        "_log_in",
         "_reassembly",
         "_services",
         "_sources",
@@ -110,8 +216,9 @@ class Session:
     ) -> None:
         graph, queue = rosbridge.graph, opening.queue
         self._close = opening.close
+        self._log_in = opening.log_in
         self._reassembly: Reassembly | None = None
-        self.node = graph.enter(self, opening.node)
+        self.node = graph.enter(self, opening.node, opening.principal)
         self._statuses = Statuses(self.node, queue, rosbridge.report, codes=serialized)
         self._client = Client(
             self.node,
@@ -180,7 +287,7 @@ class Session:
             except ValueError:
                 fields = None
             if type(fields) is dict:
-                self._perform(fields, len(data))
+                self.perform(fields, len(data))
                 return
             fields = None  # It may be large, and is decoded once more for the error.
         try:
@@ -200,10 +307,17 @@ class Session:
             if data[:1] < b"\x80":  # No map in CBOR begins with an ASCII character.
                 self.receive_text(data)
             else:
-                self._perform(decode_cbor(bytes(data)), len(data))
+                self.perform(decode_cbor(bytes(data)), len(data))
         except (OperationError, InvalidUtf8) as error:
             text = f"Expected JSON text or CBOR: {error}"
             self._statuses.error(None, text, code=error.code)
+
+    def authorize(self, principal: Principal) -> None:
+        """Go on with the rights of a principal; see `Endpoint.authorize`."""
+        self._client.graph.authorize(self.node, principal)
+        for part in (self._actions, self._services, self.topics):
+            if part is not None:
+                part.withdraw_forbidden()
 
     def leave(self) -> None:
         """Take the client's registrations back; the second time nothing happens."""
@@ -245,11 +359,12 @@ class Session:
             left -= 1
             if reassembled and fields.get("op") == "fragment":
                 raise OperationError("a fragment must not hold fragments")
-            self._perform(fields, size)
+            self.perform(fields, size)
             size = 0  # The bytes count once, however many operations share them.
             del fields  # Not two at a time: they take many times their text's memory.
 
-    def _perform(self, fields: dict[str, Any], size: int) -> None:
+    def perform(self, fields: dict[str, Any], size: int) -> None:
+        """Perform one operation, of which ``size`` bytes have come; reply to errors."""
         try:
             if fields.get("op") == "publish" and "to" not in fields:
                 # Nearly every operation is this one. Once advertised it needs no model: apart from
@@ -329,13 +444,22 @@ class Session:
             case Fragment():
                 self._reassemble(request)
             case Auth():
-                # A hub without authentication accepts all credentials.
-                text = "auth: ignored, no authentication is enabled"
-                self._statuses.warning(request.id, text)
+                self._authenticate(request)
             case SetLevel():
                 self._statuses.set_level(request.level)
             case _:
                 assert_never(request)
+
+    def _authenticate(self, request: Auth) -> None:
+        """Go on as whom a token proves the client to be; a wrong one changes nothing."""
+        if self._log_in is None:
+            # A hub without authentication accepts all credentials.
+            text = "auth: ignored, no authentication is enabled"
+            self._statuses.warning(request.id, text)
+            return
+        principal = self._log_in(token_of(request))
+        self.authorize(principal)
+        self._statuses.info(request.id, f"auth: this client is {principal.name}")
 
     def _reassemble(self, fragment: Fragment) -> None:
         client = self._client

@@ -332,6 +332,19 @@ class Topics:
 
     # Both.
 
+    def withdraw_forbidden(self) -> None:
+        """Take back what the client's rights do not allow any more."""
+        graph, node = self._client.graph, self._client.node
+        for spelling, source in list(self.sources.items()):
+            if not graph.is_source_allowed(source):
+                self.unadvertise(Unadvertise(topic=spelling))
+                self._client.report_withdrawn("publish", source.topic.name)
+        for spelling, subscription in list(self.subscriptions.items()):
+            name = subscription.topic.name
+            if not graph.is_allowed(node, "subscribe", name):
+                self.unsubscribe(Unsubscribe(topic=spelling))
+                self._client.report_withdrawn("subscribe", name)
+
     def leave(self) -> None:
         """Take everything back."""
         if self._pending is not None:

@@ -11,10 +11,12 @@ from __future__ import annotations
 import asyncio
 import http
 import logging
+import math
 import socket
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from time import perf_counter
+from time import perf_counter, time
 from typing import Protocol, cast
 
 from websockets.frames import Frame, Opcode
@@ -22,7 +24,9 @@ from websockets.http11 import Request, Response
 from websockets.protocol import State
 from websockets.server import ServerProtocol
 
-from fibws.errors import InvalidUtf8
+from fibws.access.rights import Principal
+from fibws.errors import AuthenticationError, InvalidUtf8, NotAllowed, TooManyAttempts
+from fibws.hub.access.authentication import Authentication, Login
 from fibws.hub.delivery.send_queue import Flusher, SendQueue
 from fibws.hub.log_text import printable
 from fibws.hub.settings import KIB, Settings
@@ -32,12 +36,18 @@ from fibws.hub.websocket.keepalive import Keepalive
 from fibws.hub.websocket.shared_limits import SharedLimits
 from fibws.hub.websocket.turns import TURN, Turns
 from fibws.protocol.websocket import (
+    EXPIRED,
+    FORBIDDEN,
     FRAGMENTS,
     INVALID_UTF8,
+    LIMITED,
+    MISSING_TOKEN,
     OVERFULL,
+    UNAUTHENTICATED,
     CloseReason,
     FrameParser,
     Payload,
+    close_reason,
 )
 
 logger = logging.getLogger("fibws.hub")
@@ -69,6 +79,9 @@ class Shared:
     turns: Turns
     limits: SharedLimits
     observer: Observer
+    authentication: Authentication | None = None
+    now: Callable[[], float] = time
+    """Returns the seconds since 1970."""
     small: memoryview = field(default_factory=lambda: memoryview(bytearray(16 * KIB)))
     medium: memoryview = field(default_factory=lambda: memoryview(bytearray(256 * KIB)))
 
@@ -90,6 +103,9 @@ class Observer(Protocol):
     def connected(self, connection: Connection) -> None:
         """A client has finished its handshake."""
 
+    def entered(self, connection: Connection) -> None:
+        """A client is a node now; before, it may have had to prove who it is."""
+
     def ponged(self, connection: Connection, data: bytes) -> None:
         """A client has sent a pong with these data."""
 
@@ -101,12 +117,14 @@ class Connection(asyncio.BufferedProtocol):
     """One client's connection, from the socket's opening to its end."""
 
     __slots__ = (
+        "_again",
         "_binary",
         "_busy",
         "_fragments",
         "_head",
         "_keepalive",
         "_left",
+        "_login_due",
         "_parser",
         "_pong_bytes",
         "_protocol",
@@ -118,6 +136,7 @@ class Connection(asyncio.BufferedProtocol):
         "address",
         "endpoint",
         "peer",
+        "principal",
         "queue",
     )
 
@@ -145,6 +164,12 @@ class Connection(asyncio.BufferedProtocol):
         self._reported_at = float("-inf")
         self.queue: SendQueue
         self.endpoint: Endpoint | None = None
+        self.principal: Principal | None = None
+        """Who the client is, on a hub with authentication."""
+        self._again: Callable[[], Principal] | None = None
+        """Checks once more who the client is."""
+        self._login_due = math.inf
+        """When a client must have sent its token that had none in its handshake."""
         self.address = ""
         """The IP address that the client comes from."""
         self.peer = ""
@@ -153,7 +178,7 @@ class Connection(asyncio.BufferedProtocol):
     @property
     def name(self) -> str:
         """How the log calls the client: its node, or its address during the handshake."""
-        return self.endpoint.node if self.endpoint is not None else self.peer
+        return (self.endpoint is not None and self.endpoint.node) or self.peer
 
     @property
     def is_open(self) -> bool:
@@ -326,12 +351,83 @@ class Connection(asyncio.BufferedProtocol):
             shared.flusher,
             max_bytes=shared.settings.max_queued_bytes,
         )
-        open_endpoint = shared.endpoints.find(self._protocol.subprotocol, request.path)
-        self.endpoint = open_endpoint(Opening(node_name(request.path), self.queue, self.close))
-        request.headers.clear()  # The library keeps the request as long as the connection.
         self._keepalive.opened()
+        try:
+            self._open(request)
+        except AuthenticationError as error:
+            limited = isinstance(error, TooManyAttempts)
+            self.fail(close_reason(LIMITED if limited else UNAUTHENTICATED, str(error)))
+        except NotAllowed as error:
+            self.fail(close_reason(FORBIDDEN, str(error)))
+        finally:
+            request.headers.clear()  # The library keeps the request as long as the connection.
+
+    def _open(self, request: Request) -> None:
+        """Open the endpoint; raise `AuthenticationError` or `NotAllowed` if the client may not."""
+        shared = self._shared
+        log_in = None
+        if shared.authentication is not None:
+            log_in = self._log_in
+            offered = ",".join(request.headers.get_all("Sec-WebSocket-Protocol")).split(",")
+            login = shared.authentication.log_in(
+                request.headers,
+                request.path,
+                [each.strip() for each in offered],
+                None,
+                self.address,
+            )
+            if login is not None:
+                self._logged_in(login)
+        open_endpoint = shared.endpoints.find(self._protocol.subprotocol, request.path)
+        opening = Opening(
+            node_name(request.path),
+            self.queue,
+            self.close,
+            principal=self.principal,
+            log_in=log_in,
+            replace=self._enter,
+        )
+        endpoint = open_endpoint(opening)
         shared.observer.connected(self)
-        logger.info("%s has connected from %s.", self.endpoint.node, self.peer)
+        if log_in is None or self.principal is not None:
+            self._enter(endpoint)
+        else:
+            self.endpoint = endpoint
+            self._login_due = shared.loop.time() + shared.settings.auth_timeout
+
+    def _enter(self, endpoint: Endpoint) -> None:
+        """Exchange messages with the client through an endpoint that is a node."""
+        self.endpoint = endpoint
+        self._login_due = math.inf
+        self._shared.observer.entered(self)
+        principal = f" as {self.principal.name}" if self.principal is not None else ""
+        logger.info("%s has connected from %s%s.", endpoint.node, self.peer, principal)
+
+    # Who the client is.
+
+    def _log_in(self, token: str) -> Principal:
+        """Return whose token this is, and take the client for that from now on."""
+        assert self._shared.authentication is not None
+        return self._logged_in(self._shared.authentication.log_in_by_token(token, self.address))
+
+    def _logged_in(self, login: Login) -> Principal:
+        self._again = login.again
+        self.principal = login.principal
+        return login.principal
+
+    def check_login(self) -> None:
+        """Check once more who the client is and what it may do, as the tokens have changed."""
+        if self._again is None or self.endpoint is None:
+            return
+        try:
+            principal = self._again()
+            if principal != self.principal:
+                self.principal = principal
+                self.endpoint.authorize(principal)
+        except AuthenticationError as error:
+            self.fail(close_reason(UNAUTHENTICATED, f"after a reload: {error}"))
+        except NotAllowed as error:
+            self.fail(close_reason(FORBIDDEN, f"after a reload: {error}"))
 
     def _refuse(self) -> Response | None:
         """Return the response to a client for which there is no room."""
@@ -497,6 +593,10 @@ class Connection(asyncio.BufferedProtocol):
             self._report_drops(now)
             if self.queue.overfull:
                 self.fail(OVERFULL)
+            if now > self._login_due:
+                self.fail(MISSING_TOKEN)
+            if self.principal is not None and self.principal.is_expired(self._shared.now()):
+                self.fail(EXPIRED)
         verdict = self._keepalive.verdict(now, self._transport.get_write_buffer_size())
         if verdict == "abort":
             self._transport.abort()

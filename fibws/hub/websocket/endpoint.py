@@ -8,11 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from typing import Protocol, TypeAlias
 
 from websockets.server import ServerProtocol
 from websockets.typing import Subprotocol
 
+from fibws.access.rights import Principal
 from fibws.hub.delivery.send_queue import SendQueue
 from fibws.protocol.websocket import CloseReason, Payload
 
@@ -34,6 +36,13 @@ class Endpoint(Protocol):
     def receive_binary(self, data: Payload) -> None:
         """Take a binary message, and own its buffer."""
 
+    def authorize(self, principal: Principal) -> None:
+        """Go on with these rights, and take back what they do not allow.
+
+        Raises:
+            NotAllowed: the client may not be its node any more.
+        """
+
     def leave(self) -> None:
         """Take the client's registrations back; called once, when the connection ends."""
 
@@ -46,12 +55,22 @@ class Opening:
         node: the global name that the client requested, if any.
         queue: takes the frames for the client.
         close: closes the connection.
+        principal: who the client is; None if it has not proved that, or need not.
+        log_in: returns whose token this is, or raises `AuthenticationError`; None on a hub without
+            authentication.
+        replace: lets another endpoint go on with the connection.
     """
 
     node: str | None
     queue: SendQueue
     close: Callable[[CloseReason], None]
+    principal: Principal | None = None
+    log_in: Callable[[str], Principal] | None = None
+    replace: Callable[[Endpoint], None] | None = None
 
+
+TOKEN_SUBPROTOCOL = "fibws.token."
+"""How a subprotocol begins that is a token: scripts of web pages can choose no header."""
 
 OpenEndpoint: TypeAlias = Callable[[Opening], Endpoint]
 
@@ -69,7 +88,10 @@ class Endpoints:
         self._by_path: dict[str, OpenEndpoint] = {}
 
         def select(protocol: ServerProtocol, offered: Sequence[Subprotocol]) -> Subprotocol | None:
-            return next((each for each in offered if each in self._by_subprotocol), None)
+            known = (each for each in offered if each in self._by_subprotocol)
+            # A browser fails a connection of which the server takes none of the subprotocols.
+            tokens = (each for each in offered if each.startswith(TOKEN_SUBPROTOCOL))
+            return next(chain(known, tokens), None)
 
         self.select = select
         """Selects the first subprotocol of a client's that is known, for `ServerProtocol`, which

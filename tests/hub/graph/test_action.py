@@ -36,7 +36,7 @@ class Execution:
     def goal(self, accepted: int = NANOSECONDS) -> Goal:
         """Start a goal."""
         uuid = bytes(15) + bytes([next(self._numbers)])
-        goal = Goal(self.action, {"order": 5}, self, uuid, accepted)
+        goal = Goal(self.action, {"order": 5}, self, "/client", uuid, accepted)
         goal.start()
         return goal
 
@@ -152,7 +152,7 @@ def test_goals_are_cancelled_by_uuid_or_by_age_or_all_together(
     execution = Execution()
     goals = [execution.goal(1_000_000_000 + each) for each in (1, 2, 3)]
     execution.calls.clear()
-    response = cancel_goals(execution.action, asked)
+    response = cancel_goals(execution.action, asked, lambda goal: True)
     assert execution.calls == [("cancel", goals[each]) for each in sorted(cancelled)]
     assert response["return_code"] == code
     canceling = [(each["goal_id"]["uuid"], each["stamp"]) for each in response["goals_canceling"]]

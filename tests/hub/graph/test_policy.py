@@ -8,8 +8,10 @@ from typing import Any
 
 import pytest
 
+from fibws.access.rights import Right
 from fibws.errors import NotAllowed
-from fibws.hub.graph.graph import AllowAll, Graph, Verb
+from fibws.hub.graph.graph import Graph
+from fibws.hub.graph.policy import RIGHTS_OF, AllowAll
 from fibws.interfaces import Interfaces
 from fibws.protocol.serialized import publish_head
 
@@ -19,27 +21,33 @@ from ..rosbridge import service_clients
 from .recorder import Recorder
 
 
-class Forbid:
-    """A `Policy` that forbids some combinations of node, verb and name."""
+class Forbid(AllowAll):
+    """A `Policy` that forbids some combinations of node, right and name."""
 
     allows_all = False
 
-    def __init__(self, *forbidden: tuple[str, Verb, str]) -> None:
+    def __init__(self, *forbidden: tuple[str, Right, str]) -> None:
         self.forbidden = set(forbidden)
-        self.questions: list[tuple[str, Verb, str]] = []
+        self.questions: list[tuple[str, Right, str]] = []
 
-    def may(self, node: str, verb: Verb, name: str) -> bool:
-        self.questions.append((node, verb, name))
-        return (node, verb, name) not in self.forbidden
+    def may(self, node: str, right: Right, name: str) -> bool:
+        self.questions.append((node, right, name))
+        return (node, right, name) not in self.forbidden
 
 
-class HideSecrets:
-    """A `Policy` that hides every name with ``secret`` in it from /guest."""
+class HideSecrets(AllowAll):
+    """A `Policy` that hides every name with ``secret`` in it from /guest, which owns nothing."""
 
     allows_all = False
 
-    def may(self, node: str, verb: Verb, name: str) -> bool:
-        return not (node == "/guest" and verb == "list" and "secret" in name)
+    def may(self, node: str, right: Right, name: str) -> bool:
+        return node != "/guest" or "secret" not in name
+
+    def is_admin(self, node: str) -> bool:
+        return node != "/guest"
+
+    def is_same_owner(self, node: str, other: str) -> bool:
+        return node == other
 
 
 # Operations.
@@ -48,7 +56,7 @@ ADVERTISE = {"op": "advertise", "topic": "/a", "type": INT32}
 CALL = {"op": "call_service", "service": "/a", "args": {}, "id": "1"}
 GOAL = {"op": "send_action_goal", "action": "/a", "action_type": FIBONACCI, "id": "1"}
 
-REFUSED: list[tuple[Verb, dict[str, Any]]] = [
+REFUSED: list[tuple[Right, dict[str, Any]]] = [
     ("publish", ADVERTISE),
     ("publish", {"op": "publish", "topic": "/typed", "msg": {"data": 1}}),
     ("subscribe", {"op": "subscribe", "topic": "/a", "type": INT32}),
@@ -74,13 +82,13 @@ def refusal(client: Client) -> tuple[str, str]:
 
 
 @pytest.mark.parametrize(
-    ("verb", "operation"), REFUSED, ids=[f"{verb} {each['op']}" for verb, each in REFUSED]
+    ("right", "operation"), REFUSED, ids=[f"{right} {each['op']}" for right, each in REFUSED]
 )
 def test_forbidden_operation_is_refused_and_changes_nothing(
-    verb: Verb, operation: dict[str, Any]
+    right: Right, operation: dict[str, Any]
 ) -> None:
     name = operation.get("topic") or operation.get("service") or operation["action"]
-    policy = Forbid(("/guest", verb, name))
+    policy = Forbid(("/guest", right, name))
     hub = FakeHub(policy=policy)
     hub.client("/listener").send("subscribe", "/typed", type=INT32)
     guest, member = (hub.client(node, serialized=True) for node in ("/guest", "/member"))
@@ -94,13 +102,13 @@ def test_forbidden_operation_is_refused_and_changes_nothing(
     guest.send_text(json.dumps(operation))
     code, text = refusal(guest)
     assert code == "not_allowed"
-    assert all(each in text for each in ("/guest", verb, name))
+    assert all(each in text for each in ("/guest", right, name))
     after = (graph.revision, list(graph.topics), list(graph.services), list(graph.actions))
     assert after == before
     assert guest.forgotten
-    assert ("/guest", verb, name) in policy.questions
+    assert ("/guest", right, name) in policy.questions
     member.send_text(json.dumps(operation))
-    assert ("/member", verb, name) in policy.questions
+    assert ("/member", right, name) in policy.questions
     assert all(each.get("code") != "not_allowed" for each in member.receive())
 
 
@@ -172,7 +180,7 @@ def test_forbidden_sink_gets_nothing() -> None:
     recorder = Recorder()
     with pytest.raises(NotAllowed) as caught:
         graph.subscribe(source.topic, recorder)
-    assert (caught.value.node, caught.value.verb, caught.value.name) == (
+    assert (caught.value.node, caught.value.right, caught.value.name) == (
         "/recorder",
         "subscribe",
         "/a",
@@ -185,49 +193,49 @@ def test_forbidden_sink_gets_nothing() -> None:
 # Parameters.
 
 
-def parameter_calls(name: str) -> list[tuple[Verb, str, dict[str, str]]]:
+def parameter_calls(name: str) -> list[tuple[Right, str, dict[str, str]]]:
     return [
-        ("get", "get_param", {"name": name}),
-        ("set", "set_param", {"name": name, "value": "2"}),
-        ("set", "delete_param", {"name": name}),
+        ("param_read", "get_param", {"name": name}),
+        ("param_write", "set_param", {"name": name, "value": "2"}),
+        ("param_write", "delete_param", {"name": name}),
     ]
 
 
 @pytest.mark.parametrize("spelling", ["/robot/arm", "robot/arm", "/robot//arm/"])
 @pytest.mark.parametrize(
-    ("verb", "service"), [(verb, service) for verb, service, _ in parameter_calls("")]
+    ("right", "service"), [(right, service) for right, service, _ in parameter_calls("")]
 )
 def test_forbidden_parameter_can_be_neither_read_nor_changed(
-    verb: Verb, service: str, spelling: str
+    right: Right, service: str, spelling: str
 ) -> None:
-    policy = Forbid(("/guest", verb, "/robot/arm"))
+    policy = Forbid(("/guest", right, "/robot/arm"))
     rosapi = RosapiClient("/guest", policy=policy)
     rosapi.graph.parameters.set("/robot/arm", 1)
     [args] = [args for _, each, args in parameter_calls(spelling) if each == service]
     refusal = rosapi.refusal(f"/rosapi/{service}", **args)
-    assert all(each in refusal for each in ("/guest", verb, "/robot/arm"))
+    assert all(each in refusal for each in ("/guest", right, "/robot/arm"))
     assert rosapi.graph.parameters.get("/robot/arm") == 1
     policy.forbidden.clear()
     rosapi.call(f"/rosapi/{service}", **args)
 
 
-@pytest.mark.parametrize("verb", ["get", "set"])
-def test_graph_asks_the_policy_about_parameters(verb: Verb) -> None:
-    graph = Graph(Interfaces(), lambda: NANOSECONDS, policy=Forbid(("/guest", verb, "/x")))
+@pytest.mark.parametrize("right", ["param_read", "param_write"])
+def test_graph_asks_the_policy_about_parameters(right: Right) -> None:
+    graph = Graph(Interfaces(), lambda: NANOSECONDS, policy=Forbid(("/guest", right, "/x")))
     graph.set_parameter("/member", "/x", 1)
     actions: dict[str, list[Callable[[str], object]]] = {
-        "get": [lambda node: graph.get_parameter(node, "/x")],
-        "set": [
+        "param_read": [lambda node: graph.get_parameter(node, "/x")],
+        "param_write": [
             lambda node: graph.set_parameter(node, "/x", 2),
             lambda node: graph.delete_parameter(node, "/x"),
         ],
     }
-    for action in actions[verb]:
+    for action in actions[right]:
         with pytest.raises(NotAllowed) as caught:
             action("/guest")
         assert caught.value.code == "not_allowed"
         assert graph.get_parameter("/member", "/x") == b"1"
-    for action in actions[verb]:
+    for action in actions[right]:
         action("/member")
 
 
@@ -241,16 +249,13 @@ def rosapi() -> RosapiClient:
     for kind in ("open", "secret"):
         client = rosapi.connect(f"/{kind}_node").client
         client.send("advertise", f"/{kind}", type=INT32)
-        client.send("advertise", "/shared", type=INT32)
         client.send("subscribe", f"/{kind}")
-        client.send("subscribe", "/shared")
         client.send("advertise_service", service=f"/{kind}_add", type=ADD)
         client.send("advertise_action", action=f"/{kind}_fib", type=FIBONACCI)
         for topic in ("goal", "cancel", "feedback", "status", "result"):
             client.send("advertise", f"/{kind}_move/{topic}", type=INT32)
         rosapi.graph.set_parameter(f"/{kind}_node", f"/{kind}/param", 1)
         assert client.receive() == []
-    client.send("advertise_service", service="/shared_add", type=ADD)  # of /secret_node
     return rosapi
 
 
@@ -267,8 +272,6 @@ LISTINGS: list[tuple[str, dict[str, str]]] = [
     ("topics", {}),
     ("topics_and_raw_types", {}),
     ("topics_for_type", {"type": INT32}),
-    ("publishers", {"topic": "/shared"}),
-    ("subscribers", {"topic": "/shared"}),
     ("services", {}),
     ("services_for_type", {"type": ADD}),
     ("service_providers", {"service": ADD}),
@@ -289,7 +292,7 @@ def test_listing_leaves_out_names_that_the_caller_may_not_list(
     clients = [("/guest", rosapi.client), ("/member", member)]
     for node, client in (clients if guest_first else clients[::-1]) * 2:
         text = json.dumps(respond(rosapi, client, service, args))
-        assert "open" in text or "shared" in text
+        assert "open" in text
         assert ("secret" in text) == (node == "/member"), (node, text)
 
 
@@ -299,7 +302,6 @@ LOOKUPS: list[tuple[str, dict[str, str], Any]] = [
     ("subscribers", {"topic": "/secret"}, {"subscribers": []}),
     ("service_type", {"service": "/secret_add"}, {"type": ""}),
     ("service_node", {"service": "/secret_add"}, {"node": ""}),
-    ("service_node", {"service": "/shared_add"}, {"node": ""}),
     ("service_host", {"service": "/secret_add"}, {"host": ""}),
     ("node_details", {"node": "/secret_node"}, NOTHING),
     ("has_param", {"name": "/secret/param"}, {"exists": False}),
@@ -346,7 +348,7 @@ def test_details_of_a_node_leave_out_hidden_names(rosapi: RosapiClient) -> None:
 
 
 def test_action_over_topics_is_hidden_with_any_of_its_topics() -> None:
-    policy = Forbid(("/guest", "list", "/move/status"))
+    policy = Forbid(*(("/guest", right, "/move/status") for right in RIGHTS_OF["topic"]))
     rosapi = RosapiClient("/guest", policy=policy)
     server, member = rosapi.add_client("/server"), rosapi.add_client("/member")
     for topic in ("goal", "cancel", "feedback", "status", "result"):
@@ -362,7 +364,7 @@ def test_action_over_topics_is_hidden_with_any_of_its_topics() -> None:
 
 
 def test_names_are_listed_again_once_the_policy_allows_it() -> None:
-    policy = Forbid(("/guest", "list", "/a"))
+    policy = Forbid(*(("/guest", right, "/a") for right in RIGHTS_OF["topic"]))
     rosapi = RosapiClient("/guest", policy=policy)
     rosapi.add_client("/talker").send("advertise", "/a", type=INT32)
     assert "/a" not in rosapi.call("/rosapi/topics")["topics"]
@@ -373,6 +375,6 @@ def test_names_are_listed_again_once_the_policy_allows_it() -> None:
 def test_without_a_policy_everything_is_allowed() -> None:
     graph = Graph(Interfaces(), lambda: NANOSECONDS)
     assert isinstance(graph.policy, AllowAll)
-    verbs: list[Verb] = ["publish", "subscribe", "call", "provide", "get", "set", "list"]
-    assert all(graph.policy.may("/guest", verb, "/a") for verb in verbs)
-    assert graph.may_list("/guest", "/a")
+    rights: list[Right] = ["publish", "subscribe", "call", "provide", "param_read", "param_write"]
+    assert all(graph.policy.may("/guest", right, "/a") for right in rights)
+    assert graph.is_visible("/guest", "topic", "/a")

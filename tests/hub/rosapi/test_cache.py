@@ -6,20 +6,22 @@ from collections.abc import Callable
 
 import pytest
 
-from fibws.hub.graph.graph import Graph, Verb
+from fibws.access.rights import Right
+from fibws.hub.graph.graph import Graph
+from fibws.hub.graph.policy import AllowAll
 from fibws.hub.rosapi.cache import FRESH_FOR, LARGE, Make, ResponseCache, TextCache
 from fibws.interfaces import Interfaces
 
 from ..fakes import INT32, FakeHub
 
 
-class HideAll:
+class HideAll(AllowAll):
     """A policy that lets nodes list nothing."""
 
     allows_all = False
 
-    def may(self, node: str, verb: Verb, name: str) -> bool:
-        return verb != "list"
+    def may(self, node: str, right: Right, name: str) -> bool:
+        return not name
 
 
 # Responses.

@@ -73,11 +73,22 @@ def test_rosout_agg_is_published_only_to_subscribers(
     assert [each.values()["msg"] for each in forwarded] == ["hello"]
 
 
-def test_types_of_internal_topics_cannot_be_changed(rosapi: RosapiClient) -> None:
+@pytest.mark.parametrize("topic", ["/client_count", "/connected_clients", "/rosout_agg"])
+def test_internal_topics_are_published_by_the_hub_alone(rosapi: RosapiClient, topic: str) -> None:
+    present = rosapi.graph.topics[topic]
+    assert present.type is not None
     talker = rosapi.add_client("/talker")
-    talker.send("advertise", "/client_count", type="std_msgs/String")
+    talker.send("advertise", topic, type=present.type.name)
     (status,) = talker.receive_statuses()
-    assert "already established with type std_msgs/Int32 (by /rosbridge_websocket)" in status
+    assert topic in status
+    assert "/talker" not in present.sources
+
+
+def test_type_of_the_log_cannot_be_changed(rosapi: RosapiClient) -> None:
+    talker = rosapi.add_client("/talker")
+    talker.send("advertise", "/rosout", type="std_msgs/String")
+    (status,) = talker.receive_statuses()
+    assert "already established with type rosgraph_msgs/Log (by /rosapi)" in status
 
 
 def test_internal_services_cannot_be_taken_over(rosapi: RosapiClient) -> None:

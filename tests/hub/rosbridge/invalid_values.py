@@ -116,6 +116,7 @@ KINDS = {
     "values": Kind(ABSENT | {"empty object"}, "None stands for the defaults", "Fibonacci|AddTwo"),
     "data": Kind(TEXTS, "it is put together before it is read"),
     "num": Kind({"zero", "minus zero"}, "there are two", Kind.refusal + "|num must be from 0"),
+    "token": Kind(ABSENT | TEXTS, "it is ignored without authentication"),
     "total": Kind({"five", "10**400"}, "only what has come takes room", Kind.refusal + "|num must"),
 }
 """The kinds of fields by their names."""
@@ -180,7 +181,7 @@ VALID: dict[str, dict[str, Any]] = {
     "action_feedback": {"action": "/goal", "id": "action_goal:/goal:2", "values": {}},
     "action_result": {"action": "/goal", "id": "action_goal:/goal:2", "result": True},
     "fragment": {"id": "f", "data": "x", "num": 0, "total": 2},
-    "auth": {},
+    "auth": {"token": "x"},
     "set_level": {"level": "error"},
 }
 """A valid operation of each name."""

@@ -7,7 +7,8 @@ from typing import Any
 
 import pytest
 
-from fibws.hub.graph.graph import Verb
+from fibws.access.rights import Right
+from fibws.hub.graph.policy import AllowAll
 
 from ..fakes import ADD, FIBONACCI, INT32, Client, FakeHub
 
@@ -15,12 +16,12 @@ Provoke = Callable[[FakeHub, Client], None]
 """Makes a hub send one error to a client."""
 
 
-class Refuser:
+class Refuser(AllowAll):
     """A policy that refuses every use of names below /secret."""
 
     allows_all = False
 
-    def may(self, node: str, verb: Verb, name: str) -> bool:
+    def may(self, node: str, right: Right, name: str) -> bool:
         return not name.startswith("/secret")
 
 

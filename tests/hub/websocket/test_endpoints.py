@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 from websockets.asyncio.client import connect
 
+from fibws.access.rights import Principal
 from fibws.hub import Hub
 from fibws.hub.rosbridge.encodings import text_frame
 from fibws.hub.websocket.endpoint import Opening
@@ -39,6 +40,9 @@ class Echo:
 
     def receive_binary(self, data: Payload) -> None:
         self._opening.queue.reply(server_frame(BINARY, bytes(data)))
+
+    def authorize(self, principal: Principal) -> None:
+        raise AssertionError("the hub has no authentication")
 
     def leave(self) -> None:
         self._hub.graph.leave(self, self.node)

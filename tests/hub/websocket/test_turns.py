@@ -11,6 +11,7 @@ from contextlib import AsyncExitStack
 import pytest
 from conftest import Faults, StartHub
 
+from fibws.access.rights import Principal
 from fibws.hub import Hub
 from fibws.hub.websocket.endpoint import Opening
 from fibws.hub.websocket.turns import ITERATION, MOST_FRAMES, TURN, Turns
@@ -196,6 +197,9 @@ class Slow:
 
     def receive_binary(self, data: Payload) -> None:
         raise AssertionError("only texts are sent")
+
+    def authorize(self, principal: Principal) -> None:
+        raise AssertionError("the hub has no authentication")
 
     def leave(self) -> None:
         self.left += 1

@@ -1,0 +1,150 @@
+"""JSON web tokens (RFC 7519) as proofs of principals; needs PyJWT, fibws's extra ``auth``.
+
+``sub`` is the principal's name, and ``fibws`` its rights, as in the file of tokens:
+
+    {"sub": "teleop", "exp": 1830000000, "fibws": {"allow": {"publish": ["/cmd_vel"]}}}
+
+Which algorithm counts is a setting and not the token's choice (RFC 8725, section 3.1).
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from fibws.access.rights import Principal, Rights, check_name
+from fibws.access.token_file import ANONYMOUS
+from fibws.errors import AccessError, AuthenticationError
+
+if TYPE_CHECKING:
+    import jwt
+
+ALGORITHMS = ("HS256", "EdDSA", "ES256", "RS256")
+SHORTEST_SECRET = 32
+"""Bytes of a key for HS256 (RFC 7518, section 3.2)."""
+CLAIM = "fibws"
+
+
+class WebTokens:
+    """Checks tokens that one issuer has signed.
+
+    Args:
+        path: of the key: for HS256 a secret of at least 32 bytes, otherwise a public key in PEM, or
+            a set of keys (JWKS, RFC 7517) in JSON.
+        algorithm: one of `ALGORITHMS`.
+        audience: what ``aud`` must hold; None if it must be absent.
+        leeway: seconds by which clocks may differ.
+
+    Raises:
+        AccessError: the key is invalid or too short, or PyJWT is not installed.
+    """
+
+    def __init__(
+        self, path: Path, algorithm: str, audience: str | None = None, leeway: float = 10.0
+    ) -> None:
+        try:
+            import jwt
+        except ImportError:
+            raise AccessError(
+                "JSON web tokens need PyJWT; install it with: pip install 'fibws[auth]'"
+            ) from None
+        self._jwt = jwt
+        if algorithm not in ALGORITHMS:
+            raise AccessError(
+                f"--jwt-algorithm must be one of {', '.join(ALGORITHMS)}, got {algorithm}"
+            )
+        self._path = path
+        self._algorithm = algorithm
+        self._audience = audience
+        self._leeway = leeway
+        self._keys: list[tuple[str | None, Any]] = []
+        self.reload()
+
+    def reload(self) -> None:
+        """Read the key anew; raise `AccessError` and keep the old one if that fails."""
+        try:
+            data = self._path.read_bytes()
+        except OSError as error:
+            raise AccessError(f"cannot read {self._path}: {error.strerror}") from None
+        if self._algorithm == "HS256":
+            self._keys = [(None, self._secret(data.rstrip(b"\r\n")))]
+        elif data.lstrip().startswith(b"{"):
+            self._keys = self._key_set(data)
+        else:
+            self._keys = [(None, self._public_key(data))]
+
+    def principal(self, token: str) -> Principal:
+        """Return the principal that a token proves to be.
+
+        Raises:
+            AuthenticationError: it is not signed by a known key, expired, or for somebody else.
+        """
+        jwt = self._jwt
+        try:
+            claims = jwt.decode(
+                token,
+                self._key_for(token),
+                algorithms=[self._algorithm],
+                audience=self._audience,
+                leeway=self._leeway,
+                options={"require": ["sub"]},
+            )
+        except jwt.ExpiredSignatureError:
+            raise AuthenticationError("the token expired") from None
+        except (jwt.PyJWTError, ValueError) as error:
+            raise AuthenticationError(f"invalid token: {error}") from None
+        try:
+            name = check_name(claims["sub"])
+            if name == ANONYMOUS:
+                raise AccessError(f"the name {ANONYMOUS} is for clients without a token")
+            rights = claims.get(CLAIM, {})
+            if not isinstance(rights, dict):
+                raise AccessError(f"{CLAIM} must be an object")
+            parsed = Rights.parse(rights, name=name, where=CLAIM)
+        except AccessError as error:
+            raise AuthenticationError(f"invalid token: {error}") from None
+        expires = claims.get("exp")
+        return Principal(name, parsed, None if expires is None else expires + self._leeway)
+
+    def _key_for(self, token: str) -> Any:
+        if len(self._keys) == 1 and self._keys[0][0] is None:
+            return self._keys[0][1]
+        wanted = self._jwt.get_unverified_header(token).get("kid")
+        for id_, key in self._keys:
+            if id_ == wanted:
+                return key
+        raise AuthenticationError("invalid token: its key (kid) is unknown")
+
+    def _secret(self, data: bytes) -> bytes:
+        if len(data) < SHORTEST_SECRET:
+            raise AccessError(
+                f"{self._path}: a key for HS256 must have at least {SHORTEST_SECRET} bytes, "
+                f"got {len(data)}"
+            )
+        return data
+
+    def _public_key(self, data: bytes) -> Any:
+        return self._prepare(data)
+
+    def _prepare(self, data: bytes) -> Any:
+        algorithm: jwt.algorithms.Algorithm = self._jwt.get_algorithm_by_name(self._algorithm)
+        try:
+            key = algorithm.prepare_key(data)
+        except (ValueError, TypeError, self._jwt.PyJWTError) as error:
+            raise AccessError(
+                f"{self._path} is not a key for {self._algorithm} in PEM: {error}"
+            ) from None
+        if hasattr(key, "private_bytes"):
+            raise AccessError(f"{self._path} is a private key; the hub needs the public one")
+        return key
+
+    def _key_set(self, data: bytes) -> list[tuple[str | None, Any]]:
+        try:
+            keys = self._jwt.PyJWKSet.from_dict(json.loads(data)).keys
+        except (ValueError, TypeError, AttributeError, self._jwt.PyJWTError) as error:
+            raise AccessError(f"{self._path} is not a set of keys (JWKS): {error}") from None
+        found = [(each.key_id, each.key) for each in keys if each.algorithm_name == self._algorithm]
+        if not found:
+            raise AccessError(f"{self._path} has no key for {self._algorithm}")
+        return found

@@ -1,0 +1,231 @@
+"""Authentication: which principal a client is, by its token or its certificate.
+
+A token comes in the handshake: in the header ``Authorization: Bearer TOKEN``, in the URL's query as
+``token=TOKEN``, as the WebSocket subprotocol ``fibws.token.TOKEN``, or in the cookie that the
+hub's page has after a login. Or the client sends it soon after, by the operation ``auth``.
+
+A wrong token is no reason to look for another one, and not to be let in as anonymous: its owner
+would wonder why so little is allowed.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+from collections import OrderedDict
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from urllib.parse import parse_qs
+
+from websockets.datastructures import Headers
+
+from fibws.access.rights import RIGHTS, Principal, Rights
+from fibws.access.token_file import LONGEST_TOKEN, Tokens
+from fibws.access.web_tokens import WebTokens
+from fibws.errors import AccessError, AuthenticationError, HubError, TooManyAttempts
+from fibws.hub.log_text import is_power_of_ten
+from fibws.hub.settings import Settings
+from fibws.hub.websocket.endpoint import TOKEN_SUBPROTOCOL
+
+logger = logging.getLogger("fibws.hub")
+
+COOKIE = "fibws_token"
+MOST_WRONG = 20
+"""Wrong tokens of one address in a row after which it must wait."""
+FORGIVEN_PER_SECOND = 1.0
+"""Wrong tokens of an address that are forgotten in a second."""
+MOST_ADDRESSES = 10_000
+"""Addresses whose wrong tokens are counted; more forget the oldest."""
+CERTIFICATE_RIGHTS = Rights({right: ("/**",) for right in RIGHTS})
+"""The rights of certificates on a hub without a file of tokens, which could name their rights."""
+
+
+@dataclass(frozen=True, slots=True)
+class Login:
+    """A client that has proved who it is.
+
+    Attributes:
+        principal: whom it has proved to be.
+        again: checks the proof once more, after the tokens have changed; raises
+            `AuthenticationError`.
+    """
+
+    principal: Principal
+    again: Callable[[], Principal]
+
+
+class Authentication:
+    """The principals of one hub, and the proofs that they give.
+
+    Args:
+        now: returns the seconds since 1970.
+
+    Raises:
+        HubError: a file is not there, or invalid.
+    """
+
+    def __init__(self, settings: Settings, now: Callable[[], float]) -> None:
+        self._path = settings.tokens
+        self._now = now
+        self._takes_certificates = settings.client_ca is not None
+        self._tokens = Tokens({}, {}, None)
+        self._web_tokens: WebTokens | None = None
+        self._attempts = WrongTokens(now)
+        try:
+            if settings.jwt_key is not None:
+                self._web_tokens = WebTokens(
+                    settings.jwt_key,
+                    settings.jwt_algorithm,
+                    settings.jwt_audience or None,
+                    settings.jwt_leeway,
+                )
+            if self._path is not None:
+                self._tokens = Tokens.load(self._path)
+        except AccessError as error:
+            raise HubError(str(error)) from None
+
+    def reload(self) -> None:
+        """Read all files anew; raise `AccessError`, and keep what was read before, on a fault."""
+        tokens = self._tokens if self._path is None else Tokens.load(self._path)
+        if self._web_tokens is not None:
+            self._web_tokens.reload()
+        self._tokens = tokens
+
+    def known(self) -> Iterable[Principal]:
+        """Return the principals of the file of tokens."""
+        anonymous = self._tokens.anonymous
+        yield from self._tokens.tokens.values()
+        yield from self._tokens.certificates.values()
+        if anonymous is not None:
+            yield anonymous
+
+    def log_in(
+        self,
+        headers: Headers,
+        path: str,
+        subprotocols: Sequence[str],
+        certificate: str | None,
+        address: str,
+    ) -> Login | None:
+        """Return who sends a request; None if it has no proof, and nobody may be anonymous.
+
+        Args:
+            path: the request's target, with its query.
+            subprotocols: those that the client offers.
+            certificate: the common name of its certificate, which TLS has verified.
+            address: the client's IP address.
+
+        Raises:
+            AuthenticationError: the token is wrong or expired.
+        """
+        token = token_in(headers, path, subprotocols)
+        if token is not None:
+            return self.log_in_by_token(token, address)
+        if certificate is not None and self._takes_certificates:
+            return _logged_in(partial(self._certified, certificate))
+        if self._tokens.anonymous is not None:
+            return _logged_in(self._anonymous)
+        return None
+
+    def log_in_by_token(self, token: str, address: str) -> Login:
+        """Return whose token this is; raises `AuthenticationError`."""
+        self._attempts.check(address)
+        try:
+            return _logged_in(partial(self._of_token, token))
+        except AuthenticationError:
+            self._attempts.failed(address)
+            raise
+
+    def _of_token(self, token: str) -> Principal:
+        if not token:
+            raise AuthenticationError("missing token")
+        if len(token) > LONGEST_TOKEN:
+            raise AuthenticationError(f"the token is too long (limit is {LONGEST_TOKEN})")
+        found = self._tokens.find(token)
+        if found is None and self._web_tokens is not None and token.count(".") == 2:
+            found = self._web_tokens.principal(token)
+        if found is None:
+            raise AuthenticationError("unknown token")
+        return self._unexpired(found, "token")
+
+    def _certified(self, name: str) -> Principal:
+        found = self._tokens.certificates.get(name)
+        if found is None and self._path is None:
+            found = Principal(name, CERTIFICATE_RIGHTS)
+        if found is None:
+            raise AuthenticationError(f"the file of tokens has no [certificates.{name}]")
+        return self._unexpired(found, "certificate")
+
+    def _anonymous(self) -> Principal:
+        found = self._tokens.anonymous
+        if found is None:
+            raise AuthenticationError("missing token")
+        return self._unexpired(found, "anonymous access")
+
+    def _unexpired(self, principal: Principal, what: str) -> Principal:
+        if principal.is_expired(self._now()):
+            raise AuthenticationError(f"the {what} expired")
+        return principal
+
+
+class WrongTokens:
+    """Counts the wrong tokens of each address, and slows down those that guess.
+
+    Args:
+        now: returns the seconds since 1970.
+    """
+
+    def __init__(self, now: Callable[[], float]) -> None:
+        self._now = now
+        self._wrong: OrderedDict[str, tuple[float, float]] = OrderedDict()
+        """By address: how many count, and as of when."""
+        self._total = 0
+
+    def check(self, address: str) -> None:
+        """Raise `TooManyAttempts` if an address must wait before it may try a token."""
+        count = self._count(address)
+        if count >= MOST_WRONG:
+            raise TooManyAttempts(math.ceil((count - MOST_WRONG + 1) / FORGIVEN_PER_SECOND))
+
+    def failed(self, address: str) -> None:
+        """Count a wrong token."""
+        self._total += 1
+        count = self._count(address) + 1
+        self._wrong[address] = count, self._now()
+        self._wrong.move_to_end(address)
+        if len(self._wrong) > MOST_ADDRESSES:
+            self._wrong.popitem(last=False)
+        if count >= MOST_WRONG or is_power_of_ten(self._total):
+            logger.warning("Wrong token from %s (wrong token %d in all).", address, self._total)
+
+    def _count(self, address: str) -> float:
+        count, since = self._wrong.get(address, (0.0, 0.0))
+        return max(0.0, count - max(0.0, self._now() - since) * FORGIVEN_PER_SECOND)
+
+
+def _logged_in(check: Callable[[], Principal]) -> Login:
+    return Login(check(), check)
+
+
+def token_in(headers: Headers, path: str, subprotocols: Sequence[str]) -> str | None:
+    """Return the token in a request; None without any."""
+    scheme, _, token = headers.get("Authorization", "").partition(" ")
+    if scheme.lower() == "bearer":
+        return token.strip()
+    values = parse_qs(path.partition("?")[2], keep_blank_values=True).get("token")
+    if values:
+        return values[0]
+    for each in subprotocols:
+        if each.startswith(TOKEN_SUBPROTOCOL):
+            return each.removeprefix(TOKEN_SUBPROTOCOL)
+    return _cookie(headers)
+
+
+def _cookie(headers: Headers) -> str | None:
+    for header in headers.get_all("Cookie"):
+        for pair in header.split(";"):
+            name, _, value = pair.strip().partition("=")
+            if name == COOKIE:
+                return value.strip('"')
+    return None

@@ -1,0 +1,110 @@
+"""The policy of a hub with authentication: the rights of the principals, and what they imply.
+
+Besides the rights that the operator grants, every principal has those without which no client of
+ROS works: to call the hub's own services, whose answers hide what it may not see; to write log
+lines; to serve the log levels of its own nodes; and to read the parameters that the hub sets. They
+can be denied.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+from fibws.access.rights import Principal, Right, compile_globs
+from fibws.errors import NotAllowed
+from fibws.hub.graph.action import CANCEL_SUFFIX
+
+IMPLIED: dict[Right, re.Pattern[str]] = {
+    "publish": compile_globs(["/rosout"]),
+    "call": compile_globs(["/rosapi/*", "/**/get_loggers"]),
+    "param_read": compile_globs(
+        [
+            *("/run_id", "/rosdistro", "/rosversion", "/roslaunch/uris/*", "/use_sim_time"),
+            *("/rosbridge_websocket/actual_port", "/rosbridge_websocket/actual_host"),
+        ]
+    ),
+}
+"""The rights of every principal."""
+LOGGERS = ("get_loggers", "set_logger_level")
+"""The services by which a ROS node shows and sets the levels of its log, below its name."""
+
+
+class AccessPolicy:
+    """Decides by principals; a `Policy`.
+
+    A name of a node that some principal's ``node`` globs match is kept for those whose globs match
+    it; only ``/**`` keeps none. Principals without such globs may use all other names.
+
+    Args:
+        known: the principals whose names are kept for them.
+    """
+
+    allows_all = False
+
+    def __init__(self, known: Iterable[Principal] = ()) -> None:
+        self._principals: dict[str, Principal] = {}
+        """By node, of those that are connected."""
+        self._kept: list[re.Pattern[str]] = []
+        self.keep_names(known)
+
+    def keep_names(self, known: Iterable[Principal]) -> None:
+        """Set the principals whose nodes' names are kept for them."""
+        self._kept = [
+            compile_globs(set(each.rights.allow.get("node", ())) - {"/**", "**"}, each.name)
+            for each in known
+        ]
+
+    def enter(
+        self, node: str, principal: Principal | None, *, is_chosen: bool, is_taken: bool
+    ) -> None:
+        """Let a principal's client be a node; see `Policy.enter`."""
+        if principal is None:
+            raise NotAllowed(node, "node", node, "no token")
+        if is_taken and self._principals[node].name != principal.name:
+            raise NotAllowed(node, "node", node, f"{node} is a node of another principal")
+        if is_chosen and not self._may_be(principal, node):
+            raise NotAllowed(node, "node", node)
+        self._principals[node] = principal
+
+    def leave(self, node: str) -> None:
+        """Take note that a node has left."""
+        self._principals.pop(node, None)
+
+    def may(self, node: str, right: Right, name: str) -> bool:
+        """Return whether a node's principal may do this."""
+        principal = self._principals.get(node)
+        if principal is None:
+            return False
+        name = name.removesuffix(CANCEL_SUFFIX)
+        if right in ("call", "provide"):
+            owner, _, service = name.rpartition("/")
+            if service in LOGGERS and self.is_same_owner(node, owner):
+                return not principal.rights.denies(right, name)
+            if right == "call" and service == LOGGERS[1] and not principal.rights.admin:
+                return False
+        implied = IMPLIED.get(right)
+        if implied is not None and implied.fullmatch(name):
+            return not principal.rights.denies(right, name)
+        return principal.rights.allows(right, name)
+
+    def is_admin(self, node: str) -> bool:
+        """Return whether a node's principal is an admin."""
+        principal = self._principals.get(node)
+        return principal is not None and principal.rights.admin
+
+    def is_same_owner(self, node: str, other: str) -> bool:
+        """Return whether two nodes belong to one principal."""
+        principal, owner = self._principals.get(node), self._principals.get(other)
+        return principal is not None and owner is not None and principal.name == owner.name
+
+    def principal_of(self, node: str) -> Principal | None:
+        """Return the principal of a node; None for the hub's own nodes and unknown ones."""
+        return self._principals.get(node)
+
+    def _may_be(self, principal: Principal, node: str) -> bool:
+        rights = principal.rights
+        if rights.admin or "node" in rights.allow:
+            return rights.allows("node", node)
+        is_kept = any(pattern.fullmatch(node) for pattern in self._kept)
+        return not is_kept and not rights.denies("node", node)
