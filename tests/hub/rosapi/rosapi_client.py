@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import count
 from typing import Any
 
+from fibws.access.rights import Principal
 from fibws.hub.rosapi.nodes import OwnNodes
 from fibws.protocol.websocket import CloseReason
 
@@ -40,7 +41,9 @@ class RosapiClient:
         settings: those of `FakeHub`.
     """
 
-    def __init__(self, node: str = "/caller", **settings: Any) -> None:
+    def __init__(
+        self, node: str = "/caller", *, principal: Principal | None = None, **settings: Any
+    ) -> None:
         self.hub = FakeHub(**settings)
         self.graph = self.hub.graph
         self.own = OwnNodes(
@@ -52,16 +55,16 @@ class RosapiClient:
             run_id=RUN_ID,
         )
         self.hub.rosbridge.report = self.own.refusals.report
-        self.client = self.hub.client(node)
+        self.client = self.hub.client(node, principal=principal)
         self._ports = count(50001)
 
-    def add_client(self, node: str | None) -> Client:
+    def add_client(self, node: str | None, principal: Principal | None = None) -> Client:
         """Add another client."""
-        return self.hub.client(node)
+        return self.hub.client(node, principal=principal)
 
-    def connect(self, node: str | None = None) -> Connection:
+    def connect(self, node: str | None = None, *, principal: Principal | None = None) -> Connection:
         """Add another client, and report its connection to the hub's own nodes."""
-        connection = Connection(self.add_client(node), next(self._ports))
+        connection = Connection(self.add_client(node, principal), next(self._ports))
         self.own.connected(connection)
         return connection
 
