@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from bench import robots
+from bench.access import access
 from bench.codecs import codecs
 from bench.encodings import encodings
 from bench.fanout import fanout
@@ -49,6 +50,7 @@ SCENARIOS = {
     "nodes": nodes,
     "stuck": stuck,
     "isolation": isolation,
+    "access": access,
     "soak": soak,
 }
 COMPARABLE = ("fanout", "latency")

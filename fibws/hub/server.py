@@ -43,6 +43,9 @@ ExceptionHandler: TypeAlias = Callable[[asyncio.AbstractEventLoop, dict[str, Any
 SWEEP_INTERVAL = 1.0
 BACKLOG = 1024
 """Connections that may wait to be accepted: a thousand may come at once."""
+ACCEPTED_AT_ONCE = 32
+"""Connections that are accepted before those that are open have their turn: asyncio would accept
+the whole backlog."""
 
 
 class Hub:
@@ -104,7 +107,11 @@ class Hub:
         host, port = self.settings.host, self.settings.port
         try:
             self._server = await loop.create_server(
-                lambda: Connection(self._shared), host, port, backlog=BACKLOG, start_serving=False
+                lambda: Connection(self._shared),
+                host,
+                port,
+                backlog=ACCEPTED_AT_ONCE,
+                start_serving=False,
             )
         except OSError as error:
             raise HubError(_why_not(host, port, error)) from error
@@ -151,6 +158,9 @@ class Hub:
         loop.set_exception_handler(self._on_exception)
         self._sweeper = loop.call_later(SWEEP_INTERVAL, self._sweep)
         await self._server.start_serving()
+        for listening in self._server.sockets:
+            with listening.dup() as same:
+                same.listen(BACKLOG)
         return self
 
     async def __aexit__(

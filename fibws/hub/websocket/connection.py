@@ -130,6 +130,7 @@ class Connection(asyncio.BufferedProtocol):
         "_protocol",
         "_reported",
         "_reported_at",
+        "_request",
         "_shared",
         "_transport",
         "_waiting",
@@ -151,6 +152,8 @@ class Connection(asyncio.BufferedProtocol):
         self._keepalive = Keepalive(shared.settings, shared.loop.time())
         self._head: bytes | None = b""
         """The last bytes of a request that is not complete yet; None after the handshake."""
+        self._request = b""
+        """What was read of a request and waits for the connection's turn."""
         self._parser: FrameParser
         self._busy = False
         """Whether there was more to read than fits a turn, lately."""
@@ -239,10 +242,9 @@ class Connection(asyncio.BufferedProtocol):
                 parser.receive(bytes(buffer[:nbytes]))
             held = parser.paused
         else:
-            buffer = shared.small
-            full = nbytes == len(buffer)
-            self._shake_hands(bytes(buffer[:nbytes]))
-            held = self._is_held()
+            # A handshake costs as much as hundreds of messages, and a thousand may come at once.
+            self._request += shared.small[:nbytes]
+            held = True
         self._busy = full or held or perf_counter() - began >= TURN
         if self._busy:
             self._wait()
@@ -295,7 +297,10 @@ class Connection(asyncio.BufferedProtocol):
         self._waiting = False
         if self._transport.is_closing():
             return
-        if self._is_held():
+        if self._request:
+            request, self._request = self._request, b""
+            self._shake_hands(request)
+        elif self._is_held():
             self._parser.resume()
             if self.endpoint is not None and self.queue.paused and self.queue.overfull:
                 self.fail(OVERFULL)
