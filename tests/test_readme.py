@@ -136,6 +136,18 @@ async def test_node_cleans_up_when_it_is_stopped(folder: Path) -> None:
                 break
 
 
+async def test_hub_stops_the_robot_of_a_program_that_cannot(folder: Path) -> None:
+    async with Hub(Settings(port=0)) as hub, fibws.Node("test", hub=hub.url) as node:
+        speeds = node.subscribe("cmd_vel", Twist)
+        process = await start(PROGRAMS["careful_driver"], hub, folder)
+        assert (await anext(speeds)).linear.x == 0.2
+        process.kill()
+        await process.wait()
+        async for speed in speeds:
+            if speed == Twist():
+                break
+
+
 async def test_program_with_a_hub_of_its_own(folder: Path) -> None:
     async with Hub(Settings(port=0)) as other:
         process = await start(PROGRAMS["robot"], other, folder)
@@ -150,7 +162,7 @@ async def test_program_with_a_hub_of_its_own(folder: Path) -> None:
 def test_all_programs_are_tested() -> None:
     assert PROGRAMS.keys() == {
         *("talker", "listener", "smoother", "adder", "configured", "counter", "sum"),
-        *("indexed_broadcaster", "driver", "robot"),
+        *("indexed_broadcaster", "driver", "careful_driver", "robot"),
     }
     assert len(PROGRAMS) == NODES.count("```python")
 

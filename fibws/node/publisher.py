@@ -15,7 +15,15 @@ from fibws.node.peers import Peers
 from fibws.node.session import Registration, Session, throw
 from fibws.node.types import MessageCodec
 from fibws.protocol.headers import check_headers
-from fibws.protocol.operations import Advertise, encode_fields, json_of
+from fibws.protocol.operations import (
+    LONGEST_WILL,
+    SHORTEST_WILL,
+    Advertise,
+    ClearWill,
+    SetWill,
+    encode_fields,
+    json_of,
+)
 from fibws.protocol.serialized import publish_head, read_publish
 from fibws.protocol.websocket import BINARY, client_header, client_payload
 
@@ -65,6 +73,7 @@ class Publisher(Registration, Generic[M, P]):
         self._lane = PublisherLane(operation.queue_size, operation.topic, self._to_json)
         self._peers = Peers()
         self._latched: bytes | None = None
+        self._will: SetWill | None = None
         self._closed = False
         self._fault: NodeError | None = None
 
@@ -207,6 +216,55 @@ class Publisher(Registration, Generic[M, P]):
                 self._retain(frame)
             self._outgoing.put(frame, self._lane)
 
+    @overload
+    def set_will(self, message: M, /, *, timeout: float | None = None) -> None: ...
+
+    @overload
+    def set_will(self, *, timeout: float | None = None, **fields: Any) -> None: ...
+
+    def set_will(self, *message: M, timeout: float | None = None, **fields: Any) -> None:
+        """Have the hub publish a message once this node has gone, such as a robot's stop.
+
+        It is published however the node leaves the hub: when it ends, crashes, is killed, or loses
+        the network, which the hub notices by its pings. `close` and `clear_will` prevent it. Each
+        new connection has it, too. A rosbridge_suite server does not know wills and ignores it.
+
+        Args:
+            message: of the topic's class, or its fields by name.
+            timeout: seconds, 0.05 to 3600: if the node publishes something on the topic and then
+                nothing for so long, the message is published although the node is connected.
+
+        Raises:
+            InvalidMessage: a field does not fit the type.
+            TypeError: a message of another class, or not exactly one.
+            ValueError: the timeout is out of range.
+            OperationRejected: the hub refused the topic.
+            NodeClosed: the publisher or its node was closed.
+        """
+        if self._closed or self._session.over:
+            self._raise()
+        if timeout is not None and not SHORTEST_WILL <= timeout <= LONGEST_WILL:
+            raise ValueError(
+                f"timeout must be between {SHORTEST_WILL:g} and {LONGEST_WILL:g} s, got {timeout:g}"
+            )
+        frame = self._encode(message, fields)
+        _, _, payload = read_publish(client_payload(frame))
+        values = self._codec.write(self._codec.deserialize(payload))
+        self._will = SetWill(
+            id=self._session.id("set_will", self.topic),
+            topic=self.topic,
+            msg=values,
+            timeout=timeout,
+        )
+        self._session.send(self._will)
+
+    def clear_will(self) -> None:
+        """Take the will back: nothing is published when this node has gone."""
+        if self._will is not None:
+            self._will = None
+            if not self._closed:
+                self._session.send(ClearWill(topic=self.topic))
+
     def introduce(self, headers: Mapping[str, str]) -> None:
         """From now on send subscribers other headers; see `Node.advertise`.
 
@@ -248,6 +306,11 @@ class Publisher(Registration, Generic[M, P]):
     def lane(self) -> PublisherLane:
         """Its share of the queue of outgoing frames."""
         return self._lane
+
+    @property
+    def will(self) -> SetWill | None:
+        """The operation that sets the will, on each new connection."""
+        return self._will
 
     def registration(self) -> Advertise:
         """Return the advertisement for the current connection."""

@@ -150,6 +150,8 @@ class Topics(OperationHandler):
         """Yield all advertisements and subscriptions."""
         for publisher in self._publishers.values():
             yield publisher.registration()
+            if publisher.will is not None:
+                yield publisher.will
         for subscription in self._subscriptions.values():
             yield subscription.registration(serialized=self._session.serialized)
 

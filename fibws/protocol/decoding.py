@@ -278,8 +278,9 @@ _EXPECTED = {
     "int_from_float": "int",
     "float_type": "int, float",
     "finite_number": "a finite number",
-    "greater_than_equal": "an int from 0 to 6",
-    "less_than_equal": "an int from 0 to 6",
+    "greater_than_equal": "a number >= {ge}",
+    "less_than_equal": "a number <= {le}",
+    "less_than": "a number < {lt}",
 }
 """The types that an error of pydantic's asks for, as rosbridge_suite calls them."""
 
@@ -299,10 +300,12 @@ def _error_text(error: ValidationError, known: list[str], fields: dict[str, Any]
     if first["type"] == "missing":
         return f"Expected a {name} field but none was found."
     long = first["type"] == "string_too_long"
+    context = first.get("ctx", {})
     expected = (
         f"str{f' of at most {LONGEST_ID} characters' * long}, int"
         if name == "id"
-        else _EXPECTED.get(first["type"]) or first.get("ctx", {}).get("expected", first["msg"])
+        else _EXPECTED.get(first["type"], "").format_map(context)
+        or context.get("expected", first["msg"])
     )
     return f"Expected field {name} to be one of {expected}. Invalid value: {quoted(first['input'])}"
 

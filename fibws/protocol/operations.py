@@ -17,6 +17,8 @@ from fibws.interfaces.json_text import json_of as json_of
 from fibws.protocol.headers import Headers, HubHeader
 from fibws.protocol.serialized import MOST_PUBLISHERS
 
+SHORTEST_WILL, LONGEST_WILL = 0.05, 3600.0
+"""Seconds: the least and the most that a will can wait for the client's next message."""
 LONGEST_ID = 2000
 """Most characters of an id, which is kept as long as its operation."""
 Id = Annotated[str, Field(max_length=LONGEST_ID)] | int | float | bool | None
@@ -238,6 +240,30 @@ class Png(Operation):
     data: str
 
 
+class SetWill(Operation):
+    """Have the hub publish a message once the client has gone (an addition of fibws).
+
+    A topic has one will of each client: another replaces it, and ``unadvertise`` forgets it. It is
+    published however the connection ends.
+    """
+
+    op: Literal["set_will"] = "set_will"
+    topic: str
+    type: str | None = None
+    """The topic's type; needed only if the client has not advertised it and it has none yet."""
+    msg: Any = None
+    timeout: Annotated[float, Field(ge=SHORTEST_WILL, le=LONGEST_WILL)] | None = None
+    """Seconds after the client's last message on the topic: if no other follows in this time, the
+    will is published although the client is connected."""
+
+
+class ClearWill(Operation):
+    """Forget the will for a topic (an addition of fibws)."""
+
+    op: Literal["clear_will"] = "clear_will"
+    topic: str
+
+
 class Fragment(Operation):
     """One of ``total`` pieces of the text of another operation, counted from 0."""
 
@@ -321,6 +347,8 @@ Request = (
     | CancelActionGoal
     | ActionFeedback
     | ActionResult
+    | SetWill
+    | ClearWill
     | Fragment
     | Auth
     | SetLevel

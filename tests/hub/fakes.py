@@ -237,6 +237,7 @@ class Client:
             "spellings of sources": session.topics._spellings,
             "numbered sources": session.topics._numbered,
             "advertisements": session.topics._advertisements,
+            "wills": session.topics._wills or (),
             "subscriptions": session.topics.subscriptions,
             "latched bytes": range(quota.used if quota else 0),
             "services": session.services._served,

@@ -18,6 +18,7 @@ from fibws.protocol.operations import (
     Auth,
     CallService,
     CancelActionGoal,
+    ClearWill,
     Fragment,
     Operation,
     Peers,
@@ -28,6 +29,7 @@ from fibws.protocol.operations import (
     SendActionGoal,
     ServiceResponse,
     SetLevel,
+    SetWill,
     Status,
     Subscribe,
     Subscribed,
@@ -102,6 +104,10 @@ FROM_CLIENT: list[Request | Reply] = [
     UnadvertiseAction(action="/fib"),
     UnadvertiseAction(id=1, action="/fib"),
     Auth(),
+    Auth(token="fibws_abc"),
+    SetWill(topic="/a"),
+    SetWill(id="x", topic="/a", type="a/B", msg={"data": 0}, timeout=0.5),
+    ClearWill(topic="/a"),
     SetLevel(level="none"),
 ]
 FROM_HUB: list[Request | Reply] = [

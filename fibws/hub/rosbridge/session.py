@@ -46,12 +46,14 @@ from fibws.protocol.operations import (
     Auth,
     CallService,
     CancelActionGoal,
+    ClearWill,
     Fragment,
     Publish,
     Request,
     SendActionGoal,
     ServiceResponse,
     SetLevel,
+    SetWill,
     Subscribe,
     Unadvertise,
     UnadvertiseAction,
@@ -445,6 +447,10 @@ class Session:
                 self._reassemble(request)
             case Auth():
                 self._authenticate(request)
+            case SetWill():
+                self.topics.set_will(request)
+            case ClearWill():
+                self.topics.clear_will(request)
             case SetLevel():
                 self._statuses.set_level(request.level)
             case _:

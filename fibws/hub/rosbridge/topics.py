@@ -24,10 +24,13 @@ from fibws.hub.rosbridge.client import Client, check_room
 from fibws.hub.rosbridge.encodings import COMPRESSIONS
 from fibws.hub.rosbridge.peers import PeerReports
 from fibws.hub.rosbridge.subscription import MAX_REGISTRATIONS, Subscription
+from fibws.hub.rosbridge.wills import Wills
 from fibws.protocol.operations import (
     Advertise,
+    ClearWill,
     Id,
     Publish,
+    SetWill,
     Subscribe,
     Unadvertise,
     Unsubscribe,
@@ -65,6 +68,7 @@ class Topics:
         "_pending",
         "_refused",
         "_spellings",
+        "_wills",
         "sources",
         "subscriptions",
     )
@@ -82,6 +86,7 @@ class Topics:
         """The keys of each source in `sources`."""
         self._advertisements: dict[Source, dict[Id, int | None]] = {}
         """The ids that each source is advertised under, with its numbers in binary frames."""
+        self._wills: Wills | None = None
         self._numbered: dict[int, Source] = {}
         """By the number that binary frames name."""
         self.subscriptions: dict[str, Subscription] = {}
@@ -163,7 +168,31 @@ class Topics:
         self._advertisements.pop(source, None)
         for spelling in self._spellings.pop(source):
             del self.sources[spelling]
+        if self._wills is not None:
+            self._wills.clear(source)
         self._client.graph.remove_source(source)
+
+    def set_will(self, request: SetWill) -> None:
+        """Keep a message for when the client has gone; advertise its topic if need be."""
+        source = self.sources.get(request.topic)
+        if source is None:
+            topic = self._topic(request.topic)
+            type_ = request.type or (topic.type.name if topic.type is not None else None)
+            if type_ is None:
+                raise OperationError(
+                    f"{request.topic} has no type yet; advertise it first, or give the type"
+                )
+            source = self._register(request, type_, None, None)
+        if self._wills is None:
+            self._wills = Wills(self._client.node, self._quota(), self._client.clock)
+        self._wills.set(source, request.msg, request.timeout)
+        self._client.statuses.info(request.id, f"{source.topic.name} has a will")
+
+    def clear_will(self, request: ClearWill) -> None:
+        """Forget the message for when the client has gone."""
+        source = self.sources.get(request.topic)
+        if source is not None and self._wills is not None:
+            self._wills.clear(source)
 
     def report_defaults(self, source: Source, msg: object, id_: Any) -> None:
         """Tell a client that wants to know it which fields of its message were left out."""
@@ -235,20 +264,22 @@ class Topics:
             self._client.statuses.error(request.id, f"publish: {error}", code=error.code)
 
     def _register(
-        self, request: Advertise | Publish, type_: str, definition: str | None, md5sum: str | None
+        self,
+        request: Advertise | Publish | SetWill,
+        type_: str,
+        definition: str | None,
+        md5sum: str | None,
     ) -> Source:
         if request.topic not in self.sources:
             limit = self._client.settings.max_advertisements
             check_room(len(self.sources), limit, "advertisements")
-        if self._latch_quota is None:
-            self._latch_quota = Quota(self._client.settings.max_latched_bytes)
         source = self._client.graph.advertise(
             self._topic(request.topic),
             self._client.node,
             type_,
             definition,
-            latch=request.latch,
-            quota=self._latch_quota,
+            latch=not isinstance(request, SetWill) and request.latch,
+            quota=self._quota(),
             serialized=isinstance(request, Advertise) and request.publisher is not None,
             md5sum=md5sum,
         )
@@ -256,6 +287,11 @@ class Topics:
             self.sources[request.topic] = source
             self._spellings.setdefault(source, []).append(request.topic)
         return source
+
+    def _quota(self) -> Quota:
+        if self._latch_quota is None:
+            self._latch_quota = Quota(self._client.settings.max_latched_bytes)
+        return self._latch_quota
 
     def _count_advertisement(self, source: Source, request: Advertise) -> None:
         advertisements = self._advertisements.setdefault(source, {})
@@ -346,9 +382,11 @@ class Topics:
                 self._client.report_withdrawn("subscribe", name)
 
     def leave(self) -> None:
-        """Take everything back."""
+        """Publish the wills, and take everything back."""
         if self._pending is not None:
             self._pending.close()
+        if self._wills is not None:
+            self._wills.publish()
         for source in self._spellings:
             self._client.graph.remove_source(source)
         self._spellings.clear()

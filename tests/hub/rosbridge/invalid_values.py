@@ -139,6 +139,11 @@ EXCEPTIONS = {
     ("unadvertise_service", "service"): Kind(
         ABSENT | NAME.takes, "ros-sharp sends none", NAME.refusal
     ),
+    ("clear_will", "topic"): UNKNOWN,
+    ("set_will", "type"): Kind(set(), "the topic has none", KINDS["type"].refusal + "|no type"),
+    ("set_will", "timeout"): Kind(
+        ABSENT | {"five", "fraction", "whole float"}, "it is optional, and bounded"
+    ),
     ("service_response", "service"): ECHO,
     ("cancel_action_goal", "action"): ECHO,
     ("action_feedback", "action"): ECHO,
@@ -180,6 +185,8 @@ VALID: dict[str, dict[str, Any]] = {
     "cancel_action_goal": {"action": "/goal", "id": "sent"},
     "action_feedback": {"action": "/goal", "id": "action_goal:/goal:2", "values": {}},
     "action_result": {"action": "/goal", "id": "action_goal:/goal:2", "result": True},
+    "set_will": {"topic": "/t", "type": "std_msgs/Int32", "msg": {"data": 5}},
+    "clear_will": {"topic": "/t"},
     "fragment": {"id": "f", "data": "x", "num": 0, "total": 2},
     "auth": {"token": "x"},
     "set_level": {"level": "error"},

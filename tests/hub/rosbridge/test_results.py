@@ -82,8 +82,8 @@ def test_invalid_feedback_is_refused_and_an_invalid_result_ends_the_goal(
     [
         ({}, "Expected a result field but none was found."),
         ({"result": "yes"}, 'Expected field result to be one of bool. Invalid value: "yes"'),
-        ({"result": True, "status": 7}, "Expected field status to be one of an int from 0 to 6."),
-        ({"result": True, "status": -1}, "Expected field status to be one of an int from 0 to 6."),
+        ({"result": True, "status": 7}, "Expected field status to be one of a number <= 6."),
+        ({"result": True, "status": -1}, "Expected field status to be one of a number >= 0."),
         ({"result": True, "status": "4"}, "Expected field status to be one of int. Invalid value"),
         ({"result": True, "action": None}, "Expected a action field but none was found."),
     ],
