@@ -152,8 +152,7 @@ async def _serve(settings: Settings, url_file: Path | None) -> None:
             asyncio.get_running_loop().add_signal_handler(number, stop)
     _remove(url_file)  # An earlier hub may have been killed.
     async with Hub(settings) as hub:
-        if hasattr(signal, "SIGHUP"):
-            asyncio.get_running_loop().add_signal_handler(signal.SIGHUP, _reload, hub)
+        _reload_on_hangup(hub, stop)
         _write(url_file, hub.url)
         try:
             print(announcement(settings, hub.url), flush=True)
@@ -165,6 +164,20 @@ async def _serve(settings: Settings, url_file: Path | None) -> None:
             _remove(url_file)
 
 
+def _reload_on_hangup(hub: Hub, stop: Callable[[], None]) -> None:
+    """Reload the hub's files on SIGHUP; stop it if that came because its terminal was closed."""
+    has_terminal = _has_terminal()
+
+    def on_hangup() -> None:
+        if has_terminal and not _has_terminal():
+            stop()
+        else:
+            _reload(hub)
+
+    if hasattr(signal, "SIGHUP"):  # Windows lacks it.
+        asyncio.get_running_loop().add_signal_handler(signal.SIGHUP, on_hangup)
+
+
 def _reload(hub: Hub) -> None:
     try:
         hub.reload()
@@ -172,6 +185,15 @@ def _reload(hub: Hub) -> None:
         logger.error("Reload failed, everything is as before: %s.", error)
     else:
         logger.info("Reloaded.")
+
+
+def _has_terminal() -> bool:
+    """Return whether the process has a terminal that can end it by closing."""
+    try:
+        os.close(os.open("/dev/tty", os.O_RDONLY | os.O_NOCTTY))
+    except OSError:
+        return False
+    return True
 
 
 def _write(url_file: Path | None, url: str) -> None:

@@ -21,7 +21,7 @@ def announcement(settings: Settings, url: str) -> str:
     Args:
         url: the hub's URL on this machine.
     """
-    page = url.replace("ws:", "http:", 1)
+    page = url.replace("ws", "http", 1)
     lines = [f"The hub listens at {url}; open {page}/ in a browser. Press Ctrl-C to stop."]
     port = url.rpartition(":")[2]
     addresses = addresses_for_others(settings.host)

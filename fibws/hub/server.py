@@ -9,6 +9,7 @@ import logging
 import time
 import uuid
 from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
 from types import TracebackType
 from typing import Any, Self, TypeAlias
@@ -30,6 +31,7 @@ from fibws.hub.websocket.connection import Connection, Shared
 from fibws.hub.websocket.endpoint import Endpoints
 from fibws.hub.websocket.http import HttpRequests, read_files
 from fibws.hub.websocket.shared_limits import SharedLimits
+from fibws.hub.websocket.tls import ServerTls
 from fibws.hub.websocket.turns import Turns
 from fibws.hub.worker_threads import WorkerThreads
 from fibws.interfaces import Interfaces
@@ -41,6 +43,8 @@ logger = logging.getLogger("fibws.hub")
 ExceptionHandler: TypeAlias = Callable[[asyncio.AbstractEventLoop, dict[str, Any]], object]
 
 SWEEP_INTERVAL = 1.0
+LEAST_TIMEOUT = 0.001
+"""Seconds; asyncio accepts no timeouts of 0 for TLS."""
 BACKLOG = 1024
 """Connections that may wait to be accepted: a thousand may come at once."""
 ACCEPTED_AT_ONCE = 32
@@ -66,7 +70,8 @@ class Hub:
             allowed, or what the tokens' rights allow.
 
     Raises:
-        HubError: on entering, when it cannot listen, most likely because the port is taken.
+        HubError: on entering, when it cannot listen, most likely because the port is taken, or when
+            it cannot use its certificate.
         InterfaceError: a folder of definitions is not there.
     """
 
@@ -89,6 +94,7 @@ class Hub:
         """The protocols that clients may speak, once entered."""
         self._connections: set[Connection] = set()
         self._server: asyncio.Server
+        self._tls: ServerTls | None = None
         self._limits: SharedLimits
         self._own: OwnNodes
         self._shared: Shared
@@ -105,6 +111,7 @@ class Hub:
     async def __aenter__(self) -> Self:
         loop = asyncio.get_running_loop()
         host, port = self.settings.host, self.settings.port
+        self._tls = _tls(self.settings)
         try:
             self._server = await loop.create_server(
                 lambda: Connection(self._shared),
@@ -112,6 +119,7 @@ class Hub:
                 port,
                 backlog=ACCEPTED_AT_ONCE,
                 start_serving=False,
+                **self._tls_arguments(),
             )
         except OSError as error:
             raise HubError(_why_not(host, port, error)) from error
@@ -174,7 +182,7 @@ class Hub:
     @property
     def url(self) -> str:
         """The URL by which nodes on this machine reach it."""
-        return local_url(self.settings.host, self.port)
+        return local_url(self.settings.host, self.port, tls=self.settings.has_tls)
 
     async def close(self) -> None:
         """Close all connections and stop; clients that do not answer in time are cut off."""
@@ -191,22 +199,31 @@ class Hub:
             await self._empty.wait()
         self._own.close()
         await self._threads.close()
-        await self._server.wait_closed()
+        with suppress(TimeoutError):  # Clients may be in the middle of their TLS handshake.
+            await asyncio.wait_for(self._server.wait_closed(), self.settings.close_timeout)
         loop = asyncio.get_running_loop()
         if loop.get_exception_handler() == self._on_exception:
             loop.set_exception_handler(self._handle_exception)
 
     def reload(self) -> None:
-        """Read the files of tokens and keys anew; clients lose what they may not do any more.
+        """Read the files of certificates, tokens and keys again.
+
+        New connections get the new certificate. Clients lose what they may not do any more.
 
         Raises:
-            AccessError: a file is invalid; nothing has changed.
+            HubError: a certificate or its key cannot be used; nothing has changed.
+            AccessError: a file of tokens or keys is invalid; nothing has changed.
         """
-        if self._authentication is None:
-            return
-        self._authentication.reload()
+        use_certificate = self._tls.read() if self._tls is not None else None
+        if self._authentication is not None:
+            self._authentication.reload()
+            self._check_logins(self._authentication)
+        if use_certificate is not None:
+            use_certificate()
+
+    def _check_logins(self, authentication: Authentication) -> None:
         if isinstance(self.graph.policy, AccessPolicy):
-            self.graph.policy.keep_names(self._authentication.known())
+            self.graph.policy.keep_names(authentication.known())
         for connection in list(self._connections):
             connection.check_login()
 
@@ -252,6 +269,16 @@ class Hub:
             if topic is not None
         }
         return {name: number for name, number in counts.items() if number}
+
+    def _tls_arguments(self) -> dict[str, Any]:
+        """Return the arguments of the event loop's create_server."""
+        if self._tls is None:
+            return {}
+        return {
+            "ssl": self._tls.context,
+            "ssl_handshake_timeout": max(self.settings.open_timeout, LEAST_TIMEOUT),
+            "ssl_shutdown_timeout": max(self.settings.close_timeout, LEAST_TIMEOUT),
+        }
 
     def _warn_if_public(self) -> None:
         address = self._server.sockets[0].getsockname()[0]
@@ -321,10 +348,16 @@ class Hub:
             loop.default_exception_handler(context)
 
 
-def local_url(host: str, port: int) -> str:
+def local_url(host: str, port: int, *, tls: bool = False) -> str:
     """Return the URL by which programs on this machine reach a hub that listens there."""
     host = _reached_at(host)
-    return f"ws://{f'[{host}]' if ':' in host else host}:{port}"
+    return f"{'wss' if tls else 'ws'}://{f'[{host}]' if ':' in host else host}:{port}"
+
+
+def _tls(settings: Settings) -> ServerTls | None:
+    if settings.cert is None or settings.key is None:
+        return None
+    return ServerTls(settings.cert, settings.key, settings.client_ca)
 
 
 def _reached_at(host: str) -> str:

@@ -30,6 +30,10 @@ class Settings:
         "127.0.0.1", "Address to listen on; 0.0.0.0 accepts connections from other machines."
     )
     port: int = _setting(9090, "Port to listen on; 0 chooses a free one.")
+    cert: Path | None = _setting(
+        None, "Certificate for TLS, in PEM format; the hub is then at wss:// and https://."
+    )
+    key: Path | None = _setting(None, "Private key of the certificate, without a password.")
     allow_origin: tuple[str, ...] = _setting(
         (),
         "Web page origin that may connect besides this machine's own, such as "
@@ -121,9 +125,23 @@ class Settings:
                 raise HubError(f"--{flag} must be >= 0 and finite, got {value}")
         if self.port > 65535:
             raise HubError(f"--port must be between 0 and 65535, got {self.port}")
+        self._check_tls()
         for origin in self.allow_origin:
             if not is_allowable(origin):
                 raise HubError(
                     "--allow-origin must be a scheme, a host and perhaps a port, such as "
                     f"https://lab.example, or null or *; got {origin}"
                 )
+
+    @property
+    def has_tls(self) -> bool:
+        """Whether clients connect with TLS."""
+        return self.cert is not None
+
+    def _check_tls(self) -> None:
+        if self.cert is not None and self.key is None:
+            raise HubError("--cert requires --key, the private key of the certificate")
+        if self.key is not None and self.cert is None:
+            raise HubError("--key requires --cert, the certificate of the key")
+        if self.client_ca is not None and not self.has_tls:
+            raise HubError("--client-ca requires TLS: --cert and --key")

@@ -12,6 +12,7 @@ import select
 import shlex
 import signal
 import socket
+import ssl
 import subprocess
 import sys
 import time
@@ -20,6 +21,8 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import pytest
+from certificates import Authority
+from certificates import authority as authority
 from click.testing import CliRunner
 from websockets.exceptions import ConnectionClosed, WebSocketException
 from websockets.sync.client import ClientConnection, connect
@@ -46,7 +49,7 @@ class Program:
 
     def url(self) -> str:
         """Return the URL in its first line."""
-        found = re.search(r"ws://\S+:\d+", self.first_line())
+        found = re.search(r"wss?://\S+:\d+", self.first_line())
         assert found is not None
         return found[0]
 
@@ -73,6 +76,41 @@ def running(*arguments: str, **environment: str) -> Iterator[Program]:
         finally:
             if process.poll() is None:
                 process.kill()
+
+
+def test_hangup_reads_the_certificate_again(authority: Authority) -> None:
+    certificate, key = authority.issue()
+    files = ("--cert", str(certificate), "--key", str(key))
+    with running("--port", "0", *files) as hub:
+        url = hub.url()
+        assert url.startswith("wss://")
+        authority.issue(common_name="new")
+        hub.process.send_signal(signal.SIGHUP)
+        assert hub.process.stderr is not None
+        line = hub.process.stderr.readline()
+        assert "Reloaded" in line
+        with connect(url, ssl=authority.client()) as websocket:
+            assert isinstance(websocket.socket, ssl.SSLSocket)
+            assert "'new'" in str(websocket.socket.getpeercert())
+        hub.process.terminate()
+        assert hub.end()[0] == 0
+
+
+def test_closed_terminal_ends_the_hub() -> None:
+    with_terminal = "import pty, sys; pty.spawn(sys.argv[1:])"
+    command = [sys.executable, "-m", "fibws.hub", "--port", "0"]
+    process = subprocess.Popen(
+        [sys.executable, "-c", with_terminal, *command], stdout=subprocess.PIPE, text=True
+    )
+    with process:
+        assert process.stdout is not None
+        found = re.search(r"ws://\S+:\d+", process.stdout.readline())
+        assert found is not None
+        with connect(found[0]) as websocket:
+            process.kill()  # The terminal's other end is gone.
+            with pytest.raises(ConnectionClosed) as closed:
+                websocket.recv(timeout=PATIENCE)
+            assert closed.value.rcvd is not None and closed.value.rcvd.code == 1001
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import FrozenInstanceError, fields
+from pathlib import Path
 
 import pytest
 
@@ -54,3 +55,17 @@ def test_number_out_of_range_is_refused(setting: str, value: float, flag: str) -
         Settings(**{setting: value})  # type: ignore[arg-type]
     assert flag in str(caught.value)
     assert str(value) in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("files", "flags"),
+    [
+        ({"cert": "hub.pem"}, ("--cert", "--key")),
+        ({"key": "hub.key"}, ("--key", "--cert")),
+        ({"client_ca": "ca.pem"}, ("--client-ca", "--cert")),
+    ],
+)
+def test_tls_requires_certificate_and_key(files: dict[str, str], flags: tuple[str, str]) -> None:
+    with pytest.raises(HubError) as caught:
+        Settings(**{name: Path(file) for name, file in files.items()})  # type: ignore[arg-type]
+    assert all(flag in str(caught.value) for flag in flags)

@@ -34,6 +34,7 @@ from fibws.hub.websocket.endpoint import Endpoint, Endpoints, Opening
 from fibws.hub.websocket.http import HttpRequests, node_name, text_response
 from fibws.hub.websocket.keepalive import Keepalive
 from fibws.hub.websocket.shared_limits import SharedLimits
+from fibws.hub.websocket.tls import certificate_name
 from fibws.hub.websocket.turns import TURN, Turns
 from fibws.protocol.websocket import (
     EXPIRED,
@@ -135,6 +136,7 @@ class Connection(asyncio.BufferedProtocol):
         "_transport",
         "_waiting",
         "address",
+        "certificate_name",
         "endpoint",
         "peer",
         "principal",
@@ -177,6 +179,8 @@ class Connection(asyncio.BufferedProtocol):
         """The IP address that the client comes from."""
         self.peer = ""
         """The address with its port."""
+        self.certificate_name: str | None = None
+        """The common name of the client's certificate, which is verified."""
 
     @property
     def name(self) -> str:
@@ -209,6 +213,7 @@ class Connection(asyncio.BufferedProtocol):
         # Most come from few addresses, and there may be thousands.
         self.address = sys.intern(peer[0]) if peer else "unknown"
         self.peer = f"{peer[0]}:{peer[1]}" if peer else "unknown"
+        self.certificate_name = certificate_name(transport.get_extra_info("ssl_object"))
         self._shared.observer.opened(self)
         if not self._shared.limits.admit(sock.fileno()):
             transport.abort()
@@ -378,7 +383,7 @@ class Connection(asyncio.BufferedProtocol):
                 request.headers,
                 request.path,
                 [each.strip() for each in offered],
-                None,
+                self.certificate_name,
                 self.address,
             )
             if login is not None:
@@ -514,11 +519,18 @@ class Connection(asyncio.BufferedProtocol):
                     self.queue.write_control(data)
                 self._count_pongs(len(data))
             else:
-                try:
-                    self._transport.write_eof()
-                except OSError:  # The client has reset the connection meanwhile.
-                    self._transport.abort()
+                self._write_eof()
                 self._keepalive.closing(self._shared.loop.time())
+
+    def _write_eof(self) -> None:
+        """Send no more; a client with TLS cannot send more, either."""
+        if not self._transport.can_write_eof():
+            self._transport.close()
+            return
+        try:
+            self._transport.write_eof()
+        except OSError:  # The client has reset the connection meanwhile.
+            self._transport.abort()
 
     def _count_pongs(self, size: int) -> None:
         """Cut off a client that sends pings but reads no pong: the queue does not bound them."""

@@ -129,9 +129,14 @@ def test_missing_file_is_an_error_of_the_hub(tmp_path: Path) -> None:
 # Certificates.
 
 
+def tls_files(folder: Path) -> dict[str, Any]:
+    """Return the settings of TLS, with certificates of clients; nothing reads the files."""
+    return {name: folder / f"{name}.pem" for name in ("cert", "key", "client_ca")}
+
+
 def test_certificate_stands_for_a_token(tmp_path: Path) -> None:
     path = tokens(tmp_path, '[certificates.robot1]\nallow = {publish = ["/x"]}')
-    settings = Settings(tokens=path, client_ca=tmp_path / "ca.pem")
+    settings = Settings(tokens=path, **tls_files(tmp_path))
     login = Authentication(settings, Clock()).log_in(Headers(), "/", [], "robot1", ADDRESS)
     assert login is not None
     assert login.principal.rights.allows("publish", "/x")
@@ -142,7 +147,7 @@ def test_certificate_stands_for_a_token(tmp_path: Path) -> None:
 def test_without_a_file_each_certificate_has_all_rights_but_that_of_an_admin(
     tmp_path: Path,
 ) -> None:
-    authentication = Authentication(Settings(client_ca=tmp_path / "ca.pem"), Clock())
+    authentication = Authentication(Settings(**tls_files(tmp_path)), Clock())
     login = authentication.log_in(Headers(), "/", [], "robot1", ADDRESS)
     assert login is not None
     assert login.principal.name == "robot1"

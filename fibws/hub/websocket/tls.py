@@ -1,0 +1,191 @@
+"""The hub's side of TLS: its certificate, which can be replaced while clients are connected.
+
+The files are read into an SSL context when the hub starts, and into another one by each reload. A
+new connection begins with the first context, since the event loop keeps that one, and changes to
+the newest one while it reads the client's first message. Thus a connection gets either the old
+files or the new ones, and open connections are not affected.
+"""
+
+from __future__ import annotations
+
+import re
+import ssl
+from collections.abc import Callable
+from pathlib import Path
+
+from fibws.errors import HubError
+
+_PLAIN = ("HTTP_REQUEST", "HTTPS_PROXY_REQUEST")
+"""OpenSSL's reasons for refusing a client that speaks HTTP without TLS."""
+_TARGET = re.compile(rb"([!-.0-~][!-~]*)? HTTP/1\.[01]\r\n")
+"""The rest of a GET request's first line: OpenSSL has taken five bytes, "GET /". What follows the
+first five bytes of another method begins with a slash."""
+_HOST = re.compile(rb"\r\nHost:[ \t]*([\w.:\[\]-]+)[ \t]*\r\n", re.IGNORECASE)
+_UPGRADE = re.compile(rb"\r\nUpgrade:", re.IGNORECASE)
+
+
+class ServerTls:
+    """The certificate of a hub, and the authority of its clients' certificates.
+
+    Args:
+        certificate: a PEM file: the hub's certificate, followed by those between it and its
+            authority.
+        key: a PEM file of the certificate's private key, without a password.
+        client_ca: a PEM file of the authorities whose certificates clients may present; without
+            it, clients are not asked for one.
+
+    Raises:
+        HubError: a file cannot be used.
+    """
+
+    def __init__(self, certificate: Path, key: Path, client_ca: Path | None = None) -> None:
+        self._files = (certificate, key, client_ca)
+        self._newest = self.context = _context(*self._files)
+        """`context` is for the event loop."""
+        self.context.sni_callback = self._select
+
+    def read(self) -> Callable[[], None]:
+        """Read the files again, and return a function that has new connections use them.
+
+        Raises:
+            HubError: a file cannot be used.
+        """
+        context = _context(*self._files)
+
+        def use() -> None:
+            self._newest = context
+
+        return use
+
+    def _select(self, client: ssl.SSLObject, name: str | None, first: ssl.SSLContext) -> None:
+        """Give a connection the newest context: OpenSSL calls it, also without a server name."""
+        client.context = self._newest
+
+
+def certificate_name(tls: ssl.SSLObject | None) -> str | None:
+    """Return the common name of the certificate that a client has presented and that is verified.
+
+    Args:
+        tls: of the client's connection; None if it has no TLS.
+    """
+    certificate = tls.getpeercert() if tls is not None else None
+    # ((("countryName", "DE"),), (("commonName", "robot"),)), in the type stubs any of these.
+    subject: tuple[tuple[tuple[str, str], ...], ...] = (certificate or {}).get("subject", ())  # type: ignore[assignment]
+    return next((value for part in subject for key, value in part if key == "commonName"), None)
+
+
+class _Context(ssl.SSLContext):
+    def wrap_bio(
+        self,
+        incoming: ssl.MemoryBIO,
+        outgoing: ssl.MemoryBIO,
+        server_side: bool = False,
+        server_hostname: str | bytes | None = None,
+        session: ssl.SSLSession | None = None,
+    ) -> ssl.SSLObject:
+        found = super().wrap_bio(incoming, outgoing, server_side, server_hostname, session)
+        assert isinstance(found, _Handshake)
+        found.incoming, found.outgoing = incoming, outgoing
+        return found
+
+
+class _Handshake(ssl.SSLObject):
+    """A connection's TLS, which tells a client why its handshake failed.
+
+    The event loop would discard the alert, and close the socket: after an error it sends nothing
+    more. So the error is reported to it in two steps: the first one sends what there is to send.
+    """
+
+    incoming: ssl.MemoryBIO
+    outgoing: ssl.MemoryBIO
+    _error: ssl.SSLError | None = None
+
+    def do_handshake(self) -> None:
+        """Continue the handshake.
+
+        Raises:
+            SSLWantReadError: the client must send more; or the handshake has failed, and the client
+                is to be told.
+            SSLError: the handshake failed, and the client has been told.
+        """
+        if self._error is not None:
+            raise self._error
+        try:
+            super().do_handshake()
+        except (ssl.SSLWantReadError, ssl.SSLWantWriteError, ssl.SSLSyscallError):
+            raise
+        except ssl.SSLError as error:
+            self._error = error
+            if error.reason in _PLAIN:
+                self.outgoing.write(_respond_to_plain(self.incoming.read()))
+            raise ssl.SSLWantReadError(str(error)) from error
+
+
+def _respond_to_plain(rest: bytes) -> bytes:
+    """Return the response to an HTTP request that came without TLS.
+
+    A browser is redirected. Other clients are refused, so that their users notice: what they sent
+    was readable on the way.
+
+    Args:
+        rest: the request, without the first bytes.
+    """
+    text = b"This port expects TLS; use https:// or wss://.\n"
+    status, location = b"400 Bad Request", b""
+    target, host = _TARGET.match(rest), _HOST.search(rest)
+    if target is not None and host is not None and not _UPGRADE.search(rest):
+        status = b"307 Temporary Redirect"
+        location = b"Location: https://%b/%b\r\n" % (host[1], target[1] or b"")
+    return (
+        b"HTTP/1.1 %b\r\n%bContent-Type: text/plain; charset=utf-8\r\nContent-Length: %d\r\n"
+        b"Connection: close\r\n\r\n%b" % (status, location, len(text), text)
+    )
+
+
+def _context(certificate: Path, key: Path, client_ca: Path | None) -> ssl.SSLContext:
+    context = _Context(ssl.PROTOCOL_TLS_SERVER)
+    context.sslobject_class = _Handshake
+    context.minimum_version = ssl.TLSVersion.TLSv1_2
+    _check_readable("--cert", certificate)
+    _check_readable("--key", key)
+    try:
+        context.load_cert_chain(certificate, key, password=_refuse_password)
+    except ssl.SSLError as error:
+        raise HubError(_fault(error, certificate, key)) from None
+    if client_ca is not None:
+        _check_readable("--client-ca", client_ca)
+        try:
+            context.load_verify_locations(client_ca)
+        except ssl.SSLError:
+            raise HubError(f"--client-ca: {client_ca} holds no certificate in PEM format") from None
+        context.verify_mode = ssl.CERT_OPTIONAL
+        # A client that resumes a session would not be asked for its certificate again, which a
+        # reload may have made invalid.
+        context.options |= ssl.OP_NO_TICKET
+        context.num_tickets = 0
+    return context
+
+
+def _check_readable(option: str, file: Path) -> None:
+    try:
+        with file.open("rb"):
+            pass
+    except OSError as error:
+        raise HubError(f"{option}: cannot read {file}: {error.strerror}") from None
+
+
+def _refuse_password() -> str:
+    """Fail: otherwise OpenSSL asks on the terminal."""
+    raise HubError("--key: the key has a password; remove it with: openssl pkey -in OLD -out NEW")
+
+
+def _fault(error: ssl.SSLError, certificate: Path, key: Path) -> str:
+    """Return why a certificate and its key cannot be used."""
+    if error.reason == "KEY_VALUES_MISMATCH":
+        return f"--key: {key} is not the key of the first certificate in {certificate}"
+    if b"-----BEGIN CERTIFICATE-----" not in certificate.read_bytes():
+        return f"--cert: {certificate} holds no certificate in PEM format"
+    if b"PRIVATE KEY-----" not in key.read_bytes():
+        return f"--key: {key} holds no private key in PEM format"
+    text = (error.reason or str(error)).lower().replace("_", " ")
+    return f"--cert, --key: cannot use {certificate} with {key}: {text}"

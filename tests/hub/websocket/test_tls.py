@@ -1,0 +1,372 @@
+"""TLS: handshakes, certificates and their reload, slow clients."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import ssl
+from pathlib import Path
+from typing import Any
+
+import pytest
+from certificates import Authority
+from certificates import authority as authority
+from conftest import StartHub
+from cryptography.hazmat.primitives import serialization
+from websockets.asyncio.client import ClientConnection, connect
+from websockets.exceptions import ConnectionClosed, InvalidMessage
+
+import fibws
+from fibws.errors import HubError
+from fibws.hub import Hub
+from fibws.msg.std_msgs import Int32
+
+from ..raw_client import PATIENCE, frame, handshake
+
+pytestmark = pytest.mark.both_loops
+
+
+@pytest.fixture
+async def hub(start_hub: StartHub, authority: Authority) -> Hub:
+    """A hub with TLS."""
+    certificate, key = authority.issue()
+    return await start_hub(cert=certificate, key=key)
+
+
+def operation(op: str, **fields: Any) -> str:
+    return json.dumps({"op": op, **fields})
+
+
+async def processed(client: ClientConnection) -> None:
+    """Wait until the hub has processed what a client has sent."""
+    async with asyncio.timeout(PATIENCE):
+        await (await client.ping())
+
+
+def common_name(client: ClientConnection) -> str:
+    """Return the common name of the hub's certificate."""
+    certificate = client.transport.get_extra_info("ssl_object").getpeercert()
+    return str({key: value for part in certificate["subject"] for key, value in part}["commonName"])
+
+
+async def get(hub: Hub, head: str, context: ssl.SSLContext | None) -> bytes:
+    """Send an HTTP request and return everything up to the end."""
+    async with asyncio.timeout(PATIENCE):
+        reader, writer = await asyncio.open_connection("127.0.0.1", hub.port, ssl=context)
+        writer.write(head.replace("\n", "\r\n").encode() + b"\r\n\r\n")
+        if context is not None:
+            return await reader.read()
+        answer = await reader.readuntil(b"wss://.\n")
+        writer.close()
+        return answer
+
+
+async def test_messages_of_any_size_arrive_in_order(hub: Hub, authority: Authority) -> None:
+    assert hub.url.startswith("wss://127.0.0.1:")
+    trusted = authority.client()
+    async with connect(hub.url, ssl=trusted, max_size=None) as listener:
+        await listener.send(operation("subscribe", topic="/t", type="std_msgs/String"))
+        await processed(listener)
+        async with connect(hub.url, ssl=trusted) as client:
+            await client.send(operation("advertise", topic="/t", type="std_msgs/String"))
+            sizes = [*range(300), 1_000_000, 5, 9_000_000, 7]
+            sending = asyncio.create_task(_publish(client, sizes))
+            async with asyncio.timeout(PATIENCE):
+                seen = [len(json.loads(await listener.recv())["msg"]["data"]) for _ in sizes]
+                await sending
+            assert seen == sizes
+
+
+async def _publish(client: ClientConnection, sizes: list[int]) -> None:
+    for size in sizes:
+        await client.send(operation("publish", topic="/t", msg={"data": "x" * size}))
+
+
+async def test_http_response_ends(hub: Hub, authority: Authority) -> None:
+    answer = await get(hub, "GET /healthz HTTP/1.1\nHost: 127.0.0.1", authority.client())
+    head, _, body = answer.partition(b"\r\n\r\n")
+    assert head.startswith(b"HTTP/1.1 200")
+    assert json.loads(body)["status"] == "ok"
+
+
+async def test_close_and_cut_end_a_client(hub: Hub, authority: Authority) -> None:
+    trusted = authority.client()
+    async with connect(hub.url, ssl=trusted) as closed, connect(hub.url, ssl=trusted) as cut:
+        await closed.close(1000)
+        assert closed.close_code == 1000
+        cut.transport.abort()
+        async with asyncio.timeout(PATIENCE):
+            await hub._empty.wait()
+
+
+async def test_hub_closes_clients_with_its_reason(
+    start_hub: StartHub, authority: Authority
+) -> None:
+    certificate, key = authority.issue()
+    hub = await start_hub(cert=certificate, key=key)
+    async with connect(hub.url, ssl=authority.client()) as client:
+        await hub.close()
+        with pytest.raises(ConnectionClosed):
+            await client.recv()
+        assert client.close_code == 1001
+
+
+async def test_unfinished_handshake_does_not_delay_the_end(
+    start_hub: StartHub, authority: Authority
+) -> None:
+    certificate, key = authority.issue()
+    hub = await start_hub(cert=certificate, key=key, close_timeout=0.05)
+    _, writer = await asyncio.open_connection("127.0.0.1", hub.port)
+    writer.write(b"\x16\x03\x01")
+    await writer.drain()
+    async with asyncio.timeout(PATIENCE):
+        await hub.close()
+    writer.close()
+
+
+async def test_slow_client_loses_old_messages_and_delays_nobody(
+    start_hub: StartHub, authority: Authority
+) -> None:
+    certificate, key = authority.issue()
+    hub = await start_hub(cert=certificate, key=key, max_queued_bytes=2**20)
+    trusted = authority.client()
+    # The library reads no more than one message ahead.
+    async with (
+        connect(hub.url, ssl=trusted, max_queue=1) as slow,
+        connect(hub.url, ssl=trusted) as quick,
+        connect(hub.url, ssl=trusted) as client,
+    ):
+        for listener in (slow, quick):
+            await listener.send(operation("subscribe", topic="/t", type="std_msgs/String"))
+            await processed(listener)
+        slow.transport.pause_reading()
+        await client.send(operation("advertise", topic="/t", type="std_msgs/String"))
+        text = "x" * 100_000
+        for number in range(200):
+            await client.send(operation("publish", topic="/t", msg={"data": f"{number} {text}"}))
+            async with asyncio.timeout(PATIENCE):
+                assert json.loads(await quick.recv())["msg"]["data"].startswith(f"{number} ")
+        dropped = sum(each.queue.dropped for each in hub._connections)
+        assert dropped > 50
+        slow.transport.resume_reading()
+        async with asyncio.timeout(PATIENCE):
+            seen = [json.loads(await slow.recv())["msg"]["data"].split()[0]]
+            while seen[-1] != "199":
+                seen.append(json.loads(await slow.recv())["msg"]["data"].split()[0])
+        assert len(seen) == 200 - dropped
+        assert seen == sorted(seen, key=int)
+
+
+@pytest.mark.parametrize("path", ["", "x?y=1"])
+async def test_browser_without_tls_is_redirected(hub: Hub, path: str) -> None:
+    answer = await get(hub, f"GET /{path} HTTP/1.1\nHost: lab.example:9090", None)
+    assert answer.startswith(b"HTTP/1.1 307")
+    assert f"\r\nLocation: https://lab.example:9090/{path}\r\n".encode() in answer
+
+
+@pytest.mark.parametrize(
+    "head",
+    [
+        handshake().decode().replace("\r", "").strip(),
+        "POST / HTTP/1.1\nHost: lab",
+        "GET / HTTP/1.1\nHost: <script>",
+        "GET / HTTP/1.1\nHost: lab\x01Set-Cookie: x",
+    ],
+)
+async def test_other_clients_without_tls_are_refused(hub: Hub, head: str) -> None:
+    answer = await get(hub, head, None)
+    assert answer.startswith(b"HTTP/1.1 400")
+    assert b"Location" not in answer
+
+
+async def test_node_without_tls_says_what_to_do(hub: Hub) -> None:
+    with pytest.raises(fibws.HubUnreachable, match="wss://"):
+        async with fibws.Node("node", hub=hub.url.replace("wss:", "ws:")):
+            pytest.fail("the hub expects TLS")
+
+
+async def test_old_versions_of_tls_are_refused_with_a_reason(
+    hub: Hub, authority: Authority
+) -> None:
+    context = authority.client()
+    context.set_ciphers("ALL:@SECLEVEL=0")
+    with pytest.warns(DeprecationWarning):
+        context.minimum_version = ssl.TLSVersion.TLSv1
+        context.maximum_version = ssl.TLSVersion.TLSv1_1
+    with pytest.raises(ssl.SSLError, match="ALERT_PROTOCOL_VERSION"):
+        await connect(hub.url, ssl=context)
+    context.maximum_version = ssl.TLSVersion.TLSv1_2
+    async with connect(hub.url, ssl=context) as client:
+        assert client.transport.get_extra_info("ssl_object").version() == "TLSv1.2"
+
+
+class TestReload:
+    async def test_new_connections_get_the_new_certificate_and_nothing_is_lost(
+        self, hub: Hub, authority: Authority
+    ) -> None:
+        trusted = authority.client()
+        async with connect(hub.url, ssl=trusted) as listener, connect(hub.url, ssl=trusted) as old:
+            await listener.send(operation("subscribe", topic="/t", type="std_msgs/Int32"))
+            await processed(listener)
+            await old.send(operation("advertise", topic="/t", type="std_msgs/Int32"))
+            names = []
+            for number in range(100):
+                await old.send(operation("publish", topic="/t", msg={"data": number}))
+                if number % 20 == 10:
+                    authority.issue(common_name=f"hub {number}")
+                    hub.reload()
+                    async with connect(hub.url, ssl=trusted) as new:
+                        names.append(common_name(new))
+            async with asyncio.timeout(PATIENCE):
+                seen = [json.loads(await listener.recv())["msg"]["data"] for _ in range(100)]
+            assert seen == [*range(100)]
+            assert names == ["hub 10", "hub 30", "hub 50", "hub 70", "hub 90"]
+            assert common_name(old) == "hub"
+
+    async def test_old_certificate_stays_if_the_new_file_is_broken(
+        self, hub: Hub, authority: Authority, tmp_path: Path
+    ) -> None:
+        (tmp_path / "hub.key").write_text("nonsense")
+        with pytest.raises(HubError, match=r"hub\.key"):
+            hub.reload()
+        async with connect(hub.url, ssl=authority.client()) as client:
+            assert common_name(client) == "hub"
+
+    async def test_removed_authority_of_clients_is_no_longer_accepted(
+        self, start_hub: StartHub, authority: Authority, tmp_path: Path
+    ) -> None:
+        certificate, key = authority.issue()
+        known = tmp_path / "clients.pem"
+        known.write_bytes(authority.file.read_bytes())
+        hub = await start_hub(cert=certificate, key=key, client_ca=known)
+        context = authority.client(authority.issue(common_name="robot", file="client"))
+        async with connect(hub.url, ssl=context) as old:
+            (tmp_path / "other").mkdir()
+            known.write_bytes(Authority(tmp_path / "other").file.read_bytes())
+            hub.reload()
+            with pytest.raises((OSError, InvalidMessage)):
+                await connect(hub.url, ssl=context)
+            await processed(old)
+
+
+class TestClientCertificates:
+    @pytest.fixture
+    async def hub(self, start_hub: StartHub, authority: Authority) -> Hub:
+        """A hub that accepts the certificates of an authority."""
+        certificate, key = authority.issue()
+        return await start_hub(cert=certificate, key=key, client_ca=authority.file)
+
+    @pytest.mark.parametrize("version", [ssl.TLSVersion.TLSv1_2, ssl.TLSVersion.TLSv1_3])
+    async def test_connection_knows_the_common_name(
+        self, hub: Hub, authority: Authority, version: ssl.TLSVersion
+    ) -> None:
+        context = authority.client(authority.issue(common_name="robot", file="client"))
+        context.maximum_version = version
+        async with connect(hub.url, ssl=context), connect(hub.url, ssl=authority.client()):
+            names = {each.certificate_name for each in hub._connections}
+            assert names == {"robot", None}
+
+    async def test_certificate_of_another_authority_is_refused(
+        self, hub: Hub, authority: Authority, tmp_path: Path
+    ) -> None:
+        (tmp_path / "other").mkdir()
+        other = Authority(tmp_path / "other")
+        context = authority.client(other.issue(common_name="robot"))
+        with pytest.raises((OSError, InvalidMessage)):
+            await connect(hub.url, ssl=context)
+
+    async def test_certificate_is_not_asked_for_without_the_option(
+        self, start_hub: StartHub, authority: Authority
+    ) -> None:
+        certificate, key = authority.issue()
+        hub = await start_hub(cert=certificate, key=key)
+        context = authority.client(authority.issue(common_name="robot", file="client"))
+        async with connect(hub.url, ssl=context):
+            assert [each.certificate_name for each in hub._connections] == [None]
+
+
+class TestFiles:
+    @pytest.mark.parametrize("missing", ["cert", "key", "client_ca"])
+    async def test_missing_file_is_named(
+        self, start_hub: StartHub, authority: Authority, tmp_path: Path, missing: str
+    ) -> None:
+        certificate, key = authority.issue()
+        files = {"cert": certificate, "key": key, missing: tmp_path / "missing.pem"}
+        with pytest.raises(HubError, match=rf"--{missing.replace('_', '-')}.*missing\.pem"):
+            await start_hub(**files)
+
+    @pytest.mark.parametrize("wrong", ["cert", "key", "client_ca"])
+    async def test_file_of_another_kind_is_named(
+        self, start_hub: StartHub, authority: Authority, tmp_path: Path, wrong: str
+    ) -> None:
+        certificate, key = authority.issue()
+        (tmp_path / "wrong.pem").write_text("nonsense")
+        files = {"cert": certificate, "key": key, wrong: tmp_path / "wrong.pem"}
+        with pytest.raises(HubError, match=rf"--{wrong.replace('_', '-')}.*wrong\.pem"):
+            await start_hub(**files)
+
+    async def test_key_of_another_certificate_is_refused(
+        self, start_hub: StartHub, authority: Authority
+    ) -> None:
+        certificate, _ = authority.issue()
+        _, other = authority.issue(file="other")
+        with pytest.raises(HubError, match=r"--key: .*other\.key is not the key"):
+            await start_hub(cert=certificate, key=other)
+
+    async def test_key_with_a_password_is_refused_without_a_question(
+        self, start_hub: StartHub, authority: Authority
+    ) -> None:
+        certificate, key = authority.issue()
+        plain = serialization.load_pem_private_key(key.read_bytes(), None)
+        key.write_bytes(
+            plain.private_bytes(
+                serialization.Encoding.PEM,
+                serialization.PrivateFormat.PKCS8,
+                serialization.BestAvailableEncryption(b"secret"),
+            )
+        )
+        with pytest.raises(HubError, match=r"--key: .*password"):
+            await start_hub(cert=certificate, key=key)
+
+
+async def test_client_that_sends_the_request_with_its_handshake_is_answered(
+    hub: Hub, authority: Authority
+) -> None:
+    """With TLS 1.3 the request may arrive together with the end of the handshake."""
+    incoming, outgoing = ssl.MemoryBIO(), ssl.MemoryBIO()
+    tls = authority.client().wrap_bio(incoming, outgoing, server_hostname="127.0.0.1")
+    async with asyncio.timeout(PATIENCE):
+        reader, writer = await asyncio.open_connection("127.0.0.1", hub.port)
+        while True:
+            try:
+                tls.do_handshake()
+                break
+            except ssl.SSLWantReadError:
+                writer.write(outgoing.read())
+                incoming.write(await reader.read(2**16))
+        tls.write(handshake() + frame(0x9, b"hello"))
+        writer.write(outgoing.read())
+        seen = b""
+        while not seen.endswith(b"\x8a\x05hello"):
+            try:
+                seen += tls.read(2**16)
+            except ssl.SSLWantReadError:
+                data = await reader.read(2**16)
+                assert data
+                incoming.write(data)
+        assert seen.startswith(b"HTTP/1.1 101")
+        writer.close()
+
+
+async def test_node_publishes_over_tls(
+    hub: Hub, authority: Authority, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("SSL_CERT_FILE", str(authority.file))
+    async with fibws.Node("a", hub=hub.url) as a, fibws.Node("b", hub=hub.url) as b:
+        numbers = b.subscribe("numbers", Int32, queue_size=100)
+        publisher = await a.advertise("numbers", Int32)
+        await b.graph.nodes()
+        for number in range(100):
+            await publisher.publish(number)
+        async with asyncio.timeout(PATIENCE):
+            assert [(await anext(numbers)).data for _ in range(100)] == [*range(100)]
