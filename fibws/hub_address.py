@@ -1,4 +1,4 @@
-"""The hub's URL: what is in it, where a proxy redirects it to, and why TLS fails."""
+"""The hub's URL: what is in it, and where a proxy redirects it to."""
 
 from __future__ import annotations
 
@@ -10,8 +10,6 @@ from fibws.errors import InvalidAddress
 DEFAULT_PORT = 9090
 DEFAULT = f"ws://127.0.0.1:{DEFAULT_PORT}"
 ENVIRONMENT = "FIBWS_HUB"
-CERTIFICATES = "SSL_CERT_FILE"
-"""The variable that names a file of trusted certificates; it is OpenSSL's."""
 LOOPBACK = ("127.0.0.1", "::1", "localhost")
 """The addresses of this machine."""
 
@@ -90,18 +88,6 @@ def redirected(hub: str, location: str) -> str:
             raise InvalidAddress(location, f"{hub} redirects to it, without TLS")
         scheme, new = "wss", new._replace(netloc=old.netloc)
     return hub_url(new._replace(scheme=scheme, query=urlencode(_without_node(new.query))).geturl())
-
-
-def tls_fault(error: OSError) -> str | None:
-    """Return what is wrong if TLS failed, and what to do; None for other errors."""
-    if type(error).__module__ != "ssl":  # This avoids importing ssl, which takes 20 ms.
-        return None
-    fault = getattr(error, "verify_message", "")
-    if not fault:
-        return "the server does not support TLS; use ws://"
-    if "self-signed" in fault or "self signed" in fault or "issuer" in fault:
-        return f"invalid certificate: {fault}; to trust it, set {CERTIFICATES}=FILE (PEM)"
-    return f"invalid certificate: {fault}"
 
 
 def _without_node(query: str) -> list[tuple[str, str]]:

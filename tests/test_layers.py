@@ -5,7 +5,7 @@ tools       cli/                        ros1/ (launch, workspace, shell; python/
                 \\                        /
 ends of         client/ (synchronous)    node/ (asyncio; with msg/, srv/, action/)    hub/
 the wire            |                        |                                          |
-pure        values/  protocol/  interfaces/  access/  hub_address  names  suggestions  errors
+pure        values/  protocol/  interfaces/  access/  hub_address  tls  names  errors  suggestions
 """
 
 from __future__ import annotations
@@ -24,12 +24,13 @@ MASK = {"websockets.speedups.apply_mask", "websockets.utils.apply_mask"}
 CLASSES = {"msg", "srv", "action"}
 NODE = {*fibws.__all__} - {"Hub"}
 """The public names of the node library."""
-LOWEST = {"errors", "names", "suggestions", "hub_address", "access"}
+LOWEST = {"errors", "names", "suggestions", "hub_address", "tls", "access"}
 BELOW = {
     "errors": {"command_names"},
     "names": {"errors"},
     "suggestions": set[str](),
     "hub_address": {"errors"},
+    "tls": {"errors"},
     "command_names": set[str](),
     "definition_folders": set[str](),
     "processes": set[str](),
@@ -42,7 +43,7 @@ BELOW = {
     "msg": {"errors", "interfaces"},
     "srv": {"errors", "interfaces", "msg"},
     "action": {"errors", "interfaces", "msg"},
-    "node": {"errors", "names", "hub_address", "protocol", "interfaces", *CLASSES}
+    "node": {"errors", "names", "hub_address", "tls", "protocol", "interfaces", *CLASSES}
     | {"__version__"},
     "tf": {*NODE, "errors", "interfaces", *CLASSES, "cli"},
     "ros1": {*NODE, *LOWEST, "values", "client", "node", "interfaces", *CLASSES}
@@ -95,7 +96,7 @@ ONLY = {
 }
 """The only modules of other parts that a part may import: those that load at once."""
 
-QUICK = ["access/*.py", "client/**/*.py", "values/**/*.py", "cli/**/*.py"]
+QUICK = ["tls.py", "access/*.py", "client/**/*.py", "values/**/*.py", "cli/**/*.py"]
 SLOW = {
     "asyncio",
     "pydantic",

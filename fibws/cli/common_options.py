@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import os
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import wraps
 from inspect import cleandoc
 from typing import Any, TypeVar
 
 import click
 
+from fibws import tls
 from fibws.cli.exit_handling import clean_exit
 from fibws.command_names import command_name
 
@@ -74,11 +77,54 @@ def with_hub(
     return decorate
 
 
-hub_option: Callable[[Callable[..., None]], Callable[..., None]] = click.option(
-    "--hub",
-    metavar="URL",
-    help="Address of the hub.  [default: $FIBWS_HUB, else ws://127.0.0.1:9090]",
-)
+def hub_option(
+    function: Callable[..., None],
+    help_: str = "Address of the hub.  [default: $FIBWS_HUB, else ws://127.0.0.1:9090]",
+) -> Callable[..., None]:
+    """Give a command the option ``--hub``, and those of the files for TLS."""
+    for option in (
+        _file_option("--client-key", tls.CLIENT_KEY, "Private key of the client certificate."),
+        _file_option("--client-cert", tls.CLIENT_CERT, "Certificate to present to the hub."),
+        _file_option("--ca", tls.CA, "Certificates to trust besides the system's."),
+        click.option("--hub", metavar="URL", help=help_),
+    ):
+        function = option(function)
+    return function
+
+
+def _file_option(name: str, variable: str, help_: str) -> Callable[..., Any]:
+    """Return an option that sets an environment variable while its command runs.
+
+    Thus the programs that the command starts have the file, too.
+    """
+
+    def set_variable(context: click.Context, parameter: click.Parameter, file: str | None) -> None:
+        if file is not None:
+            context.with_resource(_variable(variable, os.path.abspath(file)))
+
+    return click.option(
+        name,
+        metavar="FILE",
+        type=click.Path(exists=True, dir_okay=False),
+        expose_value=False,
+        callback=set_variable,
+        help=f"{help_}  [default: ${variable}]",
+    )
+
+
+@contextmanager
+def _variable(name: str, value: str) -> Iterator[None]:
+    """Set an environment variable in the block."""
+    old = os.environ.get(name)
+    os.environ[name] = value
+    try:
+        yield
+    finally:
+        if old is None:
+            del os.environ[name]
+        else:
+            os.environ[name] = old
+
 
 json_option: Callable[[Callable[..., None]], Callable[..., None]] = click.option(
     "--json", "as_json", is_flag=True, help="Print JSON, one value per line."

@@ -20,7 +20,7 @@ from websockets.http11 import Response
 from websockets.typing import Subprotocol
 from websockets.uri import parse_uri
 
-from fibws import hub_address
+from fibws import hub_address, tls
 from fibws.errors import HubLost, HubUnreachable, InvalidAddress, NoHub
 from fibws.protocol.serialized import SUBPROTOCOL
 
@@ -181,7 +181,10 @@ class WebSocket:
             connected = socket.create_connection((host, port), PATIENCE)
             try:
                 connected.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-                return _start_tls(connected, host) if secure else connected
+                if not secure:
+                    return connected
+                context = tls.TlsFiles.choose().context(self.url)
+                return context.wrap_socket(connected, server_hostname=host)
             except BaseException:
                 connected.close()
                 raise
@@ -243,14 +246,8 @@ class WebSocket:
             raise HubLost(self.url, _text(error)) from None
 
 
-def _start_tls(connected: socket.socket, host: str) -> socket.socket:
-    import ssl  # It takes 20 ms, and few tools need it.
-
-    return ssl.create_default_context().wrap_socket(connected, server_hostname=host)
-
-
 def _text(error: OSError) -> str:
-    if fault := hub_address.tls_fault(error):
+    if fault := tls.fault(error):
         return fault
     return (error.strerror or str(error) or type(error).__name__).lower()
 

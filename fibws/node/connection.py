@@ -33,7 +33,7 @@ from websockets.protocol import Event, State
 from websockets.typing import Subprotocol
 
 from fibws.errors import HubUnreachable, InvalidAddress, NodeError, NodeKilled, NodeReplaced, NoHub
-from fibws.hub_address import node_url, redirected, tls_fault
+from fibws.hub_address import node_url, redirected
 from fibws.node.log import ROSOUT
 from fibws.node.outgoing_queue import TURN, PublisherLane
 from fibws.node.session import MAX_SIZE, Session
@@ -46,6 +46,7 @@ from fibws.protocol.websocket import (
     client_frame,
     client_payload,
 )
+from fibws.tls import TlsFiles, fault
 
 FIRST_RETRY = 0.1
 LONGEST_RETRY = 0.5
@@ -108,9 +109,12 @@ class _Handshake(ClientConnection):
             headers, uri = error.response.headers, self.protocol.uri
             if location := headers.get("Location"):
                 url = f"{'wss' if uri.secure else 'ws'}://{uri.host}:{uri.port}{uri.path}"
+                target = redirected(url, location)
+                if target.startswith("wss:") and not uri.secure:
+                    raise _RedirectedToTls(target) from None
                 [node] = parse_qs(uri.query)["node"]
                 del headers["Location"]
-                headers["Location"] = node_url(redirected(url, location), node)
+                headers["Location"] = node_url(target, node)
             raise
 
     def process_event(self, event: Event) -> None:
@@ -119,6 +123,13 @@ class _Handshake(ClientConnection):
             self.websocket.on_fragment(event)
         else:
             super().process_event(event)
+
+
+class _RedirectedToTls(Exception):
+    """A server without TLS has redirected the node to one with it, at ``url``."""
+
+    def __init__(self, url: str) -> None:
+        self.url = url
 
 
 class WebSocket(asyncio.BufferedProtocol):
@@ -304,13 +315,17 @@ class Connection:
         node: the node's global name.
         session: the node's.
         log: gets a line when the hub is lost or found.
+        tls: the node's certificates; they are read each time that it connects.
     """
 
-    def __init__(self, hub: str, node: str, session: Session, log: logging.Logger) -> None:
+    def __init__(
+        self, hub: str, node: str, session: Session, log: logging.Logger, tls: TlsFiles
+    ) -> None:
         self._hub = hub
         self._node = node
         self._session = session
         self._log = log
+        self._tls = tls
         self._found = asyncio.Event()
         """Set once there was a hub, or will never be one."""
         self._is_missing = False
@@ -368,7 +383,7 @@ class Connection:
     async def _connect_once(self) -> bool:
         """Connect, and wait until the connection is lost; return whether it lasted for a while."""
         try:
-            websocket = WebSocket(await self._shake_hands(), self._session)
+            websocket = WebSocket(await self._shake_hands(self._hub), self._session)
         except (OSError, InvalidHandshake) as error:
             self._on_missing(_reason(error))
             return False
@@ -380,10 +395,11 @@ class Connection:
             self._on_missing(reason or str(closed))
         return loop.time() - began > LONGEST_RETRY
 
-    async def _shake_hands(self) -> _Handshake:
+    async def _shake_hands(self, hub: str) -> _Handshake:
         try:
             handshake = await connect(
-                node_url(self._hub, self._node),
+                node_url(hub, self._node),
+                ssl=self._tls.context(hub) if hub.startswith("wss:") else None,
                 create_connection=_Handshake,
                 subprotocols=[Subprotocol(SUBPROTOCOL)],
                 compression=None,
@@ -393,10 +409,12 @@ class Connection:
                 # What the socket does not take at once waits in our own queue, where it is bounded.
                 write_limit=1,
                 # A hub is nearby: the environment's proxy is for the internet.
-                proxy=True if self._hub.startswith("wss:") else None,
+                proxy=True if hub.startswith("wss:") else None,
             )
             assert isinstance(handshake, _Handshake)
             return handshake
+        except _RedirectedToTls as redirect:
+            return await self._shake_hands(redirect.url)
         except InvalidStatus as error:
             status = error.response.status_code
             if status >= 500 or status in _TRY_LATER:
@@ -492,8 +510,8 @@ def _delays() -> Iterator[float]:
 
 def _reason(error: Exception) -> str:
     """Return why a connection failed, without the address, which the log line has anyway."""
-    if isinstance(error, OSError) and (fault := tls_fault(error)):
-        return fault
+    if tls_fault := fault(error):
+        return tls_fault
     if number := _ERRNO.search(str(error)):
         return os.strerror(int(number[1]))
     return getattr(error, "strerror", None) or str(error) or type(error).__name__

@@ -29,6 +29,7 @@ from fibws.node.subscription import Subscription, next_message
 from fibws.node.topics import Topics
 from fibws.node.types import Types
 from fibws.protocol.headers import check_headers
+from fibws.tls import File, TlsFiles
 
 if TYPE_CHECKING:
     from fibws.node.actions.actions import Actions, Over
@@ -88,7 +89,8 @@ class Node:
 
     Args:
         name: a name without a namespace; a remapping of ``__name`` overrides it.
-        hub: ``ws://host:port`` or ``host:port``; default $FIBWS_HUB, else this machine.
+        hub: ``ws://host:port``, ``wss://host:port`` or ``host:port``; default $FIBWS_HUB, else this
+            machine.
         anonymous: add a suffix that makes the name unique.
         namespace: the namespace of relative names; default $ROS_NAMESPACE, else ``/``.
         remapping: the remappings of the command line.
@@ -97,6 +99,11 @@ class Node:
         log: a logger to use, with its level and handlers, instead of the node's own, which writes
             to the console.
         rosout: whether log records are published on /rosout.
+        ca: a PEM file of certificates to trust besides the system's; default $FIBWS_CA.
+        client_cert: a PEM file of the certificate that identifies the node to the hub; default
+            $FIBWS_CLIENT_CERT, else none.
+        client_key: a PEM file of the certificate's private key; default $FIBWS_CLIENT_KEY, else
+            ``client_cert``.
 
     Raises:
         InvalidName: a name is not legal.
@@ -114,6 +121,9 @@ class Node:
         log_format: str | None = None,
         log: logging.Logger | None = None,
         rosout: bool = True,
+        ca: File | None = None,
+        client_cert: File | None = None,
+        client_key: File | None = None,
     ) -> None:
         self._identity = Identity.choose(
             name, anonymous=anonymous, namespace=namespace, remapping=remapping
@@ -132,7 +142,8 @@ class Node:
         self._topics = Topics(self._session)
         self._rosout = Rosout(self.name, self._topics, self._types.codec(Log)) if rosout else None
         self._loggers = Loggers(self.log, self._services, self.resolve)
-        self._connection = Connection(self._hub, self.name, self._session, self.log)
+        tls = TlsFiles.choose(ca, client_cert, client_key)
+        self._connection = Connection(self._hub, self.name, self._session, self.log, tls)
 
     def __repr__(self) -> str:
         return f"<Node {self.name} at {self._hub}>"

@@ -135,7 +135,7 @@ def test_tls(hub: HubThread, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
         relaying = threading.Thread(target=relay)
         relaying.start()
         url = f"wss://127.0.0.1:{server.getsockname()[1]}"
-        with pytest.raises(HubUnreachable, match=r"certificate.* SSL_CERT_FILE"):
+        with pytest.raises(HubUnreachable, match=r"certificate.* FIBWS_CA"):
             HubClient("test", url)
         monkeypatch.setenv("SSL_CERT_FILE", certificate)
         with HubClient("test", url) as client:

@@ -536,7 +536,7 @@ async def test_unknown_certificate_is_explained(
     tls_hub: ScriptedHub, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.delenv("SSL_CERT_FILE")
-    with pytest.raises(fibws.HubUnreachable, match=r"self.signed.* SSL_CERT_FILE"):
+    with pytest.raises(fibws.HubUnreachable, match=r"self.signed.* FIBWS_CA"):
         async with fibws.Node("node", hub=tls_hub.url):
             pytest.fail("the certificate is not trusted")
 

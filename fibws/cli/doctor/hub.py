@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from typing import Any
 from urllib.parse import urlsplit
 
-from fibws import __version__, hub_address
+from fibws import __version__, hub_address, tls
 from fibws.cli.doctor.finding import Finding, ok, warning, wrong
 from fibws.client.hub_client import HubClient
 from fibws.command_names import command_name
@@ -40,11 +40,11 @@ def reach(hub: str | None) -> HubClient | Finding:
         text = f"No hub at {error.url} ({_source(hub)}; {error.cause})"
         return wrong("hub", text, f"Start one: {error.remedy}. Or {other}")
     except HubUnreachable as error:
-        if hub_address.CERTIFICATES in error.cause:
+        if tls.CA in error.cause:
             return wrong(
                 "hub",
                 f"The hub at {error.url} cannot be reached: {error.cause.partition(';')[0]}",
-                f"To trust it: {hub_address.CERTIFICATES}=FILE, where FILE is the certificate of "
+                f"To trust it: {tls.CA}=FILE, where FILE is the certificate of "
                 "the hub or of its authority, in PEM format.",
             )
         text = f"{error}. {http_server(error.url)}"
@@ -138,8 +138,12 @@ def _get(url: str, path: str, host: str | None = None) -> tuple[int, dict[str, s
     from http.client import HTTPConnection, HTTPException, HTTPSConnection
 
     parts = urlsplit(hub_address.page_url(url, path))
-    kind = HTTPSConnection if parts.scheme == "https" else HTTPConnection
-    connection = kind(parts.hostname or "", parts.port, timeout=PATIENCE)
+    connection = HTTPConnection(parts.hostname or "", parts.port, timeout=PATIENCE)
+    if parts.scheme == "https":
+        context = tls.TlsFiles.choose().context(url)
+        connection = HTTPSConnection(
+            parts.hostname or "", parts.port, timeout=PATIENCE, context=context
+        )
     try:
         connection.request("GET", parts.path, headers={} if host is None else {"Host": host})
         response = connection.getresponse()

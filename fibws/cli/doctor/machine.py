@@ -7,7 +7,7 @@ import platform
 import sys
 from collections.abc import Iterator
 
-from fibws import __version__, hub_address, names
+from fibws import __version__, hub_address, names, tls
 from fibws.cli import output
 from fibws.cli.doctor.finding import Finding, ok, warning, wrong
 from fibws.errors import InvalidAddress, InvalidName
@@ -129,7 +129,7 @@ def _other_ros() -> Iterator[Finding]:
 
 
 def _variables(hub: str) -> str:
-    known = (hub_address.ENVIRONMENT, "ROS_NAMESPACE", "FIBWS_INTERFACES")
+    known = (hub_address.ENVIRONMENT, tls.CA, "ROS_NAMESPACE", "FIBWS_INTERFACES")
     variables = [f"{name}={os.environ[name]}" for name in known if os.environ.get(name)]
     if variables:
         return ", ".join(variables)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,7 +13,7 @@ import click
 
 from fibws import hub_address
 from fibws.cli import output
-from fibws.cli.common_options import SETTINGS, examples
+from fibws.cli.common_options import SETTINGS, examples, hub_option
 from fibws.cli.exit_handling import clean_exit
 from fibws.cli.run import workspace_option
 from fibws.errors import NoHub, WorkspaceError
@@ -44,10 +45,9 @@ def _complete(
 @click.option("-t", "--text", is_flag=True, help="Show all output, and write no results of tests.")
 @click.option("-r", "--reuse-master", is_flag=True, help="Use the running hub, not a new one.")
 @click.option("-c", "--clear", is_flag=True, help="With --reuse-master, delete its parameters.")
-@click.option(
-    "--hub",
-    metavar="URL",
-    help="Address of the hub for --reuse-master.  [default: $FIBWS_HUB, else ws://127.0.0.1:9090]",
+@partial(
+    hub_option,
+    help_="Address of the hub for --reuse-master.  [default: $FIBWS_HUB, else ws://127.0.0.1:9090]",
 )
 @workspace_option
 @click.option("--package", metavar="PACKAGE", help="Name of the package.  [default: FILE's]")

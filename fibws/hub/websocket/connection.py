@@ -57,6 +57,8 @@ _library_logger.setLevel(logging.WARNING)
 
 HIGH_WATER = 64 * KIB
 """Bytes in a transport's buffer at which its client counts as slow."""
+TLS_RECORD = b"\x16\x03"
+"""The first bytes from a client that speaks TLS; no HTTP request holds them."""
 MAX_FRAGMENTS = 4096
 """Frames that one fragmented message may have: empty ones do not count towards its size."""
 DROP_REPORT_INTERVAL = 10.0
@@ -322,6 +324,11 @@ class Connection(asyncio.BufferedProtocol):
         It would process frames sent behind the request before that is accepted.
         """
         assert self._head is not None
+        if data.startswith(TLS_RECORD):
+            text = "This port has no TLS; use http:// or ws://"
+            self._protocol.send_response(text_response(http.HTTPStatus.BAD_REQUEST, text))
+            self._send()
+            return
         seen = self._head + data
         end = seen.find(b"\r\n\r\n")
         if end < 0:

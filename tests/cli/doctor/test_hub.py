@@ -12,11 +12,11 @@ from typing import TypeAlias
 import pytest
 from hub_in_thread import HubThread
 
+from fibws import tls
 from fibws.cli.doctor import hub as doctor
 from fibws.cli.doctor.finding import Finding
 from fibws.client.hub_client import HubClient
 from fibws.errors import HubUnreachable
-from fibws.hub_address import tls_fault
 
 Serve: TypeAlias = Callable[..., str]
 
@@ -170,11 +170,11 @@ def test_difference_of_clocks(ahead: float, error: float, verdict: str, text: st
 def test_unknown_certificate_is_explained(monkeypatch: pytest.MonkeyPatch) -> None:
     def fail(tool: str, hub: str | None) -> None:
         error = ssl.SSLCertVerificationError(1, "failed")
-        error.verify_message = "self-signed certificate"
-        raise HubUnreachable("wss://robot", str(tls_fault(error)))
+        error.verify_message, error.verify_code = "self-signed certificate", 18
+        raise HubUnreachable("wss://robot", str(tls.fault(error)))
 
     monkeypatch.setattr(doctor, "HubClient", fail)
     finding = doctor.reach("wss://robot")
     assert isinstance(finding, Finding) and finding.verdict == "wrong"
     assert "self-signed certificate" in finding.text
-    assert "SSL_CERT_FILE=" in finding.advice
+    assert "FIBWS_CA=" in finding.advice

@@ -91,10 +91,16 @@ class TestHandshake:
             assert await _fate(silent) == b""
             assert await _fate(slow) == b""
 
+    async def test_client_with_tls_is_told_that_there_is_none(self, hub: Hub) -> None:
+        async with dialled(hub.port) as client:
+            await client.send(b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03" + bytes(range(256)))
+            status, _, body = await client.response()
+            assert status == 400 and b"ws://" in body
+
     @pytest.mark.parametrize(
         "garbage",
         [
-            b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03" + bytes(range(256)) + b"\n",
+            b"\x16\x02\x01\x02\x00\x01\x00\x01\xfc\x03\x03" + bytes(range(256)) + b"\n",
             b"\r\n\r\n",
             b"\n\n\n\n",
             b"GET\r\n\r\n",

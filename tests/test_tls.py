@@ -1,0 +1,209 @@
+"""TLS of nodes and tools: their certificates, and what errors say."""
+
+from __future__ import annotations
+
+import asyncio
+import ssl
+from collections.abc import Awaitable, Callable
+from datetime import UTC, datetime, timedelta
+from functools import partial
+from pathlib import Path
+
+import pytest
+from certificates import Authority
+from certificates import authority as authority
+from click.testing import CliRunner
+from client.servers import redirecting_server
+from conftest import StartHub
+from node.conftest import Lines
+
+import fibws
+from fibws import HubUnreachable, tls
+from fibws.cli.commands import command
+from fibws.client.hub_client import HubClient
+from fibws.hub import Hub
+
+VARIABLES = (tls.CA, tls.CLIENT_CERT, tls.CLIENT_KEY, "SSL_CERT_FILE")
+
+
+@pytest.fixture(autouse=True)
+def environment(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in VARIABLES:
+        monkeypatch.delenv(name, raising=False)
+
+
+@pytest.fixture
+async def hub(start_hub: StartHub, authority: Authority) -> Hub:
+    """A hub with TLS, which accepts certificates of clients."""
+    certificate, key = authority.issue()
+    return await start_hub(cert=certificate, key=key, client_ca=authority.file)
+
+
+def names(hub: Hub) -> set[str | None]:
+    """Return the common names of the certificates of all clients."""
+    return {each.certificate_name for each in hub._connections}
+
+
+async def tool(url: str, hub: Hub | None = None) -> set[str | None]:
+    """Connect as a tool; return the names in the clients' certificates meanwhile."""
+
+    def run() -> set[str | None]:
+        with HubClient("test", url) as client:
+            client.call("/rosapi/get_time")
+            return names(hub) if hub is not None else set()
+
+    return await asyncio.to_thread(run)
+
+
+async def node(url: str, hub: Hub | None = None) -> set[str | None]:
+    """Connect as a node; return the names in the clients' certificates meanwhile."""
+    async with fibws.Node("test", hub=url) as node:
+        await node.graph.nodes()
+        return names(hub) if hub is not None else set()
+
+
+EITHER = pytest.mark.parametrize("program", [tool, node])
+Program = Callable[..., Awaitable[set[str | None]]]
+
+
+async def why(program: Program, url: str) -> str:
+    """Return why a program does not reach a hub."""
+    with pytest.raises(HubUnreachable) as caught:
+        await program(url)
+    return str(caught.value)
+
+
+@EITHER
+@pytest.mark.parametrize("variable", [tls.CA, "SSL_CERT_FILE"])
+async def test_variable_names_trusted_certificates(
+    program: Program,
+    variable: str,
+    hub: Hub,
+    authority: Authority,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv(variable, str(authority.file))
+    await program(hub.url)
+
+
+async def test_node_takes_its_certificates_as_arguments(hub: Hub, authority: Authority) -> None:
+    cert, key = authority.issue(common_name="arm", file="arm")
+    async with fibws.Node("test", hub=hub.url, ca=authority.file, client_cert=cert, client_key=key):
+        assert names(hub) == {"arm"}
+
+
+async def test_options_of_a_command_name_its_certificates(hub: Hub, authority: Authority) -> None:
+    cert, key = authority.issue(common_name="arm", file="arm")
+    both = authority.file.with_name("both.pem")
+    both.write_bytes(cert.read_bytes() + key.read_bytes())
+    files = ("--ca", str(authority.file), "--client-cert", str(both))
+    run = partial(CliRunner().invoke, command)
+    result = await asyncio.to_thread(run, ["node", "list", "--hub", hub.url, *files])
+    assert result.exit_code == 0, result.output
+    assert "/rosapi" in result.output
+    assert not tls.TlsFiles.choose().ca
+    result = await asyncio.to_thread(run, ["node", "list", "--hub", hub.url])
+    assert result.exit_code == 1
+    assert tls.CA in result.output
+
+
+@EITHER
+async def test_client_certificate_is_presented(
+    program: Program, hub: Hub, authority: Authority, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cert, key = authority.issue(common_name="arm", file="arm")
+    monkeypatch.setenv(tls.CA, str(authority.file))
+    monkeypatch.setenv(tls.CLIENT_CERT, str(cert))
+    monkeypatch.setenv(tls.CLIENT_KEY, str(key))
+    assert await program(hub.url, hub) == {"arm"}
+
+
+@EITHER
+async def test_unknown_issuer_is_explained(program: Program, hub: Hub) -> None:
+    text = await why(program, hub.url)
+    assert tls.CA in text
+    assert "--ca" in text
+
+
+@EITHER
+async def test_other_name_is_explained(
+    program: Program, hub: Hub, authority: Authority, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(tls.CA, str(authority.file))
+    authority.issue("robot.example")
+    hub.reload()
+    assert "name that is in it" in await why(program, hub.url)
+
+
+@EITHER
+async def test_expired_certificate_is_explained(
+    program: Program, hub: Hub, authority: Authority, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(tls.CA, str(authority.file))
+    authority.issue(expires=datetime.now(UTC) - timedelta(days=1))
+    hub.reload()
+    text = await why(program, hub.url)
+    assert "expired" in text and "renew" in text
+
+
+async def test_hub_without_tls_is_explained(start_hub: StartHub) -> None:
+    hub = await start_hub()
+    url = hub.url.replace("ws:", "wss:")
+    assert "use ws://" in await why(tool, url)
+    node = fibws.Node("test", hub=url)
+    lines = Lines(node.log)
+    waiting = asyncio.create_task(node.__aenter__())
+    assert "use ws://" in await lines.next()
+    waiting.cancel()
+
+
+async def test_redirect_to_a_hub_with_tls_is_followed(
+    hub: Hub, authority: Authority, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(tls.CA, str(authority.file))
+    with redirecting_server(hub.url.replace("wss:", "https:")) as url:
+        assert await node(url, hub) == {None}
+
+
+@EITHER
+async def test_hub_with_tls_is_explained(program: Program, hub: Hub) -> None:
+    assert "wss://" in await why(program, hub.url.replace("wss:", "ws:"))
+
+
+async def test_refused_client_certificate_is_explained(
+    hub: Hub, authority: Authority, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "other").mkdir()
+    cert, key = Authority(tmp_path / "other").issue(common_name="arm")
+    monkeypatch.setenv(tls.CA, str(authority.file))
+    monkeypatch.setenv(tls.CLIENT_CERT, str(cert))
+    monkeypatch.setenv(tls.CLIENT_KEY, str(key))
+    text = await why(tool, hub.url)
+    assert tls.CLIENT_CERT in text and "unknown" in text
+
+
+@EITHER
+@pytest.mark.parametrize("variable", [tls.CA, tls.CLIENT_CERT])
+@pytest.mark.parametrize("content", [None, "nonsense"])
+async def test_file_that_cannot_be_used_is_named(
+    program: Program,
+    variable: str,
+    content: str | None,
+    hub: Hub,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    file = tmp_path / "my.pem"
+    if content is not None:
+        file.write_text(content)
+    monkeypatch.setenv(variable, str(file))
+    text = await why(program, hub.url)
+    assert variable in text and str(file) in text
+
+
+def test_other_errors_are_not_those_of_tls() -> None:
+    assert tls.fault(ConnectionRefusedError(111, "refused")) is None
+    assert tls.fault(None) is None
+    wrapped = ConnectionError("lost")
+    wrapped.__cause__ = ssl.SSLError(1, "[SSL: WRONG_VERSION_NUMBER] wrong version number")
+    assert tls.fault(wrapped) is not None
