@@ -34,7 +34,14 @@ def environment(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 async def hub(start_hub: StartHub, authority: Authority) -> Hub:
-    """A hub with TLS, which accepts certificates of clients."""
+    """A hub with TLS, which lets everybody in."""
+    certificate, key = authority.issue()
+    return await start_hub(cert=certificate, key=key)
+
+
+@pytest.fixture
+async def closed_hub(start_hub: StartHub, authority: Authority) -> Hub:
+    """A hub with TLS, which lets in clients with certificates of its authority."""
     certificate, key = authority.issue()
     return await start_hub(cert=certificate, key=key, client_ca=authority.file)
 
@@ -86,36 +93,42 @@ async def test_variable_names_trusted_certificates(
     await program(hub.url)
 
 
-async def test_node_takes_its_certificates_as_arguments(hub: Hub, authority: Authority) -> None:
+async def test_node_takes_its_certificates_as_arguments(
+    closed_hub: Hub, authority: Authority
+) -> None:
     cert, key = authority.issue(common_name="arm", file="arm")
-    async with fibws.Node("test", hub=hub.url, ca=authority.file, client_cert=cert, client_key=key):
-        assert names(hub) == {"arm"}
+    async with fibws.Node(
+        "test", hub=closed_hub.url, ca=authority.file, client_cert=cert, client_key=key
+    ):
+        assert names(closed_hub) == {"arm"}
 
 
-async def test_options_of_a_command_name_its_certificates(hub: Hub, authority: Authority) -> None:
+async def test_options_of_a_command_name_its_certificates(
+    closed_hub: Hub, authority: Authority
+) -> None:
     cert, key = authority.issue(common_name="arm", file="arm")
     both = authority.file.with_name("both.pem")
     both.write_bytes(cert.read_bytes() + key.read_bytes())
     files = ("--ca", str(authority.file), "--client-cert", str(both))
     run = partial(CliRunner().invoke, command)
-    result = await asyncio.to_thread(run, ["node", "list", "--hub", hub.url, *files])
+    result = await asyncio.to_thread(run, ["node", "list", "--hub", closed_hub.url, *files])
     assert result.exit_code == 0, result.output
     assert "/rosapi" in result.output
     assert not tls.TlsFiles.choose().ca
-    result = await asyncio.to_thread(run, ["node", "list", "--hub", hub.url])
+    result = await asyncio.to_thread(run, ["node", "list", "--hub", closed_hub.url])
     assert result.exit_code == 1
     assert tls.CA in result.output
 
 
 @EITHER
 async def test_client_certificate_is_presented(
-    program: Program, hub: Hub, authority: Authority, monkeypatch: pytest.MonkeyPatch
+    program: Program, closed_hub: Hub, authority: Authority, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     cert, key = authority.issue(common_name="arm", file="arm")
     monkeypatch.setenv(tls.CA, str(authority.file))
     monkeypatch.setenv(tls.CLIENT_CERT, str(cert))
     monkeypatch.setenv(tls.CLIENT_KEY, str(key))
-    assert await program(hub.url, hub) == {"arm"}
+    assert await program(closed_hub.url, closed_hub) == {"arm"}
 
 
 @EITHER
@@ -171,14 +184,14 @@ async def test_hub_with_tls_is_explained(program: Program, hub: Hub) -> None:
 
 
 async def test_refused_client_certificate_is_explained(
-    hub: Hub, authority: Authority, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    closed_hub: Hub, authority: Authority, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "other").mkdir()
     cert, key = Authority(tmp_path / "other").issue(common_name="arm")
     monkeypatch.setenv(tls.CA, str(authority.file))
     monkeypatch.setenv(tls.CLIENT_CERT, str(cert))
     monkeypatch.setenv(tls.CLIENT_KEY, str(key))
-    text = await why(tool, hub.url)
+    text = await why(tool, closed_hub.url)
     assert tls.CLIENT_CERT in text and "unknown" in text
 
 
