@@ -33,7 +33,7 @@ async def demo(settings: Settings, rate: float) -> None:
         except HubError as error:
             if not _is_taken(error):
                 raise
-            url = local_url(settings.host, settings.port)
+            url = local_url(settings, settings.port)
             if not await asyncio.to_thread(_is_hub, url):
                 raise HubError(
                     f"port {settings.port} is in use by another program; choose another with --port"

@@ -30,6 +30,7 @@ from fibws.hub.settings import Settings
 from fibws.hub.websocket.connection import Connection, Shared
 from fibws.hub.websocket.endpoint import Endpoints
 from fibws.hub.websocket.http import HttpRequests, read_files
+from fibws.hub.websocket.proxies import TrustedProxies
 from fibws.hub.websocket.shared_limits import SharedLimits
 from fibws.hub.websocket.tls import ServerTls
 from fibws.hub.websocket.turns import Turns
@@ -152,6 +153,7 @@ class Hub:
         self._shared = Shared(
             settings=self.settings,
             http=requests,
+            proxies=TrustedProxies(self.settings.trusted_proxy),
             endpoints=self.endpoints,
             loop=loop,
             flusher=flusher,
@@ -182,7 +184,7 @@ class Hub:
     @property
     def url(self) -> str:
         """The URL by which nodes on this machine reach it."""
-        return local_url(self.settings.host, self.port, tls=self.settings.has_tls)
+        return local_url(self.settings, self.port)
 
     async def close(self) -> None:
         """Close all connections and stop; clients that do not answer in time are cut off."""
@@ -348,10 +350,10 @@ class Hub:
             loop.default_exception_handler(context)
 
 
-def local_url(host: str, port: int, *, tls: bool = False) -> str:
-    """Return the URL by which programs on this machine reach a hub that listens there."""
-    host = _reached_at(host)
-    return f"{'wss' if tls else 'ws'}://{f'[{host}]' if ':' in host else host}:{port}"
+def local_url(settings: Settings, port: int) -> str:
+    """Return the URL by which programs on this machine reach a hub that listens on a port."""
+    scheme, host = "wss" if settings.has_tls else "ws", _reached_at(settings.host)
+    return f"{scheme}://{f'[{host}]' if ':' in host else host}:{port}{settings.base_path}"
 
 
 def _tls(settings: Settings) -> ServerTls | None:

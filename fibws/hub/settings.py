@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
 from fibws.errors import HubError
 from fibws.hub.websocket.origins import is_allowable
+from fibws.hub.websocket.proxies import parse_network
 
 KIB = 1024
 MIB = 1024 * KIB
+URL_PATH = r"(/[A-Za-z0-9._~!$&'()*+,;=:@%-]+)*/?"
+"""The segments of a URL's path (RFC 3986, section 3.3)."""
 
 
 def _setting(default: Any, help_: str) -> Any:
@@ -34,6 +38,14 @@ class Settings:
         None, "Certificate for TLS, in PEM format; the hub is then at wss:// and https://."
     )
     key: Path | None = _setting(None, "Private key of the certificate, without a password.")
+    url_path: str = _setting(
+        "", "Path of the page and of all else, such as /robot, behind a proxy that keeps it."
+    )
+    trusted_proxy: tuple[str, ...] = _setting(
+        (),
+        "Address or network (CIDR) of a proxy whose headers X-Forwarded-For, -Proto and -Host "
+        "count; may be repeated.",
+    )
     allow_origin: tuple[str, ...] = _setting(
         (),
         "Web page origin that may connect besides this machine's own, such as "
@@ -126,12 +138,21 @@ class Settings:
         if self.port > 65535:
             raise HubError(f"--port must be between 0 and 65535, got {self.port}")
         self._check_tls()
+        if not re.fullmatch(URL_PATH, self.url_path):
+            raise HubError(f"--url-path must be a path such as /robot, got {self.url_path}")
+        for network in self.trusted_proxy:
+            parse_network(network)
         for origin in self.allow_origin:
             if not is_allowable(origin):
                 raise HubError(
                     "--allow-origin must be a scheme, a host and perhaps a port, such as "
                     f"https://lab.example, or null or *; got {origin}"
                 )
+
+    @property
+    def base_path(self) -> str:
+        """The path of the hub's URLs, without a slash at its end; empty at the root."""
+        return self.url_path.rstrip("/")
 
     @property
     def has_tls(self) -> bool:

@@ -33,6 +33,7 @@ from fibws.hub.settings import KIB, Settings
 from fibws.hub.websocket.endpoint import Endpoint, Endpoints, Opening
 from fibws.hub.websocket.http import HttpRequests, node_name, text_response
 from fibws.hub.websocket.keepalive import Keepalive
+from fibws.hub.websocket.proxies import TrustedProxies
 from fibws.hub.websocket.shared_limits import SharedLimits
 from fibws.hub.websocket.tls import certificate_name
 from fibws.hub.websocket.turns import TURN, Turns
@@ -76,6 +77,7 @@ class Shared:
 
     settings: Settings
     http: HttpRequests
+    proxies: TrustedProxies
     endpoints: Endpoints
     loop: asyncio.AbstractEventLoop
     flusher: Flusher
@@ -178,9 +180,9 @@ class Connection(asyncio.BufferedProtocol):
         self._login_due = math.inf
         """When a client must have sent its token that had none in its handshake."""
         self.address = ""
-        """The IP address that the client comes from."""
+        """The IP address that the client comes from, also behind a trusted proxy."""
         self.peer = ""
-        """The address with its port."""
+        """The address with its port, which is unknown behind a trusted proxy."""
         self.certificate_name: str | None = None
         """The common name of the client's certificate, which is verified."""
 
@@ -355,6 +357,7 @@ class Connection(asyncio.BufferedProtocol):
 
     def _on_request(self, request: Request) -> None:
         shared = self._shared
+        self._identify(request)
         response = shared.http.respond(request) or self._refuse() or self._protocol.accept(request)
         self._protocol.send_response(response)
         if response.status_code == http.HTTPStatus.FORBIDDEN:
@@ -445,6 +448,14 @@ class Connection(asyncio.BufferedProtocol):
             self.fail(close_reason(UNAUTHENTICATED, f"after a reload: {error}"))
         except NotAllowed as error:
             self.fail(close_reason(FORBIDDEN, f"after a reload: {error}"))
+
+    def _identify(self, request: Request) -> None:
+        """Take the client's address from a trusted proxy, if it comes through one."""
+        tls = self._transport.get_extra_info("ssl_object") is not None
+        address = self._shared.proxies.resolve(self.address, request.headers, tls=tls)
+        if address != self.address:
+            self.address = sys.intern(address)
+            self.peer = self.address
 
     def _refuse(self) -> Response | None:
         """Return the response to a client for which there is no room."""

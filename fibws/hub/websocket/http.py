@@ -30,6 +30,7 @@ from fibws import names
 from fibws.errors import InvalidName
 from fibws.hub.settings import Settings
 from fibws.hub.websocket.origins import AllowedOrigins, Origin, origin_of_url
+from fibws.hub.websocket.proxies import PROTO, is_secure
 
 BUILT = resources.files("fibws").joinpath("hub", "page")
 
@@ -100,6 +101,7 @@ class HttpRequests:
     def __init__(
         self, settings: Settings, files: Mapping[str, bytes], reserved: Collection[str] = ()
     ) -> None:
+        self._base = settings.base_path
         self._origins = AllowedOrigins(settings.allow_origin, settings.host)
         self._reserved = reserved
         self._routes: dict[str, Route] = {"/": _respond_not_built, "/origin": self._describe_origin}
@@ -128,6 +130,8 @@ class HttpRequests:
             host = request.headers.get("Host")
             if host is not None and Origin.of_host("http", host) is None:
                 return text_response(http.HTTPStatus.BAD_REQUEST, "Invalid header Host")
+            if self._base and (elsewhere := self._enter_base(request)) is not None:
+                return elsewhere
             if request.headers.get("Upgrade", "").lower() != "websocket":
                 return self._respond_to_plain(request)
             refusal = self._origins.refusal(request.headers)
@@ -142,6 +146,25 @@ class HttpRequests:
             return text_response(http.HTTPStatus.BAD_REQUEST, f"The query's node: {error}")
         return None
 
+    def _enter_base(self, request: Request) -> Response | None:
+        """Take the hub's own path off the request's; return the response if it is another one.
+
+        A page must be below ``/robot/``, so that its relative URLs are; a WebSocket need not.
+        """
+        path, _, query = request.path.partition("?")
+        if path == self._base and request.headers.get("Upgrade", "").lower() != "websocket":
+            found = text_response(http.HTTPStatus.TEMPORARY_REDIRECT, f"See {self._base}/")
+            last = self._base.rpartition("/")[2]  # A proxy may have put a path before it.
+            found.headers["Location"] = f"{last}/{f'?{query}' if query else ''}"
+            return found
+        if path != self._base and not path.startswith(f"{self._base}/"):
+            fault = f"Nothing is at {path}; this hub is at {self._base}/"
+            return text_response(http.HTTPStatus.NOT_FOUND, fault)
+        request.path = request.path.removeprefix(self._base)
+        if not request.path.startswith("/"):
+            request.path = f"/{request.path}"
+        return None
+
     def _respond_to_plain(self, request: Request) -> Response:
         if request.method not in ("GET", "HEAD"):
             fault = "Only GET and HEAD are answered"
@@ -151,7 +174,9 @@ class HttpRequests:
         path = request.path.partition("?")[0]
         route = self._routes.get(path)
         if route is None:
-            found = text_response(http.HTTPStatus.NOT_FOUND, f"Nothing is at {path}; see /")
+            found = text_response(
+                http.HTTPStatus.NOT_FOUND, f"Nothing is at {path}; see {self._base}/"
+            )
         else:
             found = route(request.headers)
         if request.method == "HEAD":
@@ -161,12 +186,12 @@ class HttpRequests:
     def _refuse_host(self, headers: Headers) -> Response | None:
         """Refuse pages that gave the hub's address a name of their own."""
         host = headers.get("Host", "localhost")
-        if self._origins.knows_host(host):
+        if self._origins.knows_host(host, secure=is_secure(headers)):
             return None
         return text_response(
             http.HTTPStatus.FORBIDDEN,
             f"{host} is not known to be this hub's name. "
-            f"Start it with --allow-origin http://{host}",
+            f"Start it with --allow-origin {headers.get(PROTO, 'http')}://{host}",
         )
 
     def _describe_origin(self, headers: Headers) -> Response:
@@ -176,7 +201,8 @@ class HttpRequests:
         ``Referer`` if the page asks it to.
         """
         origin = headers.get("Origin") or origin_of_url(headers.get("Referer", ""))
-        refusal = origin and self._origins.refusal_of(origin, headers.get("Host", ""))
+        secure = is_secure(headers)
+        refusal = origin and self._origins.refusal_of(origin, headers.get("Host", ""), secure)
         body = {
             "origin": origin,
             "allowed": not refusal,

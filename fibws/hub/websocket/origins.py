@@ -1,9 +1,10 @@
 """Which web pages may use the hub: origins and host names, compared strictly.
 
-A web page may open a WebSocket only if its origin names a host that the hub is known by. Its own
-``Host`` header proves nothing: a stranger's page can give its name this machine's address (DNS
-rebinding), so that the header must name the hub, too. Programs other than browsers send no origin
-and may connect.
+A web page may open a WebSocket only if its origin names a host that the hub is known by. Without
+TLS, its own ``Host`` header proves nothing: a stranger's page can give its name this machine's
+address (DNS rebinding), so that the header must name the hub, too. With TLS, that of the hub or of
+a trusted proxy, the browser has verified a certificate of that name, which strangers do not have.
+Programs other than browsers send no origin and may connect.
 
 An origin is written as browsers write it (RFC 6454, section 6.1): a scheme, a host and a port,
 without user, path or query. Scheme and host are compared without regard to case, and a scheme's
@@ -18,6 +19,8 @@ from collections.abc import Iterable
 from typing import NamedTuple, Self
 
 from websockets.datastructures import Headers
+
+from fibws.hub.websocket.proxies import is_secure
 
 DEFAULT_PORTS = {"http": 80, "https": 443}
 NULL = "null"
@@ -96,18 +99,24 @@ class AllowedOrigins:
             MultipleValuesError: a header is repeated.
         """
         origin = headers.get("Origin")
-        return None if origin is None else self.refusal_of(origin, headers.get("Host", ""))
+        if origin is None:
+            return None
+        return self.refusal_of(origin, headers.get("Host", ""), is_secure(headers))
 
-    def refusal_of(self, origin: str, host: str) -> str | None:
+    def refusal_of(self, origin: str, host: str, secure: bool = False) -> str | None:
         """Return why a page of an origin may not connect by a host; None if it may.
 
         Args:
             host: the request's ``Host`` header.
+            secure: whether the browser's connection has TLS.
         """
         page = Origin.parse(origin)
         if self._any or page in self._allowed or (self._null and origin == NULL):
             return None
         here = Origin.of_host("http", host)
+        if secure and page is not None and here is not None:
+            if (page.scheme, page.host) == ("https", here.host):
+                return None
         if page is None or not self._is_own_name(page.host, here):
             fault = f"Pages of origin {origin} may not connect"
         elif here is None or not self._is_own_name(here.host, here):
@@ -117,9 +126,13 @@ class AllowedOrigins:
             return None
         return f"{fault}. Start the hub with --allow-origin {origin} to let them in"
 
-    def knows_host(self, host: str) -> bool:
-        """Return whether a ``Host`` header names the hub, or the host of an allowed origin."""
-        if self._any:
+    def knows_host(self, host: str, *, secure: bool = False) -> bool:
+        """Return whether a ``Host`` header names the hub, or the host of an allowed origin.
+
+        Args:
+            secure: whether the browser's connection has TLS.
+        """
+        if self._any or secure:
             return True
         if any(Origin.of_host(scheme, host) in self._allowed for scheme in DEFAULT_PORTS):
             return True

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 from typing import Any
+from urllib.parse import urljoin
 
 import pytest
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
-from fibws.errors import InvalidName
+from fibws.errors import HubError, InvalidName
 from fibws.hub.settings import Settings
 from fibws.hub.websocket.http import HttpRequests, node_name
 
@@ -324,3 +325,75 @@ def test_head_of_an_added_resource_has_no_body() -> None:
 @pytest.mark.parametrize("name", ["/rosapi", "rosapi"])
 def test_reserved_node_names_are_refused(name: str) -> None:
     assert connect(f"/?node={name}", origin=None) == 400
+
+
+class TestOriginsWithTls:
+    """The browser has verified a certificate of the name in the header Host."""
+
+    @pytest.mark.parametrize("origin", ["https://robot.example", "https://robot.example:8443"])
+    @pytest.mark.parametrize("host", ["robot.example", "robot.example:8443", "ROBOT.example:1"])
+    def test_page_under_the_name_may_connect(self, origin: str, host: str) -> None:
+        assert connect_securely(origin, host) == 101
+
+    @pytest.mark.parametrize(
+        "origin",
+        ["https://evil.example", "http://robot.example", "https://sub.robot.example", "null"],
+    )
+    def test_other_pages_may_not_connect(self, origin: str) -> None:
+        assert connect_securely(origin, "robot.example") == 403
+
+    def test_without_tls_the_name_proves_nothing(self) -> None:
+        assert connect(origin="https://robot.example", dialled="robot.example") == 403
+
+    def test_name_may_read_the_state(self) -> None:
+        secure = {"Host": "robot.example", "X-Forwarded-Proto": "https"}
+        plain = {"Host": "robot.example", "X-Forwarded-Proto": "http"}
+        assert [status("/healthz", each) for each in (secure, plain)] == [200, 403]
+
+
+def connect_securely(origin: str, host: str) -> int:
+    return status(
+        "/",
+        {"Upgrade": "websocket", "Origin": origin, "Host": host, "X-Forwarded-Proto": "https"},
+    )
+
+
+def status(path: str, headers: dict[str, str], **settings: Any) -> int:
+    response = ask(path, headers, **settings)
+    return response.status_code if response else 101
+
+
+class TestUrlPath:
+    @pytest.mark.parametrize("url_path", ["/robot", "/robot/"])
+    @pytest.mark.parametrize("path", ["/", "/?x=1", "/healthz", "/origin", "/roslib.js"])
+    def test_everything_is_below_the_path(self, url_path: str, path: str) -> None:
+        assert status(f"/robot{path}", {"Host": HERE}, url_path=url_path) == 200
+        assert status(path, {"Host": HERE}, url_path=url_path) == 404
+
+    @pytest.mark.parametrize("path", ["/robots/", "/robo", "/robot2", "//robot/", "/x/robot/"])
+    def test_other_paths_are_not_found(self, path: str) -> None:
+        response = ask(path, {"Host": HERE}, url_path="/robot")
+        assert response is not None and response.status_code == 404
+        assert b"/robot/" in response.body
+
+    @pytest.mark.parametrize("query", ["", "?token=x&node=/a"])
+    def test_page_without_the_last_slash_is_redirected(self, query: str) -> None:
+        response = ask(f"/lab/robot{query}", {"Host": HERE}, url_path="/lab/robot")
+        assert response is not None and response.status_code == 307
+        base = "https://proxy.example/more/lab/robot"
+        assert urljoin(base, response.headers["Location"]) == f"{base}/{query}"
+
+    @pytest.mark.parametrize("path", ["/robot", "/robot/", "/robot?node=/a", "/robot/x?node=/a"])
+    def test_websocket_opens_below_the_path(self, path: str) -> None:
+        headers = {"Upgrade": "websocket", "Host": HERE}
+        assert status(path, headers, url_path="/robot") == 101
+        assert status(path.removeprefix("/robot") or "/", headers, url_path="/robot") == 404
+
+    def test_name_of_a_node_is_found(self) -> None:
+        headers = {"Upgrade": "websocket", "Host": HERE}
+        assert status("/robot?node=/rosapi", headers, url_path="/robot") == 400
+
+    @pytest.mark.parametrize("url_path", ["robot", "/robot?x", "/a b", "//", "/robot#x", "/\n"])
+    def test_invalid_path_is_refused(self, url_path: str) -> None:
+        with pytest.raises(HubError, match="--url-path"):
+            Settings(url_path=url_path)

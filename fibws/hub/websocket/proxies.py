@@ -1,0 +1,119 @@
+"""What a proxy in front of the hub says about its clients: address, scheme, host.
+
+Anybody can send the headers ``X-Forwarded-For``, ``X-Forwarded-Proto`` and ``X-Forwarded-Host``, so
+they count only if the connection comes from a trusted proxy (``--trusted-proxy``). Of several
+values, each proxy has appended its own on the right.
+
+`TrustedProxies.resolve` puts the facts into the request's headers, where everything else finds
+them: ``Host`` is the name in the browser's address bar, as far as it is known, and
+``X-Forwarded-Proto`` is how the browser's connection is secured. Headers of strangers are removed.
+"""
+
+from __future__ import annotations
+
+import ipaddress
+import re
+from collections.abc import Iterable, Iterator
+from typing import TypeAlias
+
+from websockets.datastructures import Headers
+
+from fibws.errors import HubError
+
+Address: TypeAlias = ipaddress.IPv4Address | ipaddress.IPv6Address
+Network: TypeAlias = ipaddress.IPv4Network | ipaddress.IPv6Network
+
+FOR, PROTO, HOST = "X-Forwarded-For", "X-Forwarded-Proto", "X-Forwarded-Host"
+_WITH_PORT = re.compile(r"\[([^\]]*)\](?::\d+)?|([\d.]+):\d+")
+
+
+class TrustedProxies:
+    """The proxies whose headers count.
+
+    Args:
+        networks: their addresses or networks, such as ``127.0.0.1`` and ``10.0.0.0/8``.
+
+    Raises:
+        HubError: a network is invalid.
+    """
+
+    def __init__(self, networks: Iterable[str]) -> None:
+        self._networks = [*map(parse_network, networks)]
+
+    def resolve(self, peer: str, headers: Headers, *, tls: bool) -> str:
+        """Return the client's address, and put the facts into the request's headers.
+
+        Args:
+            peer: the address that the connection comes from.
+            tls: whether the connection itself has TLS.
+        """
+        address, scheme, host = peer, "https" if tls else "http", None
+        if self._is_trusted(_parse(peer)):
+            address = self._client(peer, _values(headers, FOR))
+            # Its connection to the hub says nothing about the browser's connection to the proxy.
+            scheme = next(_values(headers, PROTO), "http").lower()
+            host = next(_values(headers, HOST), None)
+        for name in (FOR, PROTO, HOST, *(["Host"] if host is not None else [])):
+            if name in headers:
+                del headers[name]
+        headers[PROTO] = "https" if scheme in ("https", "wss") else "http"
+        if host is not None:
+            headers["Host"] = host
+        return address
+
+    def _client(self, peer: str, hops: Iterator[str]) -> str:
+        """Return the address of the nearest hop that is not a trusted proxy.
+
+        Args:
+            hops: the addresses before ``peer``, the nearest first.
+        """
+        client = peer
+        for hop in hops:
+            address = _parse(hop)
+            if address is None:  # A proxy may hide an address; further ones may be forged.
+                break
+            client = str(address)
+            if not self._is_trusted(address):
+                break
+        return client
+
+    def _is_trusted(self, address: Address | None) -> bool:
+        return address is not None and any(address in network for network in self._networks)
+
+
+def parse_network(text: str) -> Network:
+    """Return the network or the address that ``--trusted-proxy`` names.
+
+    Raises:
+        HubError: it is invalid.
+    """
+    try:
+        return ipaddress.ip_network(text.strip(), strict=False)
+    except ValueError:
+        raise HubError(
+            f"--trusted-proxy must be an IP address or a network such as 10.0.0.0/8, got {text}"
+        ) from None
+
+
+def is_secure(headers: Headers) -> bool:
+    """Return whether the browser's connection has TLS; the headers are resolved."""
+    return headers.get(PROTO) == "https"
+
+
+def _values(headers: Headers, name: str) -> Iterator[str]:
+    """Yield the values of a header, the last one first."""
+    for value in reversed(",".join(headers.get_all(name)).split(",")):
+        if value.strip():
+            yield value.strip()
+
+
+def _parse(text: str) -> Address | None:
+    """Return an address, which may have a port; None if it is none."""
+    if found := _WITH_PORT.fullmatch(text):
+        text = found[1] or found[2] or ""
+    try:
+        address = ipaddress.ip_address(text)
+    except ValueError:
+        return None
+    mapped = address.ipv4_mapped if isinstance(address, ipaddress.IPv6Address) else None
+    return mapped or address
