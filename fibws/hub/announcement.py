@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import ipaddress
 import socket
-from collections.abc import Iterable
+from urllib.parse import urlsplit
 
 import ifaddr
 
+from fibws.hub import self_signed
 from fibws.hub.settings import Settings
 from fibws.hub.websocket.origins import AllowedOrigins
 
@@ -23,21 +24,34 @@ def announcement(settings: Settings, url: str) -> str:
     """
     page = url.replace("ws", "http", 1)
     lines = [f"The hub listens at {url}; open {page}/ in a browser. Press Ctrl-C to stop."]
-    port = url.rpartition(":")[2]
-    addresses = addresses_for_others(settings.host)
+    parts = urlsplit(url)
+    addresses = [
+        parts._replace(netloc=f"{address}:{parts.port}").geturl()
+        for address in addresses_for_others(settings.host)
+    ]
+    pages = [each.replace("ws", "http", 1) for each in addresses]
     if addresses:
         lines.append("Other machines reach it at:")
         lines += (
-            f"  ws://{address}:{port}, and its page at http://{address}:{port}/"
-            for address in addresses
+            f"  {address}, and its page at {page}/"
+            for address, page in zip(addresses, pages, strict=True)
         )
-        origin = f"http://{socket.gethostname().lower()}:{port}"
+        origin = f"http://{socket.gethostname().lower()}:{parts.port}"
         allowed = AllowedOrigins(settings.allow_origin, settings.host)
-        if allowed.refusal_of(origin, origin.removeprefix("http://")) is not None:
+        refusal = allowed.refusal_of(origin, origin.removeprefix("http://"))
+        if not settings.has_tls and refusal is not None:
             lines.append(
                 "The page opened by a name instead of an address needs an option, such as "
                 f"--allow-origin {origin}"
             )
+    if settings.self_signed:
+        lines.append(
+            f"On a phone, open {pages[0]}/ and accept its certificate, made by this machine."
+            if pages
+            else "Phones can reach it with --host 0.0.0.0"
+        )
+        trusted = self_signed.files().authority
+        lines.append(f"Nodes trust it with FIBWS_CA={trusted}; other machines need a copy.")
     return "\n".join(lines)
 
 
@@ -49,7 +63,8 @@ def addresses_for_others(host: str) -> list[str]:
     """
     if host in (ALL_IPV4, ALL_IPV6, ""):
         versions = {ALL_IPV4: {4}, ALL_IPV6: {6}}.get(host, {4, 6})
-        return [_in_url(each) for each in _of_interfaces() if each.version in versions]
+        found = map(ipaddress.ip_address, machine_addresses())
+        return [_in_url(each) for each in found if each.version in versions]
     try:
         address = ipaddress.ip_address(host)
     except ValueError:
@@ -57,8 +72,8 @@ def addresses_for_others(host: str) -> list[str]:
     return [] if address.is_loopback else [_in_url(address)]
 
 
-def _of_interfaces() -> Iterable[ipaddress.IPv4Address | ipaddress.IPv6Address]:
-    """Yield the addresses of all network interfaces, those of IPv4 first."""
+def machine_addresses() -> list[str]:
+    """Return the addresses of all network interfaces but the loopback one, those of IPv4 first."""
     found = set()
     for adapter in ifaddr.get_adapters():
         for each in adapter.ips:
@@ -68,7 +83,7 @@ def _of_interfaces() -> Iterable[ipaddress.IPv4Address | ipaddress.IPv6Address]:
             is_local = address.version == 6 and address.is_link_local
             if not (address.is_loopback or is_local):
                 found.add(address)
-    return sorted(found, key=lambda address: (address.version, int(address)))
+    return [str(each) for each in sorted(found, key=lambda each: (each.version, int(each)))]
 
 
 def _in_url(address: ipaddress.IPv4Address | ipaddress.IPv6Address) -> str:

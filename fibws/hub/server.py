@@ -20,12 +20,14 @@ from fibws import __version__
 from fibws.errors import FibwsError, HubError
 from fibws.hub.access.authentication import Authentication
 from fibws.hub.access.policy import AccessPolicy
+from fibws.hub.announcement import machine_addresses
 from fibws.hub.delivery.send_queue import CHUNK, MOST_UNWRITTEN, Flusher
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.policy import Policy
 from fibws.hub.graph.topic import SinkReport
 from fibws.hub.rosapi.nodes import OWN_NODES, OwnNodes
 from fibws.hub.rosbridge.session import Rosbridge
+from fibws.hub.self_signed import ensure_certificate
 from fibws.hub.settings import Settings
 from fibws.hub.websocket.connection import Connection, Shared
 from fibws.hub.websocket.endpoint import Endpoints
@@ -184,7 +186,7 @@ class Hub:
     @property
     def url(self) -> str:
         """The URL by which nodes on this machine reach it."""
-        return local_url(self.settings, self.port)
+        return local_url(self.settings, self.port, self._tls)
 
     async def close(self) -> None:
         """Close all connections and stop; clients that do not answer in time are cut off."""
@@ -216,6 +218,8 @@ class Hub:
             HubError: a certificate or its key cannot be used; nothing has changed.
             AccessError: a file of tokens or keys is invalid; nothing has changed.
         """
+        if self.settings.self_signed:
+            ensure_certificate(machine_addresses())
         use_certificate = self._tls.read() if self._tls is not None else None
         if self._authentication is not None:
             self._authentication.reload()
@@ -350,13 +354,18 @@ class Hub:
             loop.default_exception_handler(context)
 
 
-def local_url(settings: Settings, port: int) -> str:
+def local_url(settings: Settings, port: int, tls: ServerTls | None = None) -> str:
     """Return the URL by which programs on this machine reach a hub that listens on a port."""
     scheme, host = "wss" if settings.has_tls else "ws", _reached_at(settings.host)
+    if tls is not None:
+        host = tls.name_for(host)
     return f"{scheme}://{f'[{host}]' if ':' in host else host}:{port}{settings.base_path}"
 
 
 def _tls(settings: Settings) -> ServerTls | None:
+    if settings.self_signed:
+        file = ensure_certificate(machine_addresses()).certificate
+        return ServerTls(file, file, settings.client_ca)
     if settings.cert is None or settings.key is None:
         return None
     return ServerTls(settings.cert, settings.key, settings.client_ca)

@@ -38,6 +38,9 @@ class Settings:
         None, "Certificate for TLS, in PEM format; the hub is then at wss:// and https://."
     )
     key: Path | None = _setting(None, "Private key of the certificate, without a password.")
+    self_signed: bool = _setting(
+        False, "Use a certificate made by this machine, for development and for phones."
+    )
     url_path: str = _setting(
         "", "Path of the page and of all else, such as /robot, behind a proxy that keeps it."
     )
@@ -157,12 +160,14 @@ class Settings:
     @property
     def has_tls(self) -> bool:
         """Whether clients connect with TLS."""
-        return self.cert is not None
+        return self.cert is not None or self.self_signed
 
     def _check_tls(self) -> None:
         if self.cert is not None and self.key is None:
             raise HubError("--cert requires --key, the private key of the certificate")
         if self.key is not None and self.cert is None:
             raise HubError("--key requires --cert, the certificate of the key")
+        if self.cert is not None and self.self_signed:
+            raise HubError("--self-signed and --cert exclude each other")
         if self.client_ca is not None and not self.has_tls:
-            raise HubError("--client-ca requires TLS: --cert and --key")
+            raise HubError("--client-ca requires TLS: --cert and --key, or --self-signed")

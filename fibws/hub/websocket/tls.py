@@ -12,6 +12,7 @@ import re
 import ssl
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from fibws.errors import HubError
 
@@ -21,6 +22,7 @@ _TARGET = re.compile(rb"([!-.0-~][!-~]*)? HTTP/1\.[01]\r\n")
 """The rest of a GET request's first line: OpenSSL has taken five bytes, "GET /". What follows the
 first five bytes of another method begins with a slash."""
 _HOST = re.compile(rb"\r\nHost:[ \t]*([\w.:\[\]-]+)[ \t]*\r\n", re.IGNORECASE)
+_KINDS = ("DNS", "IP Address")
 _UPGRADE = re.compile(rb"\r\nUpgrade:", re.IGNORECASE)
 
 
@@ -43,6 +45,16 @@ class ServerTls:
         self._newest = self.context = _context(*self._files)
         """`context` is for the event loop."""
         self.context.sni_callback = self._select
+
+    def name_for(self, address: str) -> str:
+        """Return the name that clients of this machine must use for an address of the hub.
+
+        It is the first one in the certificate, unless the certificate holds the address.
+        """
+        names = _names_in(self._newest, self._files[0])
+        if address in names:
+            return address
+        return next((name for name in names if "*" not in name), address)
 
     def read(self) -> Callable[[], None]:
         """Read the files again, and return a function that has new connections use them.
@@ -69,8 +81,8 @@ def certificate_name(tls: ssl.SSLObject | None) -> str | None:
         tls: of the client's connection; None if it has no TLS.
     """
     certificate = tls.getpeercert() if tls is not None else None
-    # ((("countryName", "DE"),), (("commonName", "robot"),)), in the type stubs any of these.
-    subject: tuple[tuple[tuple[str, str], ...], ...] = (certificate or {}).get("subject", ())  # type: ignore[assignment]
+    # ((("countryName", "DE"),), (("commonName", "robot"),))
+    subject: Any = (certificate or {}).get("subject", ())
     return next((value for part in subject for key, value in part if key == "commonName"), None)
 
 
@@ -164,6 +176,29 @@ def _context(certificate: Path, key: Path, client_ca: Path | None) -> ssl.SSLCon
         context.options |= ssl.OP_NO_TICKET
         context.num_tickets = 0
     return context
+
+
+def _names_in(context: ssl.SSLContext, certificate: Path) -> list[str]:
+    """Return the names and addresses in a certificate; none if it is not valid now.
+
+    Python's ssl has no function that decodes a certificate, but a client knows its server's.
+    """
+    trusting = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+    trusting.check_hostname = False
+    trusting.load_verify_locations(certificate)
+    trusting.verify_flags |= ssl.VERIFY_X509_PARTIAL_CHAIN
+    to_client, to_server = ssl.MemoryBIO(), ssl.MemoryBIO()
+    client = trusting.wrap_bio(to_client, to_server)
+    server = context.wrap_bio(to_server, to_client, server_side=True)
+    for side in (client, server, client):
+        try:
+            side.do_handshake()
+        except ssl.SSLWantReadError:
+            pass
+        except ssl.SSLError:
+            return []
+    found: dict[str, Any] = client.getpeercert() or {}
+    return [name for kind, name in found.get("subjectAltName", ()) if kind in _KINDS]
 
 
 def _check_readable(option: str, file: Path) -> None:

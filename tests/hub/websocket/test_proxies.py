@@ -100,7 +100,7 @@ def test_host_in_the_address_bar_is_known() -> None:
 )
 def test_any_header_gives_an_address(values: list[str]) -> None:
     address, _ = resolved(*values)
-    assert ipaddress.ip_address(address)
+    assert str(ipaddress.ip_address(address)) == address
 
 
 @pytest.mark.parametrize("network", ["proxy", "10.0.0.0/33", "", "10.0.0.1:80"])

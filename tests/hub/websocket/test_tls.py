@@ -82,6 +82,22 @@ async def _publish(client: ClientConnection, sizes: list[int]) -> None:
         await client.send(operation("publish", topic="/t", msg={"data": "x" * size}))
 
 
+@pytest.mark.parametrize(
+    ("names", "host"),
+    [
+        (("robot.example", "127.0.0.1"), "127.0.0.1"),
+        (("*.example", "robot.example", "other.example"), "robot.example"),
+        (("*.example",), "127.0.0.1"),
+    ],
+)
+async def test_url_has_a_name_of_the_certificate(
+    start_hub: StartHub, authority: Authority, names: tuple[str, ...], host: str
+) -> None:
+    certificate, key = authority.issue(*names)
+    hub = await start_hub(cert=certificate, key=key, url_path="/robot")
+    assert hub.url == f"wss://{host}:{hub.port}/robot"
+
+
 async def test_http_response_ends(hub: Hub, authority: Authority) -> None:
     answer = await get(hub, "GET /healthz HTTP/1.1\nHost: 127.0.0.1", authority.client())
     head, _, body = answer.partition(b"\r\n\r\n")
