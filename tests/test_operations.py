@@ -3,32 +3,63 @@
 from __future__ import annotations
 
 import asyncio
+import itertools
 import json
+import os
 import re
 import shutil
-import ssl
 import subprocess
 from collections.abc import AsyncIterator, Callable
-from contextlib import asynccontextmanager
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
 from pathlib import Path
-from typing import Any
+from typing import NamedTuple, TypeAlias
+from urllib.parse import urljoin
 
 import pytest
-from websockets.asyncio.client import ClientConnection, connect, unix_connect
+from certificates import Authority
+from certificates import authority as authority
+from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import InvalidStatus
 
 from fibws.hub import Hub, Settings
 
 PAGE = (Path(__file__).parents[1] / "docs" / "operations.md").read_text("utf-8")
-HOST = "robot.example"
 TIMEOUT = 30
+CLIENT = "127.9.8.7"
+"""The address that clients have at the proxy."""
+PORT = 9443
+
+
+class Place(NamedTuple):
+    """Where a proxy has the hub, and the number of its configuration on the page."""
+
+    number: int
+    host: str
+    path: str
+
+
+Proxy: TypeAlias = AsyncIterator[str]
+"""The address at which a proxy listens."""
+PLACES = [Place(0, "robot.example", ""), Place(1, "lab.example", "/robot")]
+
+
+def blocks(language: str) -> list[str]:
+    """Return the blocks of a language."""
+    return re.findall(rf"^```{language}\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
 
 
 def block(language: str) -> str:
     """Return the only block of a language."""
-    found: list[str] = re.findall(rf"^```{language}\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
-    (text,) = found
+    (text,) = blocks(language)
     return text
+
+
+def proxy_address() -> str:
+    """Return an address of this machine that no other test uses."""
+    return f"127.{os.getpid() >> 8 & 0xFF}.{os.getpid() & 0xFF}.{next(_numbers)}"
+
+
+_numbers = itertools.count(2)
 
 
 def replaced(text: str, old: str, new: str) -> str:
@@ -36,36 +67,14 @@ def replaced(text: str, old: str, new: str) -> str:
     return text.replace(old, new)
 
 
-Certificate = tuple[Path, Path]
-"""A certificate and its key."""
-
-
-@pytest.fixture(scope="module")
-def certificate(tmp_path_factory: pytest.TempPathFactory) -> Certificate:
-    folder = tmp_path_factory.mktemp("certificate")
-    pem, key = folder / "robot.pem", folder / "robot.key"
-    if shutil.which("openssl") is None:
-        pytest.skip("openssl is not installed")
-    subprocess.run(
-        [
-            *("openssl", "req", "-x509", "-nodes", "-newkey", "ec", "-days", "2"),
-            *("-pkeyopt", "ec_paramgen_curve:prime256v1", "-subj", f"/CN={HOST}"),
-            *("-addext", f"subjectAltName=DNS:{HOST}", "-keyout", str(key), "-out", str(pem)),
-        ],
-        check=True,
-        capture_output=True,
-    )
-    return pem, key
-
-
 @asynccontextmanager
-async def nginx(folder: Path, hub: Hub, certificate: Certificate) -> AsyncIterator[Path]:
-    """Run nginx with the page's configuration, but for its addresses and files."""
-    socket = folder / "socket"
-    server = replaced(block("nginx"), "listen 443 ssl", f"listen unix:{socket} ssl")
+async def nginx(folder: Path, hub: Hub, place: Place, files: tuple[Path, Path]) -> Proxy:
+    """Run nginx with the page's configuration, except for its addresses and files."""
+    address = proxy_address()
+    server = replaced(blocks("nginx")[place.number], "listen 443", f"listen {address}:{PORT}")
     server = replaced(server, "127.0.0.1:9090", f"127.0.0.1:{hub.port}")
-    server = replaced(server, "/etc/ssl/certs/robot.example.pem", str(certificate[0]))
-    server = replaced(server, "/etc/ssl/private/robot.example.key", str(certificate[1]))
+    server = replaced(server, f"/etc/ssl/certs/{place.host}.pem", str(files[0]))
+    server = replaced(server, f"/etc/ssl/private/{place.host}.key", str(files[1]))
     paths = "".join(
         f"{name}_temp_path {folder / name};\n"
         for name in ("client_body", "proxy", "fastcgi", "uwsgi", "scgi")
@@ -79,17 +88,19 @@ async def nginx(folder: Path, hub: Hub, certificate: Certificate) -> AsyncIterat
     process = await asyncio.create_subprocess_exec(
         program, "-c", str(config), "-e", f"{folder}/log", stderr=asyncio.subprocess.PIPE
     )
-    async with ended(process, socket):
-        yield socket
+    async with ended(process, address):
+        yield address
 
 
 @asynccontextmanager
-async def caddy(folder: Path, hub: Hub, certificate: Certificate) -> AsyncIterator[Path]:
-    """Run Caddy with the page's configuration, but for its addresses and certificate."""
-    socket = folder / "socket"
-    pem, key = certificate
-    site = replaced(block("caddy"), "127.0.0.1:9090", f"127.0.0.1:{hub.port}")
-    site = replaced(site, f"{HOST} {{", f"{HOST} {{\nbind unix/{socket}\ntls {pem} {key}\n")
+async def caddy(folder: Path, hub: Hub, place: Place, files: tuple[Path, Path]) -> Proxy:
+    """Run Caddy with the page's configuration, except for its addresses and certificate."""
+    address = proxy_address()
+    pem, key = files
+    site = replaced(blocks("caddy")[place.number], "127.0.0.1:9090", f"127.0.0.1:{hub.port}")
+    site = replaced(
+        site, f"{place.host} {{", f"{place.host}:{PORT} {{\nbind {address}\ntls {pem} {key}\n"
+    )
     config = folder / "Caddyfile"
     config.write_text(f"{{\nadmin off\nauto_https disable_redirects\n}}\n{site}")
     process = await asyncio.create_subprocess_exec(
@@ -97,18 +108,18 @@ async def caddy(folder: Path, hub: Hub, certificate: Certificate) -> AsyncIterat
         env={"HOME": str(folder), "PATH": "/usr/bin:/usr/local/bin"},
         stderr=asyncio.subprocess.PIPE,
     )
-    async with ended(process, socket):
-        yield socket
+    async with ended(process, address):
+        yield address
 
 
 @asynccontextmanager
-async def ended(process: asyncio.subprocess.Process, socket: Path) -> AsyncIterator[None]:
+async def ended(process: asyncio.subprocess.Process, address: str) -> AsyncIterator[None]:
     """Wait until a proxy listens; end it in the end."""
     try:
         async with asyncio.timeout(TIMEOUT):
             while True:
                 try:
-                    _, writer = await asyncio.open_unix_connection(socket)
+                    _, writer = await asyncio.open_connection(address, PORT)
                 except OSError:
                     if process.returncode is not None:
                         assert process.stderr is not None
@@ -133,41 +144,55 @@ PROXIES = [
 ]
 
 
+@pytest.mark.parametrize("place", PLACES, ids=lambda place: place.path or "/")
 @pytest.mark.parametrize("proxy", PROXIES)
 async def test_page_and_its_websocket_work_through_a_proxy(
-    proxy: Callable[..., Any], certificate: Certificate, tmp_path: Path
+    proxy: Callable[..., AbstractAsyncContextManager[str]],
+    place: Place,
+    authority: Authority,
+    tmp_path: Path,
 ) -> None:
-    trusted = ssl.create_default_context(cafile=str(certificate[0]))
-    settings = Settings(port=0, allow_origin=(f"https://{HOST}",))
-    async with Hub(settings) as hub, proxy(tmp_path, hub, certificate) as socket:
+    trusted = authority.client()
+    files = authority.issue(place.host)
+    settings = Settings(port=0, trusted_proxy=("127.0.0.1",), url_path=place.path)
+    async with Hub(settings) as hub, proxy(tmp_path, hub, place, files) as address:
 
         async def get(path: str) -> bytes:
-            reader, writer = await asyncio.open_unix_connection(
-                socket, ssl=trusted, server_hostname=HOST
+            reader, writer = await asyncio.open_connection(
+                address, PORT, ssl=trusted, server_hostname=place.host
             )
             writer.write(
-                f"GET {path} HTTP/1.1\r\nHost: {HOST}\r\nConnection: close\r\n\r\n".encode()
+                f"GET {path} HTTP/1.1\r\nHost: {place.host}\r\nConnection: close\r\n\r\n".encode()
             )
             answer = await reader.read()
             writer.close()
             return answer
 
         def page_of(origin: str) -> connect:
-            return unix_connect(
-                str(socket),
-                uri=f"wss://{HOST}/",
+            return connect(
+                f"wss://{place.host}{place.path}/",
+                host=address,
+                port=PORT,
+                local_addr=(CLIENT, 0),
                 ssl=trusted,
-                additional_headers={"Origin": origin},
+                proxy=None,
+                additional_headers={"Origin": origin, "X-Forwarded-For": "203.0.113.1"},
             )
 
         async with asyncio.timeout(TIMEOUT):
-            assert (await get("/healthz")).startswith(b"HTTP/1.1 200")
+            assert (await get(f"{place.path}/healthz")).startswith(b"HTTP/1.1 200")
+            if place.path:
+                redirected = await get(place.path)
+                assert redirected.startswith(b"HTTP/1.1 307")
+                location = re.search(rb"(?im)^location: (\S+)", redirected)
+                assert location is not None
+                assert urljoin(place.path, location[1].decode()).endswith(f"{place.path}/")
             page: ClientConnection
-            async with page_of(f"https://{HOST}") as page:
-                call = {"op": "call_service", "service": "/rosapi/topics", "id": "1"}
-                await page.send(json.dumps(call))
-                answer = json.loads(await page.recv())
-                assert answer["op"] == "service_response" and answer["result"] is True
+            async with page_of(f"https://{place.host}") as page:
+                topic = "/connected_clients"
+                await page.send(json.dumps({"op": "subscribe", "topic": topic}))
+                [client] = json.loads(await page.recv())["msg"]["clients"]
+                assert client["ip_address"] == CLIENT
             with pytest.raises(InvalidStatus) as refused:
                 async with page_of("https://stranger.example"):
                     pass
