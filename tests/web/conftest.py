@@ -158,7 +158,7 @@ async def open_page(browser: Browser, complaints: Complaints, hub: Hub) -> Async
 
 def web_address(hub: Hub) -> str:
     """Return the address of the hub's page, without a trailing slash."""
-    return hub.url.replace("ws:", "http:", 1)
+    return hub.url.replace("ws", "http", 1)
 
 
 async def until(page: Page, expression: str) -> None:

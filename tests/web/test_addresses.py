@@ -7,15 +7,16 @@ import contextlib
 import socket
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from pathlib import Path
 
 import pytest
 from playwright.async_api import Page, expect
 
 import fibws
-from fibws.hub import Hub, Settings
+from fibws.hub import Hub, Settings, self_signed
 from fibws.msg.std_msgs import Int32
 
-from .conftest import OpenPage, web_address
+from .conftest import STRANGER, OpenPage, web_address
 
 
 @asynccontextmanager
@@ -79,6 +80,33 @@ async def test_page_works_at_an_ipv6_address(open_page: OpenPage) -> None:
         page = await open_page(hub)
         assert web_address(hub).startswith("http://[::1]:")
         await expect_page_to_work(page, hub, web_address(hub))
+        await page.close()
+
+
+async def test_page_works_below_the_path_of_the_hub(open_page: OpenPage) -> None:
+    async with Hub(Settings(port=0, url_path="/lab/robot")) as hub:
+        page = await open_page(hub)
+        assert web_address(hub).endswith("/lab/robot")
+        await expect_page_to_work(page, hub, web_address(hub))
+        await page.goto(web_address(hub))  # without the slash at the end
+        await expect(page.locator("#hub[data-state=open]")).to_be_visible()
+        await page.close()
+
+
+async def test_phone_gets_a_secure_page_without_an_option_for_its_name(
+    open_page: OpenPage, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    monkeypatch.setenv("FIBWS_CA", str(self_signed.files().authority))
+    async with Hub(Settings(port=0, self_signed=True)) as hub:
+        address = f"https://{STRANGER}:{hub.port}"
+        page = await open_page(hub, address=address, ignore_https_errors=True)
+        await expect_page_to_work(page, hub, address)
+        await page.goto(address.replace("https:", "http:"))  # as a person types it
+        await expect(page.locator("#hub[data-state=open]")).to_be_visible()
+        assert page.url.startswith(f"{address}/")
+        features = "[isSecureContext, 'mediaDevices' in navigator, 'getGamepads' in navigator]"
+        assert await page.evaluate(features) == [True, True, True]
         await page.close()
 
 
