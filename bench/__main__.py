@@ -31,6 +31,7 @@ from bench.soak import soak
 from bench.startup import startup
 from bench.stuck import stuck
 from bench.subscriptions import subscriptions
+from bench.tls import tls
 
 SCENARIOS = {
     "fanout": fanout,
@@ -40,6 +41,7 @@ SCENARIOS = {
     "start": startup,
     "codecs": codecs,
     "services": services,
+    "tls": tls,
     "encodings": encodings,
     "rosapi": rosapi,
     "page": page,

@@ -5,23 +5,31 @@ from __future__ import annotations
 import base64
 import os
 import socket
+import ssl
 import time
 
 from bench.measure import BenchError
 
 
-def handshake(port: int, timeout: float = 10.0) -> float:
-    """Return the seconds from connecting to 127.0.0.1:port until the server's 101."""
+def handshake(port: int, timeout: float = 10.0, context: ssl.SSLContext | None = None) -> float:
+    """Return the seconds from connecting to 127.0.0.1:port until the server's 101.
+
+    Args:
+        context: for TLS.
+    """
     start = time.perf_counter()
-    with connected(port, timeout=timeout):
+    with connected(port, timeout=timeout, context=context):
         return time.perf_counter() - start
 
 
-def connected(port: int, path: str = "/", timeout: float = 10.0) -> socket.socket:
+def connected(
+    port: int, path: str = "/", timeout: float = 10.0, context: ssl.SSLContext | None = None
+) -> socket.socket:
     """Return a socket on which the WebSocket handshake is complete.
 
     Args:
         timeout: seconds for the handshake, and for each later operation on the socket.
+        context: for TLS.
     """
     key = base64.b64encode(os.urandom(16)).decode()
     request = (
@@ -32,6 +40,8 @@ def connected(port: int, path: str = "/", timeout: float = 10.0) -> socket.socke
     try:
         connection = socket.create_connection(("127.0.0.1", port), timeout)
         try:
+            if context is not None:
+                connection = context.wrap_socket(connection, server_hostname="127.0.0.1")
             connection.sendall(request)
             while b"\r\n\r\n" not in response:
                 if not (chunk := connection.recv(4096)):

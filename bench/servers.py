@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import shutil
+import ssl
 import subprocess
 import sys
 import tempfile
@@ -24,7 +25,7 @@ from bench.measure import BenchError
 HERE = Path(__file__).parent
 ROOT = HERE.parent
 BUILD = HERE / "build"
-ADDRESS = re.compile(rb"ws://[\d.]+:(\d+)")
+ADDRESS = re.compile(rb"wss?://[\d.]+:(\d+)")
 START_SECONDS = 20.0
 STOP_SECONDS = 10.0
 # None in sys.modules makes `import uvloop` fail, as if it were not installed.
@@ -51,7 +52,12 @@ class Server:
 
 @contextmanager
 def running(
-    name: str, *, checkout: Path = ROOT, pinned: bool = True, options: Sequence[str] = ()
+    name: str,
+    *,
+    checkout: Path = ROOT,
+    pinned: bool = True,
+    options: Sequence[str] = (),
+    context: ssl.SSLContext | None = None,
 ) -> Iterator[Server]:
     """Start a server on a free port of 127.0.0.1 and stop it on leaving.
 
@@ -60,6 +66,7 @@ def running(
         checkout: the folder that has the hub's source.
         pinned: whether to keep the server on one CPU.
         options: further options of the hub's command line.
+        context: for a server with TLS.
     """
     environment = {**os.environ, "PYTHONUNBUFFERED": "1", "PYTHONPATH": str(checkout)}
     with tempfile.TemporaryFile() as log:
@@ -76,7 +83,7 @@ def running(
             if pinned and (chosen := cpus()):
                 os.sched_setaffinity(process.pid, {chosen.server})
             port = _port(name, process, log)
-            handshake(port)
+            handshake(port, context=context)
             yield Server(name, process.pid, port, time.perf_counter() - start)
             if process.poll() is not None:
                 raise BenchError(f"{name} exited during the measurement: {_tail(log)}")
