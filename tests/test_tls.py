@@ -101,6 +101,9 @@ async def test_node_takes_its_certificates_as_arguments(
         "test", hub=closed_hub.url, ca=authority.file, client_cert=cert, client_key=key
     ):
         assert names(closed_hub) == {"arm"}
+        assert {each.principal and each.principal.name for each in closed_hub._connections} == {
+            "arm"
+        }
 
 
 async def test_options_of_a_command_name_its_certificates(
@@ -143,9 +146,10 @@ async def test_other_name_is_explained(
     program: Program, hub: Hub, authority: Authority, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv(tls.CA, str(authority.file))
+    url = hub.url
     authority.issue("robot.example")
     hub.reload()
-    assert "name that is in it" in await why(program, hub.url)
+    assert "name that is in it" in await why(program, url)
 
 
 @EITHER

@@ -8,6 +8,7 @@ files or the new ones, and open connections are not affected.
 
 from __future__ import annotations
 
+import logging
 import re
 import ssl
 from collections.abc import Callable
@@ -15,6 +16,8 @@ from pathlib import Path
 from typing import Any
 
 from fibws.errors import HubError
+
+logger = logging.getLogger("fibws.hub")
 
 _PLAIN = ("HTTP_REQUEST", "HTTPS_PROXY_REQUEST")
 """OpenSSL's reasons for refusing a client that speaks HTTP without TLS."""
@@ -42,8 +45,12 @@ class ServerTls:
 
     def __init__(self, certificate: Path, key: Path, client_ca: Path | None = None) -> None:
         self._files = (certificate, key, client_ca)
-        self._newest = self.context = _context(*self._files)
-        """`context` is for the event loop."""
+        self.context: ssl.SSLContext
+        """The context for the event loop."""
+        self._newest: ssl.SSLContext
+        self._names: list[str]
+        self.read()()
+        self.context = self._newest
         self.context.sni_callback = self._select
 
     def name_for(self, address: str) -> str:
@@ -51,21 +58,25 @@ class ServerTls:
 
         It is the first one in the certificate, unless the certificate holds the address.
         """
-        names = _names_in(self._newest, self._files[0])
-        if address in names:
+        if address in self._names:
             return address
-        return next((name for name in names if "*" not in name), address)
+        return next((name for name in self._names if "*" not in name), address)
 
     def read(self) -> Callable[[], None]:
         """Read the files again, and return a function that has new connections use them.
+
+        A certificate that clients will refuse, such as an expired one, is logged.
 
         Raises:
             HubError: a file cannot be used.
         """
         context = _context(*self._files)
+        names, fault = _inspect(context, self._files[0])
+        if fault:
+            logger.warning("Clients will refuse the certificate in %s: %s.", self._files[0], fault)
 
         def use() -> None:
-            self._newest = context
+            self._newest, self._names = context, names
 
         return use
 
@@ -178,10 +189,11 @@ def _context(certificate: Path, key: Path, client_ca: Path | None) -> ssl.SSLCon
     return context
 
 
-def _names_in(context: ssl.SSLContext, certificate: Path) -> list[str]:
-    """Return the names and addresses in a certificate; none if it is not valid now.
+def _inspect(context: ssl.SSLContext, certificate: Path) -> tuple[list[str], str]:
+    """Return the names and addresses in a certificate, and why clients will refuse it, if they do.
 
-    Python's ssl has no function that decodes a certificate, but a client knows its server's.
+    Python's ssl has no function that decodes a certificate, but a client knows its server's. This
+    one trusts the certificate's issuer.
     """
     trusting = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
     trusting.check_hostname = False
@@ -195,10 +207,11 @@ def _names_in(context: ssl.SSLContext, certificate: Path) -> list[str]:
             side.do_handshake()
         except ssl.SSLWantReadError:
             pass
-        except ssl.SSLError:
-            return []
+        except ssl.SSLError as error:
+            return [], getattr(error, "verify_message", "") or str(error)
     found: dict[str, Any] = client.getpeercert() or {}
-    return [name for kind, name in found.get("subjectAltName", ()) if kind in _KINDS]
+    names = [name for kind, name in found.get("subjectAltName", ()) if kind in _KINDS]
+    return names, "" if names else "it holds no names"
 
 
 def _check_readable(option: str, file: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import ssl
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
 
@@ -247,6 +248,13 @@ class TestReload:
             hub.reload()
         async with connect(hub.url, ssl=authority.client()) as client:
             assert common_name(client) == "hub"
+
+    async def test_expired_certificate_is_logged(
+        self, hub: Hub, authority: Authority, caplog: pytest.LogCaptureFixture
+    ) -> None:
+        authority.issue(expires=datetime.now(UTC) - timedelta(days=1))
+        hub.reload()
+        assert "expired" in caplog.text and "hub.pem" in caplog.text
 
     async def test_removed_authority_of_clients_is_no_longer_accepted(
         self, start_hub: StartHub, authority: Authority, tmp_path: Path
