@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+import os
+import shutil
 import ssl
+import sys
 from collections.abc import Awaitable, Callable
 from datetime import UTC, datetime, timedelta
 from functools import partial
@@ -22,6 +25,7 @@ from fibws import HubUnreachable, tls
 from fibws.cli.commands import command
 from fibws.client.hub_client import HubClient
 from fibws.hub import Hub
+from fibws.msg.std_msgs import String
 
 VARIABLES = (tls.CA, tls.CLIENT_CERT, tls.CLIENT_KEY, "SSL_CERT_FILE")
 
@@ -224,3 +228,101 @@ def test_other_errors_are_not_those_of_tls() -> None:
     wrapped = ConnectionError("lost")
     wrapped.__cause__ = ssl.SSLError(1, "[SSL: WRONG_VERSION_NUMBER] wrong version number")
     assert tls.fault(wrapped) is not None
+
+
+# Programs, which have variables or options.
+
+ROSPY = """\
+import rospy
+from std_msgs.msg import String
+
+rospy.init_node("talker")
+publisher = rospy.Publisher("chatter", String, queue_size=1, latch=True)
+publisher.publish("hello")
+rospy.spin()
+"""
+ROSLIBPY = """\
+import sys
+import roslibpy
+
+ros = roslibpy.Ros(sys.argv[1])
+ros.run()
+print(ros.get_topics())
+ros.terminate()
+"""
+ROSLIB = """\
+import * as ROSLIB from "roslib2";
+
+const ros = new ROSLIB.Ros({ url: process.argv[1] });
+ros.on("connection", () => ros.getTopics((found) => {
+  console.log(JSON.stringify(found));
+  process.exit(0);
+}));
+"""
+
+
+async def hears_the_talker(hub: Hub, authority: Authority, *command: str, **variables: str) -> None:
+    """Run a program whose node says hello on /chatter."""
+    process = await asyncio.create_subprocess_exec(*command, env={**os.environ, **variables})
+    try:
+        async with asyncio.timeout(60), fibws.Node("ear", hub=hub.url, ca=authority.file) as ear:
+            message = await anext(ear.subscribe("chatter", String))
+            assert message.data == "hello"
+    finally:
+        process.terminate()
+        await process.wait()
+
+
+async def test_rospy_script_connects_with_tls(
+    hub: Hub, authority: Authority, tmp_path: Path
+) -> None:
+    script = tmp_path / "talker.py"
+    script.write_text(ROSPY)
+    variables = {"FIBWS_HUB": hub.url, tls.CA: str(authority.file)}
+    command = (sys.executable, "-m", "fibws.rospy", str(script))
+    await hears_the_talker(hub, authority, *command, **variables)
+
+
+async def test_launched_nodes_have_the_certificates_of_an_option(
+    hub: Hub, authority: Authority, tmp_path: Path
+) -> None:
+    package = tmp_path / "src" / "robot"
+    (package / "scripts").mkdir(parents=True)
+    (package / "package.xml").write_text(
+        '<package format="2"><name>robot</name><version>0.0.0</version><description>x</description>'
+        '<maintainer email="a@example.com">a</maintainer><license>BSD</license></package>'
+    )
+    script = package / "scripts" / "talker.py"
+    script.write_text(f"#!{sys.executable}\n{ROSPY}")
+    script.chmod(0o755)
+    file = tmp_path / "robot.launch"
+    file.write_text('<launch><node pkg="robot" type="talker.py" name="talker"/></launch>')
+    variables = {"ROS_PACKAGE_PATH": str(tmp_path / "src"), "ROS_HOME": str(tmp_path / "home")}
+    options = ("--hub", hub.url, "--ca", str(authority.file))
+    command = (sys.executable, "-m", "fibws", "launch", str(file), *options)
+    await hears_the_talker(hub, authority, *command, **variables)
+
+
+async def topics_of(*command: str, folder: Path | None = None, **variables: str) -> str:
+    """Return what a program prints."""
+    process = await asyncio.create_subprocess_exec(
+        *command, cwd=folder, env={**os.environ, **variables}, stdout=asyncio.subprocess.PIPE
+    )
+    async with asyncio.timeout(60):
+        output, _ = await process.communicate()
+    return output.decode()
+
+
+async def test_roslibpy_connects_with_tls(hub: Hub, authority: Authority) -> None:
+    command = (sys.executable, "-W", "ignore", "-c", ROSLIBPY, hub.url)
+    assert "/rosout" in await topics_of(*command, SSL_CERT_FILE=str(authority.file))
+
+
+@pytest.mark.npm
+async def test_roslib_connects_with_tls(hub: Hub, authority: Authority) -> None:
+    folder = Path(__file__).parent / "clients"
+    if shutil.which("node") is None or not (folder / "node_modules").exists():
+        pytest.skip("needs Node.js and `npm ci` in tests/clients")
+    command = ("node", "--input-type=module", "-e", ROSLIB, hub.url)
+    found = await topics_of(*command, folder=folder, NODE_EXTRA_CA_CERTS=str(authority.file))
+    assert "/rosout" in found
