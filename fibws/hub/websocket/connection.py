@@ -58,6 +58,9 @@ _library_logger.setLevel(logging.WARNING)
 
 HIGH_WATER = 64 * KIB
 """Bytes in a transport's buffer at which its client counts as slow."""
+TCP_INFO = getattr(socket, "TCP_INFO", None) if sys.platform == "linux" else None
+BYTES_ACKED = 120
+"""Where Linux has the number of acknowledged bytes in its struct tcp_info (linux/tcp.h)."""
 TLS_RECORD = b"\x16\x03"
 """The first bytes from a client that speaks TLS; no HTTP request holds them."""
 MAX_FRAGMENTS = 4096
@@ -278,9 +281,23 @@ class Connection(asyncio.BufferedProtocol):
             self._release()
 
     def pause_writing(self) -> None:
-        self._keepalive.paused(self._shared.loop.time(), self._transport.get_write_buffer_size())
+        self._keepalive.paused(self._shared.loop.time(), self._unread())
         if self.endpoint is not None:
             self.queue.pause()
+
+    def _unread(self) -> int:
+        """Return a number that decreases while the client reads.
+
+        These are the bytes in the transport's buffer. With TLS another buffer is behind it, of
+        which the event loop says nothing: there it is what the client's system has acknowledged.
+        """
+        if TCP_INFO is not None and self._transport.get_extra_info("ssl_object") is not None:
+            sock = self._transport.get_extra_info("socket")
+            if sock is None or sock.fileno() < 0:  # It is closed already.
+                return 0
+            info = sock.getsockopt(socket.IPPROTO_TCP, TCP_INFO, BYTES_ACKED + 8)
+            return -int.from_bytes(info[BYTES_ACKED:], sys.byteorder)
+        return self._transport.get_write_buffer_size()
 
     def resume_writing(self) -> None:
         self._keepalive.resumed()
@@ -632,7 +649,7 @@ class Connection(asyncio.BufferedProtocol):
                 self.fail(MISSING_TOKEN)
             if self.principal is not None and self.principal.is_expired(self._shared.now()):
                 self.fail(EXPIRED)
-        verdict = self._keepalive.verdict(now, self._transport.get_write_buffer_size())
+        verdict = self._keepalive.verdict(now, self._unread())
         if verdict == "abort":
             self._transport.abort()
         elif verdict == "ping":

@@ -52,7 +52,7 @@ class Keepalive:
             self._pong_due = now + self._settings.ping_timeout
 
     def paused(self, now: float, unsent: int) -> None:
-        """Take note that the socket takes no more; ``unsent`` bytes wait in the transport."""
+        """Take note that the socket takes no more; ``unsent`` decreases while the client reads."""
         self._paused_since = now
         self._unsent = unsent
 
@@ -75,7 +75,7 @@ class Keepalive:
             self._closing_since += seconds
 
     def verdict(self, now: float, unsent: int) -> Verdict:
-        """Return the overdue action; ``unsent`` bytes wait in the transport."""
+        """Return the overdue action; ``unsent`` decreases while the client reads."""
         settings = self._settings
         self._see_progress(now, unsent)
         if self._closing_since is not None:

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import json
+import socket
 import ssl
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
@@ -172,6 +175,59 @@ async def test_slow_client_loses_old_messages_and_delays_nobody(
                 seen.append(json.loads(await slow.recv())["msg"]["data"].split()[0])
         assert len(seen) == 200 - dropped
         assert seen == sorted(seen, key=int)
+
+
+async def test_client_that_reads_slowly_is_not_taken_for_one_that_stands_still(
+    start_hub: StartHub, authority: Authority
+) -> None:
+    certificate, key = authority.issue()
+    hub = await start_hub(cert=certificate, key=key, stall_timeout=0.3)
+    trusted = authority.client()
+    async with (
+        slow_network(hub.port) as port,
+        connect(f"wss://127.0.0.1:{port}", ssl=trusted) as slow,
+        connect(hub.url, ssl=trusted) as client,
+    ):
+        await slow.send(operation("subscribe", topic="/t", type="std_msgs/String"))
+        await processed(slow)
+        await client.send(operation("advertise", topic="/t", type="std_msgs/String"))
+        await _publish(client, [100_000] * 5)
+        async with asyncio.timeout(PATIENCE):
+            assert [len(json.loads(await slow.recv())["msg"]["data"]) for _ in range(5)] == [
+                100_000
+            ] * 5
+
+
+@asynccontextmanager
+async def slow_network(port: int) -> AsyncIterator[int]:
+    """Forward one connection, 4 kB from the hub at a time; yield the port to connect to."""
+    loop = asyncio.get_running_loop()
+    with socket.create_server(("127.0.0.1", 0)) as listening, socket.socket() as hub:
+        hub.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)
+        listening.setblocking(False)
+        hub.setblocking(False)
+        await loop.sock_connect(hub, ("127.0.0.1", port))
+
+        async def forward() -> None:
+            client, _ = await loop.sock_accept(listening)
+            with client:
+                client.setblocking(False)
+                back = asyncio.create_task(forward_back(client))
+                try:
+                    while data := await loop.sock_recv(hub, 4096):
+                        await loop.sock_sendall(client, data)
+                        await asyncio.sleep(0.01)
+                finally:
+                    back.cancel()
+
+        async def forward_back(client: socket.socket) -> None:
+            while data := await loop.sock_recv(client, 65536):
+                await loop.sock_sendall(hub, data)
+
+        forwarding = asyncio.create_task(forward())
+        yield listening.getsockname()[1]
+        forwarding.cancel()
+        await asyncio.wait({forwarding})
 
 
 @pytest.mark.parametrize("path", ["", "x?y=1"])
