@@ -69,7 +69,7 @@ BELOW_IN_HUB = {
         "hub.delivery",
         "hub.websocket",
     }
-    | {"hub.settings", "hub.log_text", "hub.access.authentication"},
+    | {"hub.settings", "hub.log_text", "hub.audit", "hub.access.authentication"},
     "access": {"errors", "access", "hub.access", "hub.graph", "hub.settings", "hub.log_text"}
     | {"hub.websocket.endpoint"},
     "rosbridge": {
@@ -83,7 +83,7 @@ BELOW_IN_HUB = {
     }
     | {"hub.settings", "hub.log_text", "hub.websocket.endpoint"},
     "rosapi": {"errors", "names", "protocol", "interfaces", "hub.graph", "hub.delivery"}
-    | {"hub.rosapi", "hub.log_text"},
+    | {"hub.rosapi", "hub.log_text", "hub.audit"},
 }
 """The modules of fibws that each layer of the hub may import: the graph knows no frames and no
 operations, delivery knows bytes, websocket knows endpoints but no operations."""
@@ -149,7 +149,7 @@ PURE = modules(
     *("hub/graph/*.py", "hub/delivery/*.py", "hub/rosbridge/*.py", "hub/rosapi/*.py"),
     *(f"ros1/launch/{name}.py" for name in ("model", "parameters", "reader", "scope")),
     "ros1/launch/xml_element.py",
-    *("hub/settings.py", "hub/log_text.py", "hub/websocket/keepalive.py"),
+    *("hub/settings.py", "hub/log_text.py", "hub/audit.py", "hub/websocket/keepalive.py"),
     *(
         f"tf/{name}.py"
         for name in ("buffer", "errors", "history", "messages", "selection", "transform")

@@ -1,9 +1,20 @@
-"""Helpers that keep texts from clients in the hub's log readable and short."""
+"""Helpers that keep texts from clients in the hub's log readable, short and few."""
 
 from __future__ import annotations
 
+from collections import Counter, OrderedDict
+from dataclasses import dataclass
+
 LONGEST_TEXT = 1000
 """Most characters of a text about an operation, which may repeat names that a client chose."""
+REPEAT_AFTER = 10.0
+"""Seconds for which the same text about the same client is not repeated."""
+MAX_LINES = 20
+"""Lines a second for all clients together."""
+MAX_CLIENT_LINES = 5
+"""Lines a second for one client."""
+MAX_TEXTS = 1000
+"""Texts that are remembered, to recognize repetitions."""
 
 
 def is_power_of_ten(count: int) -> bool:
@@ -19,3 +30,56 @@ def printable(text: str) -> str:
 def shortened(text: str) -> str:
     """Return a text, cut to a readable length."""
     return text if len(text) <= LONGEST_TEXT else f"{text[:LONGEST_TEXT]}..."
+
+
+@dataclass(slots=True)
+class _Repetition:
+    """When a text was last logged, and how often it has come since."""
+
+    logged: float
+    hidden: int = 0
+
+
+class LineLimit:
+    """Limits how many lines clients can cause in a log.
+
+    Args:
+        per_client: lines a second for one client.
+        in_all: lines a second for all clients together.
+    """
+
+    def __init__(self, per_client: int = MAX_CLIENT_LINES, in_all: int = MAX_LINES) -> None:
+        self._per_client = per_client
+        self._in_all = in_all
+        self._texts: OrderedDict[tuple[str, str], _Repetition] = OrderedDict()
+        self._second = 0
+        self._lines: Counter[str] = Counter()
+        """By client: lines in this second."""
+
+    def admit(self, client: str, text: str, now: float) -> int | None:
+        """Decide whether a line may be logged.
+
+        Args:
+            client: its node or its address.
+            now: seconds since some moment in the past.
+
+        Returns:
+            How many equal lines were not logged since the last one that was; None if this one must
+            not be logged.
+        """
+        if int(now) != self._second:
+            self._second = int(now)
+            self._lines.clear()
+        known = self._texts.get((client, text))
+        is_repeated = known is not None and now - known.logged < REPEAT_AFTER
+        is_too_much = self._lines[client] >= self._per_client or self._lines.total() >= self._in_all
+        if is_repeated or is_too_much:
+            if known is not None:
+                known.hidden += 1
+            return None
+        self._lines[client] += 1
+        self._texts[client, text] = _Repetition(now)
+        self._texts.move_to_end((client, text))
+        if len(self._texts) > MAX_TEXTS:
+            self._texts.popitem(last=False)
+        return known.hidden if known is not None else 0

@@ -21,6 +21,7 @@ from fibws.errors import FibwsError, HubError
 from fibws.hub.access.authentication import Authentication
 from fibws.hub.access.policy import AccessPolicy
 from fibws.hub.announcement import machine_addresses
+from fibws.hub.audit import Audit, Identity
 from fibws.hub.delivery.send_queue import CHUNK, MOST_UNWRITTEN, Flusher
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.policy import Policy
@@ -95,6 +96,8 @@ class Hub:
         )
         self.endpoints: Endpoints
         """The protocols that clients may speak, once entered."""
+        self.audit: Audit
+        """Records logins, refusals and changes, once entered."""
         self._connections: set[Connection] = set()
         self._server: asyncio.Server
         self._tls: ServerTls | None = None
@@ -127,10 +130,12 @@ class Hub:
         except OSError as error:
             raise HubError(_why_not(host, port, error)) from error
         address, self.port = self._server.sockets[0].getsockname()[:2]
+        self.audit = Audit(loop.time, self._identify)
         try:
             self._own = OwnNodes(
                 self.graph,
                 loop,
+                self.audit,
                 host=_reached_at(host),
                 port=self.port,
                 address=address,
@@ -163,6 +168,7 @@ class Hub:
             limits=self._limits,
             observer=self,
             authentication=self._authentication,
+            audit=self.audit,
         )
         self._warn_if_public()
         self._started = time.monotonic()
@@ -285,6 +291,14 @@ class Hub:
             "ssl_handshake_timeout": max(self.settings.open_timeout, LEAST_TIMEOUT),
             "ssl_shutdown_timeout": max(self.settings.close_timeout, LEAST_TIMEOUT),
         }
+
+    def _identify(self, node: str) -> Identity:
+        """Return who a connected node is, for the audit events."""
+        client = self._own.clients.find(node)
+        if not isinstance(client, Connection):
+            return Identity()
+        principal = client.principal.name if client.principal is not None else ""
+        return Identity(principal, client.address)
 
     def _warn_if_public(self) -> None:
         address = self._server.sockets[0].getsockname()[0]

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from fibws.errors import NotAllowed
+from fibws.hub.audit import Audit
 from fibws.hub.delivery.clock import Clock
 from fibws.hub.graph.graph import ROSBRIDGE, Graph
 from fibws.hub.graph.publication import Publication
@@ -104,9 +105,18 @@ class OwnNodes:
     """
 
     def __init__(
-        self, graph: Graph, clock: Clock, *, host: str, port: int, address: str, run_id: str
+        self,
+        graph: Graph,
+        clock: Clock,
+        audit: Audit,
+        *,
+        host: str,
+        port: int,
+        address: str,
+        run_id: str,
     ) -> None:
         self._graph = graph
+        self._audit = audit
         graph.internal.update(OWN_NODES)
         graph.reserved.update(PUBLISHED.keys() - {ROSOUT})
         graph.guards[ROSOUT] = check_author
@@ -124,7 +134,7 @@ class OwnNodes:
         """The clients that are connected."""
         self.refusals = Refusals(self._sources[ROSBRIDGE, ROSOUT], clock)
         """The operations that were refused."""
-        self._rosnode = Rosnode(graph, self.clients, clock)
+        self._rosnode = Rosnode(graph, self.clients, clock, audit)
         services = self._services()
         for service, (type_, function) in services.items():
             graph.serve_internally(service, type_, _namespace(service), function)
@@ -175,7 +185,7 @@ class OwnNodes:
         graph = self._graph
         services = {
             **Introspection(graph).services(),
-            **ParameterServices(graph).services(),
+            **ParameterServices(graph, self._audit).services(),
             **Snapshot(graph, OWN_NODES, self.clients).services(),
             **Statistics(graph, self.clients).services(),
             **TypeDefs(graph.definitions).services(),

@@ -13,6 +13,7 @@ from pydantic_core import from_json, to_json
 
 from fibws import names
 from fibws.errors import OperationError, ParameterNotSet, ParametersFull
+from fibws.hub.audit import Audit
 from fibws.hub.graph.graph import ROSBRIDGE, Graph
 from fibws.hub.graph.parameters import Parameters
 from fibws.hub.graph.service import Function, Response
@@ -46,8 +47,9 @@ def set_defaults(
 class ParameterServices:
     """The services that read and change the parameters."""
 
-    def __init__(self, graph: Graph) -> None:
+    def __init__(self, graph: Graph, audit: Audit) -> None:
         self._graph = graph
+        self._audit = audit
         self._parameters = graph.parameters
 
     def services(self) -> dict[str, tuple[str, Function]]:
@@ -86,7 +88,9 @@ class ParameterServices:
                 "Due to the type flexibility of the ROS parameter server, the value argument to "
                 f"set_param must be a JSON-formatted string. ({error})"
             ) from None
-        self._graph.set_parameter(caller, _global(request["name"], caller), value)
+        name = _global(request["name"], caller)
+        self._graph.set_parameter(caller, name, value)
+        self._audit.parameter_written(name, node=caller)
         return {}
 
     def has(self, request: dict[str, Any], caller: str) -> Response:
@@ -97,7 +101,9 @@ class ParameterServices:
 
     def delete(self, request: dict[str, Any], caller: str) -> Response:
         """Delete a parameter, whether or not it was there."""
-        self._graph.delete_parameter(caller, _global(request["name"], caller))
+        name = _global(request["name"], caller)
+        self._graph.delete_parameter(caller, name)
+        self._audit.parameter_written(name, node=caller, deleted=True)
         return {}
 
     def search(self, request: dict[str, Any], caller: str) -> Response:

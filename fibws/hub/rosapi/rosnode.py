@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import logging
 from dataclasses import dataclass
 from functools import partial
 from itertools import count
 from typing import Any
 
 from fibws.errors import NotAllowed
+from fibws.hub.audit import Audit
 from fibws.hub.delivery.clock import Clock, Timer
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.service import Deferred, Function, Response
-from fibws.hub.log_text import printable, shortened
+from fibws.hub.log_text import shortened
 from fibws.hub.rosapi.clients import Client, ConnectedClients
 from fibws.hub.rosapi.introspection import global_name
 from fibws.protocol.websocket import KILLED
-
-logger = logging.getLogger("fibws.hub")
 
 PATIENCE = 3.0
 """Seconds in which a node must answer a ping."""
@@ -40,8 +38,9 @@ class Rosnode:
         clients: those that are connected.
     """
 
-    def __init__(self, graph: Graph, clients: ConnectedClients, clock: Clock) -> None:
+    def __init__(self, graph: Graph, clients: ConnectedClients, clock: Clock, audit: Audit) -> None:
         self._graph = graph
+        self._audit = audit
         self._clients = clients
         self._clock = clock
         self._numbers = count(1)
@@ -90,7 +89,7 @@ class Rosnode:
         policy = self._graph.policy
         if not policy.is_same_owner(caller, node) and not policy.is_admin(caller):
             raise NotAllowed(caller, "admin", node)
-        logger.info("%s kills %s.", printable(caller), printable(node))
+        self._audit.node_killed(node, node=caller)
         # It may be the caller, whose operations in the same text must not outlive it.
         self._clock.call_later(0, partial(client.close, KILLED))
         return {"success": True, "message": f"killed {node}"}

@@ -27,8 +27,8 @@ from websockets.server import ServerProtocol
 from fibws.access.rights import Principal
 from fibws.errors import AuthenticationError, InvalidUtf8, NotAllowed, TooManyAttempts
 from fibws.hub.access.authentication import Authentication, Login
+from fibws.hub.audit import Audit
 from fibws.hub.delivery.send_queue import Flusher, SendQueue
-from fibws.hub.log_text import printable
 from fibws.hub.settings import KIB, Settings
 from fibws.hub.websocket.endpoint import Endpoint, Endpoints, Opening
 from fibws.hub.websocket.http import HttpRequests, node_name, text_response
@@ -45,6 +45,7 @@ from fibws.protocol.websocket import (
     LIMITED,
     MISSING_TOKEN,
     OVERFULL,
+    REPLACED,
     UNAUTHENTICATED,
     CloseReason,
     FrameParser,
@@ -87,6 +88,7 @@ class Shared:
     turns: Turns
     limits: SharedLimits
     observer: Observer
+    audit: Audit
     authentication: Authentication | None = None
     now: Callable[[], float] = time
     """Returns the seconds since 1970."""
@@ -379,7 +381,7 @@ class Connection(asyncio.BufferedProtocol):
         self._protocol.send_response(response)
         if response.status_code == http.HTTPStatus.FORBIDDEN:
             # A browser does not show its page why it was refused.
-            logger.warning("Refused %s: %s", self.peer, printable(bytes(response.body).decode()))
+            shared.audit.refused("origin", bytes(response.body).decode(), ip=self.address)
         if self._protocol.state is not State.OPEN:
             return
         self.queue = SendQueue(
@@ -584,6 +586,8 @@ class Connection(asyncio.BufferedProtocol):
         """Close in good order; a later sweep cuts off a client that does not answer."""
         if self._protocol.state is State.OPEN:
             logger.info("%s is closed: %s.", self.name, reason.reason)
+            if reason is REPLACED:
+                self._shared.audit.name_taken(node=self.name, ip=self.address)
             self._leave()
             self._protocol.send_close(reason.code, reason.reason)
             self._keepalive.closing(self._shared.loop.time())

@@ -6,6 +6,7 @@ from itertools import count
 from typing import Any
 
 from fibws.access.rights import Principal
+from fibws.hub.audit import Audit
 from fibws.hub.rosapi.nodes import OwnNodes
 from fibws.protocol.websocket import CloseReason
 
@@ -49,6 +50,7 @@ class RosapiClient:
         self.own = OwnNodes(
             self.graph,
             self.hub.clock,
+            Audit(self.hub.clock.time),
             host="localhost",
             port=9090,
             address="127.0.0.1",

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from fibws.hub.graph.topic import Source
-from fibws.hub.rosapi.refusals import MAX_CLIENT_LINES, MAX_LINES, MAX_TEXTS, REPEAT_AFTER
+from fibws.hub.log_text import MAX_CLIENT_LINES, MAX_LINES, MAX_TEXTS, REPEAT_AFTER
 
 from ..fakes import NANOSECONDS, Client
 from .rosapi_client import RosapiClient
@@ -92,7 +92,7 @@ def test_remembered_texts_are_bounded(rosapi: RosapiClient) -> None:
     for number in range(2 * MAX_TEXTS):
         rosapi.own.refusals.report("/page", f"no {number}")
         rosapi.hub.clock.advance(1)
-    assert len(rosapi.own.refusals._texts) == MAX_TEXTS
+    assert len(rosapi.own.refusals._limit._texts) == MAX_TEXTS
 
 
 def test_terminal_codes_of_clients_are_escaped(rosapi: RosapiClient, console: Client) -> None:
