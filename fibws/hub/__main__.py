@@ -13,12 +13,13 @@ import tomllib
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, get_args, get_origin, get_type_hints
+from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 import click
 
 from fibws import __version__
 from fibws.errors import FibwsError, HubError
+from fibws.hub import log_output
 from fibws.hub.announcement import announcement
 from fibws.hub.server import Hub
 from fibws.hub.settings import MIB, Settings
@@ -62,6 +63,8 @@ def _options(function: Callable[..., None]) -> Callable[..., None]:
     types = get_type_hints(Settings)
     for field in reversed(dataclasses.fields(Settings)):
         type_ = types[field.name]
+        if get_origin(type_) is Literal:
+            type_ = click.Choice(get_args(type_))
         many = get_origin(type_) is tuple
         flag = field.name.replace("_", "-")
         function = click.option(
@@ -108,8 +111,7 @@ def command(url_file: Path | None, **values: Any) -> None:
       export FIBWS_HUB=$(cat hub.url)
     """
     _open_standard_files()
-    logging.addLevelName(logging.WARNING, "WARN")  # as ROS calls it
-    logging.basicConfig(format="[%(levelname)s] [%(created)f]: %(message)s", level=logging.INFO)
+    log_output.configure(values["log_format"])
     # Makes glibc keep freed memory: otherwise it trims and grows its heap with every large message,
     # which costs more than relaying it.
     bytearray(16 * MIB)
@@ -120,6 +122,9 @@ def command(url_file: Path | None, **values: Any) -> None:
         with asyncio.Runner(loop_factory=_loop_factory()) as runner:
             runner.run(_serve(settings, url_file))
     except FibwsError as error:
+        if values["log_format"] == "json":
+            logger.critical("%s.", error, extra={"event": "failed"})
+            sys.exit(1)
         sys.exit(f"fibws.hub: {error}.")
     except KeyboardInterrupt:
         pass
@@ -154,10 +159,7 @@ async def _serve(settings: Settings, url_file: Path | None) -> None:
     async with Hub(settings) as hub:
         _reload_on_hangup(hub, stop)
         _write(url_file, hub.url)
-        try:
-            print(announcement(settings, hub.url), flush=True)
-        except OSError as error:
-            logger.warning("Cannot write to stdout: %s.", error.strerror)
+        _announce(settings, hub.url)
         try:
             await stopped.wait()
         finally:
@@ -194,6 +196,18 @@ def _has_terminal() -> bool:
     except OSError:
         return False
     return True
+
+
+def _announce(settings: Settings, url: str) -> None:
+    """Print where the hub is, or log it where the output must be JSON."""
+    text = announcement(settings, url)
+    if settings.log_format == "json":
+        logger.info("%s", text, extra={"event": "listening", "fields": {"url": url}})
+        return
+    try:
+        print(text, flush=True)
+    except OSError as error:
+        logger.warning("Cannot write to stdout: %s.", error.strerror)
 
 
 def _write(url_file: Path | None, url: str) -> None:

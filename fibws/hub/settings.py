@@ -6,7 +6,7 @@ import math
 import re
 from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from fibws.errors import HubError
 from fibws.hub.websocket.origins import is_allowable
@@ -16,6 +16,8 @@ KIB = 1024
 MIB = 1024 * KIB
 URL_PATH = r"(/[A-Za-z0-9._~!$&'()*+,;=:@%-]+)*/?"
 """The segments of a URL's path (RFC 3986, section 3.3)."""
+
+LOG_FORMATS = ("text", "json")
 
 
 def _setting(default: Any, help_: str) -> Any:
@@ -123,6 +125,9 @@ class Settings:
     ping_timeout: float = _setting(20.0, "Seconds in which a client must answer a ping.")
     open_timeout: float = _setting(10.0, "Seconds in which a client must finish its handshake.")
     close_timeout: float = _setting(5.0, "Seconds in which a client must answer a close.")
+    log_format: Literal["text", "json"] = _setting(
+        "text", "Format of the log on stderr: text, or json, which is one object per line."
+    )
     fast_framing: bool = _setting(
         True, "Parse whole messages directly, not through the websockets library."
     )
@@ -138,6 +143,8 @@ class Settings:
             if isinstance(value, int | float) and not 0 <= value < math.inf:
                 flag = setting.name.replace("_", "-")
                 raise HubError(f"--{flag} must be >= 0 and finite, got {value}")
+        if self.log_format not in LOG_FORMATS:
+            raise HubError(f"--log-format must be text or json, got {self.log_format}")
         if self.port > 65535:
             raise HubError(f"--port must be between 0 and 65535, got {self.port}")
         self._check_tls()

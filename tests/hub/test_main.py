@@ -129,6 +129,29 @@ def test_signal_closes_clients_and_exits_with_0(number: signal.Signals) -> None:
     assert re.search(r"/client_1_[0-9a-f]{6} has connected from 127\.0\.0\.1:", err)
 
 
+def test_log_in_json_is_all_that_the_hub_writes() -> None:
+    with running("--port", "0", "--log-format", "json") as hub:
+        assert hub.process.stderr is not None
+        listening = json.loads(hub.process.stderr.readline())
+        assert listening["event"] == "listening"
+        with connect(f"{listening['url']}/?node=/talker"):
+            connected = json.loads(hub.process.stderr.readline())
+        assert connected["event"] == "connected"
+        assert (connected["node"], connected["ip"]) == ("/talker", "127.0.0.1")
+        left = json.loads(hub.process.stderr.readline())
+        assert (left["event"], left["node"]) == ("left", "/talker")
+        hub.process.terminate()
+        code, out, err = hub.end()
+    assert (code, out, err) == (0, "", "")
+
+
+def test_reason_for_not_starting_is_json_if_the_log_is() -> None:
+    with running("--host", "192.0.2.1", "--log-format", "json") as hub:
+        code, out, err = hub.end()
+    assert (code, out) == (1, "")
+    assert "192.0.2.1" in json.loads(err)["message"]
+
+
 def test_signal_right_after_the_first_line_is_not_lost() -> None:
     """A script that waits for the line may stop the hub at once."""
     port = _free_port()

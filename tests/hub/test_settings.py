@@ -69,3 +69,8 @@ def test_tls_requires_certificate_and_key(files: dict[str, str], flags: tuple[st
     with pytest.raises(HubError) as caught:
         Settings(**{name: Path(file) for name, file in files.items()})  # type: ignore[arg-type]
     assert all(flag in str(caught.value) for flag in flags)
+
+
+def test_unknown_format_of_the_log_is_refused() -> None:
+    with pytest.raises(HubError, match="--log-format must be text or json, got xml"):
+        Settings(log_format="xml")  # type: ignore[arg-type]

@@ -279,7 +279,7 @@ class Connection(asyncio.BufferedProtocol):
             self._shared.observer.lost(self)
             if self.endpoint is not None:
                 self._report_drops(float("inf"))
-                logger.info("%s has left.", self.endpoint.node)
+                logger.info("%s has left.", self.endpoint.node, extra=self._event("left"))
             self._release()
 
     def pause_writing(self) -> None:
@@ -440,7 +440,13 @@ class Connection(asyncio.BufferedProtocol):
         self._login_due = math.inf
         self._shared.observer.entered(self)
         principal = f" as {self.principal.name}" if self.principal is not None else ""
-        logger.info("%s has connected from %s%s.", endpoint.node, self.peer, principal)
+        logger.info(
+            "%s has connected from %s%s.",
+            endpoint.node,
+            self.peer,
+            principal,
+            extra=self._event("connected"),
+        )
 
     # Who the client is.
 
@@ -585,7 +591,8 @@ class Connection(asyncio.BufferedProtocol):
     def close(self, reason: CloseReason) -> None:
         """Close in good order; a later sweep cuts off a client that does not answer."""
         if self._protocol.state is State.OPEN:
-            logger.info("%s is closed: %s.", self.name, reason.reason)
+            text = "%s is closed: %s."
+            logger.info(text, self.name, reason.reason, extra=self._event("closed", reason))
             if reason is REPLACED:
                 self._shared.audit.name_taken(node=self.name, ip=self.address)
             self._leave()
@@ -604,7 +611,8 @@ class Connection(asyncio.BufferedProtocol):
         """Close because of a fault of the client."""
         if self._protocol.state is not State.OPEN:
             return
-        logger.warning("%s is closed: %s.", self.name, reason.reason)
+        text = "%s is closed: %s."
+        logger.warning(text, self.name, reason.reason, extra=self._event("closed", reason))
         self._leave()
         self._protocol.fail(reason.code, reason.reason)
         self._parser.give_up()
@@ -672,4 +680,16 @@ class Connection(asyncio.BufferedProtocol):
                 self.name,
                 new,
                 self.queue.dropped,
+                extra=self._event("dropped"),
             )
+
+    def _event(self, event: str, reason: CloseReason | None = None) -> dict[str, object]:
+        """Return what a line of the log in JSON has about the client."""
+        fields: dict[str, object] = {"ip": self.address}
+        if self.endpoint is not None:
+            fields["node"] = self.endpoint.node
+        if self.principal is not None:
+            fields["principal"] = self.principal.name
+        if reason is not None:
+            fields["code"] = reason.code
+        return {"event": event, "fields": fields}
