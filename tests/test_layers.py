@@ -70,6 +70,8 @@ BELOW_IN_HUB = {
         "hub.websocket",
     }
     | {"hub.settings", "hub.log_text", "hub.audit", "hub.access.authentication"},
+    "monitoring": {"errors", "access", "hub.access", "hub.audit", "hub.graph", "hub.settings"}
+    | {"hub.delivery", "hub.monitoring", "hub.websocket", "__version__"},
     "access": {"errors", "access", "hub.access", "hub.graph", "hub.settings", "hub.log_text"}
     | {"hub.websocket.endpoint"},
     "rosbridge": {

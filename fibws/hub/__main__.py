@@ -21,6 +21,7 @@ from fibws import __version__
 from fibws.errors import FibwsError, HubError
 from fibws.hub import log_output
 from fibws.hub.announcement import announcement
+from fibws.hub.monitoring.service_manager import ServiceManager
 from fibws.hub.server import Hub
 from fibws.hub.settings import MIB, Settings
 
@@ -145,48 +146,69 @@ def environment_settings(flags: Sequence[str] = ()) -> Settings:
 
 
 async def _serve(settings: Settings, url_file: Path | None) -> None:
-    stopped = asyncio.Event()
+    loop = asyncio.get_running_loop()
+    signals: asyncio.Queue[int] = asyncio.Queue()
 
-    def stop() -> None:
+    def stop(number: int) -> None:
         if sys.stderr is not None and sys.stderr.isatty():
             click.echo(err=True)  # The log must not continue the line of the terminal's ^C.
-        stopped.set()
+        signals.put_nowait(number)
 
     for number in (signal.SIGINT, signal.SIGTERM):
         with suppress(NotImplementedError):  # Windows: Ctrl-C comes as KeyboardInterrupt.
-            asyncio.get_running_loop().add_signal_handler(number, stop)
+            loop.add_signal_handler(number, stop, number)
     _remove(url_file)  # An earlier hub may have been killed.
     async with Hub(settings) as hub:
-        _reload_on_hangup(hub, stop)
+        manager = ServiceManager(loop, hub.status)
+        _reload_on_hangup(hub, manager, stop)
         _write(url_file, hub.url)
         _announce(settings, hub.url)
+        manager.ready()
         try:
-            await stopped.wait()
+            first = await signals.get()
+            manager.stopping()
+            if first == signal.SIGTERM:
+                await _drain(hub, signals)
         finally:
+            manager.close()
             _remove(url_file)
 
 
-def _reload_on_hangup(hub: Hub, stop: Callable[[], None]) -> None:
+def _reload_on_hangup(hub: Hub, manager: ServiceManager, stop: Callable[[int], None]) -> None:
     """Reload the hub's files on SIGHUP; stop it if that came because its terminal was closed."""
     has_terminal = _has_terminal()
 
     def on_hangup() -> None:
         if has_terminal and not _has_terminal():
-            stop()
+            stop(signal.SIGHUP)
         else:
-            _reload(hub)
+            _reload(hub, manager)
 
     if hasattr(signal, "SIGHUP"):  # Windows lacks it.
         asyncio.get_running_loop().add_signal_handler(signal.SIGHUP, on_hangup)
 
 
-def _reload(hub: Hub) -> None:
+async def _drain(hub: Hub, signals: asyncio.Queue[int]) -> None:
+    """Let the clients go one after the other, unless another signal comes."""
+    draining = asyncio.ensure_future(hub.drain(hub.settings.drain))
+    again = asyncio.ensure_future(signals.get())
+    await asyncio.wait({draining, again}, return_when=asyncio.FIRST_COMPLETED)
+    for task in (draining, again):
+        task.cancel()
+    await asyncio.wait({draining, again})
+    if not draining.cancelled():
+        draining.result()
+
+
+def _reload(hub: Hub, manager: ServiceManager) -> None:
+    manager.reloading()
     try:
         hub.reload()
     except FibwsError as error:
-        logger.error("Reload failed, everything is as before: %s.", error)
+        hub.audit.reload_failed("tokens and keys", str(error))
     else:
-        logger.info("Reloaded.")
+        hub.audit.reloaded("tokens and keys")
+    manager.ready()
 
 
 def _has_terminal() -> bool:

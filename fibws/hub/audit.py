@@ -61,15 +61,10 @@ class Audit:
         self._refused = LineLimit()
         self._written = LineLimit(WRITES_PER_CLIENT, WRITES)
 
-    def login(self, method: str, *, principal: str, node: str = "", ip: str = "") -> None:
-        """Record that a client has proved who it is.
-
-        Args:
-            method: how, such as ``token``, ``jwt`` or ``certificate``.
-        """
+    def login(self, *, principal: str, node: str = "", ip: str = "") -> None:
+        """Record that a client has proved who it is."""
         client = self._client(node, principal, ip)
-        text = f"{_named(client)} logged in by {method}"
-        self._record(logging.INFO, "login", text, {"method": method, **client})
+        self._record(logging.INFO, "login", f"{_named(client)} has logged in", client)
 
     def refused(
         self, reason: Reason, text: str, *, node: str = "", principal: str = "", ip: str = ""

@@ -8,16 +8,15 @@ import ipaddress
 import logging
 import time
 import uuid
+from collections import deque
 from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
 from types import TracebackType
 from typing import Any, Self, TypeAlias
 
-from pydantic_core import to_json
-
 from fibws import __version__
-from fibws.errors import FibwsError, HubError
+from fibws.errors import FibwsError, HubError, NotAllowed
 from fibws.hub.access.authentication import Authentication
 from fibws.hub.access.policy import AccessPolicy
 from fibws.hub.announcement import machine_addresses
@@ -26,6 +25,9 @@ from fibws.hub.delivery.send_queue import CHUNK, MOST_UNWRITTEN, Flusher
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.policy import Policy
 from fibws.hub.graph.topic import SinkReport
+from fibws.hub.monitoring.loop_lag import LoopLag
+from fibws.hub.monitoring.probes import Probes, Watchers
+from fibws.hub.rosapi.clients import Client
 from fibws.hub.rosapi.nodes import OWN_NODES, OwnNodes
 from fibws.hub.rosbridge.session import Rosbridge
 from fibws.hub.self_signed import ensure_certificate
@@ -40,7 +42,7 @@ from fibws.hub.websocket.turns import Turns
 from fibws.hub.worker_threads import WorkerThreads
 from fibws.interfaces import Interfaces
 from fibws.protocol.serialized import SUBPROTOCOL
-from fibws.protocol.websocket import SHUTDOWN
+from fibws.protocol.websocket import RESTART, SHUTDOWN
 
 logger = logging.getLogger("fibws.hub")
 
@@ -49,6 +51,10 @@ ExceptionHandler: TypeAlias = Callable[[asyncio.AbstractEventLoop, dict[str, Any
 SWEEP_INTERVAL = 1.0
 LEAST_TIMEOUT = 0.001
 """Seconds; asyncio accepts no timeouts of 0 for TLS."""
+DRAIN_RATE = 100.0
+"""Clients that are closed in a second before the hub ends, if there is time enough."""
+DRAIN_INTERVAL = 0.05
+"""Seconds between two groups of clients that are closed."""
 BACKLOG = 1024
 """Connections that may wait to be accepted: a thousand may come at once."""
 ACCEPTED_AT_ONCE = 32
@@ -106,6 +112,9 @@ class Hub:
         self._shared: Shared
         self._sweeper: asyncio.TimerHandle
         self._threads: WorkerThreads
+        self._requests: HttpRequests
+        self._probes: Probes
+        self._lag: LoopLag
         self._started = 0.0
         self._handle_exception: ExceptionHandler | None = None
         """The event loop's exception handler before this hub's."""
@@ -113,6 +122,9 @@ class Hub:
         self._dropped = 0
         self._empty = asyncio.Event()
         self._empty.set()
+        self._vacant = asyncio.Event()
+        """Set while no client is connected."""
+        self._vacant.set()
 
     async def __aenter__(self) -> Self:
         loop = asyncio.get_running_loop()
@@ -131,6 +143,7 @@ class Hub:
             raise HubError(_why_not(host, port, error)) from error
         address, self.port = self._server.sockets[0].getsockname()[:2]
         self.audit = Audit(loop.time, self._identify)
+        self.graph.on_refused = self._refused
         try:
             self._own = OwnNodes(
                 self.graph,
@@ -148,8 +161,16 @@ class Hub:
         rosbridge = Rosbridge(self.graph, loop, self.settings, self._own.refusals.report)
         self.endpoints = Endpoints(rosbridge.open)
         self.endpoints.add(partial(rosbridge.open, serialized=True), subprotocol=SUBPROTOCOL)
-        requests = HttpRequests(self.settings, read_files(), OWN_NODES)
-        requests.add("/healthz", lambda: to_json(self.health()), "application/json")
+        self._requests = requests = HttpRequests(
+            self.settings, read_files(), OWN_NODES, partial(_refuse_origin, self.audit)
+        )
+        self._lag = LoopLag(loop, time.monotonic)
+        watchers = Watchers(self.settings, self._authentication, self.audit, requests.host_refusal)
+        has_authentication = self._authentication is not None
+        self._probes = Probes(
+            self._lag, watchers, self.health, shows_version=not has_authentication
+        )
+        self._probes.add_to(requests)
         self._limits = SharedLimits(self.settings, self._connections, loop.call_soon)
         flusher = Flusher(
             loop.call_soon,
@@ -175,6 +196,7 @@ class Hub:
         self._handle_exception = loop.get_exception_handler()
         loop.set_exception_handler(self._on_exception)
         self._sweeper = loop.call_later(SWEEP_INTERVAL, self._sweep)
+        self._lag.start()
         await self._server.start_serving()
         for listening in self._server.sockets:
             with listening.dup() as same:
@@ -194,11 +216,41 @@ class Hub:
         """The URL by which nodes on this machine reach it."""
         return local_url(self.settings, self.port, self._tls)
 
+    async def drain(self, seconds: float) -> None:
+        """Close all clients little by little, with a code on which they connect again elsewhere.
+
+        From now on /readyz answers 503 and no WebSocket opens, so that a load balancer sends
+        clients to another hub. About `DRAIN_RATE` clients are closed in a second, more if that
+        takes too long: a thousand that connect again at once would be a burden to the other hub.
+        It returns once all have left; `close` ends the hub.
+
+        Args:
+            seconds: most that it takes until the last client is closed.
+        """
+        self._probes.is_draining = True
+        self._requests.refuse_websockets("The hub is about to end; try again later")
+        if not self._limits.clients:
+            return
+        nodes = [client for client, _ in self._own.clients]  # The oldest first.
+        others = {each for each in self._connections if each.is_open}.difference(nodes)
+        waiting = deque[Client]([*nodes, *others])
+        pieces = max(1, int(min(seconds, len(waiting) / DRAIN_RATE) / DRAIN_INTERVAL))
+        size = -(-len(waiting) // pieces)
+        logger.info("Draining: closing %d clients.", len(waiting), extra={"event": "draining"})
+        while waiting:
+            for _ in range(min(size, len(waiting))):
+                waiting.popleft().close(RESTART)
+            if waiting:
+                await asyncio.sleep(DRAIN_INTERVAL)
+        with suppress(TimeoutError):
+            await asyncio.wait_for(self._vacant.wait(), self.settings.close_timeout)
+
     async def close(self) -> None:
         """Close all connections and stop; clients that do not answer in time are cut off."""
         self._closing = True
         self._server.close()
         self._sweeper.cancel()
+        self._lag.stop()
         for connection in list(self._connections):
             connection.close(SHUTDOWN)
         try:
@@ -239,11 +291,15 @@ class Hub:
         for connection in list(self._connections):
             connection.check_login()
 
+    def status(self) -> str:
+        """Return one line about the hub, for the service manager."""
+        state = "draining, " if self._probes.is_draining else ""
+        return f"{state}{self._limits.clients} clients, {len(self.graph.topics)} topics"
+
     def health(self) -> dict[str, object]:
         """Return what ``/healthz`` shows: counts, and the clients that read too slowly."""
         open_ = [each for each in self._connections if each.endpoint is not None]
         return {
-            "status": "ok",
             "version": __version__,
             "uptime_seconds": round(time.monotonic() - self._started, 3),
             "clients": len(open_),
@@ -292,6 +348,9 @@ class Hub:
             "ssl_shutdown_timeout": max(self.settings.close_timeout, LEAST_TIMEOUT),
         }
 
+    def _refused(self, error: NotAllowed) -> None:
+        self.audit.refused("right", str(error), node=error.node)
+
     def _identify(self, node: str) -> Identity:
         """Return who a connected node is, for the audit events."""
         client = self._own.clients.find(node)
@@ -321,6 +380,7 @@ class Hub:
     def connected(self, connection: Connection) -> None:
         """Count a client that has finished its handshake."""
         self._limits.clients += 1
+        self._vacant.clear()
 
     def entered(self, connection: Connection) -> None:
         """Add a client that is a node now."""
@@ -337,6 +397,8 @@ class Hub:
         if connection.endpoint is not None:
             self._limits.clients -= 1
             self._dropped += connection.queue.dropped
+            if not self._limits.clients:
+                self._vacant.set()
         if not self._connections:
             self._empty.set()
 
@@ -383,6 +445,10 @@ def _tls(settings: Settings) -> ServerTls | None:
     if settings.cert is None or settings.key is None:
         return None
     return ServerTls(settings.cert, settings.key, settings.client_ca)
+
+
+def _refuse_origin(audit: Audit, reason: str, address: str) -> None:
+    audit.refused("origin", reason, ip=address)
 
 
 def _reached_at(host: str) -> str:

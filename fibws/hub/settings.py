@@ -125,6 +125,12 @@ class Settings:
     ping_timeout: float = _setting(20.0, "Seconds in which a client must answer a ping.")
     open_timeout: float = _setting(10.0, "Seconds in which a client must finish its handshake.")
     close_timeout: float = _setting(5.0, "Seconds in which a client must answer a close.")
+    public_metrics: bool = _setting(
+        False, "Let everybody read /metrics and all of /healthz, without the right admin."
+    )
+    drain: float = _setting(
+        2.0, "Seconds over which clients are closed after SIGTERM; 0 closes all at once."
+    )
     log_format: Literal["text", "json"] = _setting(
         "text", "Format of the log on stderr: text, or json, which is one object per line."
     )

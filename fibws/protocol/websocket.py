@@ -60,6 +60,7 @@ class CloseReason:
 
 
 SHUTDOWN = CloseReason(1001, "the hub is shutting down")
+RESTART = CloseReason(1012, "service restart")
 INVALID_UTF8 = CloseReason(1007, "a text is not UTF-8")
 STALLED = CloseReason(1008, "stopped reading for too long")
 OVERFULL = CloseReason(1008, "too many replies wait to be read")

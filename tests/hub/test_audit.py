@@ -100,7 +100,7 @@ def test_refusal_may_be_counted_without_a_line(
 def test_changes_are_recorded_with_their_author(
     audit: Audit, caplog: pytest.LogCaptureFixture
 ) -> None:
-    audit.login("token", principal="guest", ip="10.0.0.7")
+    audit.login(principal="guest", ip="10.0.0.7")
     audit.parameter_written("/gain", node="/joystick")
     audit.parameter_written("/gain", node="/joystick", deleted=True)
     audit.node_killed("/camera", node="/joystick")
@@ -109,7 +109,7 @@ def test_changes_are_recorded_with_their_author(
     audit.reload_failed("certificates", "file not found")
     joystick = {"node": "/joystick", "principal": "guest", "ip": "10.0.0.7"}
     assert events(caplog) == [
-        {"event": "login", "method": "token", "principal": "guest", "ip": "10.0.0.7"},
+        {"event": "login", "principal": "guest", "ip": "10.0.0.7"},
         {"event": "parameter_set", "parameter": "/gain", **joystick},
         {"event": "parameter_deleted", "parameter": "/gain", **joystick},
         {"event": "node_killed", "killed": "/camera", **joystick},

@@ -113,8 +113,16 @@ def test_closed_terminal_ends_the_hub() -> None:
             assert closed.value.rcvd is not None and closed.value.rcvd.code == 1001
 
 
-@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
-def test_signal_closes_clients_and_exits_with_0(number: signal.Signals) -> None:
+@pytest.mark.parametrize(
+    ("number", "expected"),
+    [
+        (signal.SIGTERM, (1012, "service restart")),
+        (signal.SIGINT, (1001, "the hub is shutting down")),
+    ],
+)
+def test_signal_closes_clients_and_exits_with_0(
+    number: signal.Signals, expected: tuple[int, str]
+) -> None:
     with running("--port", "0") as hub, connect(hub.url()) as websocket:
         websocket.send('{"op":"nope"}')
         assert "Unknown operation: nope" in json.loads(websocket.recv(PATIENCE))["msg"]
@@ -123,10 +131,31 @@ def test_signal_closes_clients_and_exits_with_0(number: signal.Signals) -> None:
             websocket.recv(PATIENCE)
         code, out, err = hub.end()
     assert closed.value.rcvd is not None
-    assert (closed.value.rcvd.code, closed.value.rcvd.reason) == (1001, "the hub is shutting down")
+    assert (closed.value.rcvd.code, closed.value.rcvd.reason) == expected
     assert (code, out) == (0, "")
     assert "Traceback" not in err
     assert re.search(r"/client_1_[0-9a-f]{6} has connected from 127\.0\.0\.1:", err)
+
+
+def test_second_signal_ends_a_long_drain() -> None:
+    with ExitStack() as stack:
+        hub = stack.enter_context(running("--port", "0", "--drain", "600"))
+        url = hub.url()
+        clients = [stack.enter_context(connect(url)) for _ in range(40)]
+        hub.process.terminate()
+        codes = [_close_code(clients[0])]  # It is closed with the first ones.
+        hub.process.terminate()
+        codes += [_close_code(client) for client in clients[1:]]
+        code, _, _ = hub.end()
+    assert code == 0
+    assert codes[0] == 1012 and codes[-1] == 1001, codes
+
+
+def _close_code(client: ClientConnection) -> int:
+    with pytest.raises(ConnectionClosed) as closed:
+        client.recv(PATIENCE)
+    assert closed.value.rcvd is not None
+    return closed.value.rcvd.code
 
 
 def test_log_in_json_is_all_that_the_hub_writes() -> None:

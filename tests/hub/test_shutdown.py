@@ -11,6 +11,7 @@ import pytest
 from conftest import StartHub
 
 from fibws.hub import Hub
+from fibws.hub.server import DRAIN_INTERVAL, DRAIN_RATE
 
 from .raw_client import CLOSE, Gone, connected, dialled, frame, publish, timers, until
 
@@ -115,3 +116,59 @@ class TestEnd:
             client.leave()
             await end
         assert caplog.text.count("/a is closed: the hub is shutting down.") == 1
+
+
+class TestDrain:
+    async def test_clients_are_closed_little_by_little(
+        self, start_hub: StartHub, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        hub = await start_hub()
+        pauses: list[float] = []
+        sleep = asyncio.sleep
+
+        async def pause(seconds: float) -> None:
+            pauses.append(seconds)
+            await sleep(0)
+
+        monkeypatch.setattr("fibws.hub.server.asyncio.sleep", pause)
+        async with AsyncExitStack() as stack:
+            clients = [await stack.enter_async_context(connected(hub.port)) for _ in range(40)]
+            draining = asyncio.create_task(hub.drain(600))
+            for client in clients:
+                assert await client.is_closed() == (1012, "service restart")
+                client.leave()
+            await draining
+        assert len(pauses) == pytest.approx(40 / DRAIN_RATE / DRAIN_INTERVAL, abs=1)
+
+    @pytest.mark.parametrize("seconds", [0.0, 2 * DRAIN_INTERVAL])
+    async def test_many_clients_are_closed_in_time(
+        self, start_hub: StartHub, monkeypatch: pytest.MonkeyPatch, seconds: float
+    ) -> None:
+        hub = await start_hub()
+        pauses: list[float] = []
+        sleep = asyncio.sleep
+
+        async def pause(length: float) -> None:
+            pauses.append(length)
+            await sleep(0)
+
+        monkeypatch.setattr("fibws.hub.server.asyncio.sleep", pause)
+        async with AsyncExitStack() as stack:
+            clients = [await stack.enter_async_context(connected(hub.port)) for _ in range(40)]
+            draining = asyncio.create_task(hub.drain(seconds))
+            for client in clients:
+                assert (await client.is_closed())[0] == 1012
+                client.leave()
+            await draining
+        assert sum(pauses) <= seconds
+
+    async def test_hub_without_clients_is_drained_at_once(self, hub: Hub) -> None:
+        async with asyncio.timeout(60):
+            await hub.drain(600)
+
+    async def test_client_that_does_not_answer_delays_it_no_longer_than_a_close(
+        self, start_hub: StartHub
+    ) -> None:
+        hub = await start_hub(close_timeout=0.1)
+        async with connected(hub.port), asyncio.timeout(60):
+            await hub.drain(600)

@@ -96,6 +96,8 @@ class Graph:
         """The topics that only the hub's own nodes may publish."""
         self.guards: dict[str, Guard] = {}
         """By topics: further checks of what nodes publish there that are not admins."""
+        self.on_refused: Callable[[NotAllowed], object] = lambda error: None
+        """Takes each refusal of the policy, but those of a node's name."""
         self.now = now
         self.revision = 0
         """Another number whenever something but the parameters has changed."""
@@ -115,7 +117,12 @@ class Graph:
     def check_allowed(self, node: str, right: Right, name: str) -> None:
         """Raise `NotAllowed` unless the policy lets a node do this."""
         if not self.is_allowed(node, right, name):
-            raise NotAllowed(node, right, name)
+            raise self.refused(NotAllowed(node, right, name))
+
+    def refused(self, error: NotAllowed) -> NotAllowed:
+        """Report an error that is about to be raised, and return it."""
+        self.on_refused(error)
+        return error
 
     def is_allowed(self, node: str, right: Right, name: str) -> bool:
         """Return whether a node may do this with a topic, service, action or parameter."""
@@ -466,7 +473,8 @@ class Graph:
     def _check_free(self, kind: str, name: str, older: Service | Action | None, node: str) -> None:
         """Refuse to take a service or an action away from another principal's node."""
         if older is not None and not self.policy.is_same_owner(node, older.node):
-            raise NotAllowed(node, "provide", name, f"{kind} {name} belongs to another principal")
+            fault = f"{kind} {name} belongs to another principal"
+            raise self.refused(NotAllowed(node, "provide", name, fault))
 
     def remove_service(self, service: Service) -> None:
         """Remove a service, unless another server has taken it over."""
@@ -610,7 +618,7 @@ class Graph:
             return
         affected = tuple(others) or (name,)
         if not all(self.is_allowed(node, "param_write", each) for each in affected):
-            raise NotAllowed(node, "param_write", name)
+            raise self.refused(NotAllowed(node, "param_write", name))
 
     def is_parameter_visible(self, caller: str, name: str) -> bool:
         """Return whether a node may learn that there is a parameter, or a namespace."""

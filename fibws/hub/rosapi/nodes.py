@@ -119,7 +119,7 @@ class OwnNodes:
         self._audit = audit
         graph.internal.update(OWN_NODES)
         graph.reserved.update(PUBLISHED.keys() - {ROSOUT})
-        graph.guards[ROSOUT] = check_author
+        graph.guards[ROSOUT] = self._check_author
         set_defaults(graph.parameters, run_id=run_id, host=host, port=port, address=address)
         self._sources = {
             (node, topic): graph.advertise(graph.topic(topic), node, type_)
@@ -195,13 +195,12 @@ class OwnNodes:
             services.update(loggers.services(name))
         return services
 
-
-def check_author(node: str, values: Mapping[str, Any]) -> None:
-    """Refuse a log line that a node writes in the name of another; raises `NotAllowed`."""
-    author = values["name"]
-    if author not in ("", node):
-        fault = f"log lines must have the name of their node, got {quoted(author)}"
-        raise NotAllowed(node, "publish", ROSOUT, fault)
+    def _check_author(self, node: str, values: Mapping[str, Any]) -> None:
+        """Refuse a log line that a node writes in the name of another; raises `NotAllowed`."""
+        author = values["name"]
+        if author not in ("", node):
+            fault = f"log lines must have the name of their node, got {quoted(author)}"
+            raise self._graph.refused(NotAllowed(node, "publish", ROSOUT, fault))
 
 
 def _namespace(name: str) -> str:

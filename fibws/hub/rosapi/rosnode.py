@@ -88,7 +88,7 @@ class Rosnode:
             return {"success": False, "message": text}
         policy = self._graph.policy
         if not policy.is_same_owner(caller, node) and not policy.is_admin(caller):
-            raise NotAllowed(caller, "admin", node)
+            raise self._graph.refused(NotAllowed(caller, "admin", node))
         self._audit.node_killed(node, node=caller)
         # It may be the caller, whose operations in the same text must not outlive it.
         self._clock.call_later(0, partial(client.close, KILLED))

@@ -27,7 +27,7 @@ from websockets.server import ServerProtocol
 from fibws.access.rights import Principal
 from fibws.errors import AuthenticationError, InvalidUtf8, NotAllowed, TooManyAttempts
 from fibws.hub.access.authentication import Authentication, Login
-from fibws.hub.audit import Audit
+from fibws.hub.audit import Audit, Reason
 from fibws.hub.delivery.send_queue import Flusher, SendQueue
 from fibws.hub.settings import KIB, Settings
 from fibws.hub.websocket.endpoint import Endpoint, Endpoints, Opening
@@ -66,6 +66,12 @@ TLS_RECORD = b"\x16\x03"
 """The first bytes from a client that speaks TLS; no HTTP request holds them."""
 MAX_FRAGMENTS = 4096
 """Frames that one fragmented message may have: empty ones do not count towards its size."""
+REFUSALS: dict[int, Reason] = {
+    UNAUTHENTICATED: "authentication",
+    FORBIDDEN: "right",
+    LIMITED: "limit",
+}
+"""What the codes of closes mean that are refusals."""
 DROP_REPORT_INTERVAL = 10.0
 """Seconds between two log lines about one client's dropped messages."""
 
@@ -377,11 +383,12 @@ class Connection(asyncio.BufferedProtocol):
     def _on_request(self, request: Request) -> None:
         shared = self._shared
         self._identify(request)
-        response = shared.http.respond(request) or self._refuse() or self._protocol.accept(request)
+        response = (
+            shared.http.respond(request, self.address, self.certificate_name)
+            or self._refuse()
+            or self._protocol.accept(request)
+        )
         self._protocol.send_response(response)
-        if response.status_code == http.HTTPStatus.FORBIDDEN:
-            # A browser does not show its page why it was refused.
-            shared.audit.refused("origin", bytes(response.body).decode(), ip=self.address)
         if self._protocol.state is not State.OPEN:
             return
         self.queue = SendQueue(
@@ -458,6 +465,7 @@ class Connection(asyncio.BufferedProtocol):
     def _logged_in(self, login: Login) -> Principal:
         self._again = login.again
         self.principal = login.principal
+        self._shared.audit.login(principal=login.principal.name, ip=self.address)
         return login.principal
 
     def check_login(self) -> None:
@@ -591,10 +599,7 @@ class Connection(asyncio.BufferedProtocol):
     def close(self, reason: CloseReason) -> None:
         """Close in good order; a later sweep cuts off a client that does not answer."""
         if self._protocol.state is State.OPEN:
-            text = "%s is closed: %s."
-            logger.info(text, self.name, reason.reason, extra=self._event("closed", reason))
-            if reason is REPLACED:
-                self._shared.audit.name_taken(node=self.name, ip=self.address)
+            self._log_close(logging.INFO, reason)
             self._leave()
             self._protocol.send_close(reason.code, reason.reason)
             self._keepalive.closing(self._shared.loop.time())
@@ -611,12 +616,23 @@ class Connection(asyncio.BufferedProtocol):
         """Close because of a fault of the client."""
         if self._protocol.state is not State.OPEN:
             return
-        text = "%s is closed: %s."
-        logger.warning(text, self.name, reason.reason, extra=self._event("closed", reason))
+        self._log_close(logging.WARNING, reason)
         self._leave()
         self._protocol.fail(reason.code, reason.reason)
         self._parser.give_up()
         self._send()
+
+    def _log_close(self, level: int, reason: CloseReason) -> None:
+        audit, refused = self._shared.audit, REFUSALS.get(reason.code)
+        node = self.endpoint.node if self.endpoint is not None else ""
+        principal = self.principal.name if self.principal is not None else ""
+        if refused is not None:
+            audit.refused(refused, reason.reason, node=node, principal=principal, ip=self.address)
+            return
+        if reason is REPLACED:
+            audit.name_taken(node=node, principal=principal, ip=self.address)
+        text = "%s is closed: %s."
+        logger.log(level, text, self.name, reason.reason, extra=self._event("closed", reason))
 
     def _leave(self) -> None:
         """Remove the client's registrations; frames queued until now are still sent."""

@@ -16,6 +16,7 @@ import gzip
 import hashlib
 import http
 from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from importlib import resources
 from importlib.resources.abc import Traversable
@@ -86,8 +87,24 @@ checkout. Build it there, and start the hub again:</p>
 """
 
 
-Route: TypeAlias = Callable[[Headers], Response]
-"""Responds to a GET request with these headers."""
+@dataclass(frozen=True, slots=True)
+class Get:
+    """A GET request, or a HEAD request, whose response is the same without its body.
+
+    Attributes:
+        path: the request's target, with its query.
+        address: the client's IP address; empty if it is unknown.
+        certificate: the common name of the client's certificate, which TLS has verified.
+    """
+
+    headers: Headers
+    path: str = "/"
+    address: str = ""
+    certificate: str | None = None
+
+
+Route: TypeAlias = Callable[[Get], Response]
+"""Responds to a GET request."""
 
 
 class HttpRequests:
@@ -96,14 +113,23 @@ class HttpRequests:
     Args:
         files: the files that a browser may fetch, from `read_files`.
         reserved: names of nodes that no client may take.
+        refused: takes the reason and the client's address whenever a page's origin, or a name of
+            the hub, is refused: a browser does not show its page why.
     """
 
     def __init__(
-        self, settings: Settings, files: Mapping[str, bytes], reserved: Collection[str] = ()
+        self,
+        settings: Settings,
+        files: Mapping[str, bytes],
+        reserved: Collection[str] = (),
+        refused: Callable[[str, str], object] = lambda reason, address: None,
     ) -> None:
         self._base = settings.base_path
         self._origins = AllowedOrigins(settings.allow_origin, settings.host)
         self._reserved = reserved
+        self._refused = refused
+        self._closed = ""
+        """Why no WebSocket may open any more."""
         self._routes: dict[str, Route] = {"/": _respond_not_built, "/origin": self._describe_origin}
         for path, content in files.items():
             self._routes[f"/{path}"] = File(path, content).respond
@@ -118,14 +144,36 @@ class HttpRequests:
             respond: returns the body.
         """
 
-        def route(headers: Headers) -> Response:
-            refusal = self._refuse_host(headers)
-            return refusal or response(http.HTTPStatus.OK, content_type, respond())
+        def route(get: Get) -> Response:
+            refusal = self.host_refusal(get)
+            if refusal is None:
+                return response(http.HTTPStatus.OK, content_type, respond())
+            self._refused(refusal, get.address)
+            return text_response(http.HTTPStatus.FORBIDDEN, refusal)
 
+        self.add_route(path, route)
+
+    def add_route(self, path: str, route: Route) -> None:
+        """Add a resource that decides itself who may read it."""
         self._routes[path] = route
 
-    def respond(self, request: Request) -> Response | None:
-        """Return the response to a plain or refused request; None if a WebSocket may open."""
+    def refuse_websockets(self, reason: str) -> None:
+        """Let no WebSocket open from now on; plain requests still get their responses.
+
+        Args:
+            reason: a sentence without its full stop.
+        """
+        self._closed = reason
+
+    def respond(
+        self, request: Request, address: str = "", certificate: str | None = None
+    ) -> Response | None:
+        """Return the response to a plain or refused request; None if a WebSocket may open.
+
+        Args:
+            address: the client's IP address.
+            certificate: the common name of the client's certificate.
+        """
         try:
             host = request.headers.get("Host")
             if host is not None and Origin.of_host("http", host) is None:
@@ -133,9 +181,13 @@ class HttpRequests:
             if self._base and (elsewhere := self._enter_base(request)) is not None:
                 return elsewhere
             if request.headers.get("Upgrade", "").lower() != "websocket":
-                return self._respond_to_plain(request)
+                get = Get(request.headers, request.path, address, certificate)
+                return self._respond_to_plain(request.method, get)
+            if self._closed:
+                return text_response(http.HTTPStatus.SERVICE_UNAVAILABLE, self._closed)
             refusal = self._origins.refusal(request.headers)
             if refusal is not None:
+                self._refused(refusal, address)
                 return text_response(http.HTTPStatus.FORBIDDEN, refusal)
             if node_name(request.path) in self._reserved:
                 fault = "that name is the hub's own; choose another"
@@ -165,41 +217,42 @@ class HttpRequests:
             request.path = f"/{request.path}"
         return None
 
-    def _respond_to_plain(self, request: Request) -> Response:
-        if request.method not in ("GET", "HEAD"):
+    def _respond_to_plain(self, method: str, get: Get) -> Response:
+        if method not in ("GET", "HEAD"):
             fault = "Only GET and HEAD are answered"
             refusal = text_response(http.HTTPStatus.METHOD_NOT_ALLOWED, fault)
             refusal.headers["Allow"] = "GET, HEAD"
             return refusal
-        path = request.path.partition("?")[0]
+        path = get.path.partition("?")[0]
         route = self._routes.get(path)
         if route is None:
             found = text_response(
                 http.HTTPStatus.NOT_FOUND, f"Nothing is at {path}; see {self._base}/"
             )
         else:
-            found = route(request.headers)
-        if request.method == "HEAD":
+            found = route(get)
+        if method == "HEAD":
             found.body = b""
         return found
 
-    def _refuse_host(self, headers: Headers) -> Response | None:
-        """Refuse pages that gave the hub's address a name of their own."""
-        host = headers.get("Host", "localhost")
-        if self._origins.knows_host(host, secure=is_secure(headers)):
+    def host_refusal(self, get: Get) -> str | None:
+        """Return why a page may not read this that gave the hub's address a name of its own."""
+        host = get.headers.get("Host", "localhost")
+        if self._origins.knows_host(host, secure=is_secure(get.headers)):
             return None
-        return text_response(
-            http.HTTPStatus.FORBIDDEN,
+        scheme = get.headers.get(PROTO, "http")
+        return (
             f"{host} is not known to be this hub's name. "
-            f"Start it with --allow-origin {headers.get(PROTO, 'http')}://{host}",
+            f"Start it with --allow-origin {scheme}://{host}"
         )
 
-    def _describe_origin(self, headers: Headers) -> Response:
+    def _describe_origin(self, get: Get) -> Response:
         """Respond with the origin that the hub sees, and whether its pages may connect.
 
         A browser names the origin in ``Origin`` if the request goes to another one, and in
         ``Referer`` if the page asks it to.
         """
+        headers = get.headers
         origin = headers.get("Origin") or origin_of_url(headers.get("Referer", ""))
         secure = is_secure(headers)
         refusal = origin and self._origins.refusal_of(origin, headers.get("Host", ""), secure)
@@ -241,11 +294,12 @@ class File:
             self._headers["Access-Control-Allow-Origin"] = "*"
             self._headers["Cross-Origin-Resource-Policy"] = "cross-origin"
 
-    def respond(self, headers: Headers) -> Response:
-        """Return the response to a request that has these headers."""
+    def respond(self, get: Get) -> Response:
+        """Return the response to a request."""
+        headers = get.headers
         if self._is_cached(headers):
             found = response(http.HTTPStatus.NOT_MODIFIED)
-        elif self._compressible and _accepts_gzip(headers):
+        elif self._compressible and accepts_gzip(headers):
             found = response(http.HTTPStatus.OK, self._content_type, self._zipped)
             found.headers["Content-Encoding"] = "gzip"
         else:
@@ -321,14 +375,14 @@ def text_response(status: http.HTTPStatus, text: str) -> Response:
     return response(status, "text/plain", f"{text}.\n".encode())
 
 
-def _respond_not_built(headers: Headers) -> Response:
+def _respond_not_built(get: Get) -> Response:
     found = response(http.HTTPStatus.SERVICE_UNAVAILABLE, "text/html", NOT_BUILT.encode())
     found.headers["Cache-Control"] = "no-store"
     found.headers["Content-Security-Policy"] = CONTENT_SECURITY_POLICY
     return found
 
 
-def _accepts_gzip(headers: Headers) -> bool:
+def accepts_gzip(headers: Headers) -> bool:
     """Return whether Accept-Encoding names gzip, and not with the weight 0, which forbids it."""
     for coding in ",".join(headers.get_all("Accept-Encoding")).lower().split(","):
         name, _, weight = "".join(coding.split()).partition(";")
