@@ -26,6 +26,7 @@ from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.policy import Policy
 from fibws.hub.graph.topic import SinkReport
 from fibws.hub.monitoring.loop_lag import LoopLag
+from fibws.hub.monitoring.metrics import ClientTotals, Metrics
 from fibws.hub.monitoring.probes import Probes, Watchers
 from fibws.hub.rosapi.clients import Client
 from fibws.hub.rosapi.nodes import OWN_NODES, OwnNodes
@@ -99,12 +100,14 @@ class Hub:
             strict_types=self.settings.strict_types,
             max_parameter_bytes=self.settings.max_parameter_bytes,
             policy=policy,
+            ticks=time.perf_counter_ns,
         )
         self.endpoints: Endpoints
         """The protocols that clients may speak, once entered."""
         self.audit: Audit
         """Records logins, refusals and changes, once entered."""
         self._connections: set[Connection] = set()
+        self._clients = ClientTotals(self._connections)
         self._server: asyncio.Server
         self._tls: ServerTls | None = None
         self._limits: SharedLimits
@@ -119,7 +122,6 @@ class Hub:
         self._handle_exception: ExceptionHandler | None = None
         """The event loop's exception handler before this hub's."""
         self._closing = False
-        self._dropped = 0
         self._empty = asyncio.Event()
         self._empty.set()
         self._vacant = asyncio.Event()
@@ -172,6 +174,19 @@ class Hub:
         )
         self._probes.add_to(requests)
         self._limits = SharedLimits(self.settings, self._connections, loop.call_soon)
+        metrics = Metrics(
+            self.graph,
+            self._connections,
+            settings=self.settings,
+            clients=self._clients,
+            limits=self._limits,
+            audit=self.audit,
+            lag=self._lag,
+            probes=self._probes,
+            watchers=watchers,
+            loop=type(loop).__module__.partition(".")[0],
+        )
+        requests.add_route("/metrics", metrics.respond)
         flusher = Flusher(
             loop.call_soon,
             self._threads,
@@ -310,7 +325,7 @@ class Hub:
             "incoming_bytes": self._limits.incoming_bytes(),
             "max_incoming_bytes": self.settings.max_total_incoming_bytes,
             "topics": len(self.graph.topics),
-            "dropped": self._dropped + sum(each.queue.dropped for each in open_),
+            "dropped": self._clients.dropped(),
             "slow_clients": [
                 {
                     "node": each.name,
@@ -379,6 +394,7 @@ class Hub:
 
     def connected(self, connection: Connection) -> None:
         """Count a client that has finished its handshake."""
+        self._clients.connected += 1
         self._limits.clients += 1
         self._vacant.clear()
 
@@ -392,11 +408,11 @@ class Hub:
 
     def lost(self, connection: Connection) -> None:
         """Remove a connection that is closed."""
+        self._clients.left(connection)
         self._connections.discard(connection)
         self._own.disconnected(connection)
         if connection.endpoint is not None:
             self._limits.clients -= 1
-            self._dropped += connection.queue.dropped
             if not self._limits.clients:
                 self._vacant.set()
         if not self._connections:

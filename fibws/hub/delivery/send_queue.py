@@ -136,6 +136,11 @@ class SendQueue:
         return messages + self._reply_bytes + started + self.throttled_bytes
 
     @property
+    def kept_messages(self) -> int:
+        """Messages and replies that are kept until the client reads, and are ready to be sent."""
+        return len(self._kept or ()) + len(self._replies)
+
+    @property
     def own_bytes(self) -> int:
         """The kept bytes without those of messages, which clients share."""
         deferred = self._deferred.size if self._deferred is not None else 0

@@ -39,6 +39,7 @@ from fibws.hub.graph.parameters import Parameters, canonical, names_in
 from fibws.hub.graph.policy import RIGHTS_OF, AllowAll, Kind, Policy
 from fibws.hub.graph.service import Call, Function, InternalServer, Service, ServiceServer
 from fibws.hub.graph.topic import Guard, GuardedSource, Quota, Receiver, Sink, Source, Topic
+from fibws.hub.graph.totals import CallTotals, TopicTotals
 from fibws.hub.graph.types import MessageType, Types
 from fibws.interfaces import Interfaces
 
@@ -73,6 +74,8 @@ class Graph:
         strict_types: refuse types of unknown packages, rather than relay them unchecked.
         max_parameter_bytes: most bytes of JSON of all parameters together.
         policy: decides what nodes may do.
+        ticks: returns the nanoseconds since some moment, to measure how long calls take; None
+            uses ``now``, which may be set back.
     """
 
     def __init__(
@@ -83,6 +86,7 @@ class Graph:
         strict_types: bool = False,
         max_parameter_bytes: int = 2**22,
         policy: Policy | None = None,
+        ticks: Callable[[], int] | None = None,
     ) -> None:
         self.nodes: dict[str, Node] = {}
         self.topics: dict[str, Topic] = {}
@@ -99,6 +103,10 @@ class Graph:
         self.on_refused: Callable[[NotAllowed], object] = lambda error: None
         """Takes each refusal of the policy, but those of a node's name."""
         self.now = now
+        self.messages = TopicTotals(self.topics)
+        """The messages of all topics so far."""
+        self.calls = CallTotals(ticks or now)
+        """The calls of all services so far."""
         self.revision = 0
         """Another number whenever something but the parameters has changed."""
         self._types = Types(interfaces, now, strict=strict_types)
@@ -300,6 +308,8 @@ class Graph:
     def remove_source(self, source: Source) -> None:
         """Remove a source from its topic."""
         source.forget_latched()
+        if source.topic.sources.get(source.node) is source:
+            self.messages.source_left(source)
         source.topic.remove(source)
         self._settle(source.topic)
 
@@ -355,6 +365,8 @@ class Graph:
 
     def unsubscribe(self, topic: Topic, sink: Sink) -> None:
         """Remove a sink from a topic."""
+        if sink in topic.sinks():
+            self.messages.sink_left(topic, sink.report())
         topic.detach(sink)
         self._settle(topic)
 
@@ -499,11 +511,15 @@ class Graph:
             NotAllowed: the policy forbids it.
             InvalidMessage: the request does not fit the type.
         """
-        self.check_allowed(caller, "call", name)
-        service = self.services.get(name)
-        if service is None:
-            raise CallFailed(f"Service {name} does not exist", "unknown_service")
-        return Call(service, args, caller, succeeded, failed, headers)
+        try:
+            self.check_allowed(caller, "call", name)
+            service = self.services.get(name)
+            if service is None:
+                raise CallFailed(f"Service {name} does not exist", "unknown_service")
+            return Call(service, args, caller, succeeded, failed, headers, self.calls)
+        except OperationError as error:
+            self.calls.refused(name, error.code)
+            raise
 
     # Actions.
 

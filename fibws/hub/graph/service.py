@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from typing import Any, Protocol, TypeAlias
 
 from fibws.errors import CallFailed, FibwsError
+from fibws.hub.graph.totals import CallTotals
 from fibws.hub.graph.types import ServiceType
 from fibws.interfaces.json_text import json_of
 
@@ -91,6 +92,7 @@ class Call:
         succeeded: takes the response as JSON.
         failed: takes the error's text and code (see `CallFailed`).
         headers: the connection header that the caller sends with the request.
+        totals: counts how the call ends.
 
     Raises:
         InvalidMessage: the request does not fit the type.
@@ -100,7 +102,9 @@ class Call:
     __slots__ = (
         "_failed",
         "_open",
+        "_started",
         "_succeeded",
+        "_totals",
         "caller",
         "due",
         "headers",
@@ -117,6 +121,7 @@ class Call:
         succeeded: Callable[[Call, bytes], None],
         failed: Callable[[Call, str, str], None],
         headers: dict[str, str] | None = None,
+        totals: CallTotals | None = None,
     ) -> None:
         _check_md5sum(service, caller, headers or {})
         self.service = service
@@ -131,6 +136,8 @@ class Call:
         self._succeeded = succeeded
         self._failed = failed
         self._open = True
+        self._totals = totals
+        self._started = totals.now() if totals is not None else 0
 
     def start(self) -> None:
         """Pass the call to the server."""
@@ -150,11 +157,15 @@ class Call:
     def respond_json(self, text: bytes) -> None:
         """Take the response as JSON."""
         if self._close():
+            if self._totals is not None:
+                self._totals.responded(self.service.name, self._started)
             self._succeeded(self, text)
 
     def fail(self, text: str, code: str = "server_failed") -> None:
         """End the call without a response."""
         if self._close():
+            if self._totals is not None:
+                self._totals.failed(self.service.name, code)
             self._failed(self, text, code)
 
     def abandon(self) -> None:

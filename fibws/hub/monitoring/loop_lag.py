@@ -6,41 +6,15 @@ busy fires late by the rest of that piece.
 
 from __future__ import annotations
 
-from bisect import bisect_left
-from collections.abc import Callable, Sequence
-from itertools import accumulate
+from collections.abc import Callable
 
 from fibws.hub.delivery.clock import Clock, Timer
+from fibws.hub.graph.totals import Histogram
 
 INTERVAL = 0.2
 """Seconds between two measurements."""
 LAG_BUCKETS = (0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1.0, 2.5, 5.0, 10.0)
 """Upper bounds in seconds."""
-
-
-class Histogram:
-    """Counts values by upper bounds.
-
-    Args:
-        bounds: the upper bounds, rising.
-    """
-
-    __slots__ = ("_counts", "bounds", "sum")
-
-    def __init__(self, bounds: Sequence[float]) -> None:
-        self.bounds = bounds
-        self.sum = 0.0
-        """The sum of all values."""
-        self._counts = [0] * (len(bounds) + 1)
-
-    def add(self, value: float) -> None:
-        """Count a value."""
-        self._counts[bisect_left(self.bounds, value)] += 1
-        self.sum += value
-
-    def cumulative(self) -> list[int]:
-        """Return how many values are at most each bound, and how many there are in all."""
-        return list(accumulate(self._counts))
 
 
 class LoopLag:

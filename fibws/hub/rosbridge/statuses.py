@@ -6,6 +6,7 @@ import logging
 from collections.abc import Callable
 from typing import TypeAlias
 
+from fibws.errors import NotAllowed
 from fibws.hub.delivery.send_queue import SendQueue
 from fibws.hub.log_text import is_power_of_ten, printable, shortened
 from fibws.hub.rosbridge.encodings import text_frame
@@ -77,7 +78,8 @@ class Statuses:
         """
         self._errors += 1
         self._faults += fault is not None
-        if is_power_of_ten(self._errors if fault is None else self._faults):
+        is_recorded = code == NotAllowed.code  # As an audit event.
+        if is_power_of_ten(self._errors if fault is None else self._faults) and not is_recorded:
             logger.log(
                 logging.WARNING if fault is None else logging.ERROR,
                 "%s: %s (error %d of this client)",

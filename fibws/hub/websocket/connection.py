@@ -203,6 +203,12 @@ class Connection(asyncio.BufferedProtocol):
         return (self.endpoint is not None and self.endpoint.node) or self.peer
 
     @property
+    def socket(self) -> socket.socket:
+        """The connection's socket, which is not for reading or writing."""
+        found: socket.socket = self._transport.get_extra_info("socket")
+        return found
+
+    @property
     def is_open(self) -> bool:
         """Whether the handshake is done, and the connection is not lost."""
         return self.endpoint is not None

@@ -365,6 +365,7 @@ def response(
     )
     if content_type is not None:
         text = content_type.startswith("text/") or content_type == "application/json"
+        text = text and "charset" not in content_type
         headers["Content-Type"] = f"{content_type}; charset=utf-8" if text else content_type
         headers["Content-Length"] = str(len(body))
     return Response(status.value, status.phrase, headers, body)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from fibws.hub.monitoring.loop_lag import INTERVAL, LAG_BUCKETS, Histogram, LoopLag
+from fibws.hub.graph.totals import Histogram
+from fibws.hub.monitoring.loop_lag import INTERVAL, LAG_BUCKETS, LoopLag
 
 from ..fakes import FakeClock
 

@@ -1,0 +1,262 @@
+"""/metrics: the hub's counters and gauges for Prometheus.
+
+They are read from the totals that the hub has anyway; a message costs nothing more for them. All
+is read in one turn of the event loop, so that the numbers fit each other. Counters never go back
+when a client or a topic leaves: what they had counted is kept.
+"""
+
+from __future__ import annotations
+
+import gzip
+import http
+import os
+import platform
+import socket
+import struct
+import time
+from collections.abc import Collection
+from pathlib import Path
+
+from websockets.http11 import Response
+
+from fibws import __version__
+from fibws.hub.audit import Audit
+from fibws.hub.graph.graph import Graph
+from fibws.hub.monitoring.exposition import Exposition
+from fibws.hub.monitoring.loop_lag import LoopLag
+from fibws.hub.monitoring.probes import Probes, Watchers
+from fibws.hub.settings import Settings
+from fibws.hub.websocket.connection import Connection
+from fibws.hub.websocket.http import Get, accepts_gzip, response
+from fibws.hub.websocket.shared_limits import SharedLimits
+
+try:
+    import resource
+except ImportError:  # Windows
+    resource = None  # type: ignore[assignment]
+
+TCP_INFO = getattr(socket, "TCP_INFO", None)
+"""Only Linux counts a connection's bytes for its programs."""
+_TRANSFERRED = struct.Struct("=120x2Q")
+"""tcpi_bytes_acked and tcpi_bytes_received in Linux's struct tcp_info."""
+_PROC = Path("/proc/self")
+_STARTED = time.time()
+SMALL = 1024
+"""Bytes below which a body is not compressed."""
+
+
+class ClientTotals:
+    """The totals of all clients, those that have left included.
+
+    Args:
+        connections: all connections, now and later.
+    """
+
+    def __init__(self, connections: Collection[Connection]) -> None:
+        self.connected = 0
+        """Clients that have connected so far."""
+        self._connections = connections
+        self._dropped = 0
+        self._received = 0
+        self._sent = 0
+
+    def left(self, connection: Connection) -> None:
+        """Keep the totals of a connection that is about to be lost."""
+        if connection.endpoint is not None:
+            self._dropped += connection.queue.dropped
+        received, sent = transferred(connection)
+        self._received += received
+        self._sent += sent
+
+    def dropped(self) -> int:
+        """Return the messages that were dropped for all clients so far."""
+        present = (each.queue.dropped for each in self._connections if each.is_open)
+        return self._dropped + sum(present)
+
+    def transferred(self) -> tuple[int, int]:
+        """Return the bytes that all clients have sent, and those that they have received."""
+        received, sent = self._received, self._sent
+        for each in self._connections:
+            more = transferred(each)
+            received += more[0]
+            sent += more[1]
+        return received, sent
+
+
+class Metrics:
+    """Responds to /metrics.
+
+    Args:
+        loop: the name of the event loop's library.
+    """
+
+    def __init__(
+        self,
+        graph: Graph,
+        connections: Collection[Connection],
+        *,
+        settings: Settings,
+        clients: ClientTotals,
+        limits: SharedLimits,
+        audit: Audit,
+        lag: LoopLag,
+        probes: Probes,
+        watchers: Watchers,
+        loop: str,
+    ) -> None:
+        self._graph = graph
+        self._connections = connections
+        self._settings = settings
+        self._clients = clients
+        self._limits = limits
+        self._audit = audit
+        self._lag = lag
+        self._probes = probes
+        self._watchers = watchers
+        self._build = {
+            "version": __version__,
+            "python": platform.python_version(),
+            "loop": loop,
+        }
+
+    def respond(self, get: Get) -> Response:
+        """Return the response to a request, in the format that it prefers."""
+        refusal = self._watchers.refusal(get)
+        if refusal is not None:
+            return self._watchers.refuse(get, refusal)
+        metrics = Exposition(get.headers.get("Accept", ""))
+        self._add_all(metrics)
+        body, content_type = metrics.render()
+        is_zipped = len(body) >= SMALL and accepts_gzip(get.headers)
+        if is_zipped:
+            body = gzip.compress(body, 1, mtime=0)
+        found = response(http.HTTPStatus.OK, content_type, body)
+        if is_zipped:
+            found.headers["Content-Encoding"] = "gzip"
+        found.headers["Vary"] = "Accept, Accept-Encoding"
+        found.headers["Cache-Control"] = "no-store"
+        return found
+
+    def _add_all(self, metrics: Exposition) -> None:
+        self._add_hub(metrics)
+        self._add_clients(metrics)
+        self._add_messages(metrics)
+        self._add_calls(metrics)
+        add_process(metrics)
+
+    def _add_hub(self, metrics: Exposition) -> None:
+        graph = self._graph
+        metrics.info("fibws_build_info", "Versions of the hub and of Python.", self._build)
+        metrics.gauge("fibws_draining", "1 if the hub is about to end.", +self._probes.is_draining)
+        metrics.gauge("fibws_nodes", "Nodes, those of the hub included.", len(graph.nodes))
+        metrics.gauge("fibws_topics", "Topics with a publisher or subscriber.", len(graph.topics))
+        metrics.gauge("fibws_services", "Services.", len(graph.services))
+        metrics.gauge("fibws_actions", "Actions.", len(graph.actions))
+        refusals: dict[str, int] = {str(key): n for key, n in self._audit.refusals.items()}
+        refusals["limit"] += self._limits.refused
+        metrics.counters(
+            "fibws_refusals",
+            "Refused connections, requests and operations by reason.",
+            "reason",
+            refusals,
+        )
+        help_ = "Seconds by which a timer of the event loop was late."
+        metrics.histogram("fibws_loop_lag_seconds", help_, self._lag.histogram)
+
+    def _add_clients(self, metrics: Exposition) -> None:
+        settings, clients = self._settings, self._clients
+        queues = [each.queue for each in self._connections if each.is_open]
+        kept = [queue.kept_bytes for queue in queues]
+        metrics.gauge("fibws_clients", "Clients that are connected.", len(queues))
+        limit = settings.max_connections
+        metrics.gauge("fibws_clients_limit", "Clients that may be connected at once.", limit)
+        metrics.counter("fibws_connections", "Clients that have connected.", clients.connected)
+        paused = sum(queue.paused for queue in queues)
+        metrics.gauge("fibws_slow_clients", "Clients whose socket takes no data now.", paused)
+        help_ = "Bytes that wait for all clients."
+        metrics.gauge("fibws_send_queue_bytes", help_, sum(kept))
+        help_ = "Bytes that wait for the client with the most."
+        metrics.gauge("fibws_send_queue_bytes_longest", help_, max(kept, default=0))
+        help_ = "Limit of the bytes that wait for all clients."
+        metrics.gauge("fibws_send_queue_bytes_limit", help_, settings.max_total_queued_bytes)
+        waiting = sum(queue.kept_messages for queue in queues)
+        metrics.gauge("fibws_send_queue_messages", "Messages that wait for all clients.", waiting)
+        help_ = "Bytes kept of messages that came in part."
+        metrics.gauge("fibws_incoming_bytes", help_, self._limits.incoming_bytes())
+        help_ = "Limit of the bytes kept of messages that came in part."
+        metrics.gauge("fibws_incoming_bytes_limit", help_, settings.max_total_incoming_bytes)
+        if TCP_INFO is not None:
+            received, sent = clients.transferred()
+            help_ = "Bytes that clients have sent, on their sockets."
+            metrics.counter("fibws_received_bytes", help_, received)
+            help_ = "Bytes that clients have received, on their sockets."
+            metrics.counter("fibws_sent_bytes", help_, sent)
+
+    def _add_messages(self, metrics: Exposition) -> None:
+        totals, every = self._graph.messages.by_topic()
+        metrics.counter("fibws_messages", "Messages published.", every.messages)
+        metrics.counter("fibws_message_bytes", "Bytes of the messages published.", every.bytes)
+        help_ = "Messages sent to subscribers, once for each."
+        metrics.counter("fibws_sent_messages", help_, every.sent)
+        help_ = "Messages dropped for clients that read too slowly."
+        metrics.counter("fibws_dropped_messages", help_, self._clients.dropped())
+        help_ = "Messages left out by throttle_rate."
+        metrics.counter("fibws_throttled_messages", help_, every.throttled)
+        for name, what, values in (
+            ("messages", "published", {key: each.messages for key, each in totals.items()}),
+            ("bytes", "published, in bytes", {key: each.bytes for key, each in totals.items()}),
+            ("sent_messages", "sent", {key: each.sent for key, each in totals.items()}),
+            ("dropped_messages", "dropped", {key: each.dropped for key, each in totals.items()}),
+            (
+                "throttled_messages",
+                "left out by throttle_rate",
+                {key: each.throttled for key, each in totals.items()},
+            ),
+        ):
+            metrics.counters(f"fibws_topic_{name}", f"Messages {what}, by topic.", "topic", values)
+
+    def _add_calls(self, metrics: Exposition) -> None:
+        calls = self._graph.calls
+        help_ = "Seconds from a service call to its response."
+        metrics.histogram("fibws_service_call_seconds", help_, calls.seconds)
+        help_ = "Responses to service calls."
+        metrics.counters("fibws_service_responses", help_, "service", calls.responses)
+        help_ = "Service calls that failed, by the error's code."
+        labels = ("service", "code")
+        metrics.counters_by_two("fibws_service_failures", help_, labels, calls.failures.items())
+
+
+def transferred(connection: Connection) -> tuple[int, int]:
+    """Return the bytes that a client has sent, and those that it has received.
+
+    Linux counts them, so that the hub need not. They include headers of WebSocket frames and TLS,
+    but not those of TCP.
+    """
+    if TCP_INFO is None:
+        return 0, 0
+    try:
+        found = connection.socket.getsockopt(socket.IPPROTO_TCP, TCP_INFO, _TRANSFERRED.size)
+        sent, received = _TRANSFERRED.unpack(found)
+    except (OSError, struct.error):  # It is closed already, or no TCP connection.
+        return 0, 0
+    return received, sent
+
+
+def add_process(metrics: Exposition) -> None:
+    """Add CPU time, memory and open files, under the names of Prometheus's client libraries."""
+    times = os.times()
+    seconds = times.user + times.system
+    metrics.counter("process_cpu_seconds", "CPU time in user and kernel mode.", seconds)
+    metrics.gauge("process_start_time_seconds", "Start, in seconds since 1970.", _STARTED)
+    try:
+        pages = (_PROC / "statm").read_text().split()
+        files = len(os.listdir(_PROC / "fd"))
+    except OSError:  # Only Linux has them.
+        return
+    size = os.sysconf("SC_PAGE_SIZE")
+    metrics.gauge("process_virtual_memory_bytes", "Virtual memory.", int(pages[0]) * size)
+    metrics.gauge("process_resident_memory_bytes", "Resident memory.", int(pages[1]) * size)
+    metrics.gauge("process_open_fds", "Open file descriptors.", files)
+    most, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
+    if most != resource.RLIM_INFINITY:
+        metrics.gauge("process_max_fds", "Limit of open file descriptors.", most)
