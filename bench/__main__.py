@@ -20,6 +20,7 @@ from bench.isolation import isolation
 from bench.latency import latency
 from bench.machine import require_linux
 from bench.measure import COMPARISON, QUICK, BenchError, Plan
+from bench.metrics import metrics
 from bench.nodes import nodes
 from bench.page import page
 from bench.report import Report
@@ -44,6 +45,7 @@ SCENARIOS = {
     "tls": tls,
     "encodings": encodings,
     "rosapi": rosapi,
+    "metrics": metrics,
     "page": page,
     "subscriptions": subscriptions,
     "growth": growth,

@@ -79,11 +79,6 @@ class MessageTotals:
         self.dropped += other.dropped
         self.throttled += other.throttled
 
-    def add_source(self, source: Source) -> None:
-        """Add what a source has published."""
-        self.messages += source.messages
-        self.bytes += source.bytes
-
     def add_sink(self, report: SinkReport) -> None:
         """Add what a sink has received."""
         self.sent += report.messages
@@ -113,7 +108,9 @@ class TopicTotals:
 
     def source_left(self, source: Source) -> None:
         """Keep the totals of a source that leaves."""
-        self._of(source.topic.name).add_source(source)
+        totals = self._of(source.topic.name)
+        totals.messages += source.messages
+        totals.bytes += source.bytes
 
     def sink_left(self, topic: Topic, report: SinkReport) -> None:
         """Keep the totals of a sink that leaves."""
@@ -134,14 +131,13 @@ class TopicTotals:
         found[OTHER] = others = MessageTotals()
         others.add(self._left_others)
         for name, topic in self._topics.items():
-            self._of(name)
             totals = found.get(name)
             if totals is None:
-                totals = others
-                if name in self._left:
-                    found[name] = totals = MessageTotals()
+                is_other = self._of(name) is self._left_others
+                totals = others if is_other else found.setdefault(name, MessageTotals())
             for source in topic.sources.values():
-                totals.add_source(source)
+                totals.messages += source.messages
+                totals.bytes += source.bytes
             for sink in topic.sinks():
                 totals.add_sink(sink.report())
         everything = MessageTotals()

@@ -63,6 +63,24 @@ class Exposition:
             f'{name}_total{{{label}="{escaped(value)}"}} {count}' for value, count in values.items()
         )
 
+    def counter_table(
+        self,
+        columns: Iterable[tuple[str, str]],
+        label: str,
+        rows: Mapping[str, Iterable[Number]],
+    ) -> None:
+        """Add several counters that have the same label.
+
+        Args:
+            columns: the name and the help of each counter.
+            rows: its value of each counter, by the label's value.
+        """
+        labels = [f'{{{label}="{escaped(value)}"}}' for value in rows]
+        for (name, help_), counts in zip(columns, zip(*rows.values(), strict=True), strict=True):
+            self._describe(name, "counter", help_)
+            start = f"{name}_total"
+            self._lines += [f"{start}{each} {n}" for each, n in zip(labels, counts, strict=True)]
+
     def counters_by_two(
         self,
         name: str,
@@ -106,4 +124,6 @@ class Exposition:
 
 def escaped(value: str) -> str:
     """Return a label's value as it stands between quotation marks."""
-    return value.translate(_ESCAPES)
+    if '"' in value or "\\" in value or "\n" in value:
+        return value.translate(_ESCAPES)
+    return value

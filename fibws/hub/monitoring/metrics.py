@@ -41,6 +41,13 @@ _TRANSFERRED = struct.Struct("=120x2Q")
 """tcpi_bytes_acked and tcpi_bytes_received in Linux's struct tcp_info."""
 _PROC = Path("/proc/self")
 _STARTED = time.time()
+BY_TOPIC = (
+    ("fibws_topic_messages", "Messages published, by topic."),
+    ("fibws_topic_bytes", "Bytes of the messages published, by topic."),
+    ("fibws_topic_sent_messages", "Messages sent to subscribers, by topic."),
+    ("fibws_topic_dropped_messages", "Messages dropped for slow subscribers, by topic."),
+    ("fibws_topic_throttled_messages", "Messages left out by throttle_rate, by topic."),
+)
 SMALL = 1024
 """Bytes below which a body is not compressed."""
 
@@ -202,18 +209,11 @@ class Metrics:
         metrics.counter("fibws_dropped_messages", help_, self._clients.dropped())
         help_ = "Messages left out by throttle_rate."
         metrics.counter("fibws_throttled_messages", help_, every.throttled)
-        for name, what, values in (
-            ("messages", "published", {key: each.messages for key, each in totals.items()}),
-            ("bytes", "published, in bytes", {key: each.bytes for key, each in totals.items()}),
-            ("sent_messages", "sent", {key: each.sent for key, each in totals.items()}),
-            ("dropped_messages", "dropped", {key: each.dropped for key, each in totals.items()}),
-            (
-                "throttled_messages",
-                "left out by throttle_rate",
-                {key: each.throttled for key, each in totals.items()},
-            ),
-        ):
-            metrics.counters(f"fibws_topic_{name}", f"Messages {what}, by topic.", "topic", values)
+        rows = {
+            name: (each.messages, each.bytes, each.sent, each.dropped, each.throttled)
+            for name, each in totals.items()
+        }
+        metrics.counter_table(BY_TOPIC, "topic", rows)
 
     def _add_calls(self, metrics: Exposition) -> None:
         calls = self._graph.calls
