@@ -29,6 +29,19 @@ class Rendered(NamedTuple):
     content_type: str
 
 
+class Column(NamedTuple):
+    """One counter of several that have the same label.
+
+    Attributes:
+        name: without ``_total``.
+        is_mostly_zero: whether values that are 0 are left out, which saves most of the lines.
+    """
+
+    name: str
+    help: str
+    is_mostly_zero: bool = False
+
+
 class Exposition:
     """Collects metrics, line by line.
 
@@ -64,22 +77,22 @@ class Exposition:
         )
 
     def counter_table(
-        self,
-        columns: Iterable[tuple[str, str]],
-        label: str,
-        rows: Mapping[str, Iterable[Number]],
+        self, columns: Iterable[Column], label: str, rows: Mapping[str, Iterable[Number]]
     ) -> None:
         """Add several counters that have the same label.
 
         Args:
-            columns: the name and the help of each counter.
-            rows: its value of each counter, by the label's value.
+            rows: the value of each column, by the label's value.
         """
         labels = [f'{{{label}="{escaped(value)}"}}' for value in rows]
-        for (name, help_), counts in zip(columns, zip(*rows.values(), strict=True), strict=True):
-            self._describe(name, "counter", help_)
-            start = f"{name}_total"
-            self._lines += [f"{start}{each} {n}" for each, n in zip(labels, counts, strict=True)]
+        for column, counts in zip(columns, zip(*rows.values(), strict=True), strict=True):
+            self._describe(column.name, "counter", column.help)
+            start, shows_zero = f"{column.name}_total", not column.is_mostly_zero
+            self._lines += [
+                f"{start}{each} {count}"
+                for each, count in zip(labels, counts, strict=True)
+                if count or shows_zero
+            ]
 
     def counters_by_two(
         self,

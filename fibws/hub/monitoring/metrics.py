@@ -22,7 +22,7 @@ from websockets.http11 import Response
 from fibws import __version__
 from fibws.hub.audit import Audit
 from fibws.hub.graph.graph import Graph
-from fibws.hub.monitoring.exposition import Exposition
+from fibws.hub.monitoring.exposition import Column, Exposition
 from fibws.hub.monitoring.loop_lag import LoopLag
 from fibws.hub.monitoring.probes import Probes, Watchers
 from fibws.hub.settings import Settings
@@ -42,11 +42,13 @@ _TRANSFERRED = struct.Struct("=120x2Q")
 _PROC = Path("/proc/self")
 _STARTED = time.time()
 BY_TOPIC = (
-    ("fibws_topic_messages", "Messages published, by topic."),
-    ("fibws_topic_bytes", "Bytes of the messages published, by topic."),
-    ("fibws_topic_sent_messages", "Messages sent to subscribers, by topic."),
-    ("fibws_topic_dropped_messages", "Messages dropped for slow subscribers, by topic."),
-    ("fibws_topic_throttled_messages", "Messages left out by throttle_rate, by topic."),
+    Column("fibws_topic_messages", "Messages published, by topic."),
+    Column("fibws_topic_bytes", "Bytes of the messages published, by topic."),
+    Column("fibws_topic_sent_messages", "Messages sent to subscribers, by topic."),
+    Column(
+        "fibws_topic_dropped_messages", "Messages dropped for slow subscribers, by topic.", True
+    ),
+    Column("fibws_topic_throttled_messages", "Messages left out by throttle_rate, by topic.", True),
 )
 SMALL = 1024
 """Bytes below which a body is not compressed."""
