@@ -201,14 +201,15 @@ class Subscription:
 
     def report(self) -> SinkReport:
         """Return its settings and totals."""
-        group = self._group
+        group, throttling = self._group, self.throttling
+        # In the order of its fields: a scrape of /metrics makes thousands of these.
         return SinkReport(
-            queue_length=self.lane.limit,
-            throttle_rate=self.throttling.period * 1000 if self.throttling is not None else 0,
-            encoding=self.encoding.compression,
-            messages=group.sent_to(self) if group is not None else self.sent,
-            dropped=self.lane.dropped,
-            throttled=group.throttled_for(self) if group is not None else self.throttled,
+            self.lane.limit,
+            0.0 if throttling is None else throttling.period * 1000,
+            self.encoding.compression,
+            self.sent if group is None else group.sent_to(self),
+            self.lane.dropped,
+            self.throttled if group is None or throttling is None else group.throttled_for(self),
         )
 
     # As the client's requests.
