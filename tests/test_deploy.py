@@ -1,0 +1,286 @@
+"""The files in deploy/, checked by the programs that read them."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import re
+import shutil
+import socket
+import subprocess
+import urllib.request
+from collections.abc import Iterator, Mapping
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+import pytest
+import yaml
+from conftest import StartHub
+from prometheus_client.parser import text_string_to_metric_families
+from websockets.datastructures import Headers
+from websockets.http11 import Request
+
+from fibws.access.token_file import digest_of
+from fibws.hub import Hub, Settings
+from fibws.hub.__main__ import environment_settings
+
+ROOT = Path(__file__).parents[1]
+DEPLOY = ROOT / "deploy"
+OPERATIONS = (ROOT / "docs" / "operations.md").read_text("utf-8")
+COMPOSE: dict[str, Any] = yaml.safe_load((DEPLOY / "compose" / "compose.yaml").read_text("utf-8"))
+KUBERNETES: dict[str, dict[str, Any]] = {
+    each["kind"]: each
+    for each in yaml.safe_load_all((DEPLOY / "kubernetes" / "fibws.yaml").read_text("utf-8"))
+}
+UNIT = DEPLOY / "fibws-hub.service"
+PATIENCE = 60
+SHELL_VARIABLE = re.compile(r"\$\{\w+:-(\w+)\}")
+
+
+def needs(program: str) -> pytest.MarkDecorator:
+    return pytest.mark.skipif(shutil.which(program) is None, reason=f"needs {program}")
+
+
+def checked(*command: str, **environment: str) -> str:
+    """Run a program that must succeed; return all that it prints."""
+    ran = subprocess.run(
+        command,
+        capture_output=True,
+        text=True,
+        env={"PATH": "/usr/bin:/bin:/usr/sbin:/usr/local/bin", **environment},
+    )
+    output = ran.stdout + ran.stderr
+    assert ran.returncode == 0, output
+    return output
+
+
+def files_in(value: object, kind: str) -> Iterator[str]:
+    """Yield all strings of some kind in a document."""
+    if isinstance(value, Mapping):
+        for key, each in value.items():
+            if key == kind:
+                yield str(each)
+            yield from files_in(each, kind)
+    elif isinstance(value, list):
+        for each in value:
+            yield from files_in(each, kind)
+
+
+class TestSystemd:
+    def test_page_shows_the_unit_file(self) -> None:
+        assert f"```ini\n{UNIT.read_text('utf-8')}```" in OPERATIONS
+
+    @needs("systemd-analyze")
+    def test_unit_is_hardened(self) -> None:
+        output = checked("systemd-analyze", "security", "--offline=true", "--no-pager", str(UNIT))
+        found = re.search(r"exposure level for \S+: ([\d.]+)", output)
+        assert found is not None and float(found[1]) < 2.0, output
+
+    def test_unit_waits_longer_than_the_hub_takes_to_end(self) -> None:
+        settings = dict(
+            line.split("=", 1) for line in UNIT.read_text("utf-8").splitlines() if "=" in line
+        )
+        defaults = Settings()
+        assert float(settings["TimeoutStopSec"]) > defaults.drain + defaults.close_timeout
+        assert settings["Type"] == "notify" and float(settings["WatchdogSec"]) > 2
+
+
+class TestCompose:
+    def test_hub_accepts_its_command(self) -> None:
+        hub = COMPOSE["services"]["hub"]
+        assert hub["command"][:3] == ["python", "-m", "fibws.hub"]
+        flags = [SHELL_VARIABLE.sub(r"\1", flag) for flag in hub["command"][3:]]
+        settings = environment_settings(flags)
+        assert settings.host == "0.0.0.0"
+        assert settings.allow_origin == ("https://localhost",)
+        grace = float(hub["stop_grace_period"].removesuffix("s"))
+        assert grace > settings.drain + settings.close_timeout
+
+    def test_files_of_containers_are_there_or_made_by_the_steps(self) -> None:
+        steps = (DEPLOY / "compose" / "compose.yaml").read_text("utf-8").partition("services:")[0]
+        for service in COMPOSE["services"].values():
+            for volume in service["volumes"]:
+                source = volume.partition(":")[0]
+                if source.startswith("./"):
+                    path = DEPLOY / "compose" / source
+                    assert path.exists() or path.name in steps, source
+                else:
+                    assert source in COMPOSE["volumes"]
+
+    @needs("caddy")
+    @pytest.mark.parametrize("variables", [{}, {"FIBWS_SITE": "robot.example"}])
+    def test_caddy_accepts_its_file(self, tmp_path: Path, variables: dict[str, str]) -> None:
+        path = str(DEPLOY / "compose" / "Caddyfile")
+        home = {"HOME": str(tmp_path), **variables}
+        checked("caddy", "validate", "--config", path, "--adapter", "caddyfile", **home)
+        adapted = json.loads(
+            subprocess.run(
+                ["caddy", "adapt", "--config", path, "--adapter", "caddyfile"],
+                capture_output=True,
+                check=True,
+                env={"PATH": "/usr/bin:/usr/local/bin", **home},
+            ).stdout
+        )
+        assert list(files_in(adapted, "dial")) == ["hub:9090"]
+        assert variables.get("FIBWS_SITE", "localhost") in json.dumps(adapted)
+
+
+def prometheus_files(folder: Path, token: str = "one", **replaced: str) -> Path:
+    """Copy the files of Prometheus with a token of its own; return the path of the first one."""
+    credentials = folder / "prometheus.token"
+    credentials.write_text(token)
+    text = (DEPLOY / "compose" / "prometheus.yml").read_text("utf-8")
+    for old, new in {"/run/secrets/prometheus.token": str(credentials), **replaced}.items():
+        assert old in text
+        text = text.replace(old, new)
+    path = folder / "prometheus.yml"
+    path.write_text(text)
+    shutil.copy(DEPLOY / "compose" / "alerts.yml", folder)
+    return path
+
+
+class TestPrometheus:
+    @needs("promtool")
+    def test_it_accepts_its_configuration_and_the_alerts(self, tmp_path: Path) -> None:
+        output = checked("promtool", "check", "config", str(prometheus_files(tmp_path)))
+        assert "rules found" in output
+
+    async def test_alerts_name_metrics_of_the_hub(self, hub: Hub) -> None:
+        known = {sample for family in families(hub) for sample in family}
+        for expression in files_in(
+            yaml.safe_load((DEPLOY / "compose" / "alerts.yml").read_text("utf-8")), "expr"
+        ):
+            for name in re.findall(r"\b(?:fibws|process)_\w+", expression):
+                assert name in known, expression
+
+    @needs("prometheus")
+    async def test_it_scrapes_a_hub_with_tokens(self, start_hub: StartHub, tmp_path: Path) -> None:
+        tokens = tmp_path / "tokens.toml"
+        tokens.write_text(f'[tokens.prometheus]\nsha256 = "{digest_of("one")}"\nadmin = true\n')
+        hub = await start_hub(tokens=tokens)
+        config = prometheus_files(tmp_path, **{"hub:9090": f"127.0.0.1:{hub.port}", "15s": "200ms"})
+        async with prometheus(config, tmp_path / "data") as address:
+            found = await queried(address, "fibws_topics")
+            assert found["metric"]["job"] == "fibws"
+            assert float(found["value"][1]) == len(hub.graph.topics)
+            assert float((await queried(address, 'up{job="fibws"}'))["value"][1]) == 1
+            await queried(address, "fibws_loop_lag_seconds_bucket")
+        assert hub.audit.refusals["authentication"] == 0
+
+
+def families(hub: Hub) -> list[list[str]]:
+    """Return the names of all samples of a hub, also of those that have no values yet."""
+    response = hub._requests.respond(Request("/metrics", Headers()), "127.0.0.1")
+    assert response is not None
+    return [
+        [family.name, f"{family.name}_total", *(sample.name for sample in family.samples)]
+        for family in text_string_to_metric_families(bytes(response.body).decode())
+    ]
+
+
+@asynccontextmanager
+async def prometheus(config: Path, data: Path) -> Any:
+    """Run Prometheus; yield its address."""
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        address = f"127.0.0.1:{free.getsockname()[1]}"
+    process = await asyncio.create_subprocess_exec(
+        "prometheus",
+        f"--config.file={config}",
+        f"--storage.tsdb.path={data}",
+        f"--web.listen-address={address}",
+        stderr=asyncio.subprocess.DEVNULL,
+    )
+    try:
+        yield address
+    finally:
+        process.terminate()
+        await process.wait()
+
+
+async def queried(address: str, query: str) -> dict[str, Any]:
+    """Return the first result of a query once there is one."""
+    url = f"http://{address}/api/v1/query?query={quote(query)}"
+
+    def ask() -> list[dict[str, Any]]:
+        try:
+            with urllib.request.urlopen(url) as response:
+                found: list[dict[str, Any]] = json.load(response)["data"]["result"]
+                return found
+        except OSError:  # It does not listen yet.
+            return []
+
+    async with asyncio.timeout(PATIENCE):
+        while not (results := await asyncio.to_thread(ask)):  # noqa: ASYNC110 - it has no event.
+            await asyncio.sleep(0.05)
+    return results[0]
+
+
+class TestKubernetes:
+    """The structure; `kubernetes-validate` knows all of it, but takes 100 MB."""
+
+    @property
+    def pod(self) -> dict[str, Any]:
+        spec: dict[str, Any] = KUBERNETES["Deployment"]["spec"]["template"]["spec"]
+        return spec
+
+    @property
+    def container(self) -> dict[str, Any]:
+        (container,) = self.pod["containers"]
+        return dict(container)
+
+    def settings(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Settings:
+        """Return the settings of the hub in the pod."""
+        command = self.container["command"]
+        assert command[:4] == ["python", "-m", "fibws.hub", "--config"]
+        config = tmp_path / "hub.toml"
+        config.write_text(KUBERNETES["ConfigMap"]["data"]["hub.toml"])
+        monkeypatch.setenv("FIBWS_CONFIG", str(config))
+        return environment_settings(command[5:])
+
+    def test_settings_are_valid_and_leave_time_to_drain(
+        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        settings = self.settings(tmp_path, monkeypatch)
+        assert settings.host == "0.0.0.0"
+        grace = self.pod["terminationGracePeriodSeconds"]
+        assert grace > settings.drain + settings.close_timeout
+
+    def test_files_are_mounted_where_the_settings_expect_them(
+        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        volumes = {volume["name"]: volume for volume in self.pod["volumes"]}
+        mounts = {mount["name"]: mount["mountPath"] for mount in self.container["volumeMounts"]}
+        assert volumes.keys() == mounts.keys()
+        assert volumes["config"]["configMap"]["name"] == KUBERNETES["ConfigMap"]["metadata"]["name"]
+        assert mounts["config"] == self.container["command"][4]
+        tokens = self.settings(tmp_path, monkeypatch).tokens
+        assert tokens is not None and str(tokens.parent) == mounts["tokens"]
+        steps = (DEPLOY / "kubernetes" / "fibws.yaml").read_text("utf-8")
+        name = volumes["tokens"]["secret"]["secretName"]
+        assert f"kubectl create secret generic {name} --from-file={tokens.name}" in steps
+
+    def test_service_finds_the_pod_and_the_ingress_the_service(self) -> None:
+        labels = KUBERNETES["Deployment"]["spec"]["template"]["metadata"]["labels"]
+        service = KUBERNETES["Service"]
+        assert service["spec"]["selector"] == labels
+        assert KUBERNETES["Deployment"]["spec"]["selector"]["matchLabels"] == labels
+        (port,) = service["spec"]["ports"]
+        (container_port,) = self.container["ports"]
+        assert port["targetPort"] == container_port["name"]
+        assert container_port["containerPort"] == Settings().port
+        (rule,) = KUBERNETES["Ingress"]["spec"]["rules"]
+        (path,) = rule["http"]["paths"]
+        backend = path["backend"]["service"]
+        assert backend["name"] == service["metadata"]["name"]
+        assert backend["port"]["name"] == port["name"]
+
+    async def test_hub_answers_the_probes(self, hub: Hub) -> None:
+        for name in ("startupProbe", "livenessProbe", "readinessProbe"):
+            probe = self.container[name]["httpGet"]
+            assert probe["port"] == self.container["ports"][0]["name"]
+            request = Request(probe["path"], Headers({"Host": "10.0.0.3:9090"}))
+            response = hub._requests.respond(request, "10.0.0.1")
+            assert response is not None and response.status_code == 200
