@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import re
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -26,6 +27,7 @@ from ..raw_client import Client, connected, publish, until
 
 pytestmark = pytest.mark.both_loops
 
+OPERATIONS = (Path(__file__).parents[3] / "docs" / "operations.md").read_text("utf-8")
 OPENMETRICS = "application/openmetrics-text;version=1.0.0,text/plain;version=0.0.4;q=0.5"
 FILE = f"""\
 [tokens.operator]
@@ -123,6 +125,14 @@ class TestFormat:
         async with publisher(hub, topic, 2):
             assert value(hub, "fibws_topic_messages_total", topic=topic) == 2
             assert list(strict_families(bytes(scrape(hub, Accept=OPENMETRICS).body).decode()))
+
+    async def test_documentation_names_all_metrics(self, hub: Hub) -> None:
+        section = OPERATIONS.partition("### Metrics")[2].partition("\n## ")[0]
+        rows = re.findall(r"^\| (`(?:fibws|process)_.*?) \| (\w+) \|", section, re.MULTILINE)
+        documented = {
+            name: type_ for names, type_ in rows for name in re.findall(r"`(\w+)`", names)
+        }
+        assert documented == {name: family.type for name, family in families(hub).items()}
 
 
 class TestCounters:
