@@ -53,6 +53,7 @@ beforeEach(() => {
 afterEach(() => {
   vi.useRealTimers();
   vi.unstubAllGlobals();
+  vi.restoreAllMocks();
 });
 
 test("the page connects as a node", () => {
@@ -213,6 +214,7 @@ test("errors are reported to the caller of the operation", () => {
 });
 
 test("the time between attempts doubles up to a maximum", () => {
+  vi.spyOn(Math, "random").mockReturnValue(1);
   open();
   close();
   const waits: number[] = [];
@@ -228,6 +230,22 @@ test("the time between attempts doubles up to a maximum", () => {
   }
   expect(waits).toEqual([250, 500, 1000, 2000, 4000, 4000, 4000, 4000]);
   expect(hub.reason.value).toBe("the hub is shutting down");
+});
+
+test.each([1001, 1006, 1012])("pages come back at different times after code %i", (code) => {
+  const attempts = [0, 0.5, 1].map((random) => {
+    vi.spyOn(Math, "random").mockReturnValue(random);
+    vi.clearAllTimers();
+    FakeSocket.all = [];
+    hub = new Hub("ws://hub/");
+    open();
+    close(code, "service restart");
+    vi.advanceTimersByTime(200);
+    return FakeSocket.all.length - 1;
+  });
+  expect(attempts).toEqual([1, 0, 0]);
+  vi.advanceTimersByTime(50);
+  expect(FakeSocket.all).toHaveLength(2);
 });
 
 test("the page does not reconnect by itself after a shutdown request", () => {

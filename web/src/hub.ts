@@ -54,7 +54,7 @@ interface Call {
 
 /** Seconds that a service has to respond. */
 const TIMEOUT = 60;
-/** Time between two attempts to connect, in ms: doubled each time, up to the maximum. */
+/** Most time between two attempts to connect, in ms: doubled each time, up to the maximum. */
 const MIN_RETRY = 250;
 const MAX_RETRY = 4000;
 /** The hub closes with a code from here on if a client must not reconnect by itself. */
@@ -338,7 +338,9 @@ export class Hub {
 
   #retry(): void {
     window.clearTimeout(this.#retryTimer);
-    this.#retryTimer = window.setTimeout(() => this.connect(), this.#retryTime);
+    // Pages that lost the hub together must not all come back at once.
+    const wait = this.#retryTime * (0.75 + Math.random() / 4);
+    this.#retryTimer = window.setTimeout(() => this.connect(), wait);
     this.#retryTime = Math.min(2 * this.#retryTime, MAX_RETRY);
   }
 

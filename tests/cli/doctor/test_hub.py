@@ -128,6 +128,11 @@ def test_version_of_a_hub_that_does_not_accept_its_host_name(
     assert doctor.version(hub.url.replace("127.0.0.1", "robot")).verdict == "ok"
 
 
+def test_hub_may_hide_its_version(serve: Serve) -> None:
+    finding = doctor.version(serve(200, b'{"status":"ok"}'))
+    assert finding.verdict == "ok" and "admin" in finding.text
+
+
 @pytest.mark.parametrize("body", [b"", b"[]", b"{}", b"<html>\n", b"\xff"])
 def test_other_server_has_no_version(body: bytes, serve: Serve) -> None:
     finding = doctor.version(serve(200, body))
