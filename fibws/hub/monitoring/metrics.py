@@ -66,6 +66,8 @@ class ClientTotals:
         """Clients that have connected so far."""
         self._connections = connections
         self._dropped = 0
+        self._seen: dict[Connection, tuple[int, int]] = {}
+        """The bytes of each connection as of the last look: some sockets are gone at the end."""
         self._received = 0
         self._sent = 0
 
@@ -73,7 +75,8 @@ class ClientTotals:
         """Keep the totals of a connection that is about to be lost."""
         if connection.endpoint is not None:
             self._dropped += connection.queue.dropped
-        received, sent = transferred(connection)
+        received, sent = self._transferred(connection)
+        self._seen.pop(connection, None)
         self._received += received
         self._sent += sent
 
@@ -86,10 +89,13 @@ class ClientTotals:
         """Return the bytes that all clients have sent, and those that they have received."""
         received, sent = self._received, self._sent
         for each in self._connections:
-            more = transferred(each)
+            more = self._seen[each] = self._transferred(each)
             received += more[0]
             sent += more[1]
         return received, sent
+
+    def _transferred(self, connection: Connection) -> tuple[int, int]:
+        return transferred(connection) or self._seen.get(connection, (0, 0))
 
 
 class Metrics:
@@ -228,19 +234,20 @@ class Metrics:
         metrics.counters_by_two("fibws_service_failures", help_, labels, calls.failures.items())
 
 
-def transferred(connection: Connection) -> tuple[int, int]:
+def transferred(connection: Connection) -> tuple[int, int] | None:
     """Return the bytes that a client has sent, and those that it has received.
 
     Linux counts them, so that the hub need not. They include headers of WebSocket frames and TLS,
-    but not those of TCP.
+    but not those of TCP. None if they are unknown: the socket is closed, or not one of TCP.
     """
-    if TCP_INFO is None:
-        return 0, 0
+    open_socket = connection.socket
+    if TCP_INFO is None or open_socket is None:
+        return None
     try:
-        found = connection.socket.getsockopt(socket.IPPROTO_TCP, TCP_INFO, _TRANSFERRED.size)
+        found = open_socket.getsockopt(socket.IPPROTO_TCP, TCP_INFO, _TRANSFERRED.size)
         sent, received = _TRANSFERRED.unpack(found)
-    except (OSError, struct.error):  # It is closed already, or no TCP connection.
-        return 0, 0
+    except (OSError, struct.error):
+        return None
     return received, sent
 
 

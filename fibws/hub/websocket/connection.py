@@ -203,9 +203,9 @@ class Connection(asyncio.BufferedProtocol):
         return (self.endpoint is not None and self.endpoint.node) or self.peer
 
     @property
-    def socket(self) -> socket.socket:
-        """The connection's socket, which is not for reading or writing."""
-        found: socket.socket = self._transport.get_extra_info("socket")
+    def socket(self) -> socket.socket | None:
+        """The connection's socket, which is not for reading or writing; None at its end."""
+        found: socket.socket | None = self._transport.get_extra_info("socket")
         return found
 
     @property
