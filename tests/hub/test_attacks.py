@@ -422,7 +422,6 @@ async def test_parameters_of_others_are_not_touched(hub: Hub, ann: Client, eve: 
     assert (await eve.values("/rosapi/get_param", name="/"))["value"].count("x") == 1
 
 
-@pytest.mark.xfail(reason="only the parameters that are replaced are checked", strict=True)
 async def test_parameter_is_not_set_in_place_of_those_below_it(ann: Client, eve: Client) -> None:
     await ann.values("/rosapi/set_param", name="/eve/x", value="1")
     assert not (await eve.call("/rosapi/set_param", name="/eve", value="1"))["result"]

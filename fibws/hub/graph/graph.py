@@ -617,7 +617,7 @@ class Graph:
         The node must have the right for everything that it sets or replaces.
         """
         name = canonical(name)
-        new = names_in(name, value) if isinstance(value, dict) else ()
+        new = names_in(name, value) if isinstance(value, dict) else (name,)
         self._check_writable(node, name, (*new, *self.parameters.replaced_by(name)))
         self.parameters.set(name, value)
 
