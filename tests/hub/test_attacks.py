@@ -215,7 +215,6 @@ async def test_service_and_action_of_a_living_node_are_not_taken(
     assert await ann.answers("set_level", level="error") == []
 
 
-@pytest.mark.xfail(reason="the service is replaced without a check", strict=True)
 async def test_service_is_not_taken_by_the_one_that_cancels_goals(
     hub: Hub, ann: Client, rival: Client
 ) -> None:

@@ -535,6 +535,8 @@ class Graph:
         action_type = self._types.action(Interfaces.canonical(type_), definition, server.node)
         older = self.actions.get(name)
         self._check_free("Action", name, older, server.node)
+        cancelling = cancel_service(name)
+        self._check_free("Service", cancelling, self.services.get(cancelling), server.node)
         if older is not None:
             self.remove_action(older)
         goals = self._goals.setdefault(name, Goals())
