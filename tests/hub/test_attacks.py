@@ -491,6 +491,9 @@ def _id(operation: dict[str, Any]) -> str:
 OPERATIONS: list[dict[str, Any]] = [
     {"op": "advertise", "topic": "/NAME", "type": INT32},
     {"op": "advertise", "topic": "/NAME", "type": "std_msgs/String"},
+    {"op": "publish", "topic": "/NAME", "msg": {"data": 1}},
+    {"op": "publish", "topic": "/NAME", "msg": 1},
+    {"op": "set_will", "topic": "/NAME"},
     {"op": "unadvertise", "topic": "/NAME"},
     {"op": "set_will", "topic": "/NAME", "type": INT32},
     {"op": "clear_will", "topic": "/NAME"},
@@ -526,9 +529,6 @@ OPERATIONS: list[dict[str, Any]] = [
 
 
 TELLING: list[tuple[dict[str, Any], str]] = [
-    ({"op": "publish", "topic": "/NAME", "msg": {"data": 1}}, "waits if there is no such topic"),
-    ({"op": "publish", "topic": "/NAME", "msg": 1}, "waits if there is no such topic"),
-    ({"op": "set_will", "topic": "/NAME"}, "looks for the type first"),
     ({"op": "call_service", "service": "/NAME/get_loggers"}, "is implied"),
 ]
 

@@ -177,6 +177,7 @@ class Topics:
         source = self.sources.get(request.topic)
         if source is None:
             topic = self._topic(request.topic)
+            self._client.graph.check_allowed(self._client.node, "publish", topic.name)
             type_ = request.type or (topic.type.name if topic.type is not None else None)
             if type_ is None:
                 raise OperationError(
@@ -208,6 +209,8 @@ class Topics:
         source = self.sources.get(request.topic)
         if source is None:
             topic = self._topic(request.topic)
+            # Before anything that depends on whether there is such a topic.
+            self._client.graph.check_allowed(self._client.node, "publish", topic.name)
             if topic.name in self._refused:
                 self._drop(topic.name, request)
                 return
