@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from contextlib import ExitStack
 from dataclasses import replace
+from functools import partial
 from typing import Any, assert_never
 
 from pydantic_core import from_json
@@ -464,7 +465,14 @@ class Session:
             self._statuses.warning(request.id, text)
             return
         principal = self._log_in(token_of(request))
-        self.authorize(principal)
+        try:
+            self.authorize(principal)
+        except NotAllowed as error:
+            # The client is whom it has proved to be, and that one may not be this node. Operations
+            # in the same text must not outlive it.
+            close = partial(self._close, close_reason(FORBIDDEN, str(error)))
+            self._client.clock.call_later(0, close)
+            raise
         self._statuses.info(request.id, f"auth: this client is {principal.name}")
 
     def _reassemble(self, fragment: Fragment) -> None:
