@@ -209,8 +209,15 @@ def _logged_in(check: Callable[[], Principal]) -> Login:
 
 
 def token_in(headers: Headers, path: str, subprotocols: Sequence[str]) -> str | None:
-    """Return the token in a request; None without any."""
-    scheme, _, token = headers.get("Authorization", "").partition(" ")
+    """Return the token in a request; None without any.
+
+    Raises:
+        AuthenticationError: it is not clear which one counts.
+    """
+    given = headers.get_all("Authorization")
+    if len(given) > 1:
+        raise AuthenticationError("more than one header Authorization")
+    scheme, _, token = "".join(given).partition(" ")
     if scheme.lower() == "bearer":
         return token.strip()
     values = parse_qs(path.partition("?")[2], keep_blank_values=True).get("token")
