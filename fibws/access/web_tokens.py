@@ -105,7 +105,7 @@ class WebTokens:
         except AccessError as error:
             raise AuthenticationError(f"invalid token: {error}") from None
         expires = claims.get("exp")
-        return Principal(name, parsed, None if expires is None else expires + self._leeway)
+        return Principal(name, parsed, None if expires is None else int(expires) + self._leeway)
 
     def _key_for(self, token: str) -> Any:
         if len(self._keys) == 1 and self._keys[0][0] is None:
