@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import logging
 import secrets
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from itertools import count
 from typing import Any, Protocol
@@ -247,6 +247,14 @@ class Graph:
             InvalidName: as `names.resolve_any`.
         """
         return names.resolve_any(name, node=ROSBRIDGE if node in self._unnamed else node)
+
+    def header(self, node: str, headers: Mapping[str, str]) -> dict[str, str]:
+        """Return a node's connection header.
+
+        A node may choose its ``callerid``, as in ROS, unless there are principals to tell apart.
+        """
+        own = {"callerid": node}
+        return {**own, **headers} if self.policy.allows_all else {**own, **headers, **own}
 
     # Topics.
 

@@ -268,7 +268,7 @@ class Services:
             "args": call.request,
         }
         if served.headers:
-            fields["header"] = {"callerid": call.caller, **(call.headers or {})}
+            fields["header"] = self._client.graph.header(call.caller, call.headers or {})
         if self._client.forward_request(encode_fields(fields)):
             self._calls[call.id] = call
             self._calls_of.setdefault(call.service.name, OrderedDict())[call.id] = call

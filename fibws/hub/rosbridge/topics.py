@@ -119,7 +119,8 @@ class Topics:
         self._count_advertisement(source, request)
         self._refused.pop(source.topic.name, None)
         if request.headers is not None:
-            source.set_headers(request.headers)
+            headers = self._client.graph.header(self._client.node, request.headers)
+            source.set_headers(headers)
         name, type_ = source.topic.name, source.type
         statuses = self._client.statuses
         if not type_.checked:
