@@ -468,7 +468,6 @@ async def test_nothing_of_others_is_seen(ann: Client, eve: Client) -> None:
     assert "hidden" not in (await eve.values("/rosapi/get_param", name="/"))["value"]
 
 
-@pytest.mark.xfail(reason="the right to call */get_loggers is implied", strict=True)
 @pytest.mark.parametrize("token", FEW_RIGHTS.values(), ids=FEW_RIGHTS)
 async def test_nodes_are_not_seen_by_their_log_services(
     world: World, ann: Client, token: str | None
@@ -501,6 +500,7 @@ OPERATIONS: list[dict[str, Any]] = [
     {"op": "call_service", "service": "/NAME", "args": [1, 2], "headers": {}},
     {"op": "call_service", "service": "/NAME/_action/cancel_goal"},
     {"op": "call_service", "service": "/NAME/set_logger_level"},
+    {"op": "call_service", "service": "/NAME/get_loggers"},
     {"op": "advertise_service", "service": "/NAME", "type": ADD},
     {"op": "unadvertise_service", "service": "/NAME"},
     {"op": "service_response", "service": "/NAME", "id": "x", "result": True},
@@ -524,21 +524,7 @@ OPERATIONS: list[dict[str, Any]] = [
 """Operations on a name that may be that of a topic, a service, an action, a node or a parameter."""
 
 
-TELLING: list[tuple[dict[str, Any], str]] = [
-    ({"op": "call_service", "service": "/NAME/get_loggers"}, "is implied"),
-]
-
-
-@pytest.mark.parametrize(
-    "operation",
-    [
-        *(pytest.param(each, id=_id(each)) for each in OPERATIONS),
-        *(
-            pytest.param(each, id=_id(each), marks=pytest.mark.xfail(reason=reason, strict=True))
-            for each, reason in TELLING
-        ),
-    ],
-)
+@pytest.mark.parametrize("operation", OPERATIONS, ids=_id)
 async def test_what_is_hidden_looks_missing(
     world: World, ann: Client, operation: dict[str, Any]
 ) -> None:

@@ -14,10 +14,14 @@ from collections.abc import Iterable
 from fibws.access.rights import Principal, Right, compile_globs
 from fibws.errors import NotAllowed
 from fibws.hub.graph.action import CANCEL_SUFFIX
+from fibws.hub.graph.graph import ROSBRIDGE
 
 IMPLIED: dict[Right, re.Pattern[str]] = {
     "publish": compile_globs(["/rosout"]),
-    "call": compile_globs(["/rosapi/*", "/**/get_loggers"]),
+    # The services of other nodes would show that there are such nodes.
+    "call": compile_globs(
+        [f"{node}/get_loggers" for node in ("/rosout", ROSBRIDGE)] + ["/rosapi/*"]
+    ),
     "param_read": compile_globs(
         [
             *("/run_id", "/rosdistro", "/rosversion", "/roslaunch/uris/*", "/use_sim_time"),

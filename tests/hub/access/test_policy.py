@@ -69,7 +69,7 @@ IMPLIED: list[tuple[Right, str]] = [
     ("publish", "/rosout"),
     ("call", "/rosapi/topics"),
     ("call", "/rosapi/kill_node"),
-    ("call", "/other/get_loggers"),
+    ("call", "/rosout/get_loggers"),
     ("call", "/ann/set_logger_level"),
     ("provide", "/ann/get_loggers"),
     ("provide", "/ann/set_logger_level"),
@@ -100,6 +100,7 @@ def test_nothing_else_is_implied() -> None:
         ("provide", "/rosapi/topics"),
         ("call", "/rosapi/set_logger_level"),
         ("call", "/bob/set_logger_level"),
+        ("call", "/bob/get_loggers"),
         ("provide", "/bob/get_loggers"),
         ("param_write", "/use_sim_time"),
     ):
