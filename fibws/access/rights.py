@@ -29,6 +29,8 @@ LONGEST_NAME = 200
 """Most characters of a principal's name."""
 MOST_ANSWERS = 10_000
 """Answers of one principal's rights that are remembered; names may be made up without end."""
+NOTHING = r"(?!)"
+"""The pattern that matches no text."""
 _TOKEN = re.compile(r"\*\*|\*|%n|[^*%]+|%")
 _LISTS = ("allow", "deny")
 _LEVEL = re.compile(r"\w+", re.ASCII)
@@ -43,7 +45,8 @@ class Rights:
         deny: exceptions from these.
         admin: whether everything is allowed, what only the hub's operator may do included: to kill
             nodes, to set log levels of others, to read metrics.
-        name: the principal's, for ``%n``, which matches nothing if it is not one level of a name.
+        name: the principal's, for ``%n``; if it is not one level of a name, ``%n`` allows nothing,
+            and denies any level.
 
     Raises:
         AccessError: a glob is invalid.
@@ -113,7 +116,7 @@ class Rights:
         return {
             right: (
                 compile_globs(self.allow.get(right, ()), self.name),
-                compile_globs(self.deny.get(right, ()), self.name),
+                compile_globs(self.deny.get(right, ()), self.name, otherwise="[^/]*"),
             )
             for right in RIGHTS
         }
@@ -154,20 +157,21 @@ def check_glob(glob: str) -> str:
     return glob
 
 
-def compile_globs(globs: Iterable[str], name: str = "") -> re.Pattern[str]:
+def compile_globs(
+    globs: Iterable[str], name: str = "", *, otherwise: str = NOTHING
+) -> re.Pattern[str]:
     """Return the pattern of all names that one of the globs matches.
 
     Args:
         name: what ``%n`` stands for.
+        otherwise: the pattern that ``%n`` is if the name is not one level of a name.
     """
-    usable = (each for each in globs if "%n" not in each or _LEVEL.fullmatch(name))
-    parts = ["".join(_pattern(token, name) for token in _TOKEN.findall(each)) for each in usable]
-    return re.compile("|".join(parts) if parts else r"(?!)", re.DOTALL)
-
-
-def _pattern(token: str, name: str) -> str:
-    known = {"**": ".*", "*": "[^/]*", "%n": name}
-    return known.get(token) or re.escape(token)
+    known = {"**": ".*", "*": "[^/]*", "%n": name if _LEVEL.fullmatch(name) else otherwise}
+    parts = [
+        "".join(known.get(token) or re.escape(token) for token in _TOKEN.findall(each))
+        for each in globs
+    ]
+    return re.compile("|".join(parts) if parts else NOTHING, re.DOTALL)
 
 
 def _parse_globs(table: object, where: str) -> GLOBS:

@@ -56,6 +56,12 @@ def test_a_name_matches_itself_and_what_is_above_it_with_all_below(name: str) ->
     assert not compile_globs([f"{name}/**"]).fullmatch(name)
 
 
+def test_deny_with_the_name_of_a_principal_that_is_no_level_denies_all_levels() -> None:
+    rights = Rights({"publish": ["/**"]}, {"publish": ["/%n/x"]}, name="auth0|1")
+    assert not rights.allows("publish", "/a/x")
+    assert rights.allows("publish", "/a/y")
+
+
 def test_nothing_is_allowed_without_a_glob() -> None:
     rights = Rights()
     assert not any(rights.allows(right, "/a") for right in RIGHTS)

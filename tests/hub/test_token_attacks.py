@@ -351,7 +351,6 @@ async def test_page_of_another_site_does_not_enter_with_the_cookie(hub: Hub, ori
     assert not nodes(hub)
 
 
-@pytest.mark.xfail(reason="/healthz asks for no token", strict=True)
 async def test_health_shows_no_client_to_whoever_has_no_token(hub: Hub) -> None:
     async with connected(hub.port, "/?node=/ann", receive_buffer=4096, Authorization="Bearer ann"):
         (connection,) = hub._connections

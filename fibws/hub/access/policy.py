@@ -12,6 +12,7 @@ import re
 from collections.abc import Iterable
 
 from fibws.access.rights import Principal, Right, compile_globs
+from fibws.access.token_file import ANONYMOUS
 from fibws.errors import NotAllowed
 from fibws.hub.graph.action import CANCEL_SUFFIX
 from fibws.hub.graph.graph import ROSBRIDGE
@@ -30,6 +31,8 @@ IMPLIED: dict[Right, re.Pattern[str]] = {
     ),
 }
 """The rights of every principal."""
+FOR_ADMINS = ("/connected_clients",)
+"""Topics with the addresses of clients."""
 LOGGERS = ("get_loggers", "set_logger_level")
 """The services by which a ROS node shows and sets the levels of its log, below its name."""
 
@@ -65,7 +68,7 @@ class AccessPolicy:
         """Let a principal's client be a node; see `Policy.enter`."""
         if principal is None:
             raise NotAllowed(node, "node", node, "no token")
-        if is_taken and self._principals[node].name != principal.name:
+        if is_taken and not _is_same(self._principals[node], principal):
             raise NotAllowed(node, "node", node, f"{node} is a node of another principal")
         if is_chosen and not self._may_be(principal, node):
             raise NotAllowed(node, "node", node)
@@ -87,6 +90,8 @@ class AccessPolicy:
                 return not principal.rights.denies(right, name)
             if right == "call" and service == LOGGERS[1] and not principal.rights.admin:
                 return False
+        if right == "subscribe" and name in FOR_ADMINS and not principal.rights.admin:
+            return False
         implied = IMPLIED.get(right)
         if implied is not None and implied.fullmatch(name):
             return not principal.rights.denies(right, name)
@@ -100,7 +105,9 @@ class AccessPolicy:
     def is_same_owner(self, node: str, other: str) -> bool:
         """Return whether two nodes belong to one principal."""
         principal, owner = self._principals.get(node), self._principals.get(other)
-        return principal is not None and owner is not None and principal.name == owner.name
+        if principal is None or owner is None:
+            return False
+        return node == other or _is_same(principal, owner)
 
     def principal_of(self, node: str) -> Principal | None:
         """Return the principal of a node; None for the hub's own nodes and unknown ones."""
@@ -112,3 +119,8 @@ class AccessPolicy:
             return rights.allows("node", node)
         is_kept = any(pattern.fullmatch(node) for pattern in self._kept)
         return not is_kept and not rights.denies("node", node)
+
+
+def _is_same(principal: Principal, other: Principal) -> bool:
+    """Return whether two clients are of one principal; anonymous ones are strangers."""
+    return principal.name == other.name != ANONYMOUS

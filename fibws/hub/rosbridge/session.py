@@ -76,6 +76,8 @@ MAX_OBJECTS = 1000
 """Operations in one text: a megabyte of ``{}{}{}`` would keep all others waiting."""
 
 
+LONGEST_LOGIN = 64 * 1024
+"""Bytes of a text from a client without a token; a longer one is not read."""
 MOST_REFUSED = 100
 """Operations of a client without a token that are refused one by one."""
 
@@ -128,6 +130,9 @@ class TokenWait:
 
     def receive_text(self, data: Payload) -> None:
         """Open the session if the client proves who it is; otherwise close the connection."""
+        if len(data) > LONGEST_LOGIN:
+            self._opening.close(MISSING_TOKEN)
+            return
         try:
             check_json(data)
             operations = decode_json(data)

@@ -20,6 +20,8 @@ from fibws.protocol.operations import json_of
 
 logger = logging.getLogger("fibws.hub")
 
+MOST_WILLS = 100
+"""Wills of one client; each may have a timer."""
 CHECKS = 4
 """How often within its timeout a will looks for new messages: it is late by a quarter at most."""
 
@@ -85,6 +87,8 @@ class Wills:
                     f"no room for a will: the wills and latched messages of one client may take "
                     f"{self._quota.limit} bytes (--max-latched-bytes)"
                 )
+        if older is None and len(self._wills) >= MOST_WILLS:
+            raise LimitReached(f"too many wills of one client (limit {MOST_WILLS})")
         self.clear(source)
         will = self._wills[source] = Will(source, msg, size, timeout, source.messages)
         self._quota.used += size

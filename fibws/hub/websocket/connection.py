@@ -291,7 +291,7 @@ class Connection(asyncio.BufferedProtocol):
             self._shared.observer.lost(self)
             if self.endpoint is not None:
                 self._report_drops(float("inf"))
-                logger.info("%s has left.", self.endpoint.node, extra=self._event("left"))
+                logger.info("%s has left.", self.name, extra=self._event("left"))
             self._release()
 
     def pause_writing(self) -> None:

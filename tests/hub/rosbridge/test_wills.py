@@ -131,6 +131,16 @@ def test_wills_are_bounded() -> None:
     assert hub.empty
 
 
+def test_number_of_wills_is_bounded(hub: FakeHub, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("fibws.hub.rosbridge.wills.MOST_WILLS", 2)
+    client = hub.client(serialized=True)
+    for topic in "aabb":
+        client.send("set_will", f"/{topic}", type=INT32)
+    assert client.receive() == []
+    client.send("set_will", "/c", type=INT32)
+    assert [each["code"] for each in client.receive()] == ["limit_reached"]
+
+
 # Timeouts.
 
 
