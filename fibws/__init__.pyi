@@ -1,18 +1,23 @@
 """The public names, each loaded when it is first used; a new one is added here alone."""
 
 from .errors import (
+    AccessDenied as AccessDenied,
+    AccessError as AccessError,
     ActionError as ActionError,
     AlreadyOffered as AlreadyOffered,
     FibwsError as FibwsError,
+    HubLimitReached as HubLimitReached,
     HubUnreachable as HubUnreachable,
     InterfaceError as InterfaceError,
     InvalidAddress as InvalidAddress,
     InvalidMessage as InvalidMessage,
     InvalidName as InvalidName,
+    MissingRight as MissingRight,
     NodeClosed as NodeClosed,
     NodeError as NodeError,
     NodeKilled as NodeKilled,
     NodeReplaced as NodeReplaced,
+    NotAuthorized as NotAuthorized,
     OperationRejected as OperationRejected,
     ParameterNotSet as ParameterNotSet,
     ServiceError as ServiceError,

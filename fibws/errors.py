@@ -36,7 +36,11 @@ FibwsError
 └── NodeError              a node's request failed, or the node cannot continue
     ├── InvalidAddress         not the address of a hub
     ├── HubUnreachable         the hub refuses this node, or can never be reached
-    │   └── NoHub                  nothing answers at the hub's address
+    │   ├── NoHub                  nothing answers at the hub's address
+    │   └── AccessDenied           the hub has closed the connection for good
+    │       ├── NotAuthorized          the token is missing, unknown, expired or revoked
+    │       ├── MissingRight           the token lacks a right that the node needs
+    │       └── HubLimitReached        a limit of the client or its token is reached
     ├── HubLost                the connection of a tool to the hub has ended
     ├── OperationRejected      the hub refused an operation of the node
     ├── AlreadyOffered         the node already serves a service or an action of this name
@@ -402,6 +406,38 @@ class NoHub(HubUnreachable):
     def remedy(self) -> str:
         """The command that starts a hub: roscore in a shell with `fibws setup`."""
         return command_name("core" if is_set_up(os.environ) else "hub")
+
+
+class AccessDenied(HubUnreachable):
+    """The hub has closed the connection for good: the token or its rights must change first."""
+
+    remedy = ""
+    """What to do about it."""
+
+    def __init__(self, url: str, cause: str, remedy: str = "") -> None:
+        super().__init__(url, cause)
+        self.remedy = remedy or self.remedy
+
+    def __str__(self) -> str:
+        return f"The hub at {self.url} refused the connection: {self.cause}. {self.remedy}"
+
+
+class NotAuthorized(AccessDenied):
+    """The hub wants a token, and the client's is missing, unknown, expired or revoked."""
+
+    remedy = "Set FIBWS_TOKEN to a token of this hub, or FIBWS_TOKEN_FILE to a file that holds it"
+
+
+class MissingRight(AccessDenied):
+    """The client's token lacks a right without which it cannot connect; ``cause`` names it."""
+
+    remedy = "Use a token that has this right, or ask whoever runs the hub for it"
+
+
+class HubLimitReached(AccessDenied):
+    """The hub has closed the connection because of a limit, which ``cause`` names."""
+
+    remedy = "Try again later, or ask whoever runs the hub to raise its limits"
 
 
 class HubLost(NodeError):

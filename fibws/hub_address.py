@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from urllib.parse import parse_qsl, quote, urlencode, urljoin, urlsplit
+import re
+from urllib.parse import parse_qsl, quote, unquote_plus, urlencode, urljoin, urlsplit
 
 from fibws.errors import InvalidAddress
 
@@ -12,10 +13,14 @@ DEFAULT = f"ws://127.0.0.1:{DEFAULT_PORT}"
 ENVIRONMENT = "FIBWS_HUB"
 LOOPBACK = ("127.0.0.1", "::1", "localhost")
 """The addresses of this machine."""
+_LOOPBACK_NETWORK = re.compile(r"127(\.[0-9]{1,3}){3}")
+_TOKEN_KEY = "token"
 
 
 def hub_url(address: str | None = None) -> str:
     """Return the URL of an address: ``ws://robot:9090`` for ``robot``.
+
+    A token in it, as in ``ws://robot:9090/?token=...``, is left out: see `token_in`.
 
     Args:
         address: the hub's address; default $FIBWS_HUB, else this machine.
@@ -23,7 +28,7 @@ def hub_url(address: str | None = None) -> str:
     Raises:
         InvalidAddress: the address is invalid.
     """
-    address = (address or os.environ.get(ENVIRONMENT) or DEFAULT).strip()
+    address = without_token((address or os.environ.get(ENVIRONMENT) or DEFAULT).strip())
     url = address if "://" in address else f"ws://{address}"
     try:
         parts = urlsplit(url)
@@ -42,6 +47,28 @@ def hub_url(address: str | None = None) -> str:
         # An address that is spelled as a URL has the default port of its scheme.
         return parts._replace(netloc=f"{parts.netloc}:{DEFAULT_PORT}").geturl()
     return url
+
+
+def token_in(address: str) -> str | None:
+    """Return the token in an address's query, as in ``robot/?token=...``; None if it has none."""
+    found = [value for key, value in map(_key_and_value, _pairs(address)) if key == _TOKEN_KEY]
+    return unquote_plus(found[0]) if found and found[0] else None
+
+
+def without_token(address: str) -> str:
+    """Return an address without the token in its query, to be shown; the rest is unchanged."""
+    pairs = _pairs(address)
+    kept = [pair for pair in pairs if _key_and_value(pair)[0] != _TOKEN_KEY]
+    if len(kept) == len(pairs):
+        return address
+    before, _, rest = address.partition("?")
+    _, hash_, fragment = rest.partition("#")
+    return f"{before}{'?' if kept else ''}{'&'.join(kept)}{hash_}{fragment}"
+
+
+def is_loopback(host: str) -> bool:
+    """Return whether a host is this machine: what is sent there is on no network."""
+    return host.lower() in LOOPBACK or _LOOPBACK_NETWORK.fullmatch(host) is not None
 
 
 def node_url(hub: str, node: str) -> str:
@@ -92,3 +119,14 @@ def redirected(hub: str, location: str) -> str:
 
 def _without_node(query: str) -> list[tuple[str, str]]:
     return [(key, value) for key, value in parse_qsl(query, True) if key != "node"]
+
+
+def _pairs(address: str) -> list[str]:
+    """Return the query of an address, which may be invalid, in pieces such as ``a=b``."""
+    query = address.partition("?")[2].partition("#")[0]
+    return query.split("&") if query else []
+
+
+def _key_and_value(pair: str) -> tuple[str, str]:
+    key, _, value = pair.partition("=")
+    return unquote_plus(key), value

@@ -3,17 +3,25 @@
 import pytest
 
 from fibws.errors import InvalidAddress
-from fibws.hub_address import hub_url, node_url, page_url, redirected
+from fibws.hub_address import (
+    hub_url,
+    is_loopback,
+    node_url,
+    page_url,
+    redirected,
+    token_in,
+    without_token,
+)
 
 
 @pytest.mark.parametrize(
     ("address", "url"),
     [
         ("ws://127.0.0.1:9090", "ws://127.0.0.1:9090"),
-        ("wss://robot/bridge?token=x", "wss://robot/bridge?token=x"),
+        ("wss://robot/bridge?a=b&c", "wss://robot/bridge?a=b&c"),
         ("robot:9090", "ws://robot:9090"),
         ("robot", "ws://robot:9090"),
-        ("robot/bridge?token=x", "ws://robot:9090/bridge?token=x"),
+        ("robot/bridge?a=b", "ws://robot:9090/bridge?a=b"),
         ("ws://robot", "ws://robot"),
         (" robot:9090\n", "ws://robot:9090"),
         ("[::1]", "ws://[::1]:9090"),
@@ -74,7 +82,7 @@ def test_other_keys_of_the_query_are_kept() -> None:
     [
         ("ws://robot:9090", "", "http://robot:9090/"),
         ("wss://lab/robot", "", "https://lab/robot/"),
-        ("wss://lab/robot/?token=5", "healthz", "https://lab/robot/healthz"),
+        ("wss://lab/robot/?key=5", "healthz", "https://lab/robot/healthz"),
     ],
 )
 def test_page_is_below_the_path_of_the_hub(hub: str, path: str, page: str) -> None:
@@ -86,9 +94,9 @@ def test_page_is_below_the_path_of_the_hub(hub: str, path: str, page: str) -> No
     [
         ("wss://lab/robot", "/robot/?node=/talker", "wss://lab/robot/"),
         (
-            "wss://lab/robot?token=5",
-            "https://lab/robot/?token=5&node=/a",
-            "wss://lab/robot/?token=5",
+            "wss://lab/robot?key=5",
+            "https://lab/robot/?key=5&node=/a",
+            "wss://lab/robot/?key=5",
         ),
         ("wss://lab:8443/robot", "http://lab/robot/", "wss://lab:8443/robot/"),
         ("ws://lab/robot", "http://other:81/robot/", "ws://other:81/robot/"),
@@ -103,3 +111,42 @@ def test_redirect_leads_to_a_hub(hub: str, location: str, target: str) -> None:
 def test_redirect_without_tls_or_to_no_hub_is_refused(location: str) -> None:
     with pytest.raises(InvalidAddress):
         redirected("wss://lab/robot", location)
+
+
+@pytest.mark.parametrize(
+    ("address", "token", "rest"),
+    [
+        ("ws://robot:9090/?token=abc", "abc", "ws://robot:9090/"),
+        ("robot?token=a%2Bb", "a+b", "robot"),
+        ("wss://robot/x?a=%20&token=abc&b", "abc", "wss://robot/x?a=%20&b"),
+        ("wss://robot/x?%74oken=abc#part", "abc", "wss://robot/x#part"),
+        ("wss://robot/x?token=&a=b", None, "wss://robot/x?a=b"),
+        ("wss://robot/x?a=b&&c", None, "wss://robot/x?a=b&&c"),
+        ("wss://robot/token=abc", None, "wss://robot/token=abc"),
+        ("robot", None, "robot"),
+    ],
+)
+def test_token_is_taken_out_of_an_address(address: str, token: str | None, rest: str) -> None:
+    assert token_in(address) == token
+    assert without_token(address) == rest
+
+
+@pytest.mark.parametrize(
+    "address", ["robot?token=secret", "http://robot?token=secret", "ws://robot:0/?token=secret"]
+)
+def test_token_is_not_in_urls_and_errors(address: str) -> None:
+    try:
+        shown = hub_url(address)
+    except InvalidAddress as error:
+        shown = str(error)
+    assert "secret" not in shown
+
+
+@pytest.mark.parametrize("host", ["127.0.0.1", "127.1.2.3", "::1", "localhost", "LOCALHOST"])
+def test_loopback_is_recognized(host: str) -> None:
+    assert is_loopback(host)
+
+
+@pytest.mark.parametrize("host", ["127.0.0.1.example.org", "robot", "10.0.0.1", "", "127.0.0"])
+def test_other_hosts_are_not_loopback(host: str) -> None:
+    assert not is_loopback(host)

@@ -5,7 +5,8 @@ tools       cli/                        ros1/ (launch, workspace, shell; python/
                 \\                        /
 ends of         client/ (synchronous)    node/ (asyncio; with msg/, srv/, action/)    hub/
 the wire            |                        |                                          |
-pure        values/  protocol/  interfaces/  access/  hub_address  tls  names  errors  suggestions
+pure        values/  protocol/  interfaces/  access/  credentials  hub_address  tls  names
+            errors  suggestions
 """
 
 from __future__ import annotations
@@ -24,13 +25,14 @@ MASK = {"websockets.speedups.apply_mask", "websockets.utils.apply_mask"}
 CLASSES = {"msg", "srv", "action"}
 NODE = {*fibws.__all__} - {"Hub"}
 """The public names of the node library."""
-LOWEST = {"errors", "names", "suggestions", "hub_address", "tls", "access"}
+LOWEST = {"errors", "names", "suggestions", "hub_address", "tls", "credentials", "access"}
 BELOW = {
     "errors": {"command_names"},
     "names": {"errors"},
     "suggestions": set[str](),
     "hub_address": {"errors"},
     "tls": {"errors"},
+    "credentials": {"errors", "hub_address", "protocol"},
     "command_names": set[str](),
     "definition_folders": set[str](),
     "processes": set[str](),
@@ -43,7 +45,8 @@ BELOW = {
     "msg": {"errors", "interfaces"},
     "srv": {"errors", "interfaces", "msg"},
     "action": {"errors", "interfaces", "msg"},
-    "node": {"errors", "names", "hub_address", "tls", "protocol", "interfaces", *CLASSES}
+    "node": {"errors", "names", "hub_address", "tls", "credentials", "protocol", "interfaces"}
+    | CLASSES
     | {"__version__"},
     "tf": {*NODE, "errors", "interfaces", *CLASSES, "cli"},
     "ros1": {*NODE, *LOWEST, "values", "client", "node", "interfaces", *CLASSES}

@@ -16,7 +16,9 @@ from typing import Any, NamedTuple, Self, TypeAlias
 from fibws import hub_address, names
 from fibws.client.rosapi_schemas import RESPONSES, schema_error
 from fibws.client.websocket import Message, WebSocket
+from fibws.credentials import Credentials
 from fibws.errors import (
+    AccessDenied,
     NoHub,
     OperationError,
     OperationRejected,
@@ -60,17 +62,28 @@ class HubClient:
         hub: the hub's address; by default $FIBWS_HUB, or else this machine.
         remapping: the ``from:=to`` arguments of the tool's command line. ``__name`` replaces the
             tool's own name, as in rostopic, whose publishers are rospy nodes.
+        token_file: a file that holds the tool's token; by default the token is looked for in the
+            hub's address, in $FIBWS_TOKEN and in $FIBWS_TOKEN_FILE.
 
     Raises:
         InvalidAddress: the address is invalid.
+        AccessError: the token is invalid, or its file cannot be read.
         NoHub: nothing listens there.
-        HubUnreachable: the server is not a hub, or refuses the connection.
+        HubUnreachable: the server is not a hub, or refuses the connection. A refused token raises
+            `NotAuthorized` only as soon as the hub's reply is read.
     """
 
     def __init__(
-        self, tool: str, hub: str | None = None, remapping: names.Remapping | None = None
+        self,
+        tool: str,
+        hub: str | None = None,
+        remapping: names.Remapping | None = None,
+        *,
+        token_file: str | None = None,
     ) -> None:
         self.url = hub_address.hub_url(hub)
+        self.credentials = Credentials.find(hub, token_file=token_file)
+        """The tool's token."""
         self._remapping = remapping or names.Remapping()
         namespace = os.environ.get("ROS_NAMESPACE", "/")
         self.namespace = self._remapping.namespace or names.check_namespace(namespace)
@@ -86,7 +99,7 @@ class HubClient:
         self._serialized: dict[int, tuple[_Subscription, str]] = {}
         """By the topics' numbers in binary frames: the subscription and the topic's type."""
         self._numbers = 0
-        self._socket = WebSocket(self.url, self.node)
+        self._socket = WebSocket(self.url, self.node, self.credentials)
         self.url = self._socket.url
 
     def __enter__(self) -> Self:
@@ -324,7 +337,7 @@ class HubClient:
 
 
 def is_hub_running(url: str | None = None, tool: str = "tool") -> bool:
-    """Return whether a hub accepts connections at an address.
+    """Return whether a hub runs at an address, even if it wants another token.
 
     Args:
         url: the hub's address; by default as for `HubClient`.
@@ -338,6 +351,8 @@ def is_hub_running(url: str | None = None, tool: str = "tool") -> bool:
         HubClient(tool, url).close()
     except NoHub:
         return False
+    except AccessDenied:
+        pass  # Whether it arrives before the connection is closed depends on timing.
     return True
 
 

@@ -20,8 +20,9 @@ from websockets.http11 import Response
 from websockets.typing import Subprotocol
 from websockets.uri import parse_uri
 
-from fibws import hub_address, tls
-from fibws.errors import HubLost, HubUnreachable, InvalidAddress, NoHub
+from fibws import credentials, hub_address, tls
+from fibws.credentials import Credentials
+from fibws.errors import AccessDenied, HubLost, HubUnreachable, InvalidAddress, NoHub
 from fibws.protocol.serialized import SUBPROTOCOL
 
 PATIENCE = 5.0
@@ -65,15 +66,22 @@ class WebSocket:
     Args:
         url: the hub's URL.
         node: the tool's node name.
+        token: the tool's token, if the hub wants one.
 
     Raises:
         NoHub: nothing listens there.
         HubUnreachable: the server is not a hub, or refuses the connection.
+        AccessError: the file of the token cannot be read.
     """
 
-    def __init__(self, url: str, node: str) -> None:
+    def __init__(self, url: str, node: str, token: Credentials | None = None) -> None:
         self.url = url
         """The hub's URL, after redirects."""
+        self._first_url = url
+        self._credentials = token or Credentials()
+        self._headers = credentials.headers(self._credentials.read())
+        self._has_denied = False
+        """Whether `AccessDenied` has been raised."""
         self.messages: deque[Message] = deque()
         """Received messages; the caller of `read` removes them."""
         self._fragments: list[bytes | bytearray] = []
@@ -83,7 +91,10 @@ class WebSocket:
             # With a timeout of 0, TLS reports missing data as an error.
             self._least_wait = 0.001 if uri.secure else 0.0
             self._protocol = ClientProtocol(
-                uri, subprotocols=[Subprotocol(SUBPROTOCOL)], max_size=MOST_BYTES
+                uri,
+                subprotocols=[Subprotocol(SUBPROTOCOL)],
+                max_size=MOST_BYTES,
+                logger=credentials.handshake_log(),
             )
             self._socket = self._connect(uri.host, uri.port, secure=uri.secure)
             try:
@@ -91,7 +102,7 @@ class WebSocket:
                 return
             except _Redirect as redirect:
                 self._socket.close()
-                self.url = redirect.url
+                self._redirect(redirect.url)
             except BaseException:
                 self._socket.close()
                 raise
@@ -122,6 +133,7 @@ class WebSocket:
 
         Raises:
             HubLost: the connection is lost, and all messages received before have been removed.
+            AccessDenied: likewise, and the hub has closed it for good.
             HubUnreachable: the server is not a hub.
         """
         waits = [each for each in (timeout, _SLICE) if each is not None]
@@ -147,19 +159,31 @@ class WebSocket:
         self._flush()
         if not data or (self._protocol.close_rcvd is not None and not self.messages):
             close = self._protocol.close_rcvd
+            if close is not None and (denied := self._denied(close.code, close.reason)):
+                self._has_denied = True
+                raise denied
             cause = "connection lost" if close is None else close.reason or f"code {close.code}"
             raise HubLost(self.url, cause)
         return True
 
     def close(self) -> None:
-        """Close the connection after the hub has read everything that was sent."""
+        """Close the connection after the hub has read everything that was sent.
+
+        Raises:
+            AccessDenied: the hub has not read it, because it had closed the connection for good;
+                not if `read` has raised that before.
+        """
         try:
             if self._protocol.state.name == "OPEN":
                 self._protocol.send_close(1000)
             self._flush()
             deadline = time.monotonic() + PATIENCE
-            while (rest := deadline - time.monotonic()) > 0 and self.read(rest):
+            while not self._has_denied and (rest := deadline - time.monotonic()) > 0:
+                if not self.read(rest):
+                    break
                 self.messages.clear()
+        except AccessDenied:
+            raise
         except (HubLost, HubUnreachable):
             pass  # HubLost is expected; HubUnreachable has been reported before.
         finally:
@@ -194,7 +218,9 @@ class WebSocket:
             raise HubUnreachable(self.url, _text(error)) from None
 
     def _shake_hands(self) -> None:
-        self._protocol.send_request(self._protocol.connect())
+        request = self._protocol.connect()
+        request.headers.update(self._headers)
+        self._protocol.send_request(request)
         try:
             self._flush()
             deadline = time.monotonic() + PATIENCE
@@ -207,6 +233,21 @@ class WebSocket:
             fault = self._protocol.handshake_exc
             cause = error.cause if fault is None else _fault(fault)
             raise HubUnreachable(self.url, cause) from None
+
+    def _redirect(self, url: str) -> None:
+        """Go on at another address, without the token if it is another server's."""
+        if _origin(url) != _origin(self.url):
+            self._headers = {}
+        self.url = url
+
+    def _denied(self, code: int, reason: str) -> AccessDenied | None:
+        return self._credentials.refusal(
+            self.url,
+            code,
+            reason,
+            sent=bool(self._headers),
+            redirected_from=self._first_url,
+        )
 
     def _refusal(self, error: Exception) -> Exception:
         """Return the error for a failed handshake; `_Redirect` if the hub is elsewhere."""
@@ -244,6 +285,11 @@ class WebSocket:
                     self._socket.sendall(data)
         except OSError as error:
             raise HubLost(self.url, _text(error)) from None
+
+
+def _origin(url: str) -> tuple[bool, str, int]:
+    uri = parse_uri(url)
+    return uri.secure, uri.host, uri.port
 
 
 def _text(error: OSError) -> str:

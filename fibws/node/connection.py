@@ -14,6 +14,7 @@ import logging
 import os
 import random
 import re
+import time
 from collections.abc import Iterator
 from contextlib import suppress
 from typing import Any
@@ -32,7 +33,17 @@ from websockets.frames import Frame, Opcode
 from websockets.protocol import Event, State
 from websockets.typing import Subprotocol
 
-from fibws.errors import HubUnreachable, InvalidAddress, NodeError, NodeKilled, NodeReplaced, NoHub
+from fibws import credentials
+from fibws.credentials import Credentials
+from fibws.errors import (
+    AccessError,
+    HubUnreachable,
+    InvalidAddress,
+    NodeError,
+    NodeKilled,
+    NodeReplaced,
+    NoHub,
+)
 from fibws.hub_address import node_url, redirected
 from fibws.node.log import ROSOUT
 from fibws.node.outgoing_queue import TURN, PublisherLane
@@ -42,6 +53,7 @@ from fibws.protocol.websocket import (
     KILLED,
     REPLACED,
     TEXT,
+    UNAUTHENTICATED,
     FrameParser,
     client_frame,
     client_payload,
@@ -57,6 +69,13 @@ CLOSE_TIMEOUT = 0.3
 
 BUFFER_SIZE = 64 * 1024
 """Bytes to read at once; a larger message is read into a buffer of its own."""
+
+RENEWAL = 60.0
+"""Seconds before a token's expiry from which on its file is read again and again."""
+LONGEST_CHECK = 5.0
+"""Most seconds between two reads of the file."""
+SHORTEST_CHECK = 0.05
+"""Least seconds between two reads of the file."""
 
 _TRY_LATER = (408, 425, 429)
 _ERRNO = re.compile(r"\[Errno (\d+)\]")
@@ -175,6 +194,32 @@ class WebSocket(asyncio.BufferedProtocol):
         )
         self._receive(self._handshake.rest)
         self._schedule_turn()
+
+    async def accepted(self) -> None:
+        """Wait until the hub has answered a ping: it has read what was sent before, and refuses a
+        client without a valid token by closing the connection instead.
+        """
+        with suppress(ConnectionClosed, TimeoutError):
+            async with asyncio.timeout(OPEN_TIMEOUT):  # Not every server answers.
+                await (await self._handshake.ping())
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the connection is not closed, nor being closed."""
+        return self._handshake.protocol.state is State.OPEN
+
+    @property
+    def address(self) -> str:
+        """The URL of the hub, after redirects."""
+        uri = self._handshake.protocol.uri
+        host = f"[{uri.host}]" if ":" in uri.host else uri.host
+        return f"{'wss' if uri.secure else 'ws'}://{host}:{uri.port}{uri.path}"
+
+    @property
+    def has_sent_token(self) -> bool:
+        """Whether the hub was given the token; a redirect to another server is followed without."""
+        request = self._handshake.request
+        return request is not None and credentials.HEADER in request.headers
 
     async def closed(self) -> ConnectionClosed:
         """Wait until the connection is closed; return why."""
@@ -316,16 +361,26 @@ class Connection:
         session: the node's.
         log: gets a line when the hub is lost or found.
         tls: the node's certificates; they are read each time that it connects.
+        token: what the node proves its identity with.
     """
 
     def __init__(
-        self, hub: str, node: str, session: Session, log: logging.Logger, tls: TlsFiles
+        self,
+        hub: str,
+        node: str,
+        session: Session,
+        log: logging.Logger,
+        tls: TlsFiles,
+        token: Credentials,
     ) -> None:
         self._hub = hub
         self._node = node
         self._session = session
         self._log = log
         self._tls = tls
+        self._credentials = token
+        self._token: str | None = None
+        """The token of the current connection."""
         self._found = asyncio.Event()
         """Set once there was a hub, or will never be one."""
         self._is_missing = False
@@ -337,6 +392,8 @@ class Connection:
         Raises:
             HubUnreachable: the hub refuses the node, or its address cannot be used.
         """
+        if (warning := self._credentials.warning(self._hub)) is not None:
+            self._log.warning("%s.", warning)
         # Makes glibc keep freed memory: otherwise each large message trims and grows the heap.
         bytearray(16 << 20)
         self._session.begin()
@@ -383,8 +440,9 @@ class Connection:
     async def _connect_once(self) -> bool:
         """Connect, and wait until the connection is lost; return whether it lasted for a while."""
         try:
+            self._token = self._credentials.read()
             websocket = WebSocket(await self._shake_hands(self._hub), self._session)
-        except (OSError, InvalidHandshake) as error:
+        except (OSError, InvalidHandshake, AccessError) as error:
             self._on_missing(_reason(error))
             return False
         loop = asyncio.get_running_loop()
@@ -401,6 +459,9 @@ class Connection:
                 node_url(hub, self._node),
                 ssl=self._tls.context(hub) if hub.startswith("wss:") else None,
                 create_connection=_Handshake,
+                # A redirect to TLS leads to another server.
+                additional_headers=credentials.headers(self._token if hub == self._hub else None),
+                logger=credentials.handshake_log(),
                 subprotocols=[Subprotocol(SUBPROTOCOL)],
                 compression=None,
                 max_size=MAX_SIZE,
@@ -431,20 +492,53 @@ class Connection:
         again = self._found.is_set()
         closed = asyncio.create_task(websocket.closed(), name=f"end of {self._hub}")
         flushed = asyncio.create_task(self._flush(hold=again), name=f"flush to {self._hub}")
+        accepted = asyncio.create_task(self._accept(websocket), name=f"entry to {self._hub}")
         try:
             websocket.start(hold=again)
-            self._on_found()
             await asyncio.wait({closed, flushed}, return_when=asyncio.FIRST_COMPLETED)
-            if closed.done() and (error := self._fatal_close(closed.result())) is not None:
+            if closed.done() and (error := self._fatal_close(websocket, closed.result())):
                 # Before on_disconnect(), which would fail pending calls with another error.
                 self._session.end(error)
         finally:
             outgoing.disconnect()
             self._session.on_disconnect()
             flushed.cancel()
+            accepted.cancel()
             await websocket.close()
-            await asyncio.wait({closed, flushed})
+            await asyncio.wait({closed, flushed, accepted})
         return closed.result()
+
+    async def _accept(self, websocket: WebSocket) -> None:
+        """Report the hub once it has accepted the node, then keep the node's token valid."""
+        await websocket.accepted()
+        if websocket.is_open:
+            try:
+                self._on_found()
+                await self._renew_token(websocket)
+            except Exception as error:  # Such as a log that cannot be written.
+                self._session.end(error)
+
+    async def _renew_token(self, websocket: WebSocket) -> None:
+        """Give the hub the next token from the file before the current one, a JWT, expires."""
+        while self._token is not None and websocket.has_sent_token:
+            expires = credentials.expiry(self._token)
+            if expires is None or not self._credentials.is_file:
+                return
+            left = expires - time.time()
+            pause = left - RENEWAL if left > 2 * RENEWAL else left / 10
+            await asyncio.sleep(min(max(pause, SHORTEST_CHECK), LONGEST_CHECK))
+            token = self._new_token()
+            if token is not None:
+                self._token = token
+                self._session.authenticate(token)
+
+    def _new_token(self) -> str | None:
+        """Return the token in the file if that is not the one in use."""
+        try:
+            token = self._credentials.read()
+        except AccessError:
+            return None  # It is reported if the hub refuses the old one.
+        return token if token != self._token else None
 
     async def _flush(self, *, hold: bool) -> None:
         """Wait until the node has ended and its last frame is written, or the hub is lost.
@@ -459,14 +553,23 @@ class Connection:
             self._session.outgoing.release()
         await self._session.outgoing.emptied()
 
-    def _fatal_close(self, closed: ConnectionClosed) -> NodeError | None:
+    def _fatal_close(self, websocket: WebSocket, closed: ConnectionClosed) -> NodeError | None:
         """Return what ends the node if the hub closed the connection for good."""
         code = closed.rcvd.code if closed.rcvd is not None else None
+        reason = closed.rcvd.reason if closed.rcvd is not None else ""
+        if code == UNAUTHENTICATED and websocket.has_sent_token and self._new_token() is not None:
+            return None  # It expired or was replaced; the new one may be good.
         if code == REPLACED.code:
             return NodeReplaced(f"another node took the name {self._node}")
         if code == KILLED.code:
             return NodeKilled(f"{self._node} was killed: another program asked the hub to end it")
-        return None
+        return self._credentials.refusal(
+            websocket.address,
+            code,
+            reason,
+            sent=websocket.has_sent_token,
+            redirected_from=self._hub,
+        )
 
     def _on_missing(self, reason: str) -> None:
         """Log that there is no hub, once each time."""

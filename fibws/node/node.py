@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self, overload
 from typing_extensions import TypeVar
 
 from fibws import hub_address, names
+from fibws.credentials import Credentials
 from fibws.interfaces import Action, Message, Service, Time
 from fibws.interfaces.message import F, G, R, Req, Res
 from fibws.msg.rosgraph_msgs import Log
@@ -91,6 +92,10 @@ class Node:
         name: a name without a namespace; a remapping of ``__name`` overrides it.
         hub: ``ws://host:port``, ``wss://host:port`` or ``host:port``; default $FIBWS_HUB, else this
             machine.
+        token: the token for a hub that wants one; default that in the hub's URL
+            (``ws://host:port/?token=...``), $FIBWS_TOKEN, or the content of $FIBWS_TOKEN_FILE.
+        token_file: a file that holds the token, instead of ``token``. It is read again for each
+            connection, and before a JWT in it expires.
         anonymous: add a suffix that makes the name unique.
         namespace: the namespace of relative names; default $ROS_NAMESPACE, else ``/``.
         remapping: the remappings of the command line.
@@ -108,6 +113,8 @@ class Node:
     Raises:
         InvalidName: a name is not legal.
         InvalidAddress: the hub's address is invalid.
+        AccessError: the token is invalid, or its file cannot be read.
+        ValueError: both ``token`` and ``token_file`` are given.
     """
 
     def __init__(
@@ -115,6 +122,8 @@ class Node:
         name: str,
         *,
         hub: str | None = None,
+        token: str | None = None,
+        token_file: str | os.PathLike[str] | None = None,
         anonymous: bool = False,
         namespace: str | None = None,
         remapping: names.Remapping = NO_REMAPPING,
@@ -130,6 +139,7 @@ class Node:
         )
         environment = os.environ
         self._hub = hub_address.hub_url(hub)
+        credentials = Credentials.find(hub, token=token, token_file=token_file)
         self._types = Types(time.time_ns)
         self.log = log or node_log(
             self.name, log_format or environment.get("ROSCONSOLE_FORMAT") or None
@@ -143,7 +153,9 @@ class Node:
         self._rosout = Rosout(self.name, self._topics, self._types.codec(Log)) if rosout else None
         self._loggers = Loggers(self.log, self._services, self.resolve)
         tls = TlsFiles.choose(ca, client_cert, client_key)
-        self._connection = Connection(self._hub, self.name, self._session, self.log, tls)
+        self._connection = Connection(
+            self._hub, self.name, self._session, self.log, tls, credentials
+        )
 
     def __repr__(self) -> str:
         return f"<Node {self.name} at {self._hub}>"
@@ -554,7 +566,7 @@ class Node:
         pending calls (`wait_for_message`, `call`) raise NodeClosed.
 
         Raises:
-            Exception: the error that ended the node, such as NodeReplaced.
+            Exception: the error that ended the node, such as NodeReplaced or NotAuthorized.
         """
         await self._session.ended()
 

@@ -15,6 +15,7 @@ from fibws.protocol.fragments import Reassembly
 from fibws.protocol.operations import (
     ActionFeedback,
     ActionResult,
+    Auth,
     CallService,
     CancelActionGoal,
     Fragment,
@@ -193,6 +194,10 @@ class Session:
         """Send an operation if there is a hub; registrations are sent again on reconnection."""
         if self.outgoing.connected:
             self.outgoing.put(text_frame(operation))
+
+    def authenticate(self, token: str) -> None:
+        """Give the hub another token for this connection, before the current one expires."""
+        self.send(Auth(id=self.id("auth", "token"), token=token))
 
     def give_readers_a_turn(self) -> None:
         """Stop reading the socket until the tasks that are ready have run: a queue is full."""
