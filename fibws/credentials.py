@@ -22,6 +22,8 @@ from fibws.protocol.websocket import FORBIDDEN, LIMITED, UNAUTHENTICATED
 
 TOKEN = "FIBWS_TOKEN"
 TOKEN_FILE = "FIBWS_TOKEN_FILE"
+VARIABLES = (hub_address.ENVIRONMENT, TOKEN, TOKEN_FILE)
+"""The variables that may hold a token or name its file."""
 LONGEST_TOKEN = 8192
 """Most characters of a token: hubs look at no longer ones."""
 HEADER = "Authorization"

@@ -413,6 +413,8 @@ class AccessDenied(HubUnreachable):
 
     remedy = ""
     """What to do about it."""
+    exit_code = 77
+    """The exit code of a program that ends because of it: EX_NOPERM of sysexits.h."""
 
     def __init__(self, url: str, cause: str, remedy: str = "") -> None:
         super().__init__(url, cause)

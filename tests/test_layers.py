@@ -46,7 +46,7 @@ BELOW = {
     "srv": {"errors", "interfaces", "msg"},
     "action": {"errors", "interfaces", "msg"},
     "node": {"errors", "names", "hub_address", "tls", "credentials", "protocol", "interfaces"}
-    | CLASSES
+    | {*CLASSES}
     | {"__version__"},
     "tf": {*NODE, "errors", "interfaces", *CLASSES, "cli"},
     "ros1": {*NODE, *LOWEST, "values", "client", "node", "interfaces", *CLASSES}

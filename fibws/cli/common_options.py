@@ -8,13 +8,16 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import wraps
 from inspect import cleandoc
+from pathlib import Path
 from typing import Any, TypeVar
 
 import click
 
 from fibws import tls
 from fibws.cli.exit_handling import clean_exit
+from fibws.cli.output import visible
 from fibws.command_names import command_name
+from fibws.errors import AccessError
 
 SETTINGS = {"help_option_names": ["-h", "--help"], "max_content_width": 100}
 """Settings of a command that is run by itself; commands in a group inherit the group's."""
@@ -56,7 +59,7 @@ def examples(*lines: str | tuple[str, str]) -> Callable[[_Function], _Function]:
 def with_hub(
     tool: str = "tool", *, endless: bool = False
 ) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """Give a command the option ``--hub``, and an open `HubClient` as its argument ``client``.
+    """Give a command the options of a hub, and an open `HubClient` as its argument ``client``.
 
     Args:
         tool: begins the name of the command's node on the hub.
@@ -70,6 +73,8 @@ def with_hub(
 
             remapping = click.get_current_context().obj
             with clean_exit(endless=endless), HubClient(tool, hub, remapping) as client:
+                if (warning := client.credentials.warning(client.url)) is not None:
+                    click.echo(visible(f"WARNING: {warning}."), err=True)
                 command(client=client, **others)
 
         return hub_option(with_client)
@@ -81,8 +86,9 @@ def hub_option(
     function: Callable[..., None],
     help_: str = "Address of the hub.  [default: $FIBWS_HUB, else ws://127.0.0.1:9090]",
 ) -> Callable[..., None]:
-    """Give a command the option ``--hub``, and those of the files for TLS."""
+    """Give a command the option ``--hub``, and those of the files for TLS and for the token."""
     for option in (
+        _token_option,
         _file_option("--client-key", tls.CLIENT_KEY, "Private key of the client certificate."),
         _file_option("--client-cert", tls.CLIENT_CERT, "Certificate to present to the hub."),
         _file_option("--ca", tls.CA, "Certificates to trust besides the system's."),
@@ -124,6 +130,39 @@ def _variable(name: str, value: str) -> Iterator[None]:
             del os.environ[name]
         else:
             os.environ[name] = old
+
+
+def _use_token_file(context: click.Context, parameter: click.Parameter, file: Path | None) -> None:
+    """Set the variable of the token's file while the command runs, as `_file_option` does."""
+    if file is not None:
+        try:
+            context.with_resource(_token_file(file))
+        except AccessError as error:
+            raise click.BadParameter(str(error)) from None
+
+
+@contextmanager
+def _token_file(file: Path) -> Iterator[None]:
+    from fibws.credentials import VARIABLES, Credentials  # It loads websockets.
+
+    before = {name: os.environ[name] for name in VARIABLES if name in os.environ}
+    Credentials(file=file, source="--token-file").set_in(os.environ)
+    try:
+        yield
+    finally:
+        for name in VARIABLES:
+            os.environ.pop(name, None)
+        os.environ.update(before)
+
+
+_token_option = click.option(
+    "--token-file",
+    metavar="FILE",
+    type=click.Path(path_type=Path),
+    expose_value=False,
+    callback=_use_token_file,
+    help="File with the token for the hub.  [default: $FIBWS_TOKEN_FILE]",
+)
 
 
 json_option: Callable[[Callable[..., None]], Callable[..., None]] = click.option(

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 import click
 
 from fibws.cli.output import visible
-from fibws.errors import FibwsError, InvalidValue
+from fibws.errors import AccessDenied, FibwsError, InvalidValue
 
 INTERRUPTED = 130
 """The exit code after Ctrl-C, as in shells: 128 + SIGINT."""
@@ -24,8 +24,8 @@ def clean_exit(*, endless: bool = False) -> Iterator[None]:
         endless: whether Ctrl-C is the command's normal end, with exit code 0.
 
     Raises:
-        ClickException: the command failed; click prints the text in one line and exits with 1, or
-            with 2 for an invalid value.
+        ClickException: the command failed; click prints the text in one line and exits with 1, with
+            2 for an invalid value, or with 77 if the hub refuses the client.
     """
     try:
         yield
@@ -36,6 +36,10 @@ def clean_exit(*, endless: bool = False) -> Iterator[None]:
         _discard_output()
     except InvalidValue as error:
         raise click.UsageError(visible(str(error))) from None
+    except AccessDenied as error:
+        failure = click.ClickException(visible(str(error)))
+        failure.exit_code = error.exit_code
+        raise failure from None
     except FibwsError as error:
         # The text may contain control characters of another program.
         raise click.ClickException(visible(str(error))) from None

@@ -13,6 +13,7 @@ from fibws.cli.arguments import piped_input
 from fibws.cli.common_options import hub_option, json_option
 from fibws.client.hub_client import HubClient
 from fibws.errors import (
+    AccessDenied,
     HubUnreachable,
     InvalidTypeName,
     ServiceError,
@@ -198,6 +199,8 @@ def _lines_from_hub(
             except ServiceError:
                 where = f"on this machine or at the hub {client.url}"
                 raise _unknown(installed, kind, type_, where) from None
+    except AccessDenied:
+        raise
     except HubUnreachable as error:
         where = f"on this machine, and the hub {error.url} cannot be reached"
         raise _unknown(installed, kind, type_, where) from None

@@ -62,8 +62,6 @@ class HubClient:
         hub: the hub's address; by default $FIBWS_HUB, or else this machine.
         remapping: the ``from:=to`` arguments of the tool's command line. ``__name`` replaces the
             tool's own name, as in rostopic, whose publishers are rospy nodes.
-        token_file: a file that holds the tool's token; by default the token is looked for in the
-            hub's address, in $FIBWS_TOKEN and in $FIBWS_TOKEN_FILE.
 
     Raises:
         InvalidAddress: the address is invalid.
@@ -74,16 +72,11 @@ class HubClient:
     """
 
     def __init__(
-        self,
-        tool: str,
-        hub: str | None = None,
-        remapping: names.Remapping | None = None,
-        *,
-        token_file: str | None = None,
+        self, tool: str, hub: str | None = None, remapping: names.Remapping | None = None
     ) -> None:
         self.url = hub_address.hub_url(hub)
-        self.credentials = Credentials.find(hub, token_file=token_file)
-        """The tool's token."""
+        self.credentials = Credentials.find(hub)
+        """The tool's token: that in the hub's address, in $FIBWS_TOKEN or in $FIBWS_TOKEN_FILE."""
         self._remapping = remapping or names.Remapping()
         namespace = os.environ.get("ROS_NAMESPACE", "/")
         self.namespace = self._remapping.namespace or names.check_namespace(namespace)

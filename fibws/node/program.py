@@ -10,7 +10,7 @@ from collections.abc import Coroutine
 from contextlib import suppress
 from typing import Any, TypeVar
 
-from fibws.errors import HubUnreachable, NodeKilled, NodeReplaced
+from fibws.errors import AccessDenied, HubUnreachable, NodeKilled, NodeReplaced
 
 T = TypeVar("T")
 
@@ -31,12 +31,16 @@ def run(main: Coroutine[Any, Any, T]) -> T | None:
     Raises:
         SystemExit: with one line on stderr and exit code 1, if a node ended because another node
             took its name (`NodeReplaced`), because it was killed (`NodeKilled`), or because the hub
-            refuses it (`HubUnreachable`); with exit code 0, if stdout has no reader any more, as
-            behind ``| head``.
+            refuses it (`HubUnreachable`); with exit code 77 if that is because of its token, its
+            rights or a limit (`AccessDenied`); with exit code 0, if stdout has no reader any more,
+            as behind ``| head``.
         Exception: any other error that ``main`` raises.
     """
     try:
         return run_until_signal(main)
+    except AccessDenied as error:
+        print(error, file=sys.stderr)
+        sys.exit(error.exit_code)
     except (NodeReplaced, NodeKilled, HubUnreachable) as error:
         sys.exit(str(error))
     except BrokenPipeError:

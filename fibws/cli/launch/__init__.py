@@ -16,6 +16,7 @@ from fibws.cli import output
 from fibws.cli.common_options import SETTINGS, examples, hub_option
 from fibws.cli.exit_handling import clean_exit
 from fibws.cli.run import workspace_option
+from fibws.credentials import Credentials
 from fibws.errors import FibwsError
 from fibws.suggestions import suggestion
 
@@ -174,7 +175,10 @@ def _url(options: dict[str, Any]) -> str:
         if hub is not None:
             raise click.UsageError("--port and --hub exclude each other.")
         return f"ws://127.0.0.1:{port}"
-    return hub_address.hub_url(hub)
+    url = hub_address.hub_url(hub)
+    # The nodes need the token, too, and the URL without it.
+    Credentials.find(hub).set_in(os.environ)
+    return url
 
 
 def _has_default_url(options: dict[str, Any]) -> bool:

@@ -16,6 +16,7 @@ from fibws.cli import output
 from fibws.cli.common_options import SETTINGS, examples, hub_option
 from fibws.cli.exit_handling import clean_exit
 from fibws.cli.run import workspace_option
+from fibws.credentials import Credentials
 from fibws.errors import NoHub, WorkspaceError
 
 if TYPE_CHECKING:
@@ -159,6 +160,7 @@ def _hub(hub: str | None, reuse_master: bool) -> str | None:
     from fibws.client.hub_client import is_hub_running
 
     url = hub_address.hub_url(hub)
+    Credentials.find(hub).set_in(os.environ)
     if not is_hub_running(url, "rostest"):
         raise NoHub(url, "nothing answers")
     return url

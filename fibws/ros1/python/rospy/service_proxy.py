@@ -88,6 +88,7 @@ class ServiceProxy(ServiceEnd):
     def _checked_call(self, request: Message) -> tuple[Any, dict[str, str]]:
         """Return the response and the server's header; raise as `call`."""
         from fibws.errors import (
+            AccessDenied,
             HubLost,
             HubUnreachable,
             InvalidName,
@@ -101,6 +102,8 @@ class ServiceProxy(ServiceEnd):
             return self._checked_request(request)
         except ROSInterruptException:
             raise ROSInterruptException(INTERRUPTED) from None
+        except AccessDenied as error:
+            raise ServiceException(str(error)) from None
         except HubUnreachable:
             raise ServiceException("unable to contact master") from None
         except (UnknownService, InvalidName):
@@ -216,7 +219,7 @@ def _service_type(client: HubClient, service: str) -> str:
 def _wait_outside_node(service: str, timeout: float | None) -> None:
     """Check again and again whether a service exists, or raise `WaitTimeout`."""
     from fibws.client.hub_client import HubClient
-    from fibws.errors import HubLost, HubUnreachable, ServiceError, WaitTimeout
+    from fibws.errors import AccessDenied, HubLost, HubUnreachable, ServiceError, WaitTimeout
 
     end = None if timeout is None else monotonic() + timeout
     has_warned = False
@@ -225,6 +228,8 @@ def _wait_outside_node(service: str, timeout: float | None) -> None:
             with HubClient("unnamed") as client:
                 if _service_type(client, service):
                     return
+        except AccessDenied as error:
+            raise ROSException(str(error)) from None
         except (HubUnreachable, HubLost) as error:
             if not has_warned:
                 from rospy import logwarn
