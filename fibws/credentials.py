@@ -147,7 +147,7 @@ class Credentials:
         return f"The token is sent to {url} without encryption: others may read it. Use wss://"
 
     def refusal(
-        self, url: str, code: int | None, reason: str, *, sent: bool, redirected_from: str = ""
+        self, url: str, code: int | None, reason: str, *, sent: bool, redirected_from: str
     ) -> AccessDenied | None:
         """Return the error for a connection that the hub has closed for good; None for others.
 
@@ -162,15 +162,20 @@ class Credentials:
         kind = REFUSALS.get(code or 0)
         if kind is None:
             return None
-        remedy = kind.remedy
-        if kind is NotAuthorized and self:
-            remedy = f"Check the token in {self.source}"
-            if not sent and redirected_from:
-                remedy = (
-                    f"The token was not sent because {redirected_from} redirects there. "
-                    f"To send it, set {hub_address.ENVIRONMENT}={url}"
-                )
+        if kind is NotAuthorized and not sent:
+            return self.missing(url, redirected_from, reason)
+        remedy = f"Check the token in {self.source}" if kind is NotAuthorized else ""
         return kind(url, reason or f"close code {code}", remedy)
+
+    def missing(self, url: str, redirected_from: str, reason: str = "") -> NotAuthorized:
+        """Return the error for a hub that wants a token and was given none; see `refusal`."""
+        remedy = ""
+        if self:
+            remedy = (
+                f"The token was not sent because {redirected_from} redirects there. "
+                f"To send it, set {hub_address.ENVIRONMENT}={url}"
+            )
+        return NotAuthorized(url, reason or "missing token", remedy)
 
 
 def headers(token: str | None) -> dict[str, str]:

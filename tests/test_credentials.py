@@ -136,21 +136,24 @@ def test_warning_about_a_network_without_encryption(url: str, warns: bool) -> No
     ("code", "kind"), [(4401, NotAuthorized), (4403, MissingRight), (4429, HubLimitReached)]
 )
 def test_close_codes_have_errors(code: int, kind: type[Exception]) -> None:
-    error = Credentials().refusal("ws://robot", code, "the hub's reason", sent=False)
+    error = Credentials().refusal(
+        "ws://robot", code, "the hub's reason", sent=True, redirected_from=""
+    )
     assert type(error) is kind
     assert "ws://robot" in str(error) and "the hub's reason" in str(error)
 
 
 def test_other_close_codes_are_not_final() -> None:
     for code in (None, 1000, 1001, 1012, 4001):
-        assert Credentials().refusal("ws://robot", code, "", sent=False) is None
+        assert Credentials().refusal("ws://robot", code, "", sent=True, redirected_from="") is None
 
 
 def test_remedy_names_the_source_of_the_token(file: Path) -> None:
     def text(credentials: Credentials, **details: Any) -> str:
-        return str(credentials.refusal("ws://robot", 4401, "no", **({"sent": True} | details)))
+        details = {"sent": True, "redirected_from": "ws://robot"} | details
+        return str(credentials.refusal("ws://robot", 4401, "no", **details))
 
-    assert "FIBWS_TOKEN" in text(Credentials())
+    assert "FIBWS_TOKEN" in text(Credentials(), sent=False)
     assert "the hub's URL" in text(Credentials("a", source="the hub's URL"))
     assert str(file) in text(Credentials(file=file, source="FIBWS_TOKEN_FILE"))
     redirect = text(Credentials("a", source="x"), sent=False, redirected_from="ws://first")

@@ -16,6 +16,10 @@ INTERRUPTED = 130
 """The exit code after Ctrl-C, as in shells: 128 + SIGINT."""
 
 
+class _AccessDenied(click.ClickException):
+    exit_code = AccessDenied.exit_code
+
+
 @contextmanager
 def clean_exit(*, endless: bool = False) -> Iterator[None]:
     """Turn the exceptions that end a command into exit codes and one-line errors.
@@ -37,9 +41,7 @@ def clean_exit(*, endless: bool = False) -> Iterator[None]:
     except InvalidValue as error:
         raise click.UsageError(visible(str(error))) from None
     except AccessDenied as error:
-        failure = click.ClickException(visible(str(error)))
-        failure.exit_code = error.exit_code
-        raise failure from None
+        raise _AccessDenied(visible(str(error))) from None
     except FibwsError as error:
         # The text may contain control characters of another program.
         raise click.ClickException(visible(str(error))) from None

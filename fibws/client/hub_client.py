@@ -19,6 +19,7 @@ from fibws.client.websocket import Message, WebSocket
 from fibws.credentials import Credentials
 from fibws.errors import (
     AccessDenied,
+    AuthenticationError,
     NoHub,
     OperationError,
     OperationRejected,
@@ -281,6 +282,9 @@ class HubClient:
                 subscription.on_message(RawMessage(text, None))
                 return
         operation = self._operation(data)
+        is_denied = operation.get("code") == AuthenticationError.code
+        if is_denied and not self._socket.has_sent_token:
+            raise self._socket.missing_token()
         if not self._handle(operation):
             self._operations.append(operation)
 

@@ -240,12 +240,22 @@ class WebSocket:
             self._headers = {}
         self.url = url
 
+    @property
+    def has_sent_token(self) -> bool:
+        """Whether the hub was given the token; a redirect to another server is followed without."""
+        return bool(self._headers)
+
+    def missing_token(self) -> AccessDenied:
+        """Return the error for a hub that waits for a token."""
+        self._has_denied = True
+        return self._credentials.missing(self.url, self._first_url)
+
     def _denied(self, code: int, reason: str) -> AccessDenied | None:
         return self._credentials.refusal(
             self.url,
             code,
             reason,
-            sent=bool(self._headers),
+            sent=self.has_sent_token,
             redirected_from=self._first_url,
         )
 

@@ -36,6 +36,7 @@ from websockets.typing import Subprotocol
 from fibws import credentials
 from fibws.credentials import Credentials
 from fibws.errors import (
+    AccessDenied,
     AccessError,
     HubUnreachable,
     InvalidAddress,
@@ -381,6 +382,9 @@ class Connection:
         self._credentials = token
         self._token: str | None = None
         """The token of the current connection."""
+        self._address = hub
+        """The URL of the current connection, after redirects."""
+        session.on_not_authenticated = self._on_not_authenticated
         self._found = asyncio.Event()
         """Set once there was a hub, or will never be one."""
         self._is_missing = False
@@ -493,6 +497,8 @@ class Connection:
         closed = asyncio.create_task(websocket.closed(), name=f"end of {self._hub}")
         flushed = asyncio.create_task(self._flush(hold=again), name=f"flush to {self._hub}")
         accepted = asyncio.create_task(self._accept(websocket), name=f"entry to {self._hub}")
+        self._address = websocket.address
+        self._session.has_token = websocket.has_sent_token
         try:
             websocket.start(hold=again)
             await asyncio.wait({closed, flushed}, return_when=asyncio.FIRST_COMPLETED)
@@ -563,13 +569,17 @@ class Connection:
             return NodeReplaced(f"another node took the name {self._node}")
         if code == KILLED.code:
             return NodeKilled(f"{self._node} was killed: another program asked the hub to end it")
+        return self._denied(code, reason)
+
+    def _denied(self, code: int | None, reason: str) -> AccessDenied | None:
+        sent = self._session.has_token
         return self._credentials.refusal(
-            websocket.address,
-            code,
-            reason,
-            sent=websocket.has_sent_token,
-            redirected_from=self._hub,
+            self._address, code, reason, sent=sent, redirected_from=self._hub
         )
+
+    def _on_not_authenticated(self) -> None:
+        """End the node: the hub would wait a while for a token before it closes the connection."""
+        self._session.end(self._credentials.missing(self._address, self._hub))
 
     def _on_missing(self, reason: str) -> None:
         """Log that there is no hub, once each time."""

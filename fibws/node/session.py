@@ -8,7 +8,13 @@ import time
 from collections.abc import Callable, Coroutine, Iterable
 from typing import Any, NoReturn, TypeAlias, assert_never
 
-from fibws.errors import InvalidUtf8, NodeClosed, OperationError, OperationRejected
+from fibws.errors import (
+    AuthenticationError,
+    InvalidUtf8,
+    NodeClosed,
+    OperationError,
+    OperationRejected,
+)
 from fibws.node.outgoing_queue import OutgoingQueue, PublisherLane, Writer
 from fibws.protocol.decoding import decode_json, parse_reply
 from fibws.protocol.fragments import Reassembly
@@ -36,6 +42,8 @@ MAX_SIZE = 64 << 20
 """Most bytes of a message: images and point clouds pass."""
 UNKNOWN_PUBLISHER = "unknown_publisher"
 """The code of a status about a message whose advertisement the hub has refused."""
+AUTHENTICATION = "auth:"
+"""How the ids of operations begin that give the hub a token."""
 
 _OnMessage: TypeAlias = Callable[[str, Any, dict[str, str] | None], bool]
 _LEVELS = {"error": logging.ERROR, "warning": logging.WARNING, "info": logging.INFO}
@@ -147,6 +155,10 @@ class Session:
         """Whether the node has been entered."""
         self.receive_binary: Callable[[Payload], None] = lambda data: None
         """Handles a binary frame of the hub: a message of a topic."""
+        self.has_token = False
+        """Whether the hub was given a token on this connection."""
+        self.on_not_authenticated: Callable[[], None] = _do_nothing
+        """Called when the hub refuses an operation of a client that has not shown a token."""
         self._receive_message: _OnMessage = lambda topic, message, header: False
         self._handlers: dict[OperationHandler, None] = {}
         self._end_turn: Callable[[], None] = _do_nothing
@@ -197,7 +209,7 @@ class Session:
 
     def authenticate(self, token: str) -> None:
         """Give the hub another token for this connection, before the current one expires."""
-        self.send(Auth(id=self.id("auth", "token"), token=token))
+        self.send(Auth(id=f"{AUTHENTICATION}{time.time():.0f}", token=token))
 
     def give_readers_a_turn(self) -> None:
         """Stop reading the socket until the tasks that are ready have run: a queue is full."""
@@ -360,12 +372,17 @@ class Session:
 
     def _on_status(self, status: Status) -> None:
         """Report a refused operation to its handler, and log everything else."""
+        if status.code == AuthenticationError.code and not self.has_token:
+            self.on_not_authenticated()
+            return
         if status.level == "error" and status.id is not None:
             error = OperationRejected(status.msg)
             error.code = status.code or error.code
             if any(handler.refuse(str(status.id), error) for handler in self.handlers()):
                 return
         level = _LEVELS.get(status.level, logging.INFO)
+        if status.level == "info" and str(status.id).startswith(AUTHENTICATION):
+            level = logging.DEBUG
         if status.code == UNKNOWN_PUBLISHER and status.id is None:
             level = logging.DEBUG  # The refusal of its advertisement was reported already.
         self.log.log(level, "The hub: %s", status.msg)

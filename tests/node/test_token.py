@@ -10,11 +10,15 @@ from base64 import urlsafe_b64encode
 from collections.abc import AsyncIterator
 from pathlib import Path
 
+import jwt as web_tokens
 import pytest
 from client.servers import redirecting_server
 from websockets.asyncio.server import ServerConnection, serve
 
 import fibws
+from fibws.access.rights import RIGHTS, Principal, Rights
+from fibws.access.token_file import TokenFile
+from fibws.hub import Hub, Settings
 from fibws.msg.std_msgs import Int32
 from fibws.node import connection
 
@@ -40,7 +44,7 @@ def token_of(peer: Peer) -> str | None:
     return peer.websocket.request.headers.get("Authorization")
 
 
-def jwt(name: str, seconds: float) -> str:
+def unsigned(name: str, seconds: float) -> str:
     """Return a token that expires in some seconds."""
     claims = json.dumps({"sub": name, "exp": time.time() + seconds}).encode()
     return f"e30.{urlsafe_b64encode(claims).decode().rstrip('=')}.e30"
@@ -172,7 +176,7 @@ async def test_node_waits_while_its_file_is_being_replaced(
 
 async def test_token_is_renewed_before_it_expires(hub: ScriptedHub, tmp_path: Path) -> None:
     file = tmp_path / "token"
-    first, second = jwt("first", 1), jwt("second", 1000)
+    first, second = unsigned("first", 1), unsigned("second", 1000)
     file.write_text(first)
     async with fibws.Node("talker", hub=hub.url, token_file=file):
         peer = await hub.peer()
@@ -204,3 +208,109 @@ async def test_token_without_encryption_is_warned_about_once(
     seen = lines.seen()
     assert sum("without encryption" in line for line in seen) == 1
     assert not any("secret" in line for line in seen)
+
+
+@pytest.fixture
+async def token_hub(tmp_path: Path) -> AsyncIterator[tuple[Hub, TokenFile]]:
+    """A real hub that wants tokens, and their file."""
+    path = tmp_path / "tokens.toml"
+    file = TokenFile(path)
+    file.save()
+    settings = Settings(port=0, close_timeout=0.1, tokens=path)
+    async with Hub(settings) as hub:
+        yield hub, file
+
+
+EVERYTHING = Rights({right: ("/**",) for right in RIGHTS})
+
+
+async def test_real_hub_lets_in_a_node_with_a_token(token_hub: tuple[Hub, TokenFile]) -> None:
+    hub, file = token_hub
+    token = file.add("robot1", EVERYTHING)
+    file.save()
+    hub.reload()
+    async with fibws.Node("talker", hub=hub.url, token=token) as node:
+        numbers = node.subscribe("numbers", Int32)
+        await node.flush()
+        await (await node.advertise("numbers", Int32)).publish(8)
+        assert await anext(numbers) == Int32(8)
+
+
+@pytest.mark.parametrize("token", [None, "fibws_wrong"])
+@pytest.mark.parametrize("rosout", [True, False])
+async def test_real_hub_refuses_a_node_without_a_valid_token(
+    token_hub: tuple[Hub, TokenFile], token: str | None, rosout: bool
+) -> None:
+    hub, _ = token_hub
+    with pytest.raises(fibws.NotAuthorized):
+        async with fibws.Node("talker", hub=hub.url, token=token, rosout=rosout) as node:
+            pytest.fail(f"{node} was let in")
+
+
+async def test_real_hub_refuses_a_name_of_another_principal(
+    token_hub: tuple[Hub, TokenFile],
+) -> None:
+    hub, file = token_hub
+    first, second = file.add("first", EVERYTHING), file.add("second", EVERYTHING)
+    file.save()
+    hub.reload()
+    async with fibws.Node("talker", hub=hub.url, token=first) as node:
+        with pytest.raises(fibws.MissingRight, match="/talker"):
+            async with fibws.Node("talker", hub=hub.url, token=second):
+                pytest.fail("the name is taken")
+        await node.flush()
+
+
+async def test_missing_right_is_named(token_hub: tuple[Hub, TokenFile]) -> None:
+    hub, file = token_hub
+    token = file.add("looker", Rights({"subscribe": ("/**",)}))
+    file.save()
+    hub.reload()
+    async with fibws.Node("looker", hub=hub.url, token=token) as node:
+        with pytest.raises(fibws.OperationRejected, match=r"publish.*/numbers") as caught:
+            await node.advertise("numbers", Int32)
+        assert caught.value.code == "not_allowed"
+
+
+async def test_revoked_token_ends_a_node_of_a_real_hub(
+    token_hub: tuple[Hub, TokenFile],
+) -> None:
+    hub, file = token_hub
+    token = file.add("robot1", EVERYTHING)
+    file.save()
+    hub.reload()
+    async with fibws.Node("talker", hub=hub.url, token=token) as node:
+        file.revoke("robot1")
+        file.save()
+        hub.reload()
+        with pytest.raises(fibws.NotAuthorized, match="unknown token"):
+            await node.spin()
+
+
+async def test_web_token_is_renewed_at_a_real_hub(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    key, file = tmp_path / "key", tmp_path / "token"
+    key.write_bytes(b"0123456789abcdef0123456789abcdef")
+
+    def token(seconds: float) -> str:
+        rights = {"allow": {"publish": ["/**"], "subscribe": ["/**"]}}
+        claims = {"sub": "robot1", "exp": time.time() + seconds, "fibws": rights}
+        return web_tokens.encode(claims, key.read_bytes(), "HS256")
+
+    settings = Settings(port=0, close_timeout=0.1, jwt_key=key, jwt_leeway=0)
+    file.write_text(token(1.5))
+    renewed: asyncio.Queue[float | None] = asyncio.Queue()
+    async with Hub(settings) as hub:
+        authorize = hub.graph.authorize
+
+        def report(node: str, principal: Principal) -> None:
+            authorize(node, principal)
+            renewed.put_nowait(principal.expires)
+
+        monkeypatch.setattr(hub.graph, "authorize", report)
+        async with fibws.Node("talker", hub=hub.url, token_file=file) as node:
+            file.write_text(token(1000))
+            expires = await asyncio.wait_for(renewed.get(), 60)
+            assert expires is not None and expires > time.time() + 100
+            await node.flush()
