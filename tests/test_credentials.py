@@ -149,14 +149,13 @@ def test_other_close_codes_are_not_final() -> None:
 
 
 def test_remedy_names_the_source_of_the_token(file: Path) -> None:
-    def text(credentials: Credentials, **details: Any) -> str:
-        details = {"sent": True, "redirected_from": "ws://robot"} | details
-        return str(credentials.refusal("ws://robot", 4401, "no", **details))
+    def text(credentials: Credentials, *, sent: bool = True, first: str = "ws://robot") -> str:
+        return str(credentials.refusal("ws://robot", 4401, "no", sent=sent, redirected_from=first))
 
     assert "FIBWS_TOKEN" in text(Credentials(), sent=False)
     assert "the hub's URL" in text(Credentials("a", source="the hub's URL"))
     assert str(file) in text(Credentials(file=file, source="FIBWS_TOKEN_FILE"))
-    redirect = text(Credentials("a", source="x"), sent=False, redirected_from="ws://first")
+    redirect = text(Credentials("a", source="x"), sent=False, first="ws://first")
     assert "redirects" in redirect and "FIBWS_HUB=ws://robot" in redirect
 
 

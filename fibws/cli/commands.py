@@ -29,6 +29,7 @@ COMMANDS = {
     "pkg": Command("fibws.cli.pkg", "Create and find packages: catkin_create_pkg, rospack.", BEGIN),
     "launch": Command("fibws.cli.launch", "Start nodes from launch files: roslaunch.", BEGIN),
     "test": Command("fibws.cli.rostest", "Run the tests of a launch file: rostest.", BEGIN),
+    "token": Command("fibws.cli.token", "Create, list and revoke the tokens of a hub.", BEGIN),
     "doctor": Command("fibws.cli.doctor", "Find problems of the setup, hub and graph.", BEGIN),
     "open": Command("fibws.cli.open", "Open the hub's page in a browser: rqt.", LOOK),
     "graph": Command("fibws.cli.graph", "Draw the graph of nodes and topics.", LOOK),
