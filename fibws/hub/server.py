@@ -36,6 +36,7 @@ from fibws.hub.settings import Settings
 from fibws.hub.websocket.connection import Connection, Shared
 from fibws.hub.websocket.endpoint import Endpoints
 from fibws.hub.websocket.http import HttpRequests, read_files
+from fibws.hub.websocket.login import LoginRoutes
 from fibws.hub.websocket.proxies import TrustedProxies
 from fibws.hub.websocket.shared_limits import SharedLimits
 from fibws.hub.websocket.tls import ServerTls
@@ -173,6 +174,7 @@ class Hub:
             self._lag, watchers, self.health, shows_version=not has_authentication
         )
         self._probes.add_to(requests)
+        LoginRoutes(requests, self._authentication)
         self._limits = SharedLimits(self.settings, self._connections, loop.call_soon)
         metrics = Metrics(
             self.graph,

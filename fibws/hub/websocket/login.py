@@ -1,0 +1,117 @@
+"""The login of the hub's page: ``/login`` turns a token into a cookie, and ``/logout`` removes it.
+
+A script of a page cannot set headers of a WebSocket, and a token in a URL ends up in logs and in
+the browser's history. A cookie is sent by itself, and no script can read this one (HttpOnly).
+
+The token comes in the header ``Authorization``, which pages of other origins cannot send without a
+permission (CORS) that the hub never gives. The cookie is sent with no request that another site
+has caused (SameSite=Strict).
+"""
+
+from __future__ import annotations
+
+import http
+import re
+
+from pydantic_core import to_json
+from websockets.datastructures import Headers
+from websockets.http11 import Response
+
+from fibws.access.rights import Principal
+from fibws.errors import AuthenticationError, TooManyAttempts
+from fibws.hub.access.authentication import COOKIE, Authentication
+from fibws.hub.websocket.http import Get, HttpRequests, response, text_response
+from fibws.hub.websocket.origins import origin_of_url
+
+ATTRIBUTES = "HttpOnly; SameSite=Strict"
+"""The path is not among them: by default it is the folder of ``login``, also behind a proxy that
+has the hub in a folder of its own."""
+# RFC 6265, section 4.1.1, without characters that would need quotes.
+_COOKIE_VALUE = re.compile(r"[A-Za-z0-9!#$%&'()*+\-./:<=>?@\[\]^_`{|}~]+")
+
+
+class LoginRoutes:
+    """``/login`` and ``/logout``.
+
+    Args:
+        requests: what these resources are added to.
+        authentication: the hub's; None if it lets in everybody.
+    """
+
+    def __init__(self, requests: HttpRequests, authentication: Authentication | None) -> None:
+        self._requests = requests
+        self._authentication = authentication
+        requests.add_route("/login", self._log_in)
+        requests.add_route("/logout", self._log_out)
+
+    def _log_in(self, get: Get) -> Response:
+        """Set the cookie if a token is given; otherwise respond with who the client is."""
+        refusal = self._refusal(get)
+        if refusal is not None:
+            return refusal
+        scheme, _, token = get.headers.get("Authorization", "").partition(" ")
+        if scheme.lower() != "bearer" or self._authentication is None:
+            return _not_stored(self._describe(get))
+        token = token.strip()
+        try:
+            self._authentication.log_in_by_token(token, get.address)
+        except TooManyAttempts as error:
+            return _not_stored(text_response(http.HTTPStatus.TOO_MANY_REQUESTS, str(error)))
+        except AuthenticationError as error:
+            return _not_stored(text_response(http.HTTPStatus.UNAUTHORIZED, str(error)))
+        if not _COOKIE_VALUE.fullmatch(token):
+            fault = "the token has characters that a cookie must not have"
+            return _not_stored(text_response(http.HTTPStatus.BAD_REQUEST, fault))
+        return _with_cookie(get.headers, token)
+
+    def _log_out(self, get: Get) -> Response:
+        return self._refusal(get) or _with_cookie(get.headers, "", "; Max-Age=0")
+
+    def _refusal(self, get: Get) -> Response | None:
+        """Refuse pages of other sites."""
+        refusal = self._requests.host_refusal(get)
+        if refusal is None and get.headers.get("Sec-Fetch-Site", "none") not in (
+            "same-origin",
+            "none",
+        ):
+            refusal = "Only the hub's own page may log in and out"
+        return (refusal and text_response(http.HTTPStatus.FORBIDDEN, refusal)) or None
+
+    def _describe(self, get: Get) -> Response:
+        """Respond with who the client is by its cookie, or why it is nobody."""
+        principal: Principal | None = None
+        reason = ""
+        if self._authentication is not None:
+            reason = "missing token"
+            try:
+                login = self._authentication.log_in(
+                    get.headers, get.path, (), get.certificate, get.address
+                )
+                principal = None if login is None else login.principal
+            except AuthenticationError as error:
+                reason = str(error)
+        body = {
+            "required": self._authentication is not None,
+            "name": principal and principal.name,
+            "admin": principal is not None and principal.rights.admin,
+            "reason": "" if principal is not None else reason,
+        }
+        return response(http.HTTPStatus.OK, "application/json", to_json(body))
+
+
+def _with_cookie(headers: Headers, value: str, more: str = "") -> Response:
+    found = _not_stored(response(http.HTTPStatus.NO_CONTENT))
+    secure = "; Secure" if _is_encrypted(headers) else ""
+    found.headers["Set-Cookie"] = f"{COOKIE}={value}; {ATTRIBUTES}{secure}{more}"
+    return found
+
+
+def _is_encrypted(headers: Headers) -> bool:
+    """Return whether the page was loaded with TLS, be it the hub's or a proxy's."""
+    origin = headers.get("Origin") or origin_of_url(headers.get("Referer", ""))
+    return origin is not None and origin.startswith("https://")
+
+
+def _not_stored(found: Response) -> Response:
+    found.headers["Cache-Control"] = "no-store"
+    return found
