@@ -1,6 +1,14 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 
-import { CallTimeout, Hub, hubUrl, isDefaultHub, type Operation, withNode } from "./hub";
+import {
+  CallTimeout,
+  Hub,
+  hubUrl,
+  isDefaultHub,
+  type Operation,
+  splitToken,
+  withNode,
+} from "./hub";
 
 /** Stands in for the browser's WebSocket: the test plays the hub. */
 class FakeSocket {
@@ -312,4 +320,50 @@ test("the default hub is on this machine at port 9090", () => {
 
 test("the node's name is added to the address's query", () => {
   expect(withNode("ws://robot/?token=1", "/page_1")).toBe("ws://robot/?token=1&node=/page_1");
+});
+
+test("a page without a token is denied, and does not reconnect", () => {
+  open();
+  expect(hub.denied.value).toBe("");
+  close(4401, "missing token");
+  expect([hub.denied.value, hub.ended.value]).toEqual(["missing token", true]);
+  vi.runAllTimers();
+  expect(FakeSocket.all).toHaveLength(1);
+  hub.connect();
+  open();
+  expect([hub.denied.value, hub.ended.value]).toEqual(["", false]);
+});
+
+test("another reason to stop does not ask for a token", () => {
+  open();
+  close(4403, "missing right node for /page");
+  expect([hub.denied.value, hub.ended.value]).toEqual(["", true]);
+});
+
+test("a denied page is disconnected", () => {
+  open();
+  const first = socket();
+  hub.deny("missing token");
+  expect([first.closed, hub.state.value, hub.denied.value]).toEqual([
+    true,
+    "closed",
+    "missing token",
+  ]);
+});
+
+test("the token comes first on each connection, and is not in the address", () => {
+  hub.subscribe("/a", {}, () => undefined);
+  hub.enter("secret");
+  open();
+  expect(socket().sent.map(({ op }) => op)).toEqual(["auth", "subscribe"]);
+  expect(socket().sent[0]).toMatchObject({ token: "secret" });
+  expect(socket().url).not.toContain("secret");
+});
+
+test("the token of an address is taken out of it", () => {
+  expect(splitToken("ws://robot:9090/?a=b&token=x%2By")).toEqual({
+    url: "ws://robot:9090/?a=b",
+    token: "x+y",
+  });
+  expect(splitToken("ws://robot:9090/")).toEqual({ url: "ws://robot:9090/", token: "" });
 });

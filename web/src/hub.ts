@@ -60,6 +60,9 @@ const MAX_RETRY = 4000;
 /** The hub closes with a code from here on if a client must not reconnect by itself. */
 const NO_RECONNECT = 4000;
 
+/** The code with which the hub closes if it wants a token, or another one. */
+const UNAUTHENTICATED = 4401;
+
 /** The status of a goal that was not executed, of action_msgs/GoalStatus. */
 const ABORTED = 6;
 
@@ -80,11 +83,14 @@ export class Hub {
   readonly ended: Signal<boolean>;
   /** How many attempts in a row to connect have failed. */
   readonly failures: Signal<number>;
+  /** Why the hub wants a token, or another one; empty if it does not. */
+  readonly denied: Signal<string>;
 
   readonly #state = new Source<State>("connecting");
   readonly #reason = new Source("");
   readonly #ended = new Source(false);
   readonly #failures = new Source(0);
+  readonly #denied = new Source("");
   /** Calls without a response, by their ids. */
   readonly #calls = new Map<string, Call>();
   /** Goals that have not ended, by their ids. */
@@ -97,10 +103,14 @@ export class Hub {
   #ids = 0;
   #retryTime = MIN_RETRY;
   #retryTimer: number | undefined;
+  /** The token to send first; empty if there is none, or if the browser sends a cookie. */
+  #token: string;
 
   /** `url` is the hub's WebSocket address. */
-  constructor(url: string) {
+  constructor(url: string, token = "") {
     this.url = url;
+    this.#token = token;
+    this.denied = this.#denied;
     this.state = this.#state;
     this.reason = this.#reason;
     this.ended = this.#ended;
@@ -119,6 +129,20 @@ export class Hub {
       this.#disconnected((error as Error).message);
       this.#ended.set(true);
     }
+  }
+
+  /** Connect with a token, which is sent by the operation `auth`. */
+  enter(token: string): void {
+    this.#token = token;
+    this.connect();
+  }
+
+  /** Disconnect until there is another token. */
+  deny(why: string): void {
+    window.clearTimeout(this.#retryTimer);
+    this.#abandon();
+    this.#disconnected(why);
+    this.#end(why);
   }
 
   /** Replace a connection that no longer responds by a new one. */
@@ -247,8 +271,14 @@ export class Hub {
     socket.onclose = ({ code, reason }) => {
       this.#disconnected(reason);
       if (code < NO_RECONNECT) this.#retry();
-      else this.#ended.set(true);
+      else this.#end(code === UNAUTHENTICATED ? reason : "");
     };
+  }
+
+  /** Stop reconnecting; `denied` is why the hub wants another token, if that is the reason. */
+  #end(denied: string): void {
+    this.#ended.set(true);
+    this.#denied.set(denied);
   }
 
   /** Close the socket, if there is one, and ignore whatever it still does. */
@@ -309,13 +339,15 @@ export class Hub {
   #connected(): void {
     this.#retryTime = MIN_RETRY;
     const listeners = [...this.#listeners.values()];
-    const operations = [
+    const operations: Operation[] = [
       ...this.#advertised.values(),
       ...listeners.flatMap((all) => all.operations()),
     ];
+    if (this.#token !== "") operations.unshift({ op: "auth", token: this.#token });
     for (const operation of operations) this.#socket?.send(JSON.stringify(operation));
     this.#reason.set("");
     this.#ended.set(false);
+    this.#denied.set("");
     this.#failures.set(0);
     this.#state.set("open");
     for (const call of this.#calls.values()) if (!call.sent) this.#sendCall(call);
@@ -388,6 +420,14 @@ function parsed(text: string): URL | undefined {
 export function isDefaultHub(url: string): boolean {
   const { hostname, port } = new URL(url);
   return port === DEFAULT_PORT && ["localhost", "127.0.0.1", "[::1]"].includes(hostname);
+}
+
+/** A hub's address without the token in it, which must not be shown, and the token. */
+export function splitToken(address: string): { url: string; token: string } {
+  const url = new URL(address);
+  const token = url.searchParams.get("token") ?? "";
+  url.searchParams.delete("token");
+  return { url: url.href, token };
 }
 
 /** The address with the name that the client's node is to have. */

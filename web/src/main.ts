@@ -3,7 +3,8 @@ import { offerConsole } from "./browser_console";
 import { connectionProblem } from "./connection_problem";
 import { h, replace } from "./dom";
 import { isHidden } from "./hidden_names";
-import { Hub, hubUrl } from "./hub";
+import { Hub, hubUrl, splitToken } from "./hub";
+import { Login, loginForm } from "./login";
 import { Model } from "./model";
 import { Shell, TABS, type Tab } from "./shell";
 import { type MakeView, pathOf, stateOf, type View } from "./view";
@@ -19,11 +20,14 @@ try {
 }
 
 /** Show the hub at a WebSocket address. */
-function start(url: string): void {
-  const hub = new Hub(url);
+function start(address: string): void {
+  const { url, token } = splitToken(address);
+  const hub = new Hub(url, token);
+  const login = new Login(hub);
   const model = new Model(hub);
-  const shell = new Shell(hub, model);
-  shell.stage.before(connectionProblem(hub));
+  const shell = new Shell(hub, model, login);
+  shell.stage.before(connectionProblem(hub), loginForm(hub, login));
+  void login.identify();
   const views = new Map<Tab, Promise<View>>();
   const welcomeView = staticView(
     h(

@@ -5,6 +5,7 @@ import { h, replace, setText, svg } from "./dom";
 import { hertz } from "./format";
 import { isHidden } from "./hidden_names";
 import type { Hub, State } from "./hub";
+import { account, type Login } from "./login";
 import type { Graph, Model, Rates } from "./model";
 import { route } from "./view";
 import { showHelp } from "./welcome";
@@ -35,8 +36,8 @@ export class Shell {
   readonly #topics = h("dd", { id: "count-topics" }, "–");
   readonly #rate = h("dd", { id: "count-rate" }, "–");
 
-  constructor(hub: Hub, model: Model) {
-    replace(document.body, this.#header(hub), this.stage);
+  constructor(hub: Hub, model: Model, login: Login) {
+    replace(document.body, this.#header(hub, login), this.stage);
     this.#badge(model);
     model.graph.watch((graph) => this.#showCounts(graph));
     model.rates.watch((rates) => this.#showRate(rates));
@@ -57,7 +58,7 @@ export class Shell {
     document.title = `${label} · fibws hub`;
   }
 
-  #header(hub: Hub): HTMLElement {
+  #header(hub: Hub, login: Login): HTMLElement {
     const count = (noun: string, number: HTMLElement) => h("div", {}, h("dt", {}, noun), number);
     return h(
       "header",
@@ -78,9 +79,14 @@ export class Shell {
       ),
       h("nav", { "aria-label": "Views" }, ...TABS.map(({ name, label }) => this.#tab(name, label))),
       h(
-        "button",
-        { type: "button", class: "quiet", id: "help", onclick: () => showHelp(hub.url) },
-        "Help",
+        "div",
+        { id: "tools" },
+        account(hub, login),
+        h(
+          "button",
+          { type: "button", class: "quiet", id: "help", onclick: () => showHelp(hub.url) },
+          "Help",
+        ),
       ),
     );
   }

@@ -26,6 +26,8 @@ from fibws.hub.websocket.origins import origin_of_url
 ATTRIBUTES = "HttpOnly; SameSite=Strict"
 """The path is not among them: by default it is the folder of ``login``, also behind a proxy that
 has the hub in a folder of its own."""
+OWN_PAGE = ("same-origin", "none")
+"""What browsers say in Sec-Fetch-Site about requests of the page, and of a person."""
 # RFC 6265, section 4.1.1, without characters that would need quotes.
 _COOKIE_VALUE = re.compile(r"[A-Za-z0-9!#$%&'()*+\-./:<=>?@\[\]^_`{|}~]+")
 
@@ -70,12 +72,9 @@ class LoginRoutes:
     def _refusal(self, get: Get) -> Response | None:
         """Refuse pages of other sites."""
         refusal = self._requests.host_refusal(get)
-        if refusal is None and get.headers.get("Sec-Fetch-Site", "none") not in (
-            "same-origin",
-            "none",
-        ):
+        if refusal is None and get.headers.get("Sec-Fetch-Site", "none") not in OWN_PAGE:
             refusal = "Only the hub's own page may log in and out"
-        return (refusal and text_response(http.HTTPStatus.FORBIDDEN, refusal)) or None
+        return None if refusal is None else text_response(http.HTTPStatus.FORBIDDEN, refusal)
 
     def _describe(self, get: Get) -> Response:
         """Respond with who the client is by its cookie, or why it is nobody."""

@@ -1,0 +1,178 @@
+/** The page's login at a hub that wants a token: a form, who the page is, and the way out. */
+import "./login.css";
+
+import { h, replace, setText } from "./dom";
+import type { Hub } from "./hub";
+import { type Signal, Source } from "./signal";
+
+/** The hub's answer at `/login`: who the page is by its cookie. */
+export interface Who {
+  /** Whether the hub wants a token. */
+  required: boolean;
+  /** null if the hub does not let the page in. */
+  name: string | null;
+  admin: boolean;
+  /** Why the hub does not let the page in. */
+  reason: string;
+}
+
+/** Who enters without a token, if the hub allows that. */
+const ANONYMOUS = "anonymous";
+
+/**
+ * The page's token and identity.
+ *
+ * At the page's own hub a token becomes a cookie, which no script can read. At other hubs it is kept
+ * until the page is closed.
+ */
+export class Login {
+  /** null while it is unknown, or if the hub wants no token. */
+  readonly who: Signal<Who | null>;
+  readonly #who = new Source<Who | null>(null);
+  readonly #hub: Hub;
+  /** The address of the hub's pages, if the page is one of them. */
+  readonly #site: URL | undefined;
+
+  constructor(hub: Hub, page: string = location.href) {
+    this.who = this.#who;
+    this.#hub = hub;
+    this.#site = siteOf(hub.url, page);
+  }
+
+  /** Ask the hub who the page is, and show the form at once if it is nobody. */
+  async identify(): Promise<void> {
+    const who = this.#site && (await ask(new URL("login", this.#site)));
+    if (!who?.required) return;
+    this.#who.set(who);
+    if (who.name === null) this.#hub.deny(who.reason);
+  }
+
+  /** Log in; return why that fails, or an empty text. */
+  async logIn(token: string): Promise<string> {
+    if (!/^[\x21-\x7e]+$/.test(token)) return "a token has no spaces and no special characters";
+    if (this.#site === undefined) {
+      this.#hub.enter(token);
+      return "";
+    }
+    const why = await requestCookie(new URL("login", this.#site), token);
+    if (why !== "") return why;
+    this.#hub.connect();
+    await this.identify();
+    return "";
+  }
+
+  /** Forget the token, and connect without it. */
+  async logOut(): Promise<void> {
+    if (this.#site === undefined) return;
+    await fetch(new URL("logout", this.#site), OPTIONS);
+    this.#hub.connect();
+    await this.identify();
+  }
+}
+
+/** A browser names the page's origin to its own server only in the referrer. */
+const OPTIONS: RequestInit = { referrerPolicy: "origin", cache: "no-store" };
+
+/** The address of a hub's pages if this page is one of them: only these get cookies. */
+export function siteOf(hub: string, page: string): URL | undefined {
+  const url = new URL(hub);
+  url.protocol = url.protocol.replace("ws", "http");
+  url.search = "";
+  return url.origin === new URL(page).origin ? url : undefined;
+}
+
+async function ask(url: URL): Promise<Who | undefined> {
+  try {
+    const response = await fetch(url, OPTIONS);
+    const answer: unknown = await response.json();
+    return response.ok && isWho(answer) ? answer : undefined;
+  } catch {
+    return undefined;
+  }
+}
+
+function isWho(value: unknown): value is Who {
+  return typeof value === "object" && value !== null && "required" in value && "name" in value;
+}
+
+async function requestCookie(url: URL, token: string): Promise<string> {
+  try {
+    const headers = { Authorization: `Bearer ${token}` };
+    const response = await fetch(url, { ...OPTIONS, headers });
+    if (response.ok) return "";
+    const text = (await response.text()).trim().replace(/\.$/, "");
+    return text || `the hub answers with status ${response.status}`;
+  } catch {
+    return "the hub does not answer";
+  }
+}
+
+/** The form, which is visible while the hub wants a token that the page does not have. */
+export function loginForm(hub: Hub, login: Login): HTMLElement {
+  const problem = h("p", { class: "problem", id: "login-problem", role: "alert" });
+  const input = h("input", {
+    type: "password",
+    id: "token",
+    autocomplete: "current-password",
+    autocapitalize: "none",
+    spellcheck: "false",
+    required: true,
+    "aria-describedby": "login-problem",
+  });
+  const button = h("button", { class: "primary" }, "Log in");
+  const submit = async (event: Event): Promise<void> => {
+    event.preventDefault();
+    button.disabled = true;
+    const why = await login.logIn(input.value.trim());
+    button.disabled = false;
+    show(why);
+    if (why === "") input.value = "";
+    else input.select();
+  };
+  const form = h(
+    "form",
+    { class: "login", hidden: true, onsubmit: submit, "aria-labelledby": "login-title" },
+    h("h2", { id: "login-title" }, "Log in"),
+    h("p", {}, "This hub wants a token. Ask whoever runs it, or create one there:"),
+    h("pre", {}, "fibws token add NAME --file FILE --subscribe '/**'"),
+    h("label", { for: "token" }, "Token"),
+    h("div", { class: "row" }, input, button),
+    problem,
+  );
+  const show = (why: string): void => {
+    setText(problem, why === "" ? "" : `The hub refuses this page: ${why}.`);
+  };
+  hub.denied.watch((why) => {
+    const appears = form.hidden && why !== "";
+    form.hidden = why === "";
+    // Nothing is wrong with a page that has no token yet.
+    show(why === MISSING ? "" : why);
+    if (appears) queueMicrotask(() => input.focus());
+  });
+  return form;
+}
+
+/** The hub's reason if there is no token at all. */
+const MISSING = "missing token";
+
+/** Who the page is, and a button to log out; empty if the hub wants no token. */
+export function account(hub: Hub, login: Login): HTMLElement {
+  const box = h("div", { id: "account" });
+  login.who.watch((who) => {
+    if (who === null || who.name === null) {
+      replace(box);
+      return;
+    }
+    const isAnonymous = who.name === ANONYMOUS;
+    const title = who.admin ? `${who.name}, who may do everything` : who.name;
+    const button = isAnonymous
+      ? h("button", { type: "button", class: "quiet", onclick: () => hub.deny(MISSING) }, "Log in")
+      : h(
+          "button",
+          { type: "button", class: "quiet", onclick: () => void login.logOut() },
+          "Log out",
+        );
+    replace(box, h("span", { class: "principal", title }, who.name), button);
+  });
+  return box;
+}
