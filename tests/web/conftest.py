@@ -122,10 +122,10 @@ def complaints() -> Complaints:
 async def open_page(browser: Browser, complaints: Complaints, hub: Hub) -> AsyncIterator[OpenPage]:
     """Return a function that opens a hub's page: ``await open_page(hub, "#/topics", width=360)``.
 
-    It returns once the page is connected. ``prepare`` is JavaScript that runs before the page's
-    own, ``address`` is the page's address if it is not the hub's own; other keywords are those of
-    playwright's ``new_context``, such as ``color_scheme="dark"``. The fixture ``hub`` is requested
-    so that it outlives all pages.
+    It returns once the page is connected, or has another ``state``. ``prepare`` is JavaScript that
+    runs before the page's own, ``address`` is the page's address if it is not the hub's own; other
+    keywords are those of playwright's ``new_context``, such as ``color_scheme="dark"``. The fixture
+    ``hub`` is requested so that it outlives all pages.
     """
     if not (BUILT / "index.html").exists() and not os.environ.get("CI"):
         pytest.skip("the page is not built: npm ci && npm run build, in web/")
@@ -138,6 +138,7 @@ async def open_page(browser: Browser, complaints: Complaints, hub: Hub) -> Async
         height: int = 800,
         prepare: str = "",
         address: str = "",
+        state: str = "open",
         **context: Any,
     ) -> Page:
         viewport: ViewportSize = {"width": width, "height": height}
@@ -147,7 +148,7 @@ async def open_page(browser: Browser, complaints: Complaints, hub: Hub) -> Async
         complaints.watch(page)
         await page.add_init_script(prepare)
         await page.goto(f"{address or web_address(hub)}/{route}")
-        await page.wait_for_selector("#hub[data-state=open]")
+        await page.wait_for_selector(f"#hub[data-state={state}]")
         return page
 
     yield open_page

@@ -135,6 +135,8 @@ export function loginForm(hub: Hub, login: Login): HTMLElement {
     h("h2", { id: "login-title" }, "Log in"),
     h("p", {}, "This hub wants a token. Ask whoever runs it, or create one there:"),
     h("pre", {}, "fibws token add NAME --file FILE --subscribe '/**'"),
+    // Password managers store a token under this name.
+    h("input", { type: "text", autocomplete: "username", value: hub.url, hidden: true }),
     h("label", { for: "token" }, "Token"),
     h("div", { class: "row" }, input, button),
     problem,

@@ -164,8 +164,10 @@ function connectionState(hub: Hub): HTMLElement {
     box.dataset.state = hub.state.value;
     const why = hub.reason.value === "" ? "" : ` (${hub.reason.value})`;
     setText(text, (hub.ended.value ? "closed" : STATES[hub.state.value]) + why);
-    button.hidden = !hub.ended.value;
+    // Without another token the hub would refuse the page again.
+    button.hidden = !hub.ended.value || hub.denied.value !== "";
   };
+  hub.denied.watch(update);
   hub.state.watch(update);
   hub.reason.watch(update);
   hub.ended.watch(update);

@@ -1,0 +1,116 @@
+"""The page at a hub that wants a token."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from pathlib import Path
+
+from playwright.async_api import Page, expect
+
+import fibws
+from fibws.access.rights import RIGHTS, Rights
+from fibws.access.token_file import TokenFile
+from fibws.hub import Hub, Settings
+
+from .conftest import Complaints, OpenPage, fixture, until
+
+
+class TokenHub:
+    """A hub with tokens: ``robot`` may do everything, ``dashboard`` may only look."""
+
+    def __init__(self, hub: Hub, file: TokenFile) -> None:
+        self.hub = hub
+        self.file = file
+        self.robot = file.add("robot", Rights({right: ("/**",) for right in RIGHTS}))
+        self.dashboard = file.add("dashboard", Rights({"subscribe": ("/**",)}))
+        self.save()
+
+    def save(self) -> None:
+        self.file.save()
+        self.hub.reload()
+
+
+@fixture
+async def token_hub(tmp_path: Path) -> AsyncIterator[TokenHub]:
+    file = TokenFile(tmp_path / "tokens.toml")
+    file.save()
+    async with Hub(Settings(port=0, tokens=tmp_path / "tokens.toml")) as hub:
+        yield TokenHub(hub, file)
+
+
+async def log_in(page: Page, token: str) -> None:
+    await page.get_by_label("Token", exact=True).fill(token)
+    await page.get_by_role("button", name="Log in").click()
+
+
+async def test_page_logs_in_and_stays_logged_in(open_page: OpenPage, token_hub: TokenHub) -> None:
+    page = await open_page(token_hub.hub, state="closed")
+    await expect(page.get_by_label("Token", exact=True)).to_be_focused()
+    await expect(page.locator("#stage")).to_be_hidden()
+    await log_in(page, f" {token_hub.dashboard} ")
+    await expect(page.locator("#account")).to_contain_text("dashboard")
+    await expect(page.locator("#hub")).to_have_attribute("data-state", "open")
+    await expect(page.locator(".login")).to_be_hidden()
+    [cookie] = await page.context.cookies()
+    assert cookie["name"] == "fibws_token" and cookie["value"] == token_hub.dashboard
+    assert cookie["httpOnly"] and cookie["sameSite"] == "Strict" and cookie["path"] == "/"
+    assert await page.evaluate("document.cookie") == ""
+    await page.reload()
+    await expect(page.locator("#account")).to_contain_text("dashboard")
+    await until(page, "document.querySelector('#hub').dataset.state === 'open'")
+
+
+async def test_wrong_token_is_refused_with_the_reason(
+    open_page: OpenPage, token_hub: TokenHub, complaints: Complaints
+) -> None:
+    page = await open_page(token_hub.hub, state="closed")
+    await log_in(page, "fibws_wrong")
+    await expect(page.locator("#login-problem")).to_contain_text("unknown token")
+    complaints.expect("401")
+    await log_in(page, token_hub.dashboard)
+    await expect(page.locator("#account")).to_contain_text("dashboard")
+
+
+async def test_logout_hides_what_was_shown(open_page: OpenPage, token_hub: TokenHub) -> None:
+    page = await open_page(token_hub.hub, state="closed")
+    await log_in(page, token_hub.dashboard)
+    await page.get_by_role("button", name="Log out").click()
+    await expect(page.get_by_label("Token", exact=True)).to_be_visible()
+    await expect(page.locator("#stage")).to_be_hidden()
+    assert await page.context.cookies() == []
+    await page.reload()
+    await expect(page.get_by_label("Token", exact=True)).to_be_visible()
+
+
+async def test_revoked_token_asks_for_another(open_page: OpenPage, token_hub: TokenHub) -> None:
+    page = await open_page(token_hub.hub, state="closed")
+    await log_in(page, token_hub.dashboard)
+    await expect(page.locator("#hub")).to_have_attribute("data-state", "open")
+    token_hub.file.revoke("dashboard")
+    token_hub.save()
+    await expect(page.locator("#login-problem")).to_contain_text("unknown token")
+    await log_in(page, token_hub.robot)
+    await expect(page.locator("#account")).to_contain_text("robot")
+    await expect(page.locator("#hub")).to_have_attribute("data-state", "open")
+
+
+async def test_missing_right_is_named(open_page: OpenPage, token_hub: TokenHub) -> None:
+    async with fibws.Node("talker", hub=token_hub.hub.url, token=token_hub.robot) as node:
+        await node.advertise("numbers", "std_msgs/Int32")
+        page = await open_page(token_hub.hub, "#/topics/%2Fnumbers", state="closed")
+        await log_in(page, token_hub.dashboard)
+        await page.locator("summary", has_text="Publish").click()
+        await page.get_by_role("button", name="Publish", exact=True).click()
+        problem = page.get_by_text("missing right publish for /numbers")
+        await expect(problem).to_be_visible()
+
+
+async def test_page_of_another_hub_sends_its_token_by_an_operation(
+    open_page: OpenPage, hub: Hub, token_hub: TokenHub
+) -> None:
+    page = await open_page(hub, f"?hub={token_hub.hub.url}/%3Ftoken%3D{token_hub.dashboard}")
+    async with fibws.Node("talker", hub=token_hub.hub.url, token=token_hub.robot) as node:
+        await node.advertise("numbers", "std_msgs/Int32")
+        await expect(page.locator("#count-topics")).to_have_text("1")
+    assert token_hub.dashboard not in await page.locator("#header").inner_html()
+    assert await page.context.cookies() == []
