@@ -214,7 +214,8 @@ class WebSocket(asyncio.BufferedProtocol):
         """The URL of the hub, after redirects."""
         uri = self._handshake.protocol.uri
         host = f"[{uri.host}]" if ":" in uri.host else uri.host
-        return f"{'wss' if uri.secure else 'ws'}://{host}:{uri.port}{uri.path}"
+        path = uri.path.removesuffix("/")
+        return f"{'wss' if uri.secure else 'ws'}://{host}:{uri.port}{path}"
 
     @property
     def has_sent_token(self) -> bool:

@@ -34,10 +34,11 @@ def command(hub: str | None, as_json: bool) -> None:
     python       the version of Python
     packages     the required packages and their versions
     terminal     the encoding of the output
-    environment  ROS_NAMESPACE, FIBWS_HUB and proxies
+    environment  ROS_NAMESPACE, FIBWS_HUB, FIBWS_TOKEN and proxies
     definitions  the folders and files of FIBWS_INTERFACES
     hub          whether a hub answers
     version      whether the hub has the same version
+    token        whether the hub wants a token, and accepts this one
     round trip   the time that a call takes
     clock        the difference between the clocks
     graph        the numbers of nodes and topics
@@ -81,6 +82,7 @@ def findings(hub_: str | None) -> Iterator[Finding]:
     with client:
         yield ok("hub", f"{client.url} accepts connections")
         yield hub.version(client.url)
+        yield from hub.token(client)
         try:
             yield from hub.round_trip(client)
             before = _snapshot(client)

@@ -13,8 +13,19 @@ from fibws import __version__, hub_address, tls
 from fibws.cli.doctor.finding import Finding, ok, warning, wrong
 from fibws.client.hub_client import HubClient
 from fibws.command_names import command_name
-from fibws.errors import HubUnreachable, InvalidAddress, InvalidName, NoHub
+from fibws.errors import (
+    AccessDenied,
+    AccessError,
+    HubLost,
+    HubUnreachable,
+    InvalidAddress,
+    InvalidName,
+    NoHub,
+    NotAuthorized,
+    ServiceError,
+)
 
+TOKENS = "How to create tokens: fibws token --help"
 PATIENCE = 3.0
 """Seconds to wait for the response of an HTTP request."""
 ROUND_TRIPS = 5
@@ -33,9 +44,15 @@ def reach(hub: str | None) -> HubClient | Finding:
     """Connect to the hub; return a finding if that fails."""
     other = f"set its address: {hub_address.ENVIRONMENT}=ws://HOST:PORT"
     try:
-        return HubClient("doctor", hub)
-    except (InvalidAddress, InvalidName):
+        return _accepted(HubClient("doctor", hub))
+    except (InvalidAddress, InvalidName, AccessError):
         return wrong("hub", "Not checked", "Fix the environment first, see above.")
+    except AccessDenied as error:
+        return wrong(
+            "hub", f"The hub at {error.url} refuses this client: {error.cause}", _advice(error)
+        )
+    except HubLost as error:
+        return wrong("hub", str(error), "Check the hub's log. Is it a hub of fibws?")
     except NoHub as error:
         text = f"No hub at {error.url} ({_source(hub)}; {error.cause})"
         return wrong("hub", text, f"Start one: {error.remedy}. Or {other}")
@@ -49,6 +66,44 @@ def reach(hub: str | None) -> HubClient | Finding:
             )
         text = f"{error}. {http_server(error.url)}"
         return wrong("hub", text, f"Check which program listens there, or {other}")
+
+
+def _accepted(client: HubClient) -> HubClient:
+    """Return a client once the hub answers it: a refusal may come after the connection is open."""
+    try:
+        client.call("/rosapi/get_time")
+    except ServiceError:
+        pass  # `round_trip` reports it.
+    except BaseException:
+        client.close()
+        raise
+    return client
+
+
+def _advice(error: AccessDenied) -> str:
+    return f"{error.remedy}. {TOKENS}" if isinstance(error, NotAuthorized) else f"{error.remedy}."
+
+
+def token(client: HubClient) -> Iterator[Finding]:
+    """Say whether the hub wants a token, and whether it has accepted this client's.
+
+    Nothing is said about a hub that does not answer this question.
+    """
+    try:
+        _, _, body = _get_from_hub(client.url, "login")
+        wants = json.loads(body)["required"]
+    except (OSError, ValueError, KeyError, TypeError):
+        return
+    given = client.credentials
+    if wants and given:
+        yield ok("token", f"The hub accepts the token in {given.source}")
+    elif wants:
+        yield ok("token", "The hub lets in this client without a token, as anonymous")
+    elif given:
+        text = f"The hub does not check the token in {given.source}: everybody may enter"
+        yield warning("token", text, f"Start the hub with --tokens FILE. {TOKENS}")
+    else:
+        yield ok("token", "The hub wants no token: everybody who reaches it may enter")
 
 
 def _source(hub: str | None) -> str:
@@ -71,9 +126,7 @@ def http_server(url: str) -> str:
 def version(url: str) -> Finding:
     """Compare the hub's version with this one."""
     try:
-        status, _, body = _get(url, "healthz")
-        if status == 403:  # The hub may not accept this name of its machine.
-            status, _, body = _get(url, "healthz", host="localhost")
+        status, _, body = _get_from_hub(url, "healthz")
     except (OSError, ValueError) as error:
         return warning(
             "version",
@@ -134,6 +187,13 @@ def clock(ahead: float, error: float) -> Finding:
     return warning(
         "clock", text, "Synchronize both clocks with NTP; otherwise stamps cannot be compared."
     )
+
+
+def _get_from_hub(url: str, path: str) -> tuple[int, dict[str, str], bytes]:
+    found = _get(url, path)
+    if found[0] == 403:  # The hub may not accept this name of its machine.
+        return _get(url, path, host="localhost")
+    return found
 
 
 def _get(url: str, path: str, host: str | None = None) -> tuple[int, dict[str, str], bytes]:

@@ -7,10 +7,11 @@ import platform
 import sys
 from collections.abc import Iterator
 
-from fibws import __version__, hub_address, names, tls
+from fibws import __version__, credentials, hub_address, names, tls
 from fibws.cli import output
 from fibws.cli.doctor.finding import Finding, ok, warning, wrong
-from fibws.errors import InvalidAddress, InvalidName
+from fibws.credentials import Credentials
+from fibws.errors import AccessError, InvalidAddress, InvalidName
 
 PYTHON = (3, 11)
 PROXIES = ("https_proxy", "http_proxy", "all_proxy", "wss_proxy", "ws_proxy")
@@ -86,7 +87,7 @@ def encoding() -> Finding:
 
 def environment(hub: str) -> Iterator[Finding]:
     """Check the environment variables."""
-    problems = [*_namespace(), *_address(hub), *_proxies(hub), *_other_ros()]
+    problems = [*_namespace(), *_address(hub), *_token(hub), *_proxies(hub), *_other_ros()]
     yield from problems or [ok("environment", _variables(hub))]
 
 
@@ -105,6 +106,14 @@ def _address(hub: str) -> Iterator[Finding]:
         variable = hub_address.ENVIRONMENT
         where = variable if os.environ.get(variable) == hub else "--hub"
         yield wrong("environment", f"{where}: {error}", f"An example: {hub_address.DEFAULT}")
+
+
+def _token(hub: str) -> Iterator[Finding]:
+    try:
+        Credentials.find(hub)
+    except AccessError as error:
+        advice = "Create a token at the hub's machine: fibws token add --help"
+        yield wrong("environment", str(error), advice)
 
 
 def _proxies(hub: str) -> Iterator[Finding]:
@@ -129,8 +138,20 @@ def _other_ros() -> Iterator[Finding]:
 
 
 def _variables(hub: str) -> str:
-    known = (hub_address.ENVIRONMENT, tls.CA, "ROS_NAMESPACE", "FIBWS_INTERFACES")
-    variables = [f"{name}={os.environ[name]}" for name in known if os.environ.get(name)]
+    known = (
+        hub_address.ENVIRONMENT,
+        tls.CA,
+        "ROS_NAMESPACE",
+        "FIBWS_INTERFACES",
+        credentials.TOKEN_FILE,
+    )
+    variables = [
+        f"{name}={hub_address.without_token(os.environ[name])}"
+        for name in known
+        if os.environ.get(name)
+    ]
+    if os.environ.get(credentials.TOKEN):
+        variables.append(f"{credentials.TOKEN} is set")
     if variables:
         return ", ".join(variables)
     default = f"; the hub's address is {hub}" if hub == hub_address.DEFAULT else ""

@@ -21,9 +21,9 @@ from fibws.cli import output
 from fibws.cli.exit_handling import end_line
 from fibws.client.hub_client import HubClient, is_hub_running
 from fibws.client.parameters import Parameters
-from fibws.errors import HubUnreachable, LaunchError, NoHub, ParameterNotSet
+from fibws.errors import HubUnreachable, LaunchError, NoHub, ParameterNotSet, ServiceError
 from fibws.hub_address import DEFAULT_PORT, ENVIRONMENT, LOOPBACK
-from fibws.ros1.launch.model import Launch, Node, Step
+from fibws.ros1.launch.model import CORE_PARAMETERS, Launch, Node, Step
 from fibws.ros1.launch.node_command import is_built_in, log_folder, node_command
 from fibws.ros1.launch.output import Screen, Terminal
 from fibws.ros1.launch.rosbridge import rosbridges
@@ -275,6 +275,13 @@ class Run:
             self._runner.stop()
 
 
+def _has(parameters: Parameters, name: str, value: Any) -> bool:
+    try:
+        return bool(parameters.get(name) == value)
+    except (ParameterNotSet, ServiceError):
+        return False
+
+
 def prepare(client: HubClient, launch: Launch, warn: Callable[[str], None]) -> Iterator[None]:
     """Run <rosparam> commands, clear namespaces, and set parameters, in this order.
 
@@ -301,6 +308,8 @@ def prepare(client: HubClient, launch: Launch, warn: Callable[[str], None]) -> I
         if isinstance(value, bytes):
             warn(f"{name}: parameters cannot hold bytes; setting their base64")
             value = b64encode(value).decode()
+        if CORE_PARAMETERS.get(name) == value and _has(parameters, name, value):
+            continue  # The hub's own, which not every token may set.
         parameters.set_json(name, json.dumps(value, ensure_ascii=False))
         yield
 

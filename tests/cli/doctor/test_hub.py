@@ -7,16 +7,20 @@ import ssl
 import threading
 from collections.abc import Callable, Iterator
 from http.server import BaseHTTPRequestHandler, HTTPServer
+from pathlib import Path
 from typing import TypeAlias
 
 import pytest
 from hub_in_thread import HubThread
 
 from fibws import tls
+from fibws.access.rights import Rights
+from fibws.access.token_file import TokenFile
 from fibws.cli.doctor import hub as doctor
 from fibws.cli.doctor.finding import Finding
 from fibws.client.hub_client import HubClient
 from fibws.errors import HubUnreachable
+from fibws.hub import Settings
 
 Serve: TypeAlias = Callable[..., str]
 
@@ -183,3 +187,59 @@ def test_unknown_certificate_is_explained(monkeypatch: pytest.MonkeyPatch) -> No
     assert isinstance(finding, Finding) and finding.verdict == "wrong"
     assert "self-signed certificate" in finding.text
     assert "FIBWS_CA=" in finding.advice
+
+
+@pytest.fixture
+def token_hub(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[str, str]]:
+    """A hub that wants a token, and one that it accepts."""
+    for name in ("FIBWS_TOKEN", "FIBWS_TOKEN_FILE"):
+        monkeypatch.delenv(name, raising=False)
+    file = TokenFile(tmp_path / "tokens.toml")
+    token = file.add("robot1", Rights({"subscribe": ("/**",)}))
+    file.save()
+    settings = Settings(port=0, close_timeout=0.1, tokens=tmp_path / "tokens.toml")
+    with HubThread(settings) as hub:
+        yield hub.url, token
+
+
+@pytest.mark.parametrize("token", [None, "fibws_wrong"])
+def test_refused_token_is_explained(
+    token_hub: tuple[str, str], token: str | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    url, _ = token_hub
+    if token is not None:
+        monkeypatch.setenv("FIBWS_TOKEN", token)
+    finding = failure(url)
+    assert finding.verdict == "wrong" and "token" in finding.text
+    assert "FIBWS_TOKEN" in finding.advice and "fibws token" in finding.advice
+    assert token is None or token not in finding.text + finding.advice
+
+
+def test_accepted_token_is_named_by_its_source(
+    token_hub: tuple[str, str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    url, token = token_hub
+    monkeypatch.setenv("FIBWS_TOKEN", token)
+    client = doctor.reach(url)
+    assert isinstance(client, HubClient)
+    with client:
+        [finding] = doctor.token(client)
+    assert finding.verdict == "ok" and "FIBWS_TOKEN" in finding.text
+    assert token not in finding.text
+
+
+def test_open_hub_is_mentioned(
+    client: HubClient, hub: HubThread, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    [finding] = doctor.token(client)
+    assert finding.verdict == "ok" and "everybody" in finding.text
+    monkeypatch.setenv("FIBWS_TOKEN", "secret")
+    with HubClient("test", hub.url) as with_token:
+        [finding] = doctor.token(with_token)
+    assert finding.verdict == "warning" and "secret" not in finding.text
+
+
+def test_server_without_a_login_is_not_judged(client: HubClient, serve: Serve) -> None:
+    for status, body in ((404, b"nothing"), (200, b"[]"), (200, b'{"required"')):
+        client.url = serve(status, body)
+        assert list(doctor.token(client)) == []

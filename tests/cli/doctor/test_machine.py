@@ -126,3 +126,17 @@ def test_ascii_output_is_a_warning(
 ) -> None:
     monkeypatch.setattr("fibws.cli.output.can_show", lambda text: can_show)
     assert machine.encoding().verdict == verdict
+
+
+def test_token_is_not_printed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("FIBWS_HUB", "ws://robot:9090/?token=secret")
+    monkeypatch.setenv("FIBWS_TOKEN", "secret")
+    (finding,) = machine.environment("ws://robot:9090/?token=secret")
+    assert finding.verdict == "ok" and "FIBWS_TOKEN" in finding.text
+    assert "secret" not in finding.text
+
+
+def test_invalid_token_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("FIBWS_TOKEN_FILE", "/nowhere/token")
+    (finding,) = machine.environment(HUB)
+    assert finding.verdict == "wrong" and "/nowhere/token" in finding.text
