@@ -28,7 +28,7 @@ def test_setup_without_problems(run: Run) -> None:
     checks = [line[11:22].rstrip() for line in lines if line[0] != " "]
     assert checks == [
         *("python", "packages", "terminal", "environment"),
-        *("hub", "version", "round trip", "clock"),
+        *("hub", "version", "token", "round trip", "clock"),
         *("graph", "types", "ends", "names", "clients"),
     ]
 
