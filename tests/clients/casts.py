@@ -33,12 +33,16 @@ PROGRAMS = (
 
 @dataclass(frozen=True)
 class Cast:
-    """A client library with its runtime, its scenarios and the programs that they need."""
+    """A client library with its runtime, its scenarios and the programs that they need.
+
+    The hub may want a token, which is in the URL that the client is given.
+    """
 
     library: str
     runtime: str
     scenarios: tuple[str, ...]
     programs: tuple[Program, ...] = ()
+    wants_token: bool = False
 
     def __str__(self) -> str:
         return f"{self.library} in {self.runtime}"
@@ -71,6 +75,7 @@ def _casts() -> Iterable[Cast]:
         for runtime in runtimes:
             yield Cast(library, runtime, _SCENARIOS[library])
             yield Cast(library, runtime, ("reconnection",))
+            yield Cast(library, runtime, ("tokens",), wants_token=True)
             if library in _WITH_PROGRAMS:
                 yield Cast(library, runtime, _WITH_PROGRAMS[library], PROGRAMS)
     yield Cast(FOXGLOVE, "Node", ("foxglove",))

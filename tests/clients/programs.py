@@ -7,6 +7,7 @@ import re
 import sys
 from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager
+from pathlib import Path
 from typing import Self
 
 from fibws import Node
@@ -17,11 +18,16 @@ PATIENCE = 60
 
 
 class Hub:
-    """The hub as a program, which another one on the same port can replace."""
+    """The hub as a program, which another one on the same port can replace.
 
-    def __init__(self) -> None:
+    Args:
+        tokens: its file of tokens; None if everybody may enter.
+    """
+
+    def __init__(self, tokens: Path | None = None) -> None:
         self.log: list[str] = []
         self._port = "0"
+        self._options = [] if tokens is None else ["--tokens", str(tokens)]
 
     async def __aenter__(self) -> Self:
         await self._start()
@@ -40,7 +46,7 @@ class Hub:
 
     async def _start(self) -> None:
         self._process = await asyncio.create_subprocess_exec(
-            *(sys.executable, "-m", "fibws.hub", "--port", self._port),
+            *(sys.executable, "-m", "fibws.hub", "--port", self._port, *self._options),
             stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.PIPE,
         )

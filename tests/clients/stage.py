@@ -5,7 +5,12 @@ from __future__ import annotations
 import asyncio
 from contextlib import AsyncExitStack
 from dataclasses import dataclass, field
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
+
+from fibws.access.rights import RIGHTS, Rights
+from fibws.access.token_file import TokenFile
 
 from . import runtimes
 from .casts import Cast
@@ -40,10 +45,13 @@ async def play(cast: Cast) -> Observations:
     observations = Observations()
     lines: asyncio.Queue[dict[str, Any]] = asyncio.Queue()
     async with AsyncExitStack() as stack:
-        hub = await stack.enter_async_context(Hub())
+        folder = Path(stack.enter_context(TemporaryDirectory()))
+        token = _add_token(folder / "tokens.toml") if cast.wants_token else ""
+        hub = await stack.enter_async_context(Hub(folder / "tokens.toml" if token else None))
+        url = f"{hub.url}/?token={token}" if token else hub.url
         if cast.programs:
             await stack.enter_async_context(running(cast.programs, hub.url))
-        await stack.enter_async_context(runtimes.run(cast, hub.url, lines.put_nowait))
+        await stack.enter_async_context(runtimes.run(cast, url, lines.put_nowait))
         try:
             async with asyncio.timeout(PATIENCE):
                 await _watch(lines, hub, observations)
@@ -51,6 +59,14 @@ async def play(cast: Cast) -> Observations:
             pass  # The test of each unfinished scenario fails.
     observations.faults = [line for line in hub.log if "ERROR" in line or "Traceback" in line]
     return observations
+
+
+def _add_token(path: Path) -> str:
+    """Return a new token, which may use all names below /allowed."""
+    file = TokenFile(path)
+    token = file.add("client", Rights({right: ("/allowed/**",) for right in RIGHTS[:-1]}))
+    file.save()
+    return token
 
 
 async def _watch(

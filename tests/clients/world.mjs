@@ -8,11 +8,15 @@
 export function world(library, url, report) {
   let opening = Promise.resolve();
 
+  /** A connection to an address, which is about to open. */
+  function create(address, options = {}) {
+    // Without an encoding roslib 1.4.1 complains on every connection in Node.
+    return new library.Ros({ url: address, encoding: "utf8", ...library.options, ...options });
+  }
+
   /** A connection that is open. */
   function open({ node, status = (text) => report({ complaint: text }), ...options }) {
-    const address = node ? `${url}/?node=${node}` : url;
-    // Without an encoding roslib 1.4.1 complains on every connection in Node.
-    const ros = new library.Ros({ url: address, encoding: "utf8", ...library.options, ...options });
+    const ros = create(node ? `${url}/?node=${node}` : url, options);
     ros.on("error", (error) => report({ complaint: `error event: ${describe(error)}` }));
     const emit = ros.emit;
     ros.emit = function (event, ...values) {
@@ -27,6 +31,7 @@ export function world(library, url, report) {
     library,
     url,
     report,
+    create,
 
     /**
      * A connection that is open, by the name of `node` if one is given.

@@ -114,3 +114,22 @@ async def test_page_of_another_hub_sends_its_token_by_an_operation(
         await expect(page.locator("#count-topics")).to_have_text("1")
     assert token_hub.dashboard not in await page.locator("#header").inner_html()
     assert await page.context.cookies() == []
+
+
+async def test_script_sends_its_token_as_a_subprotocol(
+    open_page: OpenPage, hub: Hub, token_hub: TokenHub
+) -> None:
+    page = await open_page(hub)
+    script = """([url, token]) => new Promise((resolve) => {
+        const socket = new WebSocket(url, "fibws.token." + token);
+        socket.onopen = () => {
+            socket.send(JSON.stringify({op: "call_service", service: "/rosapi/get_time"}));
+        };
+        socket.onmessage = ({data}) => resolve([socket.protocol, JSON.parse(data).result]);
+        socket.onclose = ({code, reason}) => resolve([code, reason]);
+    })"""
+    token = token_hub.dashboard
+    protocol, result = await page.evaluate(script, [token_hub.hub.url, token])
+    assert (protocol, result) == (f"fibws.token.{token}", True)
+    code, reason = await page.evaluate(script, [token_hub.hub.url, "wrong"])
+    assert (code, reason) == (4401, "unknown token")
