@@ -12,7 +12,7 @@ from fibws.access.rights import RIGHTS, Rights
 from fibws.access.token_file import TokenFile
 from fibws.hub import Hub, Settings
 
-from .conftest import Complaints, OpenPage, fixture, until
+from .conftest import STRANGER, Complaints, OpenPage, fixture, until
 
 
 class TokenHub:
@@ -133,3 +133,20 @@ async def test_script_sends_its_token_as_a_subprotocol(
     assert (protocol, result) == (f"fibws.token.{token}", True)
     code, reason = await page.evaluate(script, [token_hub.hub.url, "wrong"])
     assert (code, reason) == (4401, "unknown token")
+
+
+async def test_form_warns_of_a_connection_without_encryption(
+    open_page: OpenPage, token_hub: TokenHub, tmp_path: Path
+) -> None:
+    page = await open_page(token_hub.hub, state="closed")
+    await expect(page.get_by_text("not encrypted")).to_have_count(0)
+    async with Hub(Settings(port=0)) as former:
+        port = former.port
+    address = f"http://{STRANGER}:{port}"
+    settings = Settings(port=port, tokens=tmp_path / "tokens.toml", allow_origin=(address,))
+    async with Hub(settings) as hub:
+        page = await open_page(hub, address=address, state="closed")
+        await expect(page.get_by_text("not encrypted")).to_be_visible()
+        await log_in(page, token_hub.dashboard)
+        await expect(page.locator("#account")).to_contain_text("dashboard")
+        await page.close()

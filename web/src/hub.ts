@@ -63,6 +63,9 @@ const NO_RECONNECT = 4000;
 /** The code with which the hub closes if it wants a token, or another one. */
 const UNAUTHENTICATED = 4401;
 
+/** `WebSocket.CONNECTING`. */
+const CONNECTING = 0;
+
 /** The status of a goal that was not executed, of action_msgs/GoalStatus. */
 const ABORTED = 6;
 
@@ -283,9 +286,12 @@ export class Hub {
 
   /** Close the socket, if there is one, and ignore whatever it still does. */
   #abandon(): void {
-    if (this.#socket === undefined) return;
-    this.#socket.onopen = this.#socket.onmessage = this.#socket.onclose = null;
-    this.#socket.close();
+    const socket = this.#socket;
+    if (socket === undefined) return;
+    socket.onopen = socket.onmessage = socket.onclose = null;
+    // A browser warns if a connection is closed before it is open.
+    if (socket.readyState === CONNECTING) socket.onopen = () => socket.close();
+    else socket.close();
     this.#socket = undefined;
   }
 

@@ -99,7 +99,7 @@ test("another hub gets the token by an operation", async () => {
   expect(requests).toEqual([]);
 });
 
-test("after a logout the page connects without its cookie", async () => {
+test("after a logout the page is disconnected", async () => {
   const hub = fakeHub();
   answers = [new Response(null, { status: 204 }), Response.json(NOBODY)];
   await loginOf(hub).logOut();
@@ -107,6 +107,13 @@ test("after a logout the page connects without its cookie", async () => {
     "http://robot:9090/logout",
     "http://robot:9090/login",
   ]);
-  expect(hub.connect).toHaveBeenCalledOnce();
+  expect(hub.connect).not.toHaveBeenCalled();
   expect(hub.deny).toHaveBeenCalledWith("missing token");
+});
+
+test("after a logout the page connects as anonymous if it may", async () => {
+  const hub = fakeHub();
+  answers = [new Response(null, { status: 204 }), Response.json({ ...TELEOP, name: "anonymous" })];
+  await loginOf(hub).logOut();
+  expect(hub.connect).toHaveBeenCalledOnce();
 });

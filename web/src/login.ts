@@ -65,8 +65,9 @@ export class Login {
   async logOut(): Promise<void> {
     if (this.#site === undefined) return;
     await fetch(new URL("logout", this.#site), OPTIONS);
-    this.#hub.connect();
     await this.identify();
+    // Others are disconnected; who may be anonymous connects as that.
+    if (this.#who.value?.name) this.#hub.connect();
   }
 }
 
@@ -139,6 +140,9 @@ export function loginForm(hub: Hub, login: Login): HTMLElement {
     h("input", { type: "text", autocomplete: "username", value: hub.url, hidden: true }),
     h("label", { for: "token" }, "Token"),
     h("div", { class: "row" }, input, button),
+    // True for https and for this machine.
+    !isSecureContext &&
+      h("p", { class: "warning" }, "The connection is not encrypted: others may read the token."),
     problem,
   );
   const show = (why: string): void => {
