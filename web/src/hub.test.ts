@@ -367,3 +367,11 @@ test("the token of an address is taken out of it", () => {
   });
   expect(splitToken("ws://robot:9090/")).toEqual({ url: "ws://robot:9090/", token: "" });
 });
+
+test("a connection that is not open yet is closed as soon as it is", () => {
+  const first = Object.assign(socket(), { readyState: 0 });
+  hub.deny("missing token");
+  expect(first.closed).toBe(false);
+  first.onopen?.();
+  expect([first.closed, hub.state.value]).toEqual([true, "closed"]);
+});
