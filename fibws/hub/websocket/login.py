@@ -22,6 +22,7 @@ from fibws.errors import AuthenticationError, TooManyAttempts
 from fibws.hub.access.authentication import COOKIE, Authentication
 from fibws.hub.websocket.http import Get, HttpRequests, response, text_response
 from fibws.hub.websocket.origins import origin_of_url
+from fibws.hub.websocket.proxies import is_secure
 
 ATTRIBUTES = "HttpOnly; SameSite=Strict"
 """The path is not among them: by default it is the folder of ``login``, also behind a proxy that
@@ -106,9 +107,12 @@ def _with_cookie(headers: Headers, value: str, more: str = "") -> Response:
 
 
 def _is_encrypted(headers: Headers) -> bool:
-    """Return whether the page was loaded with TLS, be it the hub's or a proxy's."""
+    """Return whether the page was loaded with TLS, be it the hub's or a proxy's.
+
+    A proxy that is not trusted does not say so, but the page does.
+    """
     origin = headers.get("Origin") or origin_of_url(headers.get("Referer", ""))
-    return origin is not None and origin.startswith("https://")
+    return is_secure(headers) or (origin is not None and origin.startswith("https://"))
 
 
 def _not_stored(found: Response) -> Response:

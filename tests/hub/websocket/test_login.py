@@ -78,6 +78,7 @@ def test_token_becomes_a_cookie_that_scripts_cannot_read(page: Page, token: str)
     [
         ({"Referer": "https://lab.example/robot/"}, True),
         ({"Origin": "https://localhost:9090"}, True),
+        ({"X_Forwarded_Proto": "https"}, True),
         ({"Referer": "http://localhost:9090/"}, False),
         ({}, False),
     ],
