@@ -22,6 +22,8 @@ from node.conftest import Lines
 
 import fibws
 from fibws import HubUnreachable, tls
+from fibws.access.rights import Rights
+from fibws.access.token_file import TokenFile
 from fibws.cli.commands import command
 from fibws.client.hub_client import HubClient
 from fibws.hub import Hub
@@ -326,3 +328,23 @@ async def test_roslib_connects_with_tls(hub: Hub, authority: Authority) -> None:
     command = ("node", "--input-type=module", "-e", ROSLIB, hub.url)
     found = await topics_of(*command, folder=folder, NODE_EXTRA_CA_CERTS=str(authority.file))
     assert "/rosout" in found
+
+
+@EITHER
+async def test_token_is_sent_with_tls_but_not_after_a_redirect_to_it(
+    program: Program,
+    start_hub: StartHub,
+    authority: Authority,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    file = TokenFile(tmp_path / "tokens.toml")
+    monkeypatch.setenv("FIBWS_TOKEN", file.add("arm", Rights({"subscribe": ("/**",)})))
+    file.save()
+    monkeypatch.setenv(tls.CA, str(authority.file))
+    certificate, key = authority.issue()
+    hub = await start_hub(cert=certificate, key=key, tokens=tmp_path / "tokens.toml")
+    await program(hub.url)
+    with redirecting_server(hub.url.replace("wss:", "https:")) as url:
+        with pytest.raises(fibws.NotAuthorized, match="redirects"):
+            await program(url)
