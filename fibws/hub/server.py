@@ -174,7 +174,7 @@ class Hub:
             self._lag, watchers, self.health, shows_version=not has_authentication
         )
         self._probes.add_to(requests)
-        LoginRoutes(requests, self._authentication)
+        LoginRoutes(requests, self._authentication, partial(_refuse_login, self.audit))
         self._limits = SharedLimits(self.settings, self._connections, loop.call_soon)
         metrics = Metrics(
             self.graph,
@@ -463,6 +463,10 @@ def _tls(settings: Settings) -> ServerTls | None:
     if settings.cert is None or settings.key is None:
         return None
     return ServerTls(settings.cert, settings.key, settings.client_ca)
+
+
+def _refuse_login(audit: Audit, reason: str, address: str) -> None:
+    audit.refused("authentication", reason, ip=address)
 
 
 def _refuse_origin(audit: Audit, reason: str, address: str) -> None:

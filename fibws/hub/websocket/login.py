@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import http
 import re
+from collections.abc import Callable
 
 from pydantic_core import to_json
 from websockets.datastructures import Headers
@@ -39,11 +40,18 @@ class LoginRoutes:
     Args:
         requests: what these resources are added to.
         authentication: the hub's; None if it lets in everybody.
+        refused: takes the reason and the client's address whenever a token is refused.
     """
 
-    def __init__(self, requests: HttpRequests, authentication: Authentication | None) -> None:
+    def __init__(
+        self,
+        requests: HttpRequests,
+        authentication: Authentication | None,
+        refused: Callable[[str, str], object] = lambda reason, address: None,
+    ) -> None:
         self._requests = requests
         self._authentication = authentication
+        self._refused = refused
         requests.add_route("/login", self._log_in)
         requests.add_route("/logout", self._log_out)
 
@@ -58,10 +66,12 @@ class LoginRoutes:
         token = token.strip()
         try:
             self._authentication.log_in_by_token(token, get.address)
-        except TooManyAttempts as error:
-            return _not_stored(text_response(http.HTTPStatus.TOO_MANY_REQUESTS, str(error)))
         except AuthenticationError as error:
-            return _not_stored(text_response(http.HTTPStatus.UNAUTHORIZED, str(error)))
+            self._refused(f"login: {error}", get.address)
+            status = http.HTTPStatus.UNAUTHORIZED
+            if isinstance(error, TooManyAttempts):
+                status = http.HTTPStatus.TOO_MANY_REQUESTS
+            return _not_stored(text_response(status, str(error)))
         if not _COOKIE_VALUE.fullmatch(token):
             fault = "the token has characters that a cookie must not have"
             return _not_stored(text_response(http.HTTPStatus.BAD_REQUEST, fault))

@@ -26,7 +26,8 @@ class Page:
         settings = Settings(tokens=tokens)
         self._requests = HttpRequests(settings, {})
         self.authentication = Authentication(settings, lambda: 0.0) if tokens is not None else None
-        LoginRoutes(self._requests, self.authentication)
+        self.refusals: list[tuple[str, str]] = []
+        LoginRoutes(self._requests, self.authentication, lambda *each: self.refusals.append(each))
         self.cookie = ""
 
     def get(self, path: str, **headers: str) -> Response:
@@ -103,6 +104,9 @@ def test_wrong_token_is_refused_with_a_reason(page: Page, wrong: str) -> None:
     found = page.get("/login", Authorization=f"Bearer {wrong}")
     assert found.status_code == 401 and b"token" in bytes(found.body)
     assert "Set-Cookie" not in found.headers
+    [(reason, address)] = page.refusals
+    assert "token" in reason and address == "192.0.2.1"
+    assert not wrong or wrong not in reason
     assert page.who() == {
         "required": True,
         "name": None,
