@@ -281,7 +281,7 @@ class Auth(Operation):
     """
 
     op: Literal["auth"] = "auth"
-    token: str | None = None
+    token: str | None = Field(default=None, repr=False)
     """(An addition of fibws.)"""
 
 
