@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import logging
+from pathlib import Path
 from typing import Any
 
 import pytest
+from conftest import StartHub
 
+from fibws.access.token_file import digest_of
+from fibws.hub import Hub
 from fibws.hub.audit import Audit, Identity
 from fibws.hub.log_text import MAX_LINES, REPEAT_AFTER
+
+from .raw_client import Client, connected, dialled, handshake
 
 GUEST = Identity("guest", "10.0.0.7")
 
@@ -39,6 +45,7 @@ def events(caplog: pytest.LogCaptureFixture) -> list[dict[str, Any]]:
     return [
         {"event": vars(each)["event"], **{k: v for k, v in vars(each)["fields"].items() if v}}
         for each in caplog.records
+        if each.name == "fibws.hub.audit"
     ]
 
 
@@ -123,3 +130,108 @@ def test_text_of_a_client_stays_on_one_line(audit: Audit, caplog: pytest.LogCapt
     audit.refused("right", "publish /a\n[INFO] forged", node="/x")
     audit.parameter_written("/a\x1b[31m", node="/x")
     assert not any("\n" in text or "\x1b" in text for text in caplog.messages)
+
+
+class TestHub:
+    """Events that clients of a real hub cause."""
+
+    FILE = f"""\
+[tokens.operator]
+sha256 = "{digest_of("one")}"
+admin = true
+
+[tokens.guest]
+sha256 = "{digest_of("two")}"
+allow = {{call = ["/**"], node = ["/guest", "/page"]}}
+"""
+
+    @pytest.fixture
+    async def guarded(
+        self, start_hub: StartHub, tmp_path: Path, caplog: pytest.LogCaptureFixture
+    ) -> Hub:
+        caplog.set_level(logging.INFO, "fibws.hub.audit")
+        path = tmp_path / "tokens.toml"
+        path.write_text(self.FILE, "utf-8")
+        return await start_hub(tokens=path)
+
+    async def call(self, client: Client, service: str, **args: object) -> None:
+        """Call a service, and wait for the response."""
+        await client.send_operation("call_service", service=service, args=args, id="1")
+        while (await client.receive())["op"] != "service_response":
+            pass
+
+    async def test_login_is_recorded(self, guarded: Hub, caplog: pytest.LogCaptureFixture) -> None:
+        async with connected(guarded.port, Authorization="Bearer one") as client:
+            await client.is_processed()
+        assert events(caplog) == [{"event": "login", "principal": "operator", "ip": "127.0.0.1"}]
+
+    @pytest.mark.parametrize(
+        ("token", "path", "reason"),
+        [("wrong", "/", "authentication"), ("two", "/?node=/robot", "right")],
+    )
+    async def test_client_that_may_not_enter_is_recorded(
+        self,
+        guarded: Hub,
+        caplog: pytest.LogCaptureFixture,
+        token: str,
+        path: str,
+        reason: str,
+    ) -> None:
+        async with connected(guarded.port, path, Authorization=f"Bearer {token}") as client:
+            await client.is_closed()
+        found = events(caplog)[-1]
+        assert (found["event"], found["reason"], found["ip"]) == ("refused", reason, "127.0.0.1")
+        assert found.get("principal") == (None if reason == "authentication" else "guest")
+
+    async def test_missing_right_is_recorded_whatever_needs_it(
+        self, guarded: Hub, caplog: pytest.LogCaptureFixture
+    ) -> None:
+        async with connected(guarded.port, "/?node=/guest", Authorization="Bearer two") as client:
+            for op in ("subscribe", "advertise"):
+                await client.send_operation(op, topic="/t", type="std_msgs/Int32")
+                await client.receive()
+            await client.send_operation("advertise_service", service="/s", type="std_srvs/Empty")
+            await client.receive()
+            await self.call(client, "/rosapi/set_param", name="/gain", value="1")
+        texts = [text for text in caplog.messages if text.startswith("Refused /guest (guest, ")]
+        for right in ("subscribe", "publish", "provide", "param_write"):
+            assert any(right in text for text in texts), (right, texts)
+        assert guarded.audit.refusals["right"] == len(texts) == 4
+
+    async def test_parameters_and_kills_are_recorded_with_their_author(
+        self, guarded: Hub, caplog: pytest.LogCaptureFixture
+    ) -> None:
+        async with (
+            connected(guarded.port, "/?node=/boss", Authorization="Bearer one") as boss,
+            connected(guarded.port, "/?node=/page", Authorization="Bearer two") as page,
+        ):
+            await page.is_processed()
+            caplog.clear()
+            await self.call(boss, "/rosapi/set_param", name="/gain", value="1")
+            await self.call(boss, "/rosapi/delete_param", name="/gain")
+            await self.call(boss, "/rosapi/kill_node", node="/page")
+        author = {"node": "/boss", "principal": "operator", "ip": "127.0.0.1"}
+        assert events(caplog) == [
+            {"event": "parameter_set", "parameter": "/gain", **author},
+            {"event": "parameter_deleted", "parameter": "/gain", **author},
+            {"event": "node_killed", "killed": "/page", **author},
+        ]
+
+    async def test_client_that_loses_its_name_is_recorded(
+        self, guarded: Hub, caplog: pytest.LogCaptureFixture
+    ) -> None:
+        async with connected(guarded.port, "/?node=/page", Authorization="Bearer two") as older:
+            await older.is_processed()
+            async with connected(guarded.port, "/?node=/page", Authorization="Bearer two"):
+                assert (await older.is_closed())[0] == 4001
+        client = {"node": "/page", "principal": "guest", "ip": "127.0.0.1"}
+        assert {"event": "name_taken", **client} in events(caplog)
+
+    async def test_page_of_another_origin_is_recorded(
+        self, guarded: Hub, caplog: pytest.LogCaptureFixture
+    ) -> None:
+        async with dialled(guarded.port) as client:
+            await client.send(handshake(Origin="https://evil.example"))
+            assert (await client.response())[0] == 403
+        assert events(caplog)[-1]["reason"] == "origin"
+        assert "evil.example" in caplog.text
