@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Literal, Self, TypeAlias, get_args
 
+from fibws.access.limits import DEFAULT, Limits
 from fibws.errors import AccessError
 from fibws.suggestions import suggestion_or_known
 
@@ -129,11 +130,13 @@ class Principal:
     Attributes:
         name: tells principals apart.
         expires: seconds since 1970 from which on the proof does not count; None for never.
+        limits: what the principal's clients may take together.
     """
 
     name: str
     rights: Rights
     expires: float | None = None
+    limits: Limits = DEFAULT
 
     def is_expired(self, now: float) -> bool:
         """Return whether the proof does not count any more at a time in seconds since 1970."""

@@ -11,6 +11,10 @@ bits, so that a plain SHA-256 of it cannot be reversed, as that of a password co
     publish = ["/cmd_vel"]
     subscribe = ["/**"]
 
+    [tokens.teleop.limits]
+    connections = 3
+    messages_per_second = 200
+
     [certificates.robot1]
     allow = {publish = ["/robot1/**"], node = ["/robot1/**"]}
 
@@ -33,6 +37,7 @@ from datetime import UTC, date, datetime, time
 from pathlib import Path
 from typing import Any, Self
 
+from fibws.access.limits import Limits
 from fibws.access.rights import Principal, Rights, check_name
 from fibws.errors import AccessError
 from fibws.suggestions import suggestion, suggestion_or_known
@@ -45,7 +50,7 @@ LONGEST_TOKEN = 8192
 """Most characters of a token that is looked at."""
 _DIGEST = re.compile(r"[0-9a-f]{64}")
 _SECTIONS = ("tokens", "certificates", ANONYMOUS)
-_KEYS = ("sha256", "expires", "admin", "allow", "deny")
+_KEYS = ("sha256", "expires", "admin", "allow", "deny", "limits")
 
 
 @dataclass(frozen=True)
@@ -210,7 +215,9 @@ def _principal(name: str, table: dict[str, Any], where: str) -> Principal:
         if key not in _KEYS:
             raise AccessError(f"unknown key {where}.{key}{suggestion_or_known(key, _KEYS)}")
     rights = Rights.parse(table, name=name, where=where)
-    return Principal(name, rights, _seconds(table.get("expires"), f"{where}.expires"))
+    expires = _seconds(table.get("expires"), f"{where}.expires")
+    limits = Limits.parse(table.get("limits", {}), f"{where}.limits")
+    return Principal(name, rights, expires, limits)
 
 
 def _seconds(value: object, where: str) -> float | None:

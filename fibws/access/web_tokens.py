@@ -1,6 +1,6 @@
 """JSON web tokens (RFC 7519) as proofs of principals; needs PyJWT, fibws's extra ``auth``.
 
-``sub`` is the principal's name, and ``fibws`` its rights, as in the file of tokens:
+``sub`` is the principal's name, and ``fibws`` its rights and limits, as in the file of tokens:
 
     {"sub": "teleop", "exp": 1830000000, "fibws": {"allow": {"publish": ["/cmd_vel"]}}}
 
@@ -13,6 +13,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fibws.access.limits import Limits
 from fibws.access.rights import Principal, Rights, check_name
 from fibws.access.token_file import ANONYMOUS
 from fibws.errors import AccessError, AuthenticationError
@@ -102,10 +103,12 @@ class WebTokens:
             if not isinstance(rights, dict):
                 raise AccessError(f"{CLAIM} must be an object")
             parsed = Rights.parse(rights, name=name, where=CLAIM)
+            limits = Limits.parse(rights.get("limits", {}), f"{CLAIM}.limits")
         except AccessError as error:
             raise AuthenticationError(f"invalid token: {error}") from None
         expires = claims.get("exp")
-        return Principal(name, parsed, None if expires is None else int(expires) + self._leeway)
+        expires = None if expires is None else int(expires) + self._leeway
+        return Principal(name, parsed, expires, limits)
 
     def _key_for(self, token: str) -> Any:
         if len(self._keys) == 1 and self._keys[0][0] is None:

@@ -1,0 +1,67 @@
+"""The limits of a principal: what all its clients may take of the hub together."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any, Self
+
+from fibws.errors import AccessError
+from fibws.suggestions import suggestion_or_known
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What the clients of one principal may take together.
+
+    None leaves a limit to the hub's settings; 0 is for no limit.
+
+    Attributes:
+        connections: clients at once.
+        subscriptions: topics that they subscribe to.
+        advertisements: topics, services and actions that they advertise.
+        messages_per_second: messages that they send; all operations and pings count.
+        bytes_per_second: bytes of these.
+    """
+
+    connections: int | None = None
+    subscriptions: int | None = None
+    advertisements: int | None = None
+    messages_per_second: float | None = None
+    bytes_per_second: float | None = None
+
+    @classmethod
+    def parse(cls, table: object, where: str) -> Self:
+        """Return the limits of a TOML table or a JSON object.
+
+        Args:
+            where: the table's name, for errors.
+
+        Raises:
+            AccessError: a limit is unknown, or is not a number >= 0.
+        """
+        if not isinstance(table, Mapping):
+            raise AccessError(f"{where} must be a table of limits, got {table!r}")
+        for key, value in table.items():
+            if key not in NAMES:
+                raise AccessError(f"unknown limit {where}.{key}{suggestion_or_known(key, NAMES)}")
+            _check(value, f"{where}.{key}", whole=key in WHOLE)
+        return cls(**table)
+
+    def table(self) -> dict[str, Any]:
+        """Return the table that `parse` takes."""
+        return {name: value for name in NAMES if (value := getattr(self, name)) is not None}
+
+
+NAMES = tuple(field.name for field in fields(Limits))
+DEFAULT = Limits()
+"""Leaves all limits to the hub's settings."""
+WHOLE = ("connections", "subscriptions", "advertisements")
+
+
+def _check(value: object, where: str, *, whole: bool) -> None:
+    kinds = int if whole else int | float
+    if not isinstance(value, kinds) or isinstance(value, bool) or not 0 <= value < math.inf:
+        expected = "a whole number" if whole else "a number"
+        raise AccessError(f"{where} must be {expected} >= 0, got {value!r}")
