@@ -155,6 +155,7 @@ PURE = modules(
     *(f"ros1/launch/{name}.py" for name in ("model", "parameters", "reader", "scope")),
     "ros1/launch/xml_element.py",
     *("hub/settings.py", "hub/log_text.py", "hub/audit.py", "hub/websocket/keepalive.py"),
+    "hub/websocket/quotas.py",
     *(
         f"tf/{name}.py"
         for name in ("buffer", "errors", "history", "messages", "selection", "transform")

@@ -49,6 +49,10 @@ class Limits:
             _check(value, f"{where}.{key}", whole=key in WHOLE)
         return cls(**table)
 
+    def with_defaults(self, defaults: Self) -> Self:
+        """Return these limits with others in place of None."""
+        return type(self)(**{**defaults.table(), **self.table()})
+
     def table(self) -> dict[str, Any]:
         """Return the table that `parse` takes."""
         return {name: value for name in NAMES if (value := getattr(self, name)) is not None}

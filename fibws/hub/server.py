@@ -431,7 +431,7 @@ class Hub:
             except Exception:
                 # A fault at one client must not leave the others unwatched.
                 logger.exception("%s: the sweep failed.", connection.name)
-        self._limits.sweep()
+        self._limits.sweep(self._shared.turns.clock())
 
     def _on_exception(self, loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
         """Handle an exception in the event loop.

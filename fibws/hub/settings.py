@@ -97,6 +97,50 @@ class Settings:
         5000, "Topics that one client may advertise; as many services and actions, too."
     )
     max_subscriptions: int = _setting(5000, "Topics that one client may subscribe to.")
+    max_messages_per_second: float = _setting(
+        0.0, "Messages per second that one client may send, pings included; 0 for no limit."
+    )
+    max_bytes_per_second: float = _setting(
+        0.0, "Bytes per second that one client may send; 0 for no limit."
+    )
+    max_address_connections: int = _setting(
+        0, "Clients of one IP address (IPv6: /64 network) that may be connected; 0 for no limit."
+    )
+    max_address_subscriptions: int = _setting(
+        0, "Topics that the clients of one address may subscribe to; 0 for no limit."
+    )
+    max_address_advertisements: int = _setting(
+        0,
+        "Topics, services and actions that the clients of one address may advertise; "
+        "0 for no limit.",
+    )
+    max_address_messages_per_second: float = _setting(
+        0.0, "Messages per second that the clients of one address may send; 0 for no limit."
+    )
+    max_address_bytes_per_second: float = _setting(
+        0.0, "Bytes per second that the clients of one address may send; 0 for no limit."
+    )
+    max_address_handshakes_per_second: float = _setting(
+        1000.0,
+        "Handshakes and plain HTTP requests per second of one address; 0 for no limit.",
+    )
+    max_principal_connections: int = _setting(
+        0, "Clients of one principal (token) that may be connected; 0 for no limit."
+    )
+    max_principal_subscriptions: int = _setting(
+        0, "Topics that the clients of one principal may subscribe to; 0 for no limit."
+    )
+    max_principal_advertisements: int = _setting(
+        0,
+        "Topics, services and actions that the clients of one principal may advertise; "
+        "0 for no limit.",
+    )
+    max_principal_messages_per_second: float = _setting(
+        0.0, "Messages per second that the clients of one principal may send; 0 for no limit."
+    )
+    max_principal_bytes_per_second: float = _setting(
+        0.0, "Bytes per second that the clients of one principal may send; 0 for no limit."
+    )
     max_calls: int = _setting(
         1000, "Service calls of one client that may wait for a response at once."
     )

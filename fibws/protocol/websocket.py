@@ -159,16 +159,17 @@ class FrameParser:
         "_mask_bit",
         "_max_size",
         "_message",
-        "_on_binary",
         "_on_other",
-        "_on_text",
         "_tail",
         "_through",
         "_turn",
         "_view",
         "fragmented",
         "in_large",
+        "messages",
         "missing",
+        "on_binary",
+        "on_text",
         "paused",
     )
 
@@ -183,8 +184,12 @@ class FrameParser:
         turn: int = sys.maxsize,
         go_on: Callable[[int], int] = lambda passed: 0,
     ) -> None:
-        self._on_text = on_text
-        self._on_binary = on_binary
+        self.on_text = on_text
+        """Takes text messages that begin from now on; may be changed at any time."""
+        self.on_binary = on_binary
+        """Takes binary messages, likewise."""
+        self.messages = 0
+        """Whole messages passed on so far."""
         self._on_other = on_other
         self._max_size = max_size
         self._mask_bit = 128 if masked else 0
@@ -211,6 +216,11 @@ class FrameParser:
         """Whether a fragmented message has begun, within which no other message may come."""
         self.paused = False
         """Whether received data is kept until `resume`; stop reading the socket meanwhile."""
+
+    @property
+    def large_taker(self) -> Callable[[Payload], None] | None:
+        """The callback that will take the large message which is being read."""
+        return self._large
 
     @property
     def kept_bytes(self) -> int:
@@ -324,9 +334,9 @@ class FrameParser:
             (length,) = _LENGTH_64.unpack_from(data, start + 2)
         whole = payload + length
         if first == TEXT:
-            take = self._on_text
+            take = self.on_text
         elif first == BINARY:
-            take = self._on_binary
+            take = self.on_binary
         else:
             self._through = whole
             return start
@@ -351,6 +361,7 @@ class FrameParser:
         message = data[body:stop]
         if self._key_size and (key := data[body - 4 : body]) != ZERO_KEY:
             message = apply_mask(message, key)
+        self.messages += 1
         take(message)
         return stop
 
@@ -377,6 +388,7 @@ class FrameParser:
         take, message, key = self._large, self._message, self._key
         self._drop_large()
         assert take is not None
+        self.messages += 1
         take(message if key == ZERO_KEY else apply_mask(message, key))
 
     def _drop_large(self) -> None:

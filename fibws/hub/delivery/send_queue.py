@@ -86,10 +86,12 @@ class SendQueue:
         "_socket_full",
         "_unwritten",
         "_write",
+        "bytes_sent",
         "dropped",
         "flusher",
         "frames",
         "max_bytes",
+        "messages_sent",
         "paused",
         "throttled_bytes",
     )
@@ -110,6 +112,10 @@ class SendQueue:
         """Whether frames are kept rather than written."""
         self.dropped = 0
         """Messages dropped so far."""
+        self.messages_sent = 0
+        """Messages written so far, to the socket or what asyncio keeps for it."""
+        self.bytes_sent = 0
+        """Bytes written so far."""
         self.throttled_bytes = 0
         """Bytes that the client's throttles hold back; they count as kept."""
         self._write = write
@@ -283,10 +289,12 @@ class SendQueue:
         """Write the frames of this turn, unless paused."""
         if self.frames and not self.paused:
             frames, self.frames = self.frames, []
+            self.messages_sent += len(frames)
             self.write_all(frames)
 
     def write(self, data: Bytes) -> None:
         """Write the bytes of whole frames, unless the connection is lost or closed."""
+        self.bytes_sent += len(data)
         try:
             self._write(data)
         except (OSError, RuntimeError):
@@ -388,6 +396,7 @@ class SendQueue:
                 self.frames.append(frame)
                 size += len(frame)
             frames, self.frames = self.frames, []
+            self.messages_sent += len(frames)
             self.paused = True  # What is sent meanwhile comes behind the rest.
             self.write_all(frames)
             if self._socket_full:
@@ -507,6 +516,7 @@ class Flusher:
             if queue.paused:
                 continue
             frames, queue.frames = queue.frames, []
+            queue.messages_sent += len(frames)
             try:
                 if frames != last:
                     last = pieces = frames

@@ -153,8 +153,7 @@ class Actions:
         """Serve an action; an older server is displaced."""
         name = self._client.resolve(request.action)
         if name not in self._served:
-            limit = self._client.settings.max_advertisements
-            check_room(len(self._served), limit, "advertisements")
+            self._client.check_room("advertisements", len(self._served))
         action = self._client.graph.serve_action(name, request.type, request.definition, self)
         self._served[name] = (action, request.action)
         statuses, type_ = self._client.statuses, action.type

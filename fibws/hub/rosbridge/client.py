@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from itertools import count
 from typing import TYPE_CHECKING
@@ -17,6 +17,7 @@ from fibws.hub.rosbridge.encodings import text_frame, text_frames
 from fibws.hub.rosbridge.statuses import Statuses
 from fibws.hub.rosbridge.subscription import Groups
 from fibws.hub.settings import Settings
+from fibws.hub.websocket.endpoint import Registration
 from fibws.protocol.operations import Id
 
 if TYPE_CHECKING:
@@ -37,6 +38,8 @@ class Client:
         groups: the groups of subscriptions of the hub.
         servers: the clients of the hub that serve services, by their secrets.
         serialized: whether the connection speaks ``fibws.v1``.
+        check_shared: raises `LimitReached` if the clients of the client's address or its principal
+            have registered as many of something as they may.
         numbers: for ids that the hub makes up.
     """
 
@@ -49,12 +52,18 @@ class Client:
     settings: Settings
     statuses: Statuses
     serialized: bool
+    check_shared: Callable[[Registration], None]
     numbers: Iterator[int] = field(default_factory=lambda: count(1))
 
     def report_withdrawn(self, right: Right, name: str) -> None:
         """Tell the client that it has lost a registration together with the right to it."""
         error = NotAllowed(self.node, right, name)
         self.statuses.error(None, f"{right}: {error}; it was taken back", code=error.code)
+
+    def check_room(self, what: Registration, taken: int) -> None:
+        """Raise `LimitReached` if the client has registered as many of something as it may."""
+        check_room(taken, getattr(self.settings, f"max_{what}"), what)
+        self.check_shared(what)
 
     def resolve(self, spelling: str) -> str:
         """Return the global name that the client means; raise `InvalidName`."""

@@ -225,8 +225,7 @@ class Services:
         if "#" in name:
             raise InvalidName(request.service, "in calls, an id follows the #")
         if name not in self._served:
-            limit = self._client.settings.max_advertisements
-            check_room(len(self._served), limit, "advertisements")
+            self._client.check_room("advertisements", len(self._served))
         service = self._client.graph.serve(name, request.type, request.definition, self)
         self._served[name] = ServedService(service, request.service, bool(request.headers))
         self._client.servers[self._secret] = self

@@ -10,6 +10,7 @@ otherwise CBOR, or JSON as the real server takes it.
 
 from __future__ import annotations
 
+import re
 from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
@@ -22,12 +23,14 @@ from fibws.errors import (
     AuthenticationError,
     FibwsError,
     InvalidUtf8,
+    LimitReached,
     NotAllowed,
     OperationError,
     TooManyAttempts,
 )
 from fibws.hub.delivery.clock import Clock
 from fibws.hub.graph.graph import Graph
+from fibws.hub.log_text import is_power_of_ten
 from fibws.hub.rosbridge.actions import Actions, Goals
 from fibws.hub.rosbridge.client import Client
 from fibws.hub.rosbridge.services import Calls, Services
@@ -35,7 +38,7 @@ from fibws.hub.rosbridge.statuses import INTERNAL_ERROR, Report, Statuses, ignor
 from fibws.hub.rosbridge.subscription import Groups
 from fibws.hub.rosbridge.topics import Topics
 from fibws.hub.settings import Settings
-from fibws.hub.websocket.endpoint import Opening
+from fibws.hub.websocket.endpoint import Opening, Registration
 from fibws.protocol.decoding import REQUESTS, decode_cbor, decode_json, parse_request
 from fibws.protocol.fragments import Reassembly
 from fibws.protocol.operations import (
@@ -61,6 +64,7 @@ from fibws.protocol.operations import (
     UnadvertiseService,
     Unsubscribe,
 )
+from fibws.protocol.serialized import SUBPROTOCOL
 from fibws.protocol.value_limits import FEWEST_BYTES, check_json
 from fibws.protocol.websocket import (
     FORBIDDEN,
@@ -71,6 +75,11 @@ from fibws.protocol.websocket import (
     Payload,
     close_reason,
 )
+
+PUBLISH = re.compile(rb'\s*\{\s*"op"\s*:\s*"publish"\s*,')
+"""How a text begins that publishes, as nearly all programs write it."""
+SMALL = 4096
+"""Bytes of a text that is decoded to find out what it is, although it is to be dropped."""
 
 MAX_OBJECTS = 1000
 """Operations in one text: a megabyte of ``{}{}{}`` would keep all others waiting."""
@@ -119,6 +128,7 @@ class TokenWait:
     """What precedes a client's session until it has sent its token by ``auth``; an `Endpoint`."""
 
     node = ""
+    protocol = "none"
     incomplete_bytes = 0
 
     def __init__(self, rosbridge: Rosbridge, opening: Opening, *, serialized: bool) -> None:
@@ -146,12 +156,22 @@ class TokenWait:
             self._end(LIMITED if limited else UNAUTHENTICATED, error)
         except NotAllowed as error:
             self._end(FORBIDDEN, error)
+        except LimitReached as error:
+            self._end(LIMITED, error)
         except OperationError as error:
             self._refuse(None, str(error), error.code)
 
     def receive_binary(self, data: Payload) -> None:
         """Refuse it: a token comes as text."""
         self._refuse(None, "binary messages need a token", AuthenticationError.code)
+
+    def refuse(self, data: Payload, reason: str, *, is_text: bool) -> None:
+        """Refuse it."""
+        self._refuse(None, reason, LimitReached.code)
+
+    def registrations(self, what: Registration) -> int:
+        """Return 0: the client can register nothing."""
+        return 0
 
     def authorize(self, principal: Principal) -> None:
         """Do nothing: the client has no rights yet."""
@@ -205,6 +225,8 @@ class Session:
         "_calls",
         "_client",
         "_close",
+        "_count_operations",
+        "_dropped",
         "_goals",
         "_log_in",
         "_reassembly",
@@ -224,7 +246,10 @@ class Session:
     ) -> None:
         graph, queue = rosbridge.graph, opening.queue
         self._close = opening.close
+        self._count_operations = opening.count_operations
         self._log_in = opening.log_in
+        self._dropped = 0
+        """Messages dropped because the client sends too much."""
         self._reassembly: Reassembly | None = None
         self.node = graph.enter(self, opening.node, opening.principal)
         self._statuses = Statuses(self.node, queue, rosbridge.report, codes=serialized)
@@ -238,6 +263,7 @@ class Session:
             rosbridge.settings,
             self._statuses,
             serialized,
+            opening.check_room,
         )
         self.topics = Topics(self._client)
         self._sources = self.topics.sources
@@ -276,6 +302,11 @@ class Session:
         return self._actions
 
     # As an endpoint.
+
+    @property
+    def protocol(self) -> str:
+        """The protocol's name."""
+        return SUBPROTOCOL if self._client.serialized else "rosbridge"
 
     @property
     def incomplete_bytes(self) -> int:
@@ -319,6 +350,37 @@ class Session:
         except (OperationError, InvalidUtf8) as error:
             text = f"Expected JSON text or CBOR: {error}"
             self._statuses.error(None, text, code=error.code)
+
+    def refuse(self, data: Payload, reason: str, *, is_text: bool) -> None:
+        """Drop what a message publishes; reply to each other operation with an error.
+
+        Of a long text that begins with a publish, nothing more is looked at.
+
+        Raises:
+            InvalidUtf8: it is a text, but not UTF-8.
+        """
+        if not is_text and self._client.serialized:
+            self._drop(reason)
+            return
+        try:
+            if not is_text and data[:1] >= b"\x80":
+                self._refuse_excess(decode_cbor(bytes(data)), reason)
+            elif len(data) > SMALL and PUBLISH.match(data):
+                self._drop(reason)
+            else:
+                check_json(data)
+                for fields, _ in zip(decode_json(data), range(MAX_OBJECTS), strict=False):
+                    self._refuse_excess(fields, reason)
+        except OperationError as error:
+            self._statuses.error(None, str(error), code=error.code)
+
+    def registrations(self, what: Registration) -> int:
+        """Return how many of something the client has registered."""
+        if what == "subscriptions":
+            return len(self.topics.subscriptions)
+        services = self._services.names() if self._services is not None else ()
+        actions = self._actions.services() if self._actions is not None else ()
+        return len(self.topics.sources) + len(services) + len(actions)
 
     def authorize(self, principal: Principal) -> None:
         """Go on with the rights of a principal; see `Endpoint.authorize`."""
@@ -368,6 +430,8 @@ class Session:
             if reassembled and fields.get("op") == "fragment":
                 raise OperationError("a fragment must not hold fragments")
             self.perform(fields, size)
+            if not size:
+                self._count_operations(1)
             size = 0  # The bytes count once, however many operations share them.
             del fields  # Not two at a time: they take many times their text's memory.
 
@@ -390,6 +454,20 @@ class Session:
             self._refuse(fields, str(error), error.code)
         except Exception as fault:
             self._refuse(fields, INTERNAL_ERROR, "internal_error", fault)
+
+    def _refuse_excess(self, fields: dict[str, Any], reason: str) -> None:
+        """Refuse an operation of a client that sends too much; messages are only counted."""
+        if fields.get("op") == "publish":
+            self._drop(reason)
+        else:
+            self._refuse(fields, reason, LimitReached.code)
+
+    def _drop(self, reason: str) -> None:
+        """Count a message that is dropped; report the 1st, the 10th, the 100th ..."""
+        self._dropped += 1
+        if is_power_of_ten(self._dropped):
+            text = f"publish: {reason}; messages dropped: {self._dropped}"
+            self._statuses.error(None, text, code=LimitReached.code)
 
     def _refuse_serialized(self, error: Exception) -> None:
         if isinstance(error, FibwsError):

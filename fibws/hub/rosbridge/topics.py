@@ -20,7 +20,7 @@ from fibws.hub.delivery.clock import Timer
 from fibws.hub.graph.peers import PeerWatch
 from fibws.hub.graph.topic import Quota, Source, Topic
 from fibws.hub.log_text import is_power_of_ten
-from fibws.hub.rosbridge.client import Client, check_room
+from fibws.hub.rosbridge.client import Client
 from fibws.hub.rosbridge.encodings import COMPRESSIONS
 from fibws.hub.rosbridge.peers import PeerReports
 from fibws.hub.rosbridge.subscription import MAX_REGISTRATIONS, Subscription
@@ -275,8 +275,7 @@ class Topics:
         md5sum: str | None,
     ) -> Source:
         if request.topic not in self.sources:
-            limit = self._client.settings.max_advertisements
-            check_room(len(self.sources), limit, "advertisements")
+            self._client.check_room("advertisements", len(self.sources))
         source = self._client.graph.advertise(
             self._topic(request.topic),
             self._client.node,
@@ -322,7 +321,7 @@ class Topics:
         client = self._client
         subscription = self.subscriptions.get(request.topic)
         if subscription is None:
-            check_room(len(self.subscriptions), client.settings.max_subscriptions, "subscriptions")
+            client.check_room("subscriptions", len(self.subscriptions))
             subscription = Subscription(
                 client.node,
                 self._topic(request.topic),

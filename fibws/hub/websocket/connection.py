@@ -25,15 +25,22 @@ from websockets.protocol import State
 from websockets.server import ServerProtocol
 
 from fibws.access.rights import Principal
-from fibws.errors import AuthenticationError, InvalidUtf8, NotAllowed, TooManyAttempts
+from fibws.errors import (
+    AuthenticationError,
+    InvalidUtf8,
+    LimitReached,
+    NotAllowed,
+    TooManyAttempts,
+)
 from fibws.hub.access.authentication import Authentication, Login
 from fibws.hub.audit import Audit, Reason
 from fibws.hub.delivery.send_queue import Flusher, SendQueue
 from fibws.hub.settings import KIB, Settings
-from fibws.hub.websocket.endpoint import Endpoint, Endpoints, Opening
+from fibws.hub.websocket.endpoint import Endpoint, Endpoints, Opening, Registration
 from fibws.hub.websocket.http import HttpRequests, node_name, text_response
 from fibws.hub.websocket.keepalive import Keepalive
 from fibws.hub.websocket.proxies import TrustedProxies
+from fibws.hub.websocket.quotas import ClientQuotas
 from fibws.hub.websocket.shared_limits import SharedLimits
 from fibws.hub.websocket.tls import certificate_name
 from fibws.hub.websocket.turns import TURN, Turns
@@ -136,14 +143,17 @@ class Connection(asyncio.BufferedProtocol):
         "_again",
         "_binary",
         "_busy",
+        "_exempt",
         "_fragments",
         "_head",
         "_keepalive",
         "_left",
         "_login_due",
+        "_others",
         "_parser",
         "_pong_bytes",
         "_protocol",
+        "_quotas",
         "_reported",
         "_reported_at",
         "_request",
@@ -151,8 +161,10 @@ class Connection(asyncio.BufferedProtocol):
         "_transport",
         "_waiting",
         "address",
+        "bytes_received",
         "certificate_name",
         "endpoint",
+        "limited",
         "peer",
         "principal",
         "queue",
@@ -180,6 +192,14 @@ class Connection(asyncio.BufferedProtocol):
         self._binary = False
         self._pong_bytes = 0
         self._left = False
+        self._quotas = ClientQuotas(shared.limits.quotas)
+        self._exempt = False
+        """Whether the data that is read now costs nothing, as its messages are dropped."""
+        self._others = 0
+        """Messages received that the parser has not counted."""
+        self.bytes_received = 0
+        self.limited = 0
+        """Messages that were dropped because they were more than the client may send."""
         self._reported = 0
         self._reported_at = float("-inf")
         self.queue: SendQueue
@@ -207,6 +227,20 @@ class Connection(asyncio.BufferedProtocol):
         """The connection's socket, which is not for reading or writing; None at its end."""
         found: socket.socket | None = self._transport.get_extra_info("socket")
         return found
+
+    @property
+    def messages_received(self) -> int:
+        """How many messages have come, pings and pongs included."""
+        return self._others + (self._parser.messages if self.is_open else 0)
+
+    @property
+    def protocol(self) -> str:
+        """The name of the protocol that the client speaks; empty during the handshake."""
+        return self.endpoint.protocol if self.endpoint is not None else ""
+
+    def registrations(self, what: Registration) -> int:
+        """Return how many of something the client has registered."""
+        return self.endpoint.registrations(what) if self.endpoint is not None else 0
 
     @property
     def is_open(self) -> bool:
@@ -255,9 +289,13 @@ class Connection(asyncio.BufferedProtocol):
         if incoming.left < 0:
             incoming.check()
         turns.began = began = perf_counter()
+        self.bytes_received += nbytes
         full = False
         if self._head is None:
             parser = self._parser
+            measured = self._quotas.meter is not None
+            if measured:
+                self._begin_measuring(began)
             if self._busy and turns.is_spent():
                 parser.pause()
             if parser.in_large:
@@ -267,6 +305,8 @@ class Connection(asyncio.BufferedProtocol):
                 full = nbytes == len(buffer)
                 parser.receive(bytes(buffer[:nbytes]))
             held = parser.paused
+            if measured:
+                self._measure(nbytes, began)
         else:
             # A handshake costs as much as hundreds of messages, and a thousand may come at once.
             self._request += shared.small[:nbytes]
@@ -288,6 +328,7 @@ class Connection(asyncio.BufferedProtocol):
         try:
             self._leave()
         finally:
+            self._quotas.leave(self)
             self._shared.observer.lost(self)
             if self.endpoint is not None:
                 self._report_drops(float("inf"))
@@ -341,7 +382,13 @@ class Connection(asyncio.BufferedProtocol):
             request, self._request = self._request, b""
             self._shake_hands(request)
         elif self._is_held():
+            began = self._shared.turns.began
+            measured = self._quotas.meter is not None
+            if measured:
+                self._begin_measuring(began)
             self._parser.resume()
+            if measured:
+                self._measure(0, began)
             if self.endpoint is not None and self.queue.paused and self.queue.overfull:
                 self.fail(OVERFULL)
         if self._is_held():
@@ -390,7 +437,8 @@ class Connection(asyncio.BufferedProtocol):
         shared = self._shared
         self._identify(request)
         response = (
-            shared.http.respond(request, self.address, self.certificate_name)
+            self._refuse_flood()
+            or shared.http.respond(request, self.address, self.certificate_name)
             or self._refuse()
             or self._protocol.accept(request)
         )
@@ -411,12 +459,19 @@ class Connection(asyncio.BufferedProtocol):
             self.fail(close_reason(LIMITED if limited else UNAUTHENTICATED, str(error)))
         except NotAllowed as error:
             self.fail(close_reason(FORBIDDEN, str(error)))
+        except LimitReached as error:
+            self.fail(close_reason(LIMITED, str(error)))
         finally:
             request.headers.clear()  # The library keeps the request as long as the connection.
 
     def _open(self, request: Request) -> None:
-        """Open the endpoint; raise `AuthenticationError` or `NotAllowed` if the client may not."""
+        """Open the endpoint.
+
+        Raises:
+            AuthenticationError, NotAllowed, LimitReached: the client may not enter.
+        """
         shared = self._shared
+        self._quotas.join_address(self, self.address, shared.turns.clock())
         log_in = None
         if shared.authentication is not None:
             log_in = self._log_in
@@ -438,6 +493,8 @@ class Connection(asyncio.BufferedProtocol):
             principal=self.principal,
             log_in=log_in,
             replace=self._enter,
+            count_operations=self._count_operations,
+            check_room=self._quotas.check_room,
         )
         endpoint = open_endpoint(opening)
         shared.observer.connected(self)
@@ -469,6 +526,7 @@ class Connection(asyncio.BufferedProtocol):
         return self._logged_in(self._shared.authentication.log_in_by_token(token, self.address))
 
     def _logged_in(self, login: Login) -> Principal:
+        self._quotas.join_principal(self, login.principal, self._shared.turns.clock())
         self._again = login.again
         self.principal = login.principal
         self._shared.audit.login(principal=login.principal.name, ip=self.address)
@@ -481,12 +539,71 @@ class Connection(asyncio.BufferedProtocol):
         try:
             principal = self._again()
             if principal != self.principal:
+                self._quotas.join_principal(self, principal, self._shared.turns.clock())
                 self.principal = principal
                 self.endpoint.authorize(principal)
         except AuthenticationError as error:
             self.fail(close_reason(UNAUTHENTICATED, f"after a reload: {error}"))
         except NotAllowed as error:
             self.fail(close_reason(FORBIDDEN, f"after a reload: {error}"))
+        except LimitReached as error:
+            self.fail(close_reason(LIMITED, f"after a reload: {error}"))
+
+    # How much the client sends.
+
+    def _count_operations(self, count: int) -> None:
+        self._others += count
+
+    def _begin_measuring(self, now: float) -> None:
+        """Take messages again that were dropped, if it is time."""
+        meter = self._quotas.meter
+        assert meter is not None
+        self._exempt = False
+        if meter.refusal is None:
+            return
+        if meter.resumes(now):
+            meter.charged = self.messages_received
+            self._parser.on_text, self._parser.on_binary = self._on_text, self._on_binary
+        else:
+            # A message that began before is still to be paid for.
+            self._exempt = self._parser.large_taker not in (self._on_text, self._on_binary)
+
+    def _measure(self, nbytes: int, now: float) -> None:
+        """Charge what was read; drop messages from now on if that was too much."""
+        meter = self._quotas.meter
+        if meter is None or self._exempt or not self.is_open:
+            return
+        meter.charge(self.messages_received - meter.charged, nbytes, now)
+        if meter.refusal is not None:
+            self._parser.on_text, self._parser.on_binary = self._drop_text, self._drop_binary
+
+    def _drop_text(self, text: Payload) -> None:
+        self._drop(text, is_text=True)
+
+    def _drop_binary(self, data: Payload) -> None:
+        self._drop(data, is_text=False)
+
+    def _drop(self, data: Payload, *, is_text: bool) -> None:
+        """Drop a message of which the endpoint reports why."""
+        meter = self._quotas.meter
+        assert meter is not None
+        assert self.endpoint is not None
+        self.limited += 1
+        try:
+            self.endpoint.refuse(data, meter.reason, is_text=is_text)
+        except InvalidUtf8:
+            self.fail(INVALID_UTF8)
+        except Exception:
+            logger.exception("%s: an operation could not be refused.", self.name)
+
+    def _refuse_flood(self) -> Response | None:
+        """Return the response to a client whose address sends too many requests."""
+        refusal = self._shared.limits.handshake_refusal(self.address, self._shared.turns.clock())
+        if refusal is None:
+            return None
+        response = text_response(http.HTTPStatus.TOO_MANY_REQUESTS, refusal)
+        response.headers["Retry-After"] = "1"
+        return response
 
     def _identify(self, request: Request) -> None:
         """Take the client's address from a trusted proxy, if it comes through one."""
@@ -522,6 +639,10 @@ class Connection(asyncio.BufferedProtocol):
         self._send()
 
     def _on_frame(self, frame: Frame) -> None:
+        self._others += 1
+        meter = self._quotas.meter
+        if meter is not None and meter.refusal is not None and frame.opcode is Opcode.PING:
+            self.limited += 1
         if frame.opcode is Opcode.PONG:
             self._keepalive.ponged()
             self._shared.observer.ponged(self, bytes(frame.data))
@@ -544,7 +665,8 @@ class Connection(asyncio.BufferedProtocol):
         self._parser.fragmented = not frame.fin
         if frame.fin:
             message, self._fragments = b"".join(self._fragments), []
-            on_message = self._on_binary if self._binary else self._on_text
+            parser = self._parser
+            on_message = parser.on_binary if self._binary else parser.on_text
             on_message(message)
 
     def _on_text(self, text: Payload) -> None:
@@ -679,6 +801,9 @@ class Connection(asyncio.BufferedProtocol):
             self._report_drops(now)
             if self.queue.overfull:
                 self.fail(OVERFULL)
+            meter = self._quotas.meter
+            if meter is not None and meter.sweep(self.limited):
+                self.fail(close_reason(LIMITED, meter.reason))
             if now > self._login_due:
                 self.fail(MISSING_TOKEN)
             if self.principal is not None and self.principal.is_expired(self._shared.now()):

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import chain
-from typing import Protocol, TypeAlias
+from typing import Literal, Protocol, TypeAlias
 
 from websockets.server import ServerProtocol
 from websockets.typing import Subprotocol
@@ -18,9 +18,16 @@ from fibws.access.rights import Principal
 from fibws.hub.delivery.send_queue import SendQueue
 from fibws.protocol.websocket import CloseReason, Payload
 
+Registration: TypeAlias = Literal["subscriptions", "advertisements"]
+"""What clients register: topics that they subscribe to; topics, services and actions."""
+
 
 class Endpoint(Protocol):
     """One client's protocol on one connection."""
+
+    @property
+    def protocol(self) -> str:
+        """The protocol's name."""
 
     @property
     def node(self) -> str:
@@ -35,6 +42,16 @@ class Endpoint(Protocol):
 
     def receive_binary(self, data: Payload) -> None:
         """Take a binary message, and own its buffer."""
+
+    def refuse(self, data: Payload, reason: str, *, is_text: bool) -> None:
+        """Drop a message of a client that sends too much, and report that.
+
+        Raises:
+            InvalidUtf8: it is a text, but not UTF-8.
+        """
+
+    def registrations(self, what: Registration) -> int:
+        """Return how many of something the client has registered."""
 
     def authorize(self, principal: Principal) -> None:
         """Go on with these rights, and take back what they do not allow.
@@ -59,6 +76,9 @@ class Opening:
         log_in: returns whose token this is, or raises `AuthenticationError`; None on a hub without
             authentication.
         replace: lets another endpoint go on with the connection.
+        count_operations: counts operations of a message beyond the first as messages, too.
+        check_room: raises `LimitReached` if the client's address or its principal has registered as
+            many of something as it may.
     """
 
     node: str | None
@@ -67,6 +87,8 @@ class Opening:
     principal: Principal | None = None
     log_in: Callable[[str], Principal] | None = None
     replace: Callable[[Endpoint], None] | None = None
+    count_operations: Callable[[int], None] = lambda count: None
+    check_room: Callable[[Registration], None] = lambda what: None
 
 
 TOKEN_SUBPROTOCOL = "fibws.token."

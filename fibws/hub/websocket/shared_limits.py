@@ -1,4 +1,4 @@
-"""SharedLimits for all connections together: how many there may be, and the bytes kept for them.
+"""Limits for all connections together: how many there may be, and the bytes kept for them.
 
 What one client may have is limited elsewhere; a thousand clients may have a thousand times as much.
 Bytes are counted only after enough new ones that the limit may be reached.
@@ -15,6 +15,7 @@ from typing import Protocol
 from fibws.hub.delivery.byte_allowance import ByteAllowance
 from fibws.hub.delivery.send_queue import SendQueue
 from fibws.hub.settings import Settings
+from fibws.hub.websocket.quotas import Quotas
 from fibws.protocol.websocket import CloseReason
 
 try:
@@ -73,6 +74,8 @@ class SharedLimits:
         """Clients that are connected."""
         self.refused = 0
         """Connections refused so far."""
+        self.quotas = Quotas(settings)
+        """What clients of one principal or one address may take."""
         self.queued = ByteAllowance(lambda: call_soon(self.check_queued))
         """Counts down the bytes that may still wait for clients."""
         self.incoming = ByteAllowance(lambda: call_soon(self.check_incoming))
@@ -113,6 +116,13 @@ class SharedLimits:
             return None
         self._refuse(reason)
         return f"The hub cannot accept more connections: {reason}; try again later"
+
+    def handshake_refusal(self, address: str, now: float) -> str | None:
+        """Return why an address may send no request now; None if it may."""
+        refusal = self.quotas.handshake_refusal(address, now)
+        if refusal is not None:
+            self._refuse(refusal)
+        return refusal
 
     def accept_failed(self, error: BaseException | None) -> bool:
         """Take note that a connection could not be accepted; return whether that is understood."""
@@ -197,8 +207,9 @@ class SharedLimits:
 
     # Once a second.
 
-    def sweep(self) -> None:
+    def sweep(self, now: float) -> None:
         """Log refused connections and drops, and count the messages that throttles hold back."""
+        self.quotas.sweep(now)
         throttled = sum(each.queue.throttled_bytes for each in self._clients())
         self.queued.left -= max(0, throttled - self._throttled)
         self._throttled = throttled

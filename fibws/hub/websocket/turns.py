@@ -53,7 +53,7 @@ class Turns:
     ) -> None:
         self._call_later = call_later
         self._flush = flush
-        self._clock = clock
+        self.clock = clock
         self._waiting: deque[Reader] = deque()
         self._is_due = False
         """Whether `_run` is running or about to be called."""
@@ -70,7 +70,7 @@ class Turns:
         Args:
             passed: frames that it has handled in this turn.
         """
-        taken = self._clock() - self.began
+        taken = self.clock() - self.began
         left = self._length - taken
         if left <= 0:
             return 0
@@ -80,7 +80,7 @@ class Turns:
 
     def is_spent(self) -> bool:
         """Return whether a connection with more to do must wait for a later iteration."""
-        return bool(self._waiting) and self._clock() >= self._spent_at
+        return bool(self._waiting) and self.clock() >= self._spent_at
 
     def wait(self, reader: Reader) -> None:
         """Have `Reader.take_turn` called when its time has come."""
@@ -94,7 +94,7 @@ class Turns:
         # What the others have just published must not wait for this.
         self._flush()
         waiting = self._waiting
-        now = self._clock()
+        now = self.clock()
         self._spent_at = now + ITERATION
         self._length = max(TURN, ITERATION / len(waiting))
         for _ in range(len(waiting)):
@@ -106,7 +106,7 @@ class Turns:
                 # A fault at one connection must not keep the others waiting.
                 logger.exception("A client is cut off: it could not be read from.")
                 reader.abort()
-            now = self._clock()
+            now = self.clock()
             if now >= self._spent_at:
                 break
         self._is_due = bool(waiting)

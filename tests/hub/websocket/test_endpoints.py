@@ -11,7 +11,7 @@ from websockets.asyncio.client import connect
 from fibws.access.rights import Principal
 from fibws.hub import Hub
 from fibws.hub.rosbridge.encodings import text_frame
-from fibws.hub.websocket.endpoint import Opening
+from fibws.hub.websocket.endpoint import Opening, Registration
 from fibws.protocol.serialized import SUBPROTOCOL
 from fibws.protocol.websocket import BINARY, KILLED, Payload, server_frame
 
@@ -26,6 +26,7 @@ class Echo:
     """Sends every message back; ``close`` ends the connection. It is a node of the graph."""
 
     incomplete_bytes = 0
+    protocol = "test"
 
     def __init__(self, hub: Hub, opening: Opening) -> None:
         self._hub = hub
@@ -40,6 +41,12 @@ class Echo:
 
     def receive_binary(self, data: Payload) -> None:
         self._opening.queue.reply(server_frame(BINARY, bytes(data)))
+
+    def refuse(self, data: Payload, reason: str, *, is_text: bool) -> None:
+        raise AssertionError("the hub has no limits")
+
+    def registrations(self, what: Registration) -> int:
+        return 0
 
     def authorize(self, principal: Principal) -> None:
         raise AssertionError("the hub has no authentication")

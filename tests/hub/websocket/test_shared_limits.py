@@ -1,4 +1,4 @@
-"""SharedLimits for all connections together: how many, and the bytes that are kept for them."""
+"""Limits for all connections together: how many, and the bytes that are kept for them."""
 
 from __future__ import annotations
 
@@ -187,7 +187,7 @@ def test_bytes_that_throttles_hold_back_count() -> None:
     first, second = crowd.connections
     first.queue.throttled_bytes = LIMIT - 1000
     crowd.keep(1, *frames(20))
-    crowd.limits.sweep()
+    crowd.limits.sweep(0.0)
     assert crowd.check()
     assert (first.reasons, second.reasons) == ([TOO_MUCH_QUEUED], [])
 
@@ -214,8 +214,8 @@ def test_refusals_are_one_log_line_with_their_number(caplog: pytest.LogCaptureFi
         refusal = crowd.limits.refusal(10)
         assert refusal is not None
         assert "the limit of 5 connections is reached (--max-connections)" in refusal
-    crowd.limits.sweep()
-    crowd.limits.sweep()
+    crowd.limits.sweep(0.0)
+    crowd.limits.sweep(0.0)
     assert [record.message for record in caplog.records] == [
         "Cannot accept more connections: "
         "the limit of 5 connections is reached (--max-connections). 1000 refused."
@@ -238,7 +238,7 @@ def test_accept_that_fails_a_thousand_times_is_one_log_line(
     assert all(crowd.limits.accept_failed(OSError(number, "x")) for _ in range(1000))
     assert not crowd.limits.accept_failed(OSError(errno.EPERM, "x"))
     assert not crowd.limits.accept_failed(None)
-    crowd.limits.sweep()
+    crowd.limits.sweep(0.0)
     assert [record.message for record in caplog.records] == [
         f"Cannot accept more connections: {text}."
     ]

@@ -13,7 +13,7 @@ from conftest import Faults, StartHub
 
 from fibws.access.rights import Principal
 from fibws.hub import Hub
-from fibws.hub.websocket.endpoint import Opening
+from fibws.hub.websocket.endpoint import Opening, Registration
 from fibws.hub.websocket.turns import ITERATION, MOST_FRAMES, TURN, Turns
 from fibws.protocol.websocket import LARGE, SHUTDOWN, Payload
 
@@ -179,6 +179,7 @@ class Slow:
     """An endpoint that takes a while for each text, and keeps the texts' last bytes."""
 
     incomplete_bytes = 0
+    protocol = "test"
 
     def __init__(self, seconds: float) -> None:
         self.received: list[bytes] = []
@@ -197,6 +198,12 @@ class Slow:
 
     def receive_binary(self, data: Payload) -> None:
         raise AssertionError("only texts are sent")
+
+    def refuse(self, data: Payload, reason: str, *, is_text: bool) -> None:
+        raise AssertionError("the hub has no limits")
+
+    def registrations(self, what: Registration) -> int:
+        return 0
 
     def authorize(self, principal: Principal) -> None:
         raise AssertionError("the hub has no authentication")

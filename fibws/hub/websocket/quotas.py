@@ -1,0 +1,376 @@
+"""Quotas: what the clients of one principal, or of one address, may take of the hub together.
+
+Rates are measured by token buckets. A client is charged once for each time that its socket is read,
+and not for each message: one that is within its limits costs nothing more. A client whose bucket is
+empty has its messages dropped until the bucket has something again, and is closed if that goes on.
+"""
+
+from __future__ import annotations
+
+import ipaddress
+from collections import OrderedDict
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Literal, Protocol, TypeAlias
+
+from fibws.access.limits import Limits
+from fibws.access.rights import Principal
+from fibws.errors import LimitReached
+from fibws.hub.settings import KIB, Settings
+from fibws.hub.websocket.endpoint import Registration
+
+BURST_SECONDS = 2.0
+"""What may come at once, in seconds of the rate."""
+LEAST_MESSAGES = 100
+"""Messages that may come at once at any rate: a node registers much when it starts."""
+LEAST_BYTES = 64 * KIB
+"""Bytes that may come at once at any rate."""
+SUSTAINED_SECONDS = 5
+"""Seconds in a row with dropped messages after which a client is closed."""
+MOST_IDLE = 10_000
+"""Addresses and principals without clients that are remembered; more forget the oldest."""
+PREFIX_LENGTH = 64
+"""Bits of an IPv6 address that one customer has (RFC 6177): the rest is the customer's choice."""
+
+Whose: TypeAlias = Literal["client", "principal", "address"]
+
+
+class Member(Protocol):
+    """A client's connection, as far as it counts here."""
+
+    def registrations(self, what: Registration) -> int:
+        """Return how many of something the client has registered."""
+
+
+class TokenBucket:
+    """Measures a rate: full at first, it loses what is charged and gains its rate each second.
+
+    It may be charged more than it has, as it is after the fact; that must be gained back, too. In
+    the long run no more comes than the rate, the burst, and the last charge.
+
+    Args:
+        rate: what it gains in a second; more than 0.
+        least: what it holds at least when it is full.
+    """
+
+    __slots__ = ("_at", "_level", "burst", "rate")
+
+    def __init__(self, rate: float, least: float, now: float) -> None:
+        self.rate = rate
+        self.burst = max(rate * BURST_SECONDS, least)
+        self._level = self.burst
+        self._at = now
+
+    def charge(self, amount: float, now: float) -> float:
+        """Take an amount; return the seconds until there is something left."""
+        level = self._level + (now - self._at) * self.rate
+        if level > self.burst:
+            level = self.burst
+        level -= amount
+        self._level = level
+        self._at = now
+        return 0.0 if level > 0 else -level / self.rate
+
+    def is_full(self, now: float) -> bool:
+        """Return whether it holds as much as at first."""
+        return self._level + (now - self._at) * self.rate >= self.burst
+
+
+@dataclass(frozen=True, slots=True)
+class Rate:
+    """A limited rate.
+
+    Attributes:
+        refusal: the text for a client that has gone beyond it.
+    """
+
+    bucket: TokenBucket
+    refusal: str
+
+
+class Quota:
+    """What the clients of one principal or one address take, and may take.
+
+    Args:
+        whose: what they have in common, for errors.
+        limits: without None.
+        flags: where each limit was set, by its name.
+    """
+
+    __slots__ = ("bytes", "flags", "limits", "members", "messages", "whose")
+
+    def __init__(self, whose: Whose, limits: Limits, flags: dict[str, str], now: float) -> None:
+        self.whose = whose
+        self.limits = limits
+        self.flags = flags
+        self.members: set[Member] = set()
+        self.messages = self._rate("messages_per_second", LEAST_MESSAGES, now)
+        self.bytes = self._rate("bytes_per_second", LEAST_BYTES, now)
+
+    def check_room(self, what: Literal["connections"] | Registration) -> None:
+        """Raise `LimitReached` if its clients have as many of something as they may have."""
+        limit = getattr(self.limits, what)
+        if limit and self._count(what) >= limit:
+            raise LimitReached(self._refusal(what))
+
+    def is_idle(self, now: float) -> bool:
+        """Return whether it has no client, and is as it was at first."""
+        rates = filter(None, (self.messages, self.bytes))
+        return not self.members and all(rate.bucket.is_full(now) for rate in rates)
+
+    def _count(self, what: Literal["connections"] | Registration) -> int:
+        if what == "connections":
+            return len(self.members)
+        return sum(each.registrations(what) for each in self.members)
+
+    def _rate(self, name: str, least: int, now: float) -> Rate | None:
+        rate = getattr(self.limits, name)
+        return Rate(TokenBucket(rate, least, now), self._refusal(name)) if rate else None
+
+    def _refusal(self, name: str) -> str:
+        what = name.replace("_", " ")
+        limit = getattr(self.limits, name)
+        return f"too many {what} of one {self.whose} (limit {limit:g}, {self.flags[name]})"
+
+
+class Meter:
+    """Measures what one client sends, and says when to drop it.
+
+    Attributes:
+        refusal: why messages are dropped now; None if they are not.
+        reason: why messages were dropped last.
+        charged: messages of the client that have been charged, or dropped.
+    """
+
+    __slots__ = (
+        "_bytes",
+        "_dropped",
+        "_messages",
+        "_resumes",
+        "_strikes",
+        "charged",
+        "reason",
+        "refusal",
+    )
+
+    def __init__(self, quotas: Iterable[Quota]) -> None:
+        quotas = tuple(quotas)
+        self._messages = tuple(each.messages for each in quotas if each.messages)
+        self._bytes = tuple(each.bytes for each in quotas if each.bytes)
+        self._resumes = 0.0
+        self._strikes = 0
+        self._dropped = 0
+        self.refusal: str | None = None
+        self.reason = ""
+        self.charged = 0
+
+    @property
+    def is_needed(self) -> bool:
+        """Whether any rate is limited."""
+        return bool(self._messages or self._bytes)
+
+    def charge(self, messages: int, size: int, now: float) -> None:
+        """Charge what has come; sets ``refusal`` if that was more than the client may send."""
+        self.charged += messages
+        for amount, rates in ((messages, self._messages), (size, self._bytes)):
+            for rate in rates:
+                seconds = rate.bucket.charge(amount, now)
+                if seconds:
+                    self.refusal = self.reason = rate.refusal
+                    self._resumes = max(self._resumes, now + seconds)
+
+    def resumes(self, now: float) -> bool:
+        """Return whether messages that were dropped until now may come again."""
+        if now < self._resumes:
+            return False
+        self.refusal = None
+        return True
+
+    def sweep(self, dropped: int) -> bool:
+        """Return whether the client has gone beyond a limit for too long; called once a second.
+
+        Args:
+            dropped: messages of the client that were dropped so far.
+        """
+        self._strikes = self._strikes + 1 if dropped > self._dropped else 0
+        self._dropped = dropped
+        return self._strikes >= SUSTAINED_SECONDS
+
+
+class Quotas:
+    """The quotas of all principals and addresses of one hub.
+
+    Only limits that are set cost anything: a quota without any is not made.
+    """
+
+    def __init__(self, settings: Settings) -> None:
+        self._client = Limits(
+            messages_per_second=settings.max_messages_per_second,
+            bytes_per_second=settings.max_bytes_per_second,
+        ).with_defaults(NO_LIMITS)
+        self._address = Limits(
+            settings.max_address_connections,
+            settings.max_address_subscriptions,
+            settings.max_address_advertisements,
+            settings.max_address_messages_per_second,
+            settings.max_address_bytes_per_second,
+        )
+        self._principal = Limits(
+            settings.max_principal_connections,
+            settings.max_principal_subscriptions,
+            settings.max_principal_advertisements,
+            settings.max_principal_messages_per_second,
+            settings.max_principal_bytes_per_second,
+        )
+        self._handshakes_per_second = settings.max_address_handshakes_per_second
+        self._handshakes: OrderedDict[str, TokenBucket] = OrderedDict()
+        """By address, those that have sent requests lately."""
+        self._quotas: OrderedDict[tuple[Whose, str], Quota] = OrderedDict()
+
+    def __len__(self) -> int:
+        return len(self._quotas) + len(self._handshakes)
+
+    def handshake_refusal(self, address: str, now: float) -> str | None:
+        """Return why an address may send no request now; None if it may, which is counted."""
+        limit = self._handshakes_per_second
+        if not limit:
+            return None
+        network = network_of(address)
+        bucket = self._handshakes.get(network)
+        if bucket is None:
+            bucket = self._handshakes[network] = TokenBucket(limit, LEAST_MESSAGES, now)
+            if len(self._handshakes) > MOST_IDLE:
+                self._handshakes.popitem(last=False)
+        if not bucket.charge(1, now):
+            return None
+        bucket.charge(-1, now)
+        flag = "--max-address-handshakes-per-second"
+        return f"too many handshakes per second of one address (limit {limit:g}, {flag})"
+
+    def of_client(self, now: float) -> Quota | None:
+        """Return a new quota for one client alone; None if it is unlimited."""
+        if not _is_limited(self._client):
+            return None
+        flags = {name: _flag("client", name) for name in NAMES}
+        return Quota("client", self._client, flags, now)
+
+    def of_address(self, address: str, now: float) -> Quota | None:
+        """Return the quota of an address; None if it is unlimited."""
+        if not _is_limited(self._address):
+            return None
+        flags = {name: _flag("address", name) for name in NAMES}
+        return self._shared("address", network_of(address), self._address, flags, now)
+
+    def of_principal(self, principal: Principal, now: float) -> Quota | None:
+        """Return the quota of a principal; None if it is unlimited."""
+        own = principal.limits.table()
+        limits = principal.limits.with_defaults(self._principal)
+        if not _is_limited(limits):
+            return None
+        flags = {
+            name: f"limits.{name} of its token" if name in own else _flag("principal", name)
+            for name in NAMES
+        }
+        return self._shared("principal", principal.name, limits, flags, now)
+
+    def sweep(self, now: float) -> None:
+        """Forget addresses and principals that have no clients, and have been quiet for a while."""
+        for network in [each for each, bucket in self._handshakes.items() if bucket.is_full(now)]:
+            del self._handshakes[network]
+        idle = [key for key, quota in self._quotas.items() if not quota.members]
+        for number, key in enumerate(idle):
+            if len(idle) - number > MOST_IDLE or self._quotas[key].is_idle(now):
+                del self._quotas[key]
+
+    def _shared(
+        self, whose: Whose, key: str, limits: Limits, flags: dict[str, str], now: float
+    ) -> Quota:
+        known = self._quotas.get((whose, key))
+        if known is not None and known.limits == limits:
+            return known
+        quota = self._quotas[whose, key] = Quota(whose, limits, flags, now)
+        if known is not None:  # The limits were changed; its clients move over one by one.
+            quota.members = known.members
+        return quota
+
+
+class ClientQuotas:
+    """The quotas that one client belongs to: its own, its address's, and its principal's."""
+
+    __slots__ = ("_joined", "_quotas", "meter")
+
+    def __init__(self, quotas: Quotas) -> None:
+        self._quotas = quotas
+        self._joined: dict[Whose, Quota] = {}
+        self.meter: Meter | None = None
+        """Measures what the client sends; None if its rates are unlimited."""
+
+    def join_address(self, member: Member, address: str, now: float) -> None:
+        """Count the client of an address; raises `LimitReached` if there are too many."""
+        self._join(member, "address", self._quotas.of_address(address, now))
+        own = self._quotas.of_client(now)
+        if own is not None:
+            self._joined["client"] = own
+        self._measure()
+
+    def join_principal(self, member: Member, principal: Principal, now: float) -> None:
+        """Count the client of a principal; raises `LimitReached` if there are too many."""
+        self._join(member, "principal", self._quotas.of_principal(principal, now))
+        self._measure()
+
+    def check_room(self, what: Registration) -> None:
+        """Raise `LimitReached` if no more of something may be registered."""
+        for quota in self._joined.values():
+            if quota.whose != "client":
+                quota.check_room(what)
+
+    def leave(self, member: Member) -> None:
+        """Count the client no more; the second time nothing happens."""
+        for quota in self._joined.values():
+            quota.members.discard(member)
+        self._joined.clear()
+
+    def _join(self, member: Member, whose: Whose, quota: Quota | None) -> None:
+        if quota is not None and member not in quota.members:
+            quota.check_room("connections")
+        older = self._joined.pop(whose, None)
+        if older is not None:
+            older.members.discard(member)
+        if quota is not None:
+            self._joined[whose] = quota
+            quota.members.add(member)
+
+    def _measure(self) -> None:
+        meter = Meter(self._joined.values())
+        if self.meter is not None:
+            meter.charged = self.meter.charged
+        self.meter = meter if meter.is_needed else None
+
+
+@lru_cache(maxsize=1024)
+def network_of(address: str) -> str:
+    """Return what counts as one address: of IPv6 the first 64 bits, which a customer gets."""
+    try:
+        parsed = ipaddress.ip_address(address)
+    except ValueError:
+        return address
+    if isinstance(parsed, ipaddress.IPv4Address):
+        return str(parsed)
+    if parsed.ipv4_mapped is not None:
+        return str(parsed.ipv4_mapped)
+    network = ipaddress.ip_network((int(parsed), PREFIX_LENGTH), strict=False)
+    return str(network)
+
+
+NO_LIMITS = Limits(0, 0, 0, 0, 0)
+NAMES = tuple(NO_LIMITS.table())
+
+
+def _is_limited(limits: Limits) -> bool:
+    return any(limits.table().values())
+
+
+def _flag(whose: Whose, name: str) -> str:
+    owner = "" if whose == "client" else f"{whose}-"
+    return f"--max-{owner}{name.replace('_', '-')}"
