@@ -37,6 +37,7 @@ COMMANDS = {
     "log": Command("fibws.cli.log", "Show the log messages of nodes.", LOOK),
     "topic": Command("fibws.cli.topic", "List, show, measure and publish topics.", NOUNS),
     "node": Command("fibws.cli.node", "List, inspect, ping and kill nodes.", NOUNS),
+    "client": Command("fibws.cli.client", "List the hub's clients, with their rates.", NOUNS),
     "service": Command("fibws.cli.service", "List, inspect and call services.", NOUNS),
     "action": Command("fibws.cli.action", "List and inspect actions, and send goals.", NOUNS),
     "param": Command("fibws.cli.param", "List, get, set, load and dump parameters.", NOUNS),

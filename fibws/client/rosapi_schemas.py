@@ -28,13 +28,25 @@ _SERVICE: Mapping[str, Schema] = {"name": "string", "type": "string", "node": "s
 _STATISTICS: Mapping[str, Schema] = {
     "topic": "string",
     "publishers": [{"node": "string", "messages": "uint64", "bytes": "uint64"}],
-    "subscriptions": [{"node": "string", "messages": "uint64", "dropped": "uint64"}],
+    "subscriptions": [
+        {"node": "string", "messages": "uint64", "dropped": "uint64", "throttled": "uint64"}
+    ],
 }
 _CLIENT: Mapping[str, Schema] = {
     "node": "string",
     "address": "string",
+    "principal": "string",
+    "protocol": "string",
+    "since": _TIME,
+    "messages_received": "uint64",
+    "bytes_received": "uint64",
+    "messages_sent": "uint64",
+    "bytes_sent": "uint64",
     "kept_bytes": "uint64",
     "dropped": "uint64",
+    "limited": "uint64",
+    "subscriptions": "uint32",
+    "advertisements": "uint32",
     "slow": "bool",
 }
 

@@ -41,8 +41,18 @@ class ClientStatistics(ros.Message):
 
     node: str = ""
     address: str = ""
+    principal: str = ""
+    protocol: str = ""
+    since: ros.Time = field(default_factory=ros.Time)
+    messages_received: int = 0
+    bytes_received: int = 0
+    messages_sent: int = 0
+    bytes_sent: int = 0
     kept_bytes: int = 0
     dropped: int = 0
+    limited: int = 0
+    subscriptions: int = 0
+    advertisements: int = 0
     slow: bool = False
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, fields
 from typing import Any, Self
 
 SORTS = ("rate", "bw", "name")
@@ -63,7 +63,7 @@ class Measurement:
         seconds = stamp - _seconds(before["stamp"])
         older = {each["topic"]: each for each in before["topics"]}
         topics = [_topic(older.get(each["topic"], {}), each, seconds) for each in now["topics"]]
-        clients = [Client(**each) for each in now["clients"] if each["node"] != exclude]
+        clients = [_client(each) for each in now["clients"] if each["node"] != exclude]
         return cls(
             stamp,
             max(0.0, seconds),
@@ -93,6 +93,10 @@ def _topic(before: dict[str, Any], now: dict[str, Any], seconds: float) -> Topic
         dropped=_increase(old_subscriptions, subscriptions, "dropped"),
         dropped_in_all=sum(each["dropped"] for each in subscriptions),
     )
+
+
+def _client(now: dict[str, Any]) -> Client:
+    return Client(**{field.name: now[field.name] for field in fields(Client)})
 
 
 def _increase(before: Iterable[dict[str, Any]], now: Iterable[dict[str, Any]], number: str) -> int:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol
 
+from fibws.access.rights import Principal
 from fibws.hub.delivery.clock import Clock, Timer
 from fibws.hub.delivery.send_queue import SendQueue
 from fibws.hub.graph.topic import Source
@@ -24,6 +25,22 @@ class Client(Protocol):
     peer: str
     """The address with its port."""
     queue: SendQueue
+    principal: Principal | None
+    """Who it is, on a hub with authentication."""
+    bytes_received: int
+    limited: int
+    """Messages that were dropped because they were more than it may send."""
+
+    @property
+    def messages_received(self) -> int:
+        """How many messages have come from it, pings and pongs included."""
+
+    @property
+    def protocol(self) -> str:
+        """The name of the protocol that it speaks."""
+
+    def registrations(self, what: Literal["subscriptions", "advertisements"]) -> int:
+        """Return how many of something it has registered."""
 
     @property
     def name(self) -> str:

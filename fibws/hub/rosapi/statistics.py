@@ -14,7 +14,7 @@ from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.service import Function, Response
 from fibws.hub.graph.topic import Sink, Topic
 from fibws.hub.rosapi.cache import ResponseCache
-from fibws.hub.rosapi.clients import ConnectedClients
+from fibws.hub.rosapi.clients import Client, ConnectedClients
 
 
 class Statistics:
@@ -54,20 +54,41 @@ class Statistics:
 
     def _list(self, caller: str) -> list[dict[str, Any]]:
         # A client that was replaced, or is being closed, may still be connected.
-        clients = {client.name: client for client, _ in self._clients}
+        clients = {client.name: (client, since) for client, since in self._clients}
         names = (name for name in clients if name in self._graph.nodes)
         return [
-            {
-                "node": name,
-                "address": clients[name].peer
-                if self._graph.is_address_visible(caller, name)
-                else "",
-                "kept_bytes": clients[name].queue.kept_bytes,
-                "dropped": clients[name].queue.dropped,
-                "slow": clients[name].queue.paused,
-            }
+            _client(name, *clients[name], shown=self._graph.is_address_visible(caller, name))
             for name in self._graph.visible_nodes(caller, names)
         ]
+
+
+def _client(name: str, client: Client, since: int, *, shown: bool) -> dict[str, Any]:
+    """Return a client's totals.
+
+    Args:
+        since: when it connected, in nanoseconds since 1970.
+        shown: whether to say where and who it is.
+    """
+    queue = client.queue
+    principal = client.principal.name if shown and client.principal is not None else ""
+    secs, nsecs = divmod(since, 1_000_000_000)
+    return {
+        "node": name,
+        "address": client.peer if shown else "",
+        "principal": principal,
+        "protocol": client.protocol,
+        "since": {"secs": secs, "nsecs": nsecs},
+        "messages_received": client.messages_received,
+        "bytes_received": client.bytes_received,
+        "messages_sent": queue.messages_sent,
+        "bytes_sent": queue.bytes_sent,
+        "kept_bytes": queue.kept_bytes,
+        "dropped": queue.dropped,
+        "limited": client.limited,
+        "subscriptions": client.registrations("subscriptions"),
+        "advertisements": client.registrations("advertisements"),
+        "slow": queue.paused,
+    }
 
 
 def _topic(topic: Topic) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import count
-from typing import Any
+from typing import Any, Literal
 
 from fibws.access.rights import Principal
 from fibws.hub.audit import Audit
@@ -24,8 +24,16 @@ class Connection:
         self.address = "10.0.0.1"
         self.peer = f"10.0.0.1:{port}"
         self.queue = client.queue
+        self.principal: Principal | None = None
+        self.messages_received = 3
+        self.bytes_received = 300
+        self.limited = 2
+        self.protocol = "rosbridge"
         self.pings: list[bytes] = []
         self.closings: list[CloseReason] = []
+
+    def registrations(self, what: Literal["subscriptions", "advertisements"]) -> int:
+        return self.client.session.registrations(what)
 
     def ping(self, data: bytes) -> None:
         self.pings.append(data)

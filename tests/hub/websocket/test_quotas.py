@@ -39,9 +39,11 @@ def principal(name: str = "ann", **limits: Any) -> Principal:
     return Principal(name, Rights(), limits=Limits(**limits))
 
 
-def entered(quotas: Quotas, address: str = "10.0.0.1", **registered: int) -> ClientQuotas:
+def entered(
+    quotas: Quotas, address: str = "10.0.0.1", connection: Connection | None = None
+) -> ClientQuotas:
     client = ClientQuotas(quotas)
-    client.join_address(Connection(**registered), address, 0.0)
+    client.join_address(connection or Connection(), address, 0.0)
     return client
 
 
@@ -132,6 +134,7 @@ def test_limits_of_a_token_take_precedence() -> None:
     client = entered(quotas)
     client.join_principal(Connection(), principal(messages_per_second=0), 0.0)
     assert client.meter is None
+    client = entered(quotas)
     client.join_principal(Connection(), principal("bob", messages_per_second=5), 0.0)
     assert client.meter is not None
     client.meter.charge(LEAST_MESSAGES + 1, 0, 0.0)
@@ -179,12 +182,12 @@ def test_connections_of_one_principal_are_limited() -> None:
 @pytest.mark.parametrize("what", ["subscriptions", "advertisements"])
 def test_registrations_of_one_address_are_limited_together(what: Registration) -> None:
     quotas = Quotas(Settings(**{f"max_address_{what}": 3}))  # type: ignore[arg-type]
-    clients = [entered(quotas, **{what: count}) for count in (1, 1)]
+    clients = [entered(quotas, connection=Connection(**{what: count})) for count in (1, 1)]
     clients[0].check_room(what)
-    other = entered(quotas, **{what: 1})
+    other = entered(quotas, connection=Connection(**{what: 1}))
     with pytest.raises(LimitReached, match=f"limit 3, --max-address-{what}"):
         other.check_room(what)
-    entered(quotas, "10.0.0.2", **{what: 2}).check_room(what)
+    entered(quotas, "10.0.0.2", Connection(**{what: 2})).check_room(what)
 
 
 def test_changed_limits_of_a_principal_count_all_its_clients() -> None:
