@@ -11,7 +11,7 @@ import statistics
 import struct
 import time
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,7 +20,7 @@ import cbor2
 from bench.client import PING, TEXT, Client, connect_all, frame, operation
 from bench.handshake import connected
 from bench.machine import memory, on_load_cpu
-from bench.measure import HUB, BenchError, Plan
+from bench.measure import HUB, BenchError, Plan, Repeated
 from bench.report import Report
 from bench.servers import Server, running
 
@@ -37,6 +37,9 @@ CALL_INTERVAL = 0.001
 
 PAIR_HZ = 200
 LIMIT_PAIR_MS = 20.0
+FLOOD_LIMIT = 5000
+"""Messages per second that a client may send in the measurement of limits."""
+LIMIT_FLOOD_RATIO = 2.0
 CHURNERS, PUBLISHERS, STUCK = 30, 4, 100
 
 SLOW_BYTES, SLOW_READ, SLOW_OFFERED = 10_000, 1_000_000, 10_000_000
@@ -49,6 +52,7 @@ processes = multiprocessing.get_context("fork")
 
 def isolation(plan: Plan, report: Report) -> None:
     """Measure each of them beside a client that behaves."""
+    _limits(plan, report)
     _texts(plan, report)
     _neighbours(plan, report)
     _slow_reader(plan, report)
@@ -326,6 +330,75 @@ def _pour(sockets: list[socket.socket], data: bytes) -> None:
                 if ready & selectors.EVENT_WRITE:
                     sent = key.data.send(rest[key.data] or data)
                     rest[key.data] = (rest[key.data] or data)[sent:]
+
+
+# Floods and limits.
+
+
+def _limits(plan: Plan, report: Report) -> None:
+    """Measure the effect of a client that floods within its limit, and of one that goes beyond."""
+    within = f"one client that floods within its limit, {FLOOD_LIMIT} msg/s"
+    beyond = "one client that floods beyond its limit, 100,000 msg/s offered"
+    loads: list[tuple[str, Callable[[int], None] | None]] = [
+        ("nobody", None),
+        (within, _flood_within),
+        (beyond, _flood_beyond),
+    ]
+    found: dict[str, list[tuple[float, float, float]]] = {name: [] for name, _ in loads}
+    options = ("--max-messages-per-second", str(FLOOD_LIMIT))
+    for _ in range(plan.reps):
+        for name, load in loads:
+            with running(HUB, options=options) as server, ExitStack() as stack:
+                if load is not None:
+                    stack.enter_context(_in_background(load, server.port))
+                    time.sleep(plan.warm_seconds)
+                with on_load_cpu():
+                    took = _pair(server.port, int(PAIR_HZ * plan.seconds))
+            p99 = statistics.quantiles(took, n=100)[98]
+            found[name].append((statistics.median(took), p99, max(took)))
+    quiet = Repeated.of(p99 for _, p99, _ in found["nobody"])
+    rows = []
+    for name, results in found.items():
+        p50, p99, slowest = (Repeated.of(values) for values in zip(*results, strict=True))
+        ratio = p99 / quiet
+        report.record(
+            "isolation", what=name, p50_ms=p50.median, p99_ms=p99.median, ratio=ratio.median
+        )
+        limit = None if name == "nobody" else LIMIT_FLOOD_RATIO
+        verdict = report.check(HUB, f"beside {name}, p99", ratio.median, limit)
+        rows.append((name, f"{p50}", f"{p99}", f"{ratio}", verdict, f"{slowest}"))
+    report.table(
+        f"Milliseconds from one client to another at {PAIR_HZ} Hz, minimum (median) of {plan.reps}",
+        ("neighbours", "p50", "p99", "ratio of p99", "limit", "slowest"),
+        rows,
+    )
+
+
+def _flood_within(port: int) -> None:
+    """Publish at the rate of the limit, in a burst each hundredth of a second."""
+    message = operation("publish", topic="/flood", msg={"data": "x" * 32})
+    count = FLOOD_LIMIT // 100
+    publisher = connected(port, "/?node=/flooder")
+    publisher.sendall(operation("advertise", topic="/flood", type="std_msgs/String"))
+    due = time.monotonic()
+    while True:
+        publisher.sendall(message * count)
+        due += 0.01
+        time.sleep(max(0.0, due - time.monotonic()))
+
+
+def _flood_beyond(port: int) -> None:
+    """Publish 100,000 messages per second, and connect again whenever the hub closes."""
+    message = operation("publish", topic="/flood", msg={"data": "x" * 32})
+    while True:
+        publisher = connected(port, "/?node=/flooder")
+        due = time.monotonic()
+        with suppress(OSError):
+            publisher.sendall(operation("advertise", topic="/flood", type="std_msgs/String"))
+            while True:
+                publisher.sendall(message * 1000)
+                due += 0.01
+                time.sleep(max(0.0, due - time.monotonic()))
 
 
 # A slow reader.

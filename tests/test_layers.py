@@ -87,8 +87,8 @@ BELOW_IN_HUB = {
         "hub.rosbridge",
     }
     | {"hub.settings", "hub.log_text", "hub.websocket.endpoint"},
-    "rosapi": {"errors", "names", "protocol", "interfaces", "hub.graph", "hub.delivery"}
-    | {"hub.rosapi", "hub.log_text", "hub.audit"},
+    "rosapi": {"errors", "names", "protocol", "interfaces", "access.rights", "hub.graph"}
+    | {"hub.delivery", "hub.rosapi", "hub.log_text", "hub.audit"},
 }
 """The modules of fibws that each layer of the hub may import: the graph knows no frames and no
 operations, delivery knows bytes, websocket knows endpoints but no operations."""

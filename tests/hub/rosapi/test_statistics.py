@@ -311,8 +311,18 @@ def test_clients_have_their_address_and_the_state_of_their_queue(rosapi: RosapiC
     quick = {
         "node": "/slow",
         "address": "10.0.0.1:50001",
+        "principal": "",
+        "protocol": "rosbridge",
+        "since": {"secs": NANOSECONDS // 10**9, "nsecs": NANOSECONDS % 10**9},
+        "messages_received": 3,
+        "bytes_received": 300,
+        "messages_sent": 0,
+        "bytes_sent": 0,
         "kept_bytes": 0,
         "dropped": 0,
+        "limited": 2,
+        "subscriptions": 1,
+        "advertisements": 0,
         "slow": False,
     }
     assert listed() == [quick]
@@ -321,7 +331,8 @@ def test_clients_have_their_address_and_the_state_of_their_queue(rosapi: RosapiC
     frame = 2 + len(TEXT)
     assert listed() == [{**quick, "kept_bytes": frame, "dropped": 2, "slow": True}]
     connection.queue.resume()
-    assert listed() == [{**quick, "dropped": 2}]
+    sent = {"messages_sent": 1, "bytes_sent": frame}
+    assert listed() == [{**quick, "dropped": 2, **sent}]
 
 
 def test_clients_that_have_left_the_graph_are_not_listed(rosapi: RosapiClient) -> None:
