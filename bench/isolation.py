@@ -354,9 +354,9 @@ def _limits(plan: Plan, report: Report) -> None:
                     time.sleep(plan.warm_seconds)
                 with on_load_cpu():
                     took = _pair(server.port, int(PAIR_HZ * plan.seconds))
-            p99 = statistics.quantiles(took, n=100)[98]
-            found[name].append((statistics.median(took), p99, max(took)))
-    quiet = Repeated.of(p99 for _, p99, _ in found["nobody"])
+            percentile = statistics.quantiles(took, n=100)[98]
+            found[name].append((statistics.median(took), percentile, max(took)))
+    quiet = Repeated.of(each[1] for each in found["nobody"])
     rows = []
     for name, results in found.items():
         p50, p99, slowest = (Repeated.of(values) for values in zip(*results, strict=True))

@@ -526,7 +526,7 @@ class Connection(asyncio.BufferedProtocol):
         return self._logged_in(self._shared.authentication.log_in_by_token(token, self.address))
 
     def _logged_in(self, login: Login) -> Principal:
-        self._quotas.join_principal(self, login.principal, self._shared.turns.clock())
+        self._join(login.principal)
         self._again = login.again
         self.principal = login.principal
         self._shared.audit.login(principal=login.principal.name, ip=self.address)
@@ -539,7 +539,7 @@ class Connection(asyncio.BufferedProtocol):
         try:
             principal = self._again()
             if principal != self.principal:
-                self._quotas.join_principal(self, principal, self._shared.turns.clock())
+                self._join(principal)
                 self.principal = principal
                 self.endpoint.authorize(principal)
         except AuthenticationError as error:
@@ -550,6 +550,15 @@ class Connection(asyncio.BufferedProtocol):
             self.fail(close_reason(LIMITED, f"after a reload: {error}"))
 
     # How much the client sends.
+
+    def _join(self, principal: Principal) -> None:
+        """Count the client of a principal from now on, whose limits may be other ones.
+
+        Raises:
+            LimitReached: the principal has too many clients.
+        """
+        self._quotas.join_principal(self, principal, self._shared.turns.clock())
+        self._parser.on_text, self._parser.on_binary = self._on_text, self._on_binary
 
     def _count_operations(self, count: int) -> None:
         self._others += count

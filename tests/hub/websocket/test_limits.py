@@ -47,7 +47,7 @@ sha256 = "{digest_of("two")}"
 
 
 @pytest.fixture
-def no_sweeps(monkeypatch: pytest.MonkeyPatch) -> None:
+def no_sweeps(start_hub: StartHub, monkeypatch: pytest.MonkeyPatch) -> None:
     """Let no second pass, so that nobody is closed for what was too much."""
     monkeypatch.setattr("fibws.hub.server.SWEEP_INTERVAL", 3600)
 
@@ -304,6 +304,12 @@ async def test_limits_are_reloaded(no_sweeps: None, start_hub: StartHub, tmp_pat
         hub.reload()
         await bob.send(frame(PING, b"x") * MANY)
         await until(lambda: connection(hub).limited)
+        path.write_text(TOKENS, "utf-8")
+        hub.reload()
+        dropped = connection(hub).limited
+        await bob.send_operation("call_service", service="/rosapi/get_time", id="call")
+        assert (await until_response(bob, "call"))["result"]
+        assert connection(hub).limited == dropped
 
 
 # Handshakes.
