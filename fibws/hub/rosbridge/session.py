@@ -365,7 +365,7 @@ class Session:
         try:
             if not is_text and data[:1] >= b"\x80":
                 self._refuse_excess(decode_cbor(bytes(data)), reason)
-            elif len(data) > SMALL and PUBLISH.match(data):
+            elif PUBLISH.match(data) and (len(data) > SMALL or data.count(b'"op"') == 1):
                 self._drop(reason)
             else:
                 check_json(data)

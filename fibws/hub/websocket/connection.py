@@ -79,6 +79,8 @@ REFUSALS: dict[int, Reason] = {
     LIMITED: "limit",
 }
 """What the codes of closes mean that are refusals."""
+DROPPING_PAUSE = 0.01
+"""Seconds between two reads of a client whose messages are dropped: to drop them costs, too."""
 DROP_REPORT_INTERVAL = 10.0
 """Seconds between two log lines about one client's dropped messages."""
 
@@ -291,9 +293,9 @@ class Connection(asyncio.BufferedProtocol):
         turns.began = began = perf_counter()
         self.bytes_received += nbytes
         full = False
+        measured = self._quotas.meter is not None
         if self._head is None:
             parser = self._parser
-            measured = self._quotas.meter is not None
             if measured:
                 self._begin_measuring(began)
             if self._busy and turns.is_spent():
@@ -311,7 +313,9 @@ class Connection(asyncio.BufferedProtocol):
             # A handshake costs as much as hundreds of messages, and a thousand may come at once.
             self._request += shared.small[:nbytes]
             held = True
-        self._busy = full or held or perf_counter() - began >= TURN
+        self._busy = (
+            full or held or (measured and self._is_dropping) or perf_counter() - began >= TURN
+        )
         if self._busy:
             self._wait()
         if self.endpoint is not None and self.queue.paused and self.queue.overfull:
@@ -371,7 +375,11 @@ class Connection(asyncio.BufferedProtocol):
         if not self._transport.is_closing():
             self._waiting = True
             self._transport.pause_reading()
-            self._shared.turns.wait(self)
+            turns = self._shared.turns
+            if self._is_dropping:
+                self._shared.loop.call_later(DROPPING_PAUSE, turns.wait, self)
+            else:
+                turns.wait(self)
 
     def take_turn(self) -> None:
         """Handle the data read before; continue reading once it is used up."""
@@ -560,6 +568,12 @@ class Connection(asyncio.BufferedProtocol):
         self._quotas.join_principal(self, principal, self._shared.turns.clock())
         self._parser.on_text, self._parser.on_binary = self._on_text, self._on_binary
 
+    @property
+    def _is_dropping(self) -> bool:
+        """Whether the client's messages are dropped, as it sends too much."""
+        meter = self._quotas.meter
+        return meter is not None and meter.refusal is not None
+
     def _count_operations(self, count: int) -> None:
         self._others += count
 
@@ -649,8 +663,7 @@ class Connection(asyncio.BufferedProtocol):
 
     def _on_frame(self, frame: Frame) -> None:
         self._others += 1
-        meter = self._quotas.meter
-        if meter is not None and meter.refusal is not None and frame.opcode is Opcode.PING:
+        if frame.opcode is Opcode.PING and self._is_dropping:
             self.limited += 1
         if frame.opcode is Opcode.PONG:
             self._keepalive.ponged()
