@@ -40,7 +40,7 @@ from fibws.hub.websocket.endpoint import Endpoint, Endpoints, Opening, Registrat
 from fibws.hub.websocket.http import HttpRequests, node_name, text_response
 from fibws.hub.websocket.keepalive import Keepalive
 from fibws.hub.websocket.proxies import TrustedProxies
-from fibws.hub.websocket.quotas import ClientQuotas
+from fibws.hub.websocket.quotas import CHARGED_BYTES, ClientQuotas, Meter
 from fibws.hub.websocket.shared_limits import SharedLimits
 from fibws.hub.websocket.tls import certificate_name
 from fibws.hub.websocket.turns import TURN, Turns
@@ -293,11 +293,11 @@ class Connection(asyncio.BufferedProtocol):
         turns.began = began = perf_counter()
         self.bytes_received += nbytes
         full = False
-        measured = self._quotas.meter is not None
+        meter = self._quotas.meter
         if self._head is None:
             parser = self._parser
-            if measured:
-                self._begin_measuring(began)
+            if meter is not None and meter.refusal is not None:
+                self._go_on_dropping(meter, began)
             if self._busy and turns.is_spent():
                 parser.pause()
             if parser.in_large:
@@ -307,15 +307,15 @@ class Connection(asyncio.BufferedProtocol):
                 full = nbytes == len(buffer)
                 parser.receive(bytes(buffer[:nbytes]))
             held = parser.paused
-            if measured:
-                self._measure(nbytes, began)
+            if meter is not None:
+                meter.uncharged_bytes += nbytes
+                self._measure(meter, began)
         else:
             # A handshake costs as much as hundreds of messages, and a thousand may come at once.
             self._request += shared.small[:nbytes]
             held = True
-        self._busy = (
-            full or held or (measured and self._is_dropping) or perf_counter() - began >= TURN
-        )
+        dropping = meter is not None and meter.refusal is not None
+        self._busy = full or held or dropping or perf_counter() - began >= TURN
         if self._busy:
             self._wait()
         if self.endpoint is not None and self.queue.paused and self.queue.overfull:
@@ -390,13 +390,12 @@ class Connection(asyncio.BufferedProtocol):
             request, self._request = self._request, b""
             self._shake_hands(request)
         elif self._is_held():
-            began = self._shared.turns.began
-            measured = self._quotas.meter is not None
-            if measured:
-                self._begin_measuring(began)
+            began, meter = self._shared.turns.began, self._quotas.meter
+            if meter is not None and meter.refusal is not None:
+                self._go_on_dropping(meter, began)
             self._parser.resume()
-            if measured:
-                self._measure(0, began)
+            if meter is not None:
+                self._measure(meter, began)
             if self.endpoint is not None and self.queue.paused and self.queue.overfull:
                 self.fail(OVERFULL)
         if self._is_held():
@@ -576,27 +575,28 @@ class Connection(asyncio.BufferedProtocol):
 
     def _count_operations(self, count: int) -> None:
         self._others += count
+        if self._quotas.meter is not None:
+            self._quotas.meter.due = -math.inf
 
-    def _begin_measuring(self, now: float) -> None:
-        """Take messages again that were dropped, if it is time."""
-        meter = self._quotas.meter
-        assert meter is not None
+    def _go_on_dropping(self, meter: Meter, now: float) -> None:
+        """Go on to drop messages, or take them again if it is time."""
         self._exempt = False
-        if meter.refusal is None:
-            return
         if meter.resumes(now):
             meter.charged = self.messages_received
+            meter.uncharged_bytes = 0
             self._parser.on_text, self._parser.on_binary = self._on_text, self._on_binary
         else:
             # A message that began before is still to be paid for.
             self._exempt = self._parser.large_taker not in (self._on_text, self._on_binary)
 
-    def _measure(self, nbytes: int, now: float) -> None:
-        """Charge what was read; drop messages from now on if that was too much."""
-        meter = self._quotas.meter
-        if meter is None or self._exempt or not self.is_open:
+    def _measure(self, meter: Meter, now: float) -> None:
+        """Charge what was read lately; drop messages from now on if that was too much."""
+        if now < meter.due and meter.uncharged_bytes < CHARGED_BYTES:
             return
-        meter.charge(self.messages_received - meter.charged, nbytes, now)
+        size, meter.uncharged_bytes = meter.uncharged_bytes, 0
+        if self._exempt or not self.is_open:
+            return
+        meter.charge(self.messages_received - meter.charged, size, now)
         if meter.refusal is not None:
             self._parser.on_text, self._parser.on_binary = self._drop_text, self._drop_binary
 

@@ -1,13 +1,15 @@
 """Quotas: what the clients of one principal, or of one address, may take of the hub together.
 
-Rates are measured by token buckets. A client is charged once for each time that its socket is read,
-and not for each message: one that is within its limits costs nothing more. A client whose bucket is
-empty has its messages dropped until the bucket has something again, and is closed if that goes on.
+Rates are measured by token buckets. A client is charged once in a millisecond, or for 16 KiB, and
+not for each message: one that is within its limits costs next to nothing more. A client whose
+bucket is empty has its messages dropped until the bucket has something again, and is closed if that
+goes on.
 """
 
 from __future__ import annotations
 
 import ipaddress
+import math
 from collections import OrderedDict
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -26,6 +28,10 @@ LEAST_MESSAGES = 100
 """Messages that may come at once at any rate: a node registers much when it starts."""
 LEAST_BYTES = 64 * KIB
 """Bytes that may come at once at any rate."""
+CHARGE_SECONDS = 0.001
+"""Seconds after which a client is charged again: not more often, to cost it next to nothing."""
+CHARGED_BYTES = 16 * KIB
+"""Bytes with which a client is charged at once."""
 SUSTAINED_SECONDS = 5
 """Seconds in a row with dropped messages after which a client is closed."""
 MOST_IDLE = 10_000
@@ -141,6 +147,8 @@ class Meter:
         refusal: why messages are dropped now; None if they are not.
         reason: why messages were dropped last.
         charged: messages of the client that have been charged, or dropped.
+        uncharged_bytes: bytes that have come since the last charge.
+        due: when the next charge is due, unless there are `CHARGED_BYTES` before.
     """
 
     __slots__ = (
@@ -150,8 +158,10 @@ class Meter:
         "_resumes",
         "_strikes",
         "charged",
+        "due",
         "reason",
         "refusal",
+        "uncharged_bytes",
     )
 
     def __init__(self, quotas: Iterable[Quota]) -> None:
@@ -164,6 +174,8 @@ class Meter:
         self.refusal: str | None = None
         self.reason = ""
         self.charged = 0
+        self.uncharged_bytes = 0
+        self.due = -math.inf
 
     @property
     def is_needed(self) -> bool:
@@ -173,6 +185,7 @@ class Meter:
     def charge(self, messages: int, size: int, now: float) -> None:
         """Charge what has come; sets ``refusal`` if that was more than the client may send."""
         self.charged += messages
+        self.due = now + CHARGE_SECONDS
         for amount, rates in ((messages, self._messages), (size, self._bytes)):
             for rate in rates:
                 seconds = rate.bucket.charge(amount, now)
