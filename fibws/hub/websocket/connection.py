@@ -624,6 +624,7 @@ class Connection(asyncio.BufferedProtocol):
         refusal = self._shared.limits.handshake_refusal(self.address, self._shared.turns.clock())
         if refusal is None:
             return None
+        self._shared.audit.refused("limit", refusal, ip=self.address)
         response = text_response(http.HTTPStatus.TOO_MANY_REQUESTS, refusal)
         response.headers["Retry-After"] = "1"
         return response
