@@ -25,6 +25,7 @@ RATES = {
     "bytes_sent": "bytes_sent_per_second",
 }
 """The totals of clients that have rates, with the names of these."""
+REGISTRATIONS = ("subscription", "advertisement")
 HEADS = ("NODE", "PRINCIPAL", "ADDRESS", "PROTOCOL", "SINCE", "IN", "OUT", "DROPPED", "LIMITED")
 
 _delay_option = click.option(
@@ -211,9 +212,8 @@ def _description(client: Entry) -> Iterator[str]:
     yield f"Queue: {amount(client['kept_bytes'])}{state}"
     yield f"Dropped, as it was too slow: {client['dropped']} messages"
     yield f"Dropped, as it sent more than its limits: {client['limited']} messages"
-    yield f"Registered: {client['subscriptions']} subscriptions, " + (
-        output.counted(client["advertisements"], "advertisement")
-    )
+    registered = [output.counted(client[f"{each}s"], each) for each in REGISTRATIONS]
+    yield f"Registered: {', '.join(registered)}"
     yield ""
     yield from _section("Publishes", map(_publication, client["published"]))
     yield from _section("Subscribes to", map(_subscription, client["subscribed"]))
