@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import json
 import multiprocessing
+import os
 import selectors
 import socket
 import statistics
@@ -378,6 +379,7 @@ def _flood_within(port: int) -> None:
     """Publish at the rate of the limit, in a burst each hundredth of a second."""
     message = operation("publish", topic="/flood", msg={"data": "x" * 32})
     count = FLOOD_LIMIT // 100
+    os.nice(19)  # It shares a CPU with the clients that are measured.
     publisher = connected(port, "/?node=/flooder")
     publisher.sendall(operation("advertise", topic="/flood", type="std_msgs/String"))
     due = time.monotonic()
@@ -389,6 +391,7 @@ def _flood_within(port: int) -> None:
 
 def _flood_beyond(port: int) -> None:
     """Publish 100,000 messages per second, and connect again whenever the hub closes."""
+    os.nice(19)
     message = operation("publish", topic="/flood", msg={"data": "x" * 32})
     while True:
         publisher = connected(port, "/?node=/flooder")
