@@ -205,9 +205,9 @@ def _reload(hub: Hub, manager: ServiceManager) -> None:
     try:
         hub.reload()
     except FibwsError as error:
-        hub.audit.reload_failed("tokens and keys", str(error))
+        hub.audit.reload_failed("certificates, tokens and keys", str(error))
     else:
-        hub.audit.reloaded("tokens and keys")
+        hub.audit.reloaded("certificates, tokens and keys")
     manager.ready()
 
 

@@ -10,7 +10,7 @@ import time
 import uuid
 from collections import deque
 from collections.abc import Callable
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from functools import partial
 from types import TracebackType
 from typing import Any, Self, TypeAlias
@@ -410,9 +410,13 @@ class Hub:
 
     def lost(self, connection: Connection) -> None:
         """Remove a connection that is closed."""
-        self._clients.left(connection)
+        with ExitStack() as stack:  # Whatever fails of this, the rest is done.
+            stack.callback(self._count_out, connection)
+            stack.callback(self._own.disconnected, connection)
+            stack.callback(self._clients.left, connection)
+
+    def _count_out(self, connection: Connection) -> None:
         self._connections.discard(connection)
-        self._own.disconnected(connection)
         if connection.endpoint is not None:
             self._limits.clients -= 1
             if not self._limits.clients:
