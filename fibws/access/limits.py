@@ -1,14 +1,19 @@
-"""The limits of a principal: what all its clients may take of the hub together."""
+"""The limits of principals and addresses: what all their clients may take of the hub together."""
 
 from __future__ import annotations
 
+import ipaddress
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from functools import lru_cache
 from typing import Any, Self
 
 from fibws.errors import AccessError
 from fibws.suggestions import suggestion_or_known
+
+PREFIX_LENGTH = 64
+"""Bits of an IPv6 address that one customer has (RFC 6177): the rest is the customer's choice."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,3 +74,18 @@ def _check(value: object, where: str, *, whole: bool) -> None:
     if not isinstance(value, kinds) or isinstance(value, bool) or not 0 <= value < math.inf:
         expected = "a whole number" if whole else "a number"
         raise AccessError(f"{where} must be {expected} >= 0, got {value!r}")
+
+
+@lru_cache(maxsize=1024)
+def network_of(address: str) -> str:
+    """Return what counts as one address: of IPv6 the first 64 bits, which a customer gets."""
+    try:
+        parsed = ipaddress.ip_address(address)
+    except ValueError:
+        return address
+    if isinstance(parsed, ipaddress.IPv4Address):
+        return str(parsed)
+    if parsed.ipv4_mapped is not None:
+        return str(parsed.ipv4_mapped)
+    network = ipaddress.ip_network((int(parsed), PREFIX_LENGTH), strict=False)
+    return str(network)

@@ -20,6 +20,7 @@ from urllib.parse import parse_qs
 
 from websockets.datastructures import Headers
 
+from fibws.access.limits import network_of
 from fibws.access.rights import RIGHTS, Principal, Rights
 from fibws.access.token_file import LONGEST_TOKEN, Tokens
 from fibws.access.web_tokens import WebTokens
@@ -172,6 +173,8 @@ class Authentication:
 class WrongTokens:
     """Counts the wrong tokens of each address, and slows down those that guess.
 
+    A whole network of IPv6 counts as one address.
+
     Args:
         now: returns the seconds since 1970.
     """
@@ -179,28 +182,29 @@ class WrongTokens:
     def __init__(self, now: Callable[[], float]) -> None:
         self._now = now
         self._wrong: OrderedDict[str, tuple[float, float]] = OrderedDict()
-        """By address: how many count, and as of when."""
+        """By network: how many count, and as of when."""
         self._total = 0
 
     def check(self, address: str) -> None:
         """Raise `TooManyAttempts` if an address must wait before it may try a token."""
-        count = self._count(address)
+        count = self._count(network_of(address))
         if count >= MOST_WRONG:
             raise TooManyAttempts(math.ceil((count - MOST_WRONG + 1) / FORGIVEN_PER_SECOND))
 
     def failed(self, address: str) -> None:
         """Count a wrong token."""
         self._total += 1
-        count = self._count(address) + 1
-        self._wrong[address] = count, self._now()
-        self._wrong.move_to_end(address)
+        network = network_of(address)
+        count = self._count(network) + 1
+        self._wrong[network] = count, self._now()
+        self._wrong.move_to_end(network)
         if len(self._wrong) > MOST_ADDRESSES:
             self._wrong.popitem(last=False)
         if count >= MOST_WRONG or is_power_of_ten(self._total):
             logger.warning("Wrong token from %s (wrong token %d in all).", address, self._total)
 
-    def _count(self, address: str) -> float:
-        count, since = self._wrong.get(address, (0.0, 0.0))
+    def _count(self, network: str) -> float:
+        count, since = self._wrong.get(network, (0.0, 0.0))
         return max(0.0, count - max(0.0, self._now() - since) * FORGIVEN_PER_SECOND)
 
 

@@ -8,15 +8,13 @@ goes on.
 
 from __future__ import annotations
 
-import ipaddress
 import math
 from collections import OrderedDict
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Literal, Protocol, TypeAlias
 
-from fibws.access.limits import Limits
+from fibws.access.limits import Limits, network_of
 from fibws.access.rights import Principal
 from fibws.errors import LimitReached
 from fibws.hub.settings import KIB, Settings
@@ -36,8 +34,6 @@ SUSTAINED_SECONDS = 5
 """Seconds in a row with dropped messages after which a client is closed."""
 MOST_IDLE = 10_000
 """Addresses and principals without clients that are remembered; more forget the oldest."""
-PREFIX_LENGTH = 64
-"""Bits of an IPv6 address that one customer has (RFC 6177): the rest is the customer's choice."""
 
 Whose: TypeAlias = Literal["client", "principal", "address"]
 
@@ -359,21 +355,6 @@ class ClientQuotas:
         if self.meter is not None:
             meter.charged = self.meter.charged
         self.meter = meter if meter.is_needed else None
-
-
-@lru_cache(maxsize=1024)
-def network_of(address: str) -> str:
-    """Return what counts as one address: of IPv6 the first 64 bits, which a customer gets."""
-    try:
-        parsed = ipaddress.ip_address(address)
-    except ValueError:
-        return address
-    if isinstance(parsed, ipaddress.IPv4Address):
-        return str(parsed)
-    if parsed.ipv4_mapped is not None:
-        return str(parsed.ipv4_mapped)
-    network = ipaddress.ip_network((int(parsed), PREFIX_LENGTH), strict=False)
-    return str(network)
 
 
 NO_LIMITS = Limits(0, 0, 0, 0, 0)

@@ -314,6 +314,15 @@ def test_address_that_guesses_must_wait(tmp_path: Path, caplog: pytest.LogCaptur
     assert "guess" not in caplog.text
 
 
+def test_network_of_ipv6_counts_as_one_address() -> None:
+    wrong = WrongTokens(Clock())
+    for number in range(MOST_WRONG):
+        wrong.failed(f"2001:db8::{number:x}")
+    with pytest.raises(TooManyAttempts):
+        wrong.check("2001:db8::ffff")
+    wrong.check("2001:db8:0:1::1")
+
+
 def test_counted_addresses_are_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("fibws.hub.access.authentication.MOST_ADDRESSES", 10)
     wrong = WrongTokens(Clock())

@@ -283,6 +283,22 @@ async def test_reload_takes_back_what_is_no_longer_allowed(start: Hubs) -> None:
         assert (await closing(ann))[0] == 4403
 
 
+async def test_reload_under_traffic_loses_nothing(start: Hubs) -> None:
+    hub = await start()
+    async with entered(hub, **bearer("one")) as ann, entered(hub, **bearer("two")) as bob:
+        assert await statuses(ann, {"op": "subscribe", "topic": "/b", "type": INT32}) == []
+        assert await statuses(bob, {"op": "advertise", "topic": "/b", "type": INT32}) == []
+        for number in range(300):
+            await bob.send(json.dumps({"op": "publish", "topic": "/b", "msg": {"data": number}}))
+            if number % 10 == 0:  # Each time another one may enter, and one may not any more.
+                start.path.write_text(
+                    f'{FILE}[tokens.n{number}]\nsha256 = "{digest_of(str(number))}"'
+                )
+                hub.reload()
+        received = [json.loads(await ann.recv())["msg"]["data"] for _ in range(300)]
+        assert received == [*range(300)]
+
+
 async def test_failed_reload_changes_nothing(start: Hubs) -> None:
     hub = await start()
     async with entered(hub, **bearer("one")) as ann:

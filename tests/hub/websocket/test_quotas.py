@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fibws.access.limits import Limits
+from fibws.access.limits import Limits, network_of
 from fibws.access.rights import Principal, Rights
 from fibws.errors import LimitReached
 from fibws.hub.settings import Settings
@@ -21,7 +21,6 @@ from fibws.hub.websocket.quotas import (
     ClientQuotas,
     Quotas,
     TokenBucket,
-    network_of,
 )
 
 
