@@ -7,7 +7,8 @@ import os
 import re
 import sys
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import genpy
@@ -145,11 +146,12 @@ def init_node(
 
     _start(node)
     _arguments = arguments
-    for key, value in params.items():
-        logdebug("setting param %s to %s", key, value)
-        set_param(PRIV_NAME + key, value)
-    if not disable_rostime:
-        _use_simulated_time()
+    with _refusals():
+        for key, value in params.items():
+            logdebug("setting param %s to %s", key, value)
+            set_param(PRIV_NAME + key, value)
+        if not disable_rostime:
+            _use_simulated_time()
     rostime.set_rostime_initialized(True)
     core.started()
     logdebug("init_node, name[%s], pid[%s]", full_name, os.getpid())
@@ -309,12 +311,22 @@ def _logger(log_level: int | None) -> logging.Logger:
 
 
 def _start(node: Callable[[], fibws.Node]) -> None:
-    from fibws.errors import NodeError
-
     try:
-        core.background.start(node, _ended)
+        with _refusals():
+            core.background.start(node, _ended)
     except ROSInterruptException:
         raise _InitInterrupted("init_node interrupted before it could complete") from None
+
+
+@contextmanager
+def _refusals() -> Iterator[None]:
+    """Raise `ROSInitException` if the hub refuses the node, which may be during its first calls."""
+    from fibws.errors import NodeError, ServiceError
+
+    try:
+        yield
+    except ServiceError:
+        raise  # A parameter is at fault.
     except NodeError as error:
         raise ROSInitException(str(error)) from None
 
