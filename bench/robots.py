@@ -46,7 +46,6 @@ CELLS = (
         Traffic("sensor_msgs/LaserScan", 720, 40),
         latency=2,
         cpu=2,
-        quick=True,
     ),
     Cell(
         "tf",

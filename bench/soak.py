@@ -24,7 +24,7 @@ from bench.servers import Server, running
 from fibws.msg.sensor_msgs import Image
 from fibws.msg.std_msgs import Int32
 
-SECONDS, QUICK_SECONDS = 60.0, 8.0
+SECONDS, QUICK_SECONDS = 60.0, 4.0
 """The default durations; --minutes 20 is the real proof."""
 SETTLE_SECONDS = 300.0
 """The time that memory may grow without limit; half of the duration if that is less."""

@@ -15,7 +15,7 @@ from bench.servers import Server
 
 IMAGES = Traffic("sensor_msgs/Image", 921_600, 30, subscribers=2)
 TOPIC = "/bench"
-SECONDS, QUICK_SECONDS = 20.0, 5.0
+SECONDS, QUICK_SECONDS = 20.0, 3.0
 """The default durations; --minutes 10 is the real proof."""
 SAMPLES, LONGEST_INTERVAL = 10, 10.0
 """The number of samples in a short run, and the most seconds between two in a long one."""
