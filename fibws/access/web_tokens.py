@@ -120,6 +120,11 @@ class WebTokens:
         raise AuthenticationError("invalid token: its key (kid) is unknown")
 
     def _secret(self, data: bytes) -> bytes:
+        if data.startswith(b"-----BEGIN") or data.lstrip().startswith(b"{"):
+            raise AccessError(
+                f"{self._path} is no secret for HS256, but a key for another algorithm; name it: "
+                f"--jwt-algorithm {', '.join(ALGORITHMS[1:-1])} or {ALGORITHMS[-1]}"
+            )
         if len(data) < SHORTEST_SECRET:
             raise AccessError(
                 f"{self._path}: a key for HS256 must have at least {SHORTEST_SECRET} bytes, "

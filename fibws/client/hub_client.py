@@ -212,6 +212,19 @@ class HubClient:
             if rest == 0 and not self._operations:
                 return  # A hub that sends without a pause must not delay the return.
 
+    def wait(self, seconds: float) -> None:
+        """Wait, and keep what the hub sends for `receive`.
+
+        Raises:
+            OperationRejected: the hub has refused an operation.
+            HubLost: the connection is lost.
+        """
+        deadline = time.monotonic() + seconds
+        while (rest := deadline - time.monotonic()) > 0:
+            self._read(rest)
+        for operation in self._operations:
+            check(operation)
+
     def call(
         self,
         service: str,

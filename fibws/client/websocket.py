@@ -314,7 +314,8 @@ def _fault(error: Exception) -> str:
         words = bytes(error.response.body or b"").decode(errors="replace").split()
         body = " ".join(words).rstrip(".")[:LONGEST_FAULT]
         is_text = error.response.headers.get("Content-Type", "").startswith("text/plain")
-        if error.response.status_code in ((400, 403, 404) if is_text else (400, 403)) and body:
+        texts = (400, 403, 404, 429, 503)  # 503: the hub is full, or about to end.
+        if error.response.status_code in (texts if is_text else (400, 403)) and body:
             return body
     return _not_a_hub(str(error))
 

@@ -78,6 +78,19 @@ async def test_rospy_script_without_a_token_ends_with_the_reason(
     assert "ROSInitException" in err and "missing token" in err and "FIBWS_TOKEN" in err
 
 
+async def test_topic_that_may_not_be_read_is_not_waited_for(
+    start: Start, token_hub: TokenHub
+) -> None:
+    tokens = TokenFile(token_hub.folder / "tokens.toml")
+    token = tokens.add("blind", Rights({"publish": ("/chatter",)}))
+    file = token_hub.file("more.toml", tokens._document.as_string())
+    async with Hub(Settings(port=0, tokens=Path(file))) as hub:
+        words = ("topic", "echo", "/secret", "--hub", hub.url)
+        program = await start("fibws", *words, FIBWS_TOKEN=token)
+        code, _, err = await program.end()
+    assert code != 0 and "missing right subscribe for /secret" in err
+
+
 async def test_program_takes_a_token_file(start: Start, token_hub: TokenHub) -> None:
     file = token_hub.file("token", token_hub.robot)
     await start("fibws.broadcaster", "--hub", token_hub.url, "--token-file", file)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from contextlib import suppress
 from typing import NamedTuple
@@ -72,16 +71,18 @@ def wait_for_topic(
 
     Raises:
         ClickException: the messages of the topic have no such field.
+        OperationRejected: the hub refuses the subscription.
     """
     subscribe = subscribe or client.subscribe
     if _is_name(name):
         subscribe(name)
     found = find_topic(client, name)
     if found is None:
+        client.wait(0)  # The hub may have refused the subscription.
         meant = suggestion(name, (topic for topic, type_ in all_types(client).items() if type_))
         click.echo(f"WARNING: topic [{name}] does not appear to be published yet{meant}", err=True)
         while found is None:
-            time.sleep(INTERVAL)
+            client.wait(INTERVAL)
             found = find_topic(client, name)
     if found.topic != name:
         if _is_name(name):

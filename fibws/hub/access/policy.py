@@ -31,6 +31,8 @@ IMPLIED: dict[Right, re.Pattern[str]] = {
     ),
 }
 """The rights of every principal."""
+TOOL = re.compile(r"(/\w+)*/(fibws_[a-z_]+_\d+_\d+|page_[0-9a-f]+)", re.ASCII)
+"""Names that fibws's commands and the page give themselves: everybody may use tools."""
 FOR_ADMINS = ("/connected_clients",)
 """Topics with the addresses of clients."""
 LOGGERS = ("get_loggers", "set_logger_level")
@@ -41,7 +43,8 @@ class AccessPolicy:
     """Decides by principals; a `Policy`.
 
     A name of a node that some principal's ``node`` globs match is kept for those whose globs match
-    it; only ``/**`` keeps none. Principals without such globs may use all other names.
+    it; only ``/**`` keeps none. Principals without such globs may use all other names. The names
+    that tools give themselves are free for all.
 
     Args:
         known: the principals whose names are kept for them.
@@ -115,6 +118,8 @@ class AccessPolicy:
 
     def _may_be(self, principal: Principal, node: str) -> bool:
         rights = principal.rights
+        if TOOL.fullmatch(node):
+            return not rights.denies("node", node)
         if rights.admin or "node" in rights.allow:
             return rights.allows("node", node)
         is_kept = any(pattern.fullmatch(node) for pattern in self._kept)

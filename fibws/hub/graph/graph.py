@@ -161,10 +161,18 @@ class Graph:
             return False
         if self.policy.is_same_owner(caller, name) or self.policy.is_admin(caller):
             return True
-        topics = (*node.publishing(), *node.subscribing())
+        # Nearly every node publishes the log: that alone must not show it to everybody.
+        topics = {*node.publishing(), *node.subscribing()}.difference(self.guards)
         return any(self.is_visible(caller, "topic", each) for each in topics) or any(
             self.is_visible(caller, "service", each) for each in node.providing()
         )
+
+    def is_user_visible(self, caller: str, topic: Topic, node: str) -> bool:
+        """Return whether a node that sees a topic may learn that another one uses it.
+
+        It may, but for the log, which every node sees, as it may write to it.
+        """
+        return topic.name not in self.guards or self.is_node_visible(caller, node)
 
     def is_address_visible(self, caller: str, node: str) -> bool:
         """Return whether a node may learn from where another one has connected."""

@@ -25,7 +25,7 @@ from fibws.hub.websocket.http import Get, HttpRequests, response, text_response
 
 LONGEST_LAG = 1.0
 """Seconds by which the event loop of a hub that lives may be late."""
-FORWARDED = ("X-Forwarded-For", "Forwarded")
+FORWARDED = ("X-Forwarded-For", "Forwarded", "X-Real-IP", "Via")
 """Headers that a proxy adds: the client is not the machine that the request comes from."""
 JSON = "application/json"
 

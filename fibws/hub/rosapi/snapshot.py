@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator
+from functools import partial
 from typing import Any
 
 from pydantic_core import to_json
@@ -40,10 +41,7 @@ class Snapshot:
         return {"/rosapi/graph": ("fibws_msgs/GetGraph", self.graph)}
 
     def graph(self, request: dict[str, Any], caller: str) -> Response:
-        """Return everything that the caller may see, and the revision of the graph.
-
-        Whoever sees a topic, a service or an action sees the nodes that use it.
-        """
+        """Return everything that the caller may see, and the revision of the graph."""
         return self._cached(self._all, caller)
 
     def _all(self, caller: str) -> bytes:
@@ -53,7 +51,7 @@ class Snapshot:
                 "revision": graph.revision,
                 "nodes": self._nodes(caller),
                 "topics": [
-                    self._topic(graph.topics[name])
+                    self._topic(graph.topics[name], caller)
                     for name in graph.visible(caller, "topic", graph.topics)
                 ],
                 "services": [
@@ -85,16 +83,19 @@ class Snapshot:
             )
         return nodes
 
-    def _topic(self, topic: Topic) -> dict[str, Any]:
+    def _topic(self, topic: Topic, caller: str) -> dict[str, Any]:
+        is_visible = partial(self._graph.is_user_visible, caller, topic)
         sinks = sorted(topic.sinks(), key=lambda sink: sink.node)
         return {
             "name": topic.name,
             "type": topic.type.name if topic.type is not None else "",
             "checked": topic.type is not None and topic.type.checked,
             "publishers": [
-                {"node": node, "latch": topic.sources[node].latch} for node in sorted(topic.sources)
+                {"node": node, "latch": topic.sources[node].latch}
+                for node in sorted(topic.sources)
+                if is_visible(node)
             ],
-            "subscriptions": [_subscription(sink) for sink in sinks],
+            "subscriptions": [_subscription(sink) for sink in sinks if is_visible(sink.node)],
         }
 
     def _actions(self, caller: str) -> Iterator[dict[str, Any]]:

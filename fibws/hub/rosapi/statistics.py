@@ -6,6 +6,8 @@ hub keeps no windows and runs no timer.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from pydantic_core import to_json
@@ -45,7 +47,7 @@ class Statistics:
                 "revision": graph.revision,
                 "stamp": {"secs": secs, "nsecs": nsecs},
                 "topics": [
-                    _topic(graph.topics[name])
+                    _topic(graph.topics[name], partial(graph.is_user_visible, caller))
                     for name in graph.visible(caller, "topic", graph.topics)
                 ],
                 "clients": self._list(caller),
@@ -91,9 +93,14 @@ def _client(name: str, client: Client, since: int, *, shown: bool) -> dict[str, 
     }
 
 
-def _topic(topic: Topic) -> dict[str, Any]:
-    sources = (topic.sources[node] for node in sorted(topic.sources))
-    sinks = sorted(topic.sinks(), key=lambda sink: sink.node)
+def _topic(topic: Topic, is_visible: Callable[[Topic, str], bool]) -> dict[str, Any]:
+    """Return the totals of a topic's publishers and subscriptions that the caller may see."""
+    shown = sorted(node for node in topic.sources if is_visible(topic, node))
+    sources = (topic.sources[node] for node in shown)
+    sinks = sorted(
+        (sink for sink in topic.sinks() if is_visible(topic, sink.node)),
+        key=lambda sink: sink.node,
+    )
     return {
         "topic": topic.name,
         "publishers": [

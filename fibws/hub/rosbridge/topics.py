@@ -129,7 +129,11 @@ class Topics:
         self._client.check_legal(request.id, request.topic, name)
         statuses.info(request.id, f"{self._client.node} publishes {name} ({type_.name})")
         topic = source.topic
-        self._watch(request, topic.watching_sinks, source)
+        # The log, which every node writes to, does not show who reads it.
+        if topic.name not in self._client.graph.guards or self._client.graph.is_allowed(
+            self._client.node, "subscribe", topic.name
+        ):
+            self._watch(request, topic.watching_sinks, source)
         self._publish_pending(topic)
 
     def refuse_advertise(self, fields: dict[str, Any], text: str, code: str) -> None:

@@ -48,12 +48,14 @@ class TrustedProxies:
             tls: whether the connection itself has TLS.
         """
         address, scheme, host = peer, "https" if tls else "http", None
+        used = [PROTO, HOST]
         if self._is_trusted(_parse(peer)):
             address = self._client(peer, _values(headers, FOR))
+            used.append(FOR)  # Otherwise it stays: it shows that this machine is not the client.
             # Its connection to the hub says nothing about the browser's connection to the proxy.
             scheme = next(_values(headers, PROTO), "http").lower()
             host = next(_values(headers, HOST), None)
-        for name in (FOR, PROTO, HOST, *(["Host"] if host is not None else [])):
+        for name in (*used, *(["Host"] if host is not None else [])):
             if name in headers:
                 del headers[name]
         headers[PROTO] = "https" if scheme in ("https", "wss") else "http"

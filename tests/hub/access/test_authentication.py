@@ -267,6 +267,7 @@ def test_audience_must_be_the_hub(tmp_path: Path) -> None:
     ("key", "algorithm", "fact"),
     [
         (b"short", "HS256", "32 bytes"),
+        (pem(private_keys()["EdDSA"]), "HS256", "--jwt-algorithm EdDSA"),
         (b"", "HS256", "32 bytes"),
         (SECRET, "none", "HS256"),
         (SECRET, "HS512", "HS256"),

@@ -78,6 +78,7 @@ class World:
                 client.send("advertise_action", action=name, type=FIBONACCI)
             else:
                 self.rosapi.graph.set_parameter(node, name, number)
+        client.send("advertise", "/rosout", type="rosgraph_msgs/Log", peers=True)
         client.receive()
 
     def _use_topic(self, client: Client, name: str) -> None:
@@ -102,7 +103,8 @@ class World:
         for node in self.used_by:
             # A node counts by what it still has: another may have taken over a service.
             present = self.rosapi.graph.nodes[node]
-            uses = [("topic", each) for each in (*present.publishing(), *present.subscribing())]
+            topics = {*present.publishing(), *present.subscribing()} - {"/rosout"}
+            uses = [("topic", each) for each in topics]
             uses += [("service", each) for each in present.providing()]
             if not any(self._is_use_visible(kind, name) for kind, name in uses):
                 hidden.add(node)
@@ -131,6 +133,7 @@ def operations(world: World) -> Iterator[dict[str, Any]]:
         yield {"op": "send_action_goal", "action": name, "action_type": ADD, "id": f"g{name}"}
         cancel = f"{name}/_action/cancel_goal"
         yield {"op": "call_service", "service": cancel, "args": {}}
+    yield {"op": "advertise", "topic": "/rosout", "type": "rosgraph_msgs/Log", "peers": True}
     # A type of one's own that collides with those of others.
     shared = {"type": "own_msgs/Shared", "definition": "int32 other"}
     yield {"op": "advertise", "topic": "/a", **shared}

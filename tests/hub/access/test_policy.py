@@ -65,6 +65,17 @@ def test_names_that_a_principal_has_are_kept_for_it() -> None:
     enter(policy, "/ann/leg", bob)
 
 
+def test_tools_may_have_the_names_that_they_give_themselves() -> None:
+    robot = principal("robot", allow={"node": ["/robot/**"]})
+    everyone = principal("eve", allow={"node": ["/fibws_*"]})
+    policy = AccessPolicy([robot, everyone])
+    for node in ("/fibws_echo_12_345", "/robot/fibws_tool_1_2", "/page_0af3"):
+        enter(policy, node, robot)
+        enter(policy, node.replace("1", "2").replace("0", "3"), principal("bob"))
+    with pytest.raises(NotAllowed):
+        enter(policy, "/fibws_echo", robot)
+
+
 IMPLIED: list[tuple[Right, str]] = [
     ("publish", "/rosout"),
     ("call", "/rosapi/topics"),

@@ -109,6 +109,8 @@ class TestHealth:
             ("", {}),
             (HERE, {"X_Forwarded_For": OTHER}),
             (HERE, {"Forwarded": f"for={OTHER}"}),
+            (HERE, {"X_Real_IP": OTHER}),
+            (HERE, {"Via": "1.1 proxy"}),
             (HERE, {"Host": "rebound.example"}),
         ],
     )
@@ -130,3 +132,11 @@ class TestHealth:
     async def test_it_may_be_public(self, start_hub: StartHub) -> None:
         hub = await start_hub(public_metrics=True)
         assert "clients" in health(hub, OTHER, Host="any.example")
+
+
+async def test_proxy_that_is_not_trusted_does_not_open_the_metrics(start_hub: StartHub) -> None:
+    hub = await start_hub()
+    for headers, status in (({}, 200), ({"X_Forwarded_For": OTHER}, 403)):
+        async with dialled(hub.port) as client:
+            await client.send(handshake("/metrics", Upgrade="none", **headers))
+            assert (await client.response())[0] == status
