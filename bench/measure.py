@@ -45,7 +45,7 @@ class Plan:
 
 COMPARISON = Plan(reps=20, seconds=0.75, warm_seconds=0.25)
 """Many short turns: what one hub measures right after the other shares most of the noise."""
-QUICK = Plan(reps=1, seconds=0.4, warm_seconds=0.2, quick=True)
+QUICK = Plan(reps=1, seconds=0.3, warm_seconds=0.15, quick=True)
 
 
 @dataclass(frozen=True)

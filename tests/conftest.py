@@ -20,7 +20,7 @@ _PATIENT: dict[str, Any] = {
     "suppress_health_check": [HealthCheck.too_slow],
 }
 settings.register_profile("dev", max_examples=20, **_PATIENT)
-settings.register_profile("ci", max_examples=30, **_PATIENT)
+settings.register_profile("ci", max_examples=20, **_PATIENT)
 settings.load_profile("ci" if os.environ.get("CI") else "dev")
 
 LoopFactory = Callable[[], asyncio.AbstractEventLoop]

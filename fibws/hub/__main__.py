@@ -208,7 +208,8 @@ def _reload(hub: Hub, manager: ServiceManager) -> None:
         hub.audit.reload_failed("certificates, tokens and keys", str(error))
     else:
         hub.audit.reloaded("certificates, tokens and keys")
-    manager.ready()
+    finally:
+        manager.ready()
 
 
 def _has_terminal() -> bool:

@@ -306,7 +306,12 @@ class Hub:
         if isinstance(self.graph.policy, AccessPolicy):
             self.graph.policy.keep_names(authentication.known())
         for connection in list(self._connections):
-            connection.check_login()
+            try:
+                connection.check_login()
+            except Exception:
+                # A fault at one client must not leave the others their old rights, nor itself.
+                logger.exception("%s: its login cannot be checked.", connection.name)
+                connection.abort()
 
     def status(self) -> str:
         """Return one line about the hub, for the service manager."""

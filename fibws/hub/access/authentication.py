@@ -21,8 +21,8 @@ from urllib.parse import parse_qs
 from websockets.datastructures import Headers
 
 from fibws.access.limits import network_of
-from fibws.access.rights import RIGHTS, Principal, Rights
-from fibws.access.token_file import LONGEST_TOKEN, Tokens
+from fibws.access.rights import RIGHTS, Principal, Rights, check_name
+from fibws.access.token_file import ANONYMOUS, LONGEST_TOKEN, Tokens
 from fibws.access.web_tokens import WebTokens
 from fibws.errors import AccessError, AuthenticationError, HubError, TooManyAttempts
 from fibws.hub.log_text import is_power_of_ten
@@ -153,7 +153,12 @@ class Authentication:
     def _certified(self, name: str) -> Principal:
         found = self._tokens.certificates.get(name)
         if found is None and self._path is None:
-            found = Principal(name, CERTIFICATE_RIGHTS)
+            if name == ANONYMOUS:
+                raise AuthenticationError(f"the name {ANONYMOUS} is for clients without a token")
+            try:
+                found = Principal(check_name(name), CERTIFICATE_RIGHTS)
+            except AccessError as error:
+                raise AuthenticationError(f"invalid certificate: {error}") from None
         if found is None:
             raise AuthenticationError(f"the file of tokens has no [certificates.{name}]")
         return self._unexpired(found, "certificate")

@@ -307,6 +307,7 @@ class Connection(asyncio.BufferedProtocol):
                 full = nbytes == len(buffer)
                 parser.receive(bytes(buffer[:nbytes]))
             held = parser.paused
+            meter = self._quotas.meter  # An auth in these bytes may have replaced it.
             if meter is not None:
                 meter.uncharged_bytes += nbytes
                 self._measure(meter, began)
@@ -394,6 +395,7 @@ class Connection(asyncio.BufferedProtocol):
             if meter is not None and meter.refusal is not None:
                 self._go_on_dropping(meter, began)
             self._parser.resume()
+            meter = self._quotas.meter  # An auth may have replaced it.
             if meter is not None:
                 self._measure(meter, began)
             if self.endpoint is not None and self.queue.paused and self.queue.overfull:

@@ -155,6 +155,13 @@ def test_without_a_file_each_certificate_has_all_rights_but_that_of_an_admin(
     assert not login.principal.rights.admin
 
 
+@pytest.mark.parametrize("name", ["anonymous", "a\nb", ""])
+def test_certificate_with_an_odd_name_is_refused(tmp_path: Path, name: str) -> None:
+    authentication = Authentication(Settings(**tls_files(tmp_path)), Clock())
+    with pytest.raises(AuthenticationError):
+        authentication.log_in(Headers(), "/", [], name, ADDRESS)
+
+
 # JSON web tokens.
 
 

@@ -35,7 +35,7 @@ from ..raw_client import (
 
 pytestmark = pytest.mark.both_loops
 
-ROUNDS, FRAMES = 100, 2000
+ROUNDS, FRAMES = 50, 2000
 """Of the slow test, on each loop."""
 _HEALTHY = [HealthCheck.function_scoped_fixture, HealthCheck.differing_executors]
 """One hub serves all examples, and each loop has a run of its own: both as it should be."""
