@@ -102,6 +102,7 @@ class Graph:
         """By topics: further checks of what nodes publish there that are not admins."""
         self.on_refused: Callable[[NotAllowed], object] = lambda error: None
         """Takes each refusal of the policy, but those of a node's name."""
+        self._topic_watchers: list[Callable[[Topic], None]] = []
         self.now = now
         self.messages = TopicTotals(self.topics)
         """The messages of all topics so far."""
@@ -266,6 +267,15 @@ class Graph:
 
     # Topics.
 
+    def watch_topics(self, changed: Callable[[Topic], None]) -> None:
+        """Call a function whenever the sources, the sinks or the type of a topic have changed."""
+        self._topic_watchers.append(changed)
+
+    def _changed(self, topic: Topic) -> None:
+        self.revision += 1
+        for changed in self._topic_watchers:
+            changed(topic)
+
     def topic(self, name: str) -> Topic:
         """Return the topic of this global name; a new one is kept once it has a user."""
         return self.topics.get(name) or Topic(name, next(self._topic_numbers))
@@ -310,7 +320,7 @@ class Graph:
             source = self._new_source(node, topic, message_type, latch=latch, quota=quota)
             topic.add(source)
             self.topics[topic.name] = topic
-            self.revision += 1
+            self._changed(topic)
         return source
 
     def _new_source(
@@ -451,14 +461,13 @@ class Graph:
 
     def _settle(self, topic: Topic) -> None:
         """Remove the topic, its type, or the type's definition if they have no holder left."""
-        self.revision += 1
         if topic.idle and self.topics.get(topic.name) is topic:
             del self.topics[topic.name]
-        if topic.type is None or topic.needs_definition:
-            return
-        type_ = self._types.without_definition(topic.type) if topic.held else None
-        if type_ is not topic.type:
-            self._change_type(topic, type_)
+        if topic.type is not None and not topic.needs_definition:
+            type_ = self._types.without_definition(topic.type) if topic.held else None
+            if type_ is not topic.type:
+                self._change_type(topic, type_)
+        self._changed(topic)
 
     def _described(self, node: str, name: str) -> str:
         """Return who uses a type, for errors that any node may get."""
@@ -637,14 +646,14 @@ class Graph:
         name = canonical(name)
         new = names_in(name, value) if isinstance(value, dict) else (name,)
         self._check_writable(node, name, (*new, *self.parameters.replaced_by(name)))
-        self.parameters.set(name, value)
+        self.parameters.set(name, value, node)
 
     def delete_parameter(self, node: str, name: str) -> None:
         """Delete a parameter if there is one; raises `NotAllowed`, and as `Parameters.delete`."""
         name = canonical(name)
         self._check_writable(node, name, self.parameters.below(name))
         if self.parameters.has(name):
-            self.parameters.delete(name)
+            self.parameters.delete(name, node)
 
     def _check_writable(self, node: str, name: str, others: Iterable[str]) -> None:
         """Check the right to write a parameter and others, whose names the error does not hold."""

@@ -5,19 +5,27 @@ paramserver.py): a name leads through namespaces to a value, a namespace is read
 one object, and a value gives way to a namespace of its name.
 
 Values are kept as JSON, as they arrive and leave: it is exact for integers and floats alike, nobody
-can change it from outside, and its length is the memory it takes.
+can change it from outside, and its length is the memory it takes. Values of XML-RPC that JSON lacks
+are objects with one key, ``{"$binary": "<base64>"}`` and ``{"$date": "2026-01-31T12:00:00"}``;
+infinity is a number that no float can hold, and NaN is null.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Set
+from collections.abc import Callable, Collection, Iterator, Set
+from datetime import datetime
 from typing import Any, TypeAlias
 
 from pydantic_core import from_json, to_json
 
 from fibws.errors import InvalidName, ParameterError, ParameterNotSet, ParametersFull
+from fibws.interfaces import base64text
+from fibws.interfaces.json_text import exact_json_of
 from fibws.names import MAX_LENGTH
+
+BINARY, DATE = "$binary", "$date"
+"""The keys of objects that stand for bytes and for a date with a time."""
 
 DEEPEST = 100
 """Levels of namespaces, objects and lists that may be nested."""
@@ -43,7 +51,12 @@ class Parameters:
         # The root is in a namespace like all others: its key is the text before the first /.
         self._above: Namespace = {"": {}}
         self._bytes = _size("", {})
+        self._watchers: list[Callable[[str, str], None]] = []
         self.max_bytes = max_bytes
+
+    def watch(self, changed: Callable[[str, str], None]) -> None:
+        """Call a function after each change, with the name set or deleted and the node."""
+        self._watchers.append(changed)
 
     def get(self, name: str) -> Any:
         """Return a copy of the value, or of a namespace as a dict.
@@ -73,11 +86,12 @@ class Parameters:
         """Return whether there is a parameter or namespace of this name; raises `InvalidName`."""
         return self._find(_path(name)) is not None
 
-    def set(self, name: str, value: object) -> None:
+    def set(self, name: str, value: object, node: str = "") -> None:
         """Set a parameter, replacing a value or a namespace; a dict becomes a namespace.
 
         Args:
-            value: dicts, lists, strings, bools and finite numbers; no None.
+            value: dicts, lists, strings, bools, numbers, bytes and dates; no None.
+            node: the node that sets it, for those who watch.
 
         Raises:
             InvalidName: the name, or that of a key in the value, is invalid.
@@ -104,9 +118,13 @@ class Parameters:
             raise ParametersFull(name, needed, self.max_bytes)
         space[key] = new
         self._bytes = needed
+        self._report("/".join(path) or "/", node)
 
-    def delete(self, name: str) -> None:
+    def delete(self, name: str, node: str = "") -> None:
         """Delete a parameter, or a namespace with everything in it; its own namespace remains.
+
+        Args:
+            node: the node that deletes it, for those who watch.
 
         Raises:
             ParameterNotSet: there is no such parameter.
@@ -120,6 +138,7 @@ class Parameters:
         if not isinstance(space, dict) or key not in space:
             raise ParameterNotSet(name)
         self._bytes -= _size("/".join(path), space.pop(key))
+        self._report("/".join(path), node)
 
     def search(self, key: str, namespace: str) -> str | None:
         """Return the nearest name of ``key``, searching a namespace and then those above it.
@@ -172,6 +191,10 @@ class Parameters:
                 return ["/".join(path[:depth])]
         return self.below(name) or [name]
 
+    def _report(self, name: str, node: str) -> None:
+        for changed in self._watchers:
+            changed(name, node)
+
     def _find(self, path: list[str]) -> Namespace | bytes | None:
         node: Namespace | bytes | None = self._above
         for key in path:
@@ -214,11 +237,61 @@ def _check_length(name: str) -> None:
         raise InvalidName(name[:40] + "...", f"it is longer than {MAX_LENGTH} characters")
 
 
+def native(value: Any) -> Any:
+    """Return a parameter's value, read from its JSON, with bytes, dates and NaN as such.
+
+    It changes lists and dicts in place.
+    """
+    match value:
+        case None:
+            return math.nan
+        case {"$binary": str() as text} if len(value) == 1:
+            return base64text.decode(text)
+        case {"$date": str() as text} if len(value) == 1:
+            return datetime.fromisoformat(text)
+        case dict():
+            for key, each in value.items():
+                value[key] = native(each)
+        case list():
+            value[:] = map(native, value)
+    return value
+
+
+def _is_special(name: str, value: object) -> bool:
+    """Return whether an object stands for bytes or a date; raise `ParameterError` for half ones."""
+    if not isinstance(value, dict) or len(value) != 1:
+        return False
+    ((key, text),) = value.items()
+    if key not in (BINARY, DATE) or not isinstance(text, str):
+        return False
+    try:
+        native({key: text})
+    except ValueError:
+        expected = "base64" if key == BINARY else "an ISO 8601 date"
+        fault = f"Parameter [{name}]: invalid {key}, expected {expected}"
+        raise ParameterError(fault) from None
+    return True
+
+
+def _marked(value: Any) -> Any:
+    """Return a value with objects for bytes and dates."""
+    match value:
+        case bytes():
+            return {BINARY: base64text.encode(value)}
+        case datetime():
+            return {DATE: value.isoformat()}
+        case list():
+            return [_marked(each) for each in value]
+        case dict():
+            return {key: _marked(each) for key, each in value.items()}
+    return value
+
+
 def _to_tree(name: str, value: object, depth: int) -> Namespace | bytes:
     """Return a value as the tree keeps it."""
-    if not isinstance(value, dict):
-        _check(name, value, depth)
-        return to_json(value)
+    if not isinstance(value, dict) or _is_special(name, value):
+        is_plain = _check(name, value, depth)
+        return to_json(value) if is_plain else exact_json_of(_marked(value))
     _check_depth(name, depth)
     space: Namespace = {}
     for key, each in value.items():
@@ -230,24 +303,26 @@ def _to_tree(name: str, value: object, depth: int) -> Namespace | bytes:
     return space
 
 
-def _check(name: str, value: object, depth: int) -> None:
+def _check(name: str, value: object, depth: int) -> bool:
+    """Raise `ParameterError` for an invalid value; return whether JSON can hold it as it is."""
     match value:
         case bool() | str():
-            pass
+            return True
         case int():
             if value.bit_length() > MOST_BITS:
                 raise ParameterError(f"Parameter [{name}]: an integer has at most {MOST_BITS} bits")
+            return True
         case float():
-            if not math.isfinite(value):
-                raise ParameterError(f"Parameter [{name}]: {value} is not a JSON number")
+            return math.isfinite(value)
+        case bytes() | datetime():
+            return False
         case list():
             _check_depth(name, depth)
-            for each in value:
-                _check(name, each, depth + 1)
+            return all([_check(name, each, depth + 1) for each in value])
         case dict():
             _check_depth(name, depth)
-            for each in value.values():
-                _check(name, each, depth + 1)
+            _is_special(name, value)
+            return all([_check(name, each, depth + 1) for each in value.values()])
         case None:
             raise ParameterError(f"Parameter [{name}]: null cannot be set, delete it instead")
         case _:

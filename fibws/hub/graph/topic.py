@@ -60,6 +60,15 @@ class Sink(Receiver, Protocol):
         """Return its settings and totals."""
 
 
+class Conflict(NamedTuple):
+    """A node that uses a topic with another type than it has, and so exchanges no messages."""
+
+    node: str
+    type: str
+    publishes: bool
+    """Whether it publishes; else it subscribes."""
+
+
 Guard: TypeAlias = Callable[[str, Mapping[str, Any]], None]
 """Checks the values of a node's message, and raises `OperationError` to refuse it."""
 
@@ -101,6 +110,8 @@ class Topic:
         """The name and the md5 of the type that it has, or had last, if its fields were known."""
         self.sources: dict[str, Source] = {}
         """By their nodes' names."""
+        self.conflicts: list[Conflict] = []
+        """The ROS 1 nodes that use it with another type; a ROS 1 master refuses none."""
         self.watching_sources = PeerWatch(self.sources)
         """The sinks that watch who publishes."""
         self._sinks: dict[Sink, Receiver] = {}
@@ -353,6 +364,17 @@ class Source:
         if self.type.sequenced:
             self._sequence += 1
             data = _numbered(data, self._sequence & 0xFFFFFFFF)
+        self._deliver_serialized(data, to)
+
+    def relay(self, data: Buffer) -> None:
+        """Check and deliver a serialized message whose publisher has set ``header.seq`` itself.
+
+        It raises as `publish` does.
+        """
+        self.type.check(data)
+        self._deliver_serialized(data, None)
+
+    def _deliver_serialized(self, data: Buffer, to: str | None) -> None:
         publication = Publication(self.type, self.node, self.header, self._now(), None, data)
         self.messages += 1
         self.bytes += len(data)
@@ -422,6 +444,12 @@ class GuardedSource(Source):
         self.type.check(data)
         self._guard(self.node, self.type.deserialize(data)[0])
         super().publish_serialized(data, to)
+
+    def relay(self, data: Buffer) -> None:
+        """Check a message and deliver it, as `Source` does."""
+        self.type.check(data)
+        self._guard(self.node, self.type.deserialize(data)[0])
+        super().relay(data)
 
 
 def _numbered(data: Buffer, sequence: int) -> Buffer:

@@ -381,3 +381,15 @@ def test_definition_brought_later_is_for_earlier_sources_too() -> None:
     early.publish({})
     early.publish_serialized(b"\5")
     assert recorder.values == [{"any": "thing"}, {"x": 0}, {"x": 5}]
+
+
+def test_watcher_learns_of_each_change_of_a_topic() -> None:
+    graph, changed = new_graph(), list[str]()
+    graph.watch_topics(lambda topic: changed.append(topic.name))
+    source = advertise(graph, "/talker", "/chatter", STRING)
+    assert changed == ["/chatter"]
+    sink = subscribe(graph, "/other")
+    assert changed == ["/chatter", "/other"]
+    graph.unsubscribe(graph.topics["/other"], sink)
+    graph.remove_source(source)
+    assert changed == ["/chatter", "/other", "/other", "/chatter"]

@@ -247,6 +247,16 @@ def test_header_seq_is_a_uint32(serialized: bool) -> None:
     assert [values["header"]["seq"] for values in recorder.values] == [2**32 - 1, 0, 1]
 
 
+def test_relayed_message_keeps_its_header_seq() -> None:
+    talker = source(HEADER_STRING)
+    recorder = recorded(talker)
+    talker.relay(header_string(99))
+    with pytest.raises(InvalidMessage):
+        talker.relay(header_string(99)[:-1])
+    assert [values["header"]["seq"] for values in recorder.values] == [99]
+    assert talker.messages == 1
+
+
 @pytest.mark.parametrize(
     ("type_", "msg"),
     [

@@ -96,7 +96,7 @@ def test_set_param_refuses_text_that_is_not_json(rosapi: RosapiClient, text: str
     assert rosapi.call("/rosapi/has_param", name="/x") == {"exists": False}
 
 
-@pytest.mark.parametrize("text", ["null", "[null]", '{"a": {"b": null}}', "1e400", '{"a/b": 1}'])
+@pytest.mark.parametrize("text", ["null", "[null]", '{"a": {"b": null}}', '{"a/b": 1}'])
 def test_set_param_refuses_json_that_cannot_be_a_parameter(rosapi: RosapiClient, text: str) -> None:
     assert "/x" in rosapi.refusal("/rosapi/set_param", name="/x", value=text)
     assert rosapi.call("/rosapi/has_param", name="/x") == {"exists": False}
