@@ -33,6 +33,9 @@ FibwsError
 ├── AccessError            an invalid token file, right, key or certificate
 ├── LaunchError            an invalid launch file
 ├── HubError               the hub cannot start or continue
+├── Ros1Error              a ROS 1 node, or a program that speaks its protocols, cannot be served
+│   ├── XmlRpcError            invalid XML-RPC, or a response that is a fault
+│   └── NodeUnreachable        a node does not answer at its address
 └── NodeError              a node's request failed, or the node cannot continue
     ├── InvalidAddress         not the address of a hub
     ├── HubUnreachable         the hub refuses this node, or can never be reached
@@ -372,6 +375,28 @@ class LaunchError(FibwsError, ValueError):
 
 class HubError(FibwsError):
     """The hub cannot start or continue."""
+
+
+class Ros1Error(FibwsError):
+    """A ROS 1 node, or a program that speaks its protocols, cannot be served."""
+
+
+class XmlRpcError(Ros1Error):
+    """Invalid XML-RPC, or a response that is a fault."""
+
+
+class NodeUnreachable(Ros1Error):
+    """A ROS 1 node does not answer at its address.
+
+    Args:
+        uri: the address.
+        fault: what failed.
+    """
+
+    def __init__(self, uri: str, fault: str) -> None:
+        self.uri = uri
+        self.fault = fault
+        super().__init__(f"no answer at {uri}: {fault}")
 
 
 class NodeError(FibwsError):
