@@ -35,6 +35,7 @@ FibwsError
 ├── HubError               the hub cannot start or continue
 ├── Ros1Error              a ROS 1 node, or a program that speaks its protocols, cannot be served
 │   ├── XmlRpcError            invalid XML-RPC, or a response that is a fault
+│   ├── TcprosError            an invalid TCPROS header or frame, or an answer that is an error
 │   └── NodeUnreachable        a node does not answer at its address
 └── NodeError              a node's request failed, or the node cannot continue
     ├── InvalidAddress         not the address of a hub
@@ -383,6 +384,10 @@ class Ros1Error(FibwsError):
 
 class XmlRpcError(Ros1Error):
     """Invalid XML-RPC, or a response that is a fault."""
+
+
+class TcprosError(Ros1Error):
+    """An invalid TCPROS header or frame, or an answer that is an error."""
 
 
 class NodeUnreachable(Ros1Error):

@@ -278,7 +278,7 @@ def _context(command: click.Command, parent: click.Context | None = None) -> cli
 
 def test_table_of_settings_is_that_of_the_code() -> None:
     page = PAGES[DOCS / "operations.md"]
-    rows = re.findall(r"^\| `--([a-z-]+)` \| `?([^|`]*)`? \| (.*) \|$", page, re.MULTILINE)
+    rows = re.findall(r"^\| `--([a-z0-9-]+)` \| `?([^|`]*)`? \| (.*) \|$", page, re.MULTILINE)
     assert rows == [
         (setting.name.replace("_", "-"), written(setting.default), setting.metadata["help"])
         for setting in dataclasses.fields(Settings)

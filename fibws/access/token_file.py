@@ -20,6 +20,9 @@ bits, so that a plain SHA-256 of it cannot be reversed, as that of a password co
 
     [anonymous]
     allow = {subscribe = ["/map"]}
+
+    [ros1]
+    allow = {publish = ["/**"], node = ["/**"]}
 """
 
 from __future__ import annotations
@@ -38,7 +41,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from fibws.access.limits import Limits
-from fibws.access.rights import Principal, Rights, check_name
+from fibws.access.rights import RIGHTS, Principal, Right, Rights, check_name
 from fibws.errors import AccessError
 from fibws.suggestions import suggestion, suggestion_or_known
 
@@ -46,10 +49,15 @@ PREFIX = "fibws_"
 """How tokens begin, so that programs that look for published secrets find them."""
 ANONYMOUS = "anonymous"
 """The principal of clients without a token."""
+ROS1 = "ros1"
+"""The principal of ROS 1 nodes, which have no tokens; the hub admits them by their addresses."""
 LONGEST_TOKEN = 8192
 """Most characters of a token that is looked at."""
 _DIGEST = re.compile(r"[0-9a-f]{64}")
-_SECTIONS = ("tokens", "certificates", ANONYMOUS)
+_SECTIONS = ("tokens", "certificates", ANONYMOUS, ROS1)
+_EVERYTHING: dict[Right, tuple[str, ...]] = {right: ("/**",) for right in RIGHTS}
+ALL_OF_ROS1 = Principal(ROS1, Rights(_EVERYTHING, name=ROS1))
+"""ROS 1 nodes where no section limits what they may do."""
 _KEYS = ("sha256", "expires", "admin", "allow", "deny", "limits")
 
 
@@ -61,11 +69,13 @@ class Tokens:
         tokens: by the digests of their tokens.
         certificates: by the common names of their certificates.
         anonymous: whom clients without a token are; None if these may not enter.
+        ros1: whom ROS 1 nodes are.
     """
 
     tokens: Mapping[str, Principal]
     certificates: Mapping[str, Principal]
     anonymous: Principal | None
+    ros1: Principal = ALL_OF_ROS1
 
     @classmethod
     def load(cls, path: Path) -> Self:
@@ -103,7 +113,10 @@ class Tokens:
         anonymous = None
         if ANONYMOUS in document:
             anonymous = _principal(ANONYMOUS, _table(document, ANONYMOUS), ANONYMOUS)
-        return cls(tokens, certificates, anonymous)
+        ros1 = ALL_OF_ROS1
+        if ROS1 in document:
+            ros1 = _principal(ROS1, _table(document, ROS1), ROS1)
+        return cls(tokens, certificates, anonymous, ros1)
 
     def find(self, token: str) -> Principal | None:
         """Return the principal that a token proves to be; it may be expired."""

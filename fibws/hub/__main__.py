@@ -35,6 +35,9 @@ logger = logging.getLogger("fibws.hub")
 OWN_FILES = 256
 """Files that the hub may open besides its clients' connections."""
 
+OTHER_VARIABLES = {"ros1_host": ("ROS_HOSTNAME", "ROS_IP")}
+"""Environment variables of ROS that count as settings."""
+
 _PATH: click.Path = click.Path(path_type=Path)
 
 
@@ -67,6 +70,8 @@ def _options(function: Callable[..., None]) -> Callable[..., None]:
         if get_origin(type_) is Literal:
             type_ = click.Choice(get_args(type_))
         many = get_origin(type_) is tuple
+        if type_ == int | None:
+            type_ = int
         flag = field.name.replace("_", "-")
         function = click.option(
             f"--{flag}/--no-{flag}" if type_ is bool else f"--{flag}",
@@ -74,7 +79,7 @@ def _options(function: Callable[..., None]) -> Callable[..., None]:
             multiple=many,
             default=field.default,
             show_default=not many,
-            envvar=f"FIBWS_{field.name.upper()}",
+            envvar=[f"FIBWS_{field.name.upper()}", *OTHER_VARIABLES.get(field.name, ())],
             help=field.metadata["help"],
         )(function)
     return function

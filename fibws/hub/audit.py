@@ -25,8 +25,9 @@ from fibws.hub.log_text import LineLimit, printable
 
 logger = logging.getLogger("fibws.hub.audit")
 
-Reason: TypeAlias = Literal["authentication", "right", "limit", "origin"]
-"""Why something was refused: the credentials, a missing right, a limit, or the page's origin."""
+Reason: TypeAlias = Literal["authentication", "right", "limit", "origin", "address"]
+"""Why something was refused: the credentials, a missing right, a limit, the page's origin, or the
+address of a ROS 1 node."""
 
 WRITES_PER_CLIENT = 500
 """Lines a second about parameters that one client sets: a launch file may set hundreds."""

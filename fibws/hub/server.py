@@ -13,7 +13,7 @@ from collections.abc import Callable
 from contextlib import ExitStack, suppress
 from functools import partial
 from types import TracebackType
-from typing import Any, Self, TypeAlias
+from typing import TYPE_CHECKING, Any, Self, TypeAlias
 
 from fibws import __version__
 from fibws.errors import FibwsError, HubError, NotAllowed
@@ -44,7 +44,10 @@ from fibws.hub.websocket.turns import Turns
 from fibws.hub.worker_threads import WorkerThreads
 from fibws.interfaces import Interfaces
 from fibws.protocol.serialized import SUBPROTOCOL
-from fibws.protocol.websocket import RESTART, SHUTDOWN
+from fibws.protocol.websocket import KILLED, RESTART, SHUTDOWN
+
+if TYPE_CHECKING:
+    from fibws.hub.ros1.server import Ros1Server
 
 logger = logging.getLogger("fibws.hub")
 
@@ -119,6 +122,10 @@ class Hub:
         self._requests: HttpRequests
         self._probes: Probes
         self._lag: LoopLag
+        self.ros1: Ros1Server | None = None
+        """The master for ROS 1 nodes, once entered, if the settings want one."""
+        self.stop_requested: Callable[[str], object] = lambda reason: None
+        """Called, with a reason, when a ROS 1 program of this machine asks the master to end."""
         self._started = 0.0
         self._handle_exception: ExceptionHandler | None = None
         """The event loop's exception handler before this hub's."""
@@ -160,6 +167,8 @@ class Hub:
         except FibwsError:  # The parameters may have no room for even the first ones.
             self._server.close()
             raise
+        if self.settings.ros1 is not None:
+            await self._join_ros1()
         self._threads = WorkerThreads(loop)
         rosbridge = Rosbridge(self.graph, loop, self.settings, self._own.refusals.report)
         self.endpoints = Endpoints(rosbridge.open)
@@ -228,6 +237,34 @@ class Hub:
     ) -> None:
         await self.close()
 
+    async def _join_ros1(self) -> None:
+        from fibws.hub.ros1.server import Ros1Server  # Most hubs need none of it.
+
+        ros1 = Ros1Server(
+            self.graph,
+            self.settings,
+            self.audit,
+            principal=self._authentication.ros1 if self._authentication is not None else None,
+            kill=self._kill,
+            shut_down=lambda reason: self.stop_requested(reason),
+        )
+        try:
+            await ros1.start()
+        except HubError:
+            self._own.close()
+            self._server.close()
+            raise
+        self.ros1 = ros1
+
+    def _kill(self, node: str, reason: str) -> bool:
+        """End a client, as a ROS 1 program has asked for; return whether it is one."""
+        client = self._own.clients.find(node)
+        if client is None:
+            return False
+        self.audit.node_killed(node, node=reason)
+        client.close(KILLED)
+        return True
+
     @property
     def url(self) -> str:
         """The URL by which nodes on this machine reach it."""
@@ -276,6 +313,8 @@ class Hub:
             for connection in list(self._connections):
                 connection.abort()
             await self._empty.wait()
+        if self.ros1 is not None:
+            await self.ros1.close()
         self._own.close()
         await self._threads.close()
         with suppress(TimeoutError):  # Clients may be in the middle of their TLS handshake.

@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 from fibws.errors import HubError
 from fibws.hub.websocket.origins import is_allowable
-from fibws.hub.websocket.proxies import parse_network
+from fibws.hub.websocket.proxies import Network, parse_network
 
 KIB = 1024
 MIB = 1024 * KIB
@@ -73,6 +73,26 @@ class Settings:
     )
     auth_timeout: float = _setting(
         5.0, "Seconds in which a client must send its token if it has none in its handshake."
+    )
+    ros1: int | None = _setting(
+        None,
+        "Port of a ROS 1 master for nodes of a real ROS, usually 11311; 0 chooses a free one. "
+        "Without, there is none.",
+    )
+    ros1_host: str = _setting(
+        "",
+        "Name or address of this machine for ROS 1 nodes; by default $ROS_HOSTNAME, $ROS_IP, or "
+        "the address by which each node has reached the hub.",
+    )
+    ros1_allow: tuple[str, ...] = _setting(
+        (),
+        "Address or network (CIDR) whose ROS 1 nodes may join besides this machine's; may be "
+        "repeated. ROS 1 has no passwords.",
+    )
+    ros1_state: Path | None = _setting(
+        None,
+        "File that remembers the ROS 1 nodes for when the hub is restarted; by default in "
+        "~/.local/state/fibws.",
     )
     interfaces: tuple[Path, ...] = _setting(
         (), "Folder of message definitions (PACKAGE/msg/*.msg); may be repeated."
@@ -195,19 +215,27 @@ class Settings:
                 raise HubError(f"--{flag} must be >= 0 and finite, got {value}")
         if self.log_format not in LOG_FORMATS:
             raise HubError(f"--log-format must be text or json, got {self.log_format}")
-        if self.port > 65535:
-            raise HubError(f"--port must be between 0 and 65535, got {self.port}")
+        for flag, port in (("port", self.port), ("ros1", self.ros1 or 0)):
+            if port > 65535:
+                raise HubError(f"--{flag} must be between 0 and 65535, got {port}")
         self._check_tls()
         if not re.fullmatch(URL_PATH, self.url_path):
             raise HubError(f"--url-path must be a path such as /robot, got {self.url_path}")
         for network in self.trusted_proxy:
-            parse_network(network)
+            parse_network(network, "--trusted-proxy")
+        for network in self.ros1_allow:
+            parse_network(network, "--ros1-allow")
         for origin in self.allow_origin:
             if not is_allowable(origin):
                 raise HubError(
                     "--allow-origin must be a scheme, a host and perhaps a port, such as "
                     f"https://lab.example, or null or *; got {origin}"
                 )
+
+    @property
+    def ros1_networks(self) -> list[Network]:
+        """The networks whose ROS 1 nodes may join besides this machine."""
+        return [parse_network(network, "--ros1-allow") for network in self.ros1_allow]
 
     @property
     def base_path(self) -> str:

@@ -93,6 +93,11 @@ class Authentication:
             self._web_tokens.reload()
         self._tokens = tokens
 
+    @property
+    def ros1(self) -> Principal:
+        """The principal of ROS 1 nodes."""
+        return self._tokens.ros1
+
     def known(self) -> Iterable[Principal]:
         """Return the principals of the file of tokens."""
         anonymous = self._tokens.anonymous

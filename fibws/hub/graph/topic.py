@@ -67,6 +67,8 @@ class Conflict(NamedTuple):
     type: str
     publishes: bool
     """Whether it publishes; else it subscribes."""
+    fault: str
+    """How the types differ."""
 
 
 Guard: TypeAlias = Callable[[str, Mapping[str, Any]], None]

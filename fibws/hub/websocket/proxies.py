@@ -38,7 +38,7 @@ class TrustedProxies:
     """
 
     def __init__(self, networks: Iterable[str]) -> None:
-        self._networks = [*map(parse_network, networks)]
+        self._networks = [parse_network(each, "--trusted-proxy") for each in networks]
 
     def resolve(self, peer: str, headers: Headers, *, tls: bool) -> str:
         """Return the client's address, and put the facts into the request's headers.
@@ -83,8 +83,8 @@ class TrustedProxies:
         return address is not None and any(address in network for network in self._networks)
 
 
-def parse_network(text: str) -> Network:
-    """Return the network or the address that ``--trusted-proxy`` names.
+def parse_network(text: str, flag: str) -> Network:
+    """Return the network or the address that a flag names.
 
     Raises:
         HubError: it is invalid.
@@ -93,7 +93,7 @@ def parse_network(text: str) -> Network:
         return ipaddress.ip_network(text.strip(), strict=False)
     except ValueError:
         raise HubError(
-            f"--trusted-proxy must be an IP address or a network such as 10.0.0.0/8, got {text}"
+            f"{flag} must be an IP address or a network such as 10.0.0.0/8, got {text}"
         ) from None
 
 

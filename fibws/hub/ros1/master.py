@@ -1,0 +1,372 @@
+"""The Master API and the parameter server of ROS 1, on the hub's graph.
+
+Source: http://wiki.ros.org/ROS/Master_API and http://wiki.ros.org/ROS/Parameter%20Server%20API;
+where they leave something open, rosmaster's behaviour.
+"""
+
+from __future__ import annotations
+
+import ipaddress
+import logging
+import os
+from collections.abc import Callable, Iterable
+from typing import Any
+from xml.sax.saxutils import escape
+
+from pydantic_core import from_json
+
+from fibws.errors import ParameterNotSet
+from fibws.hub.audit import Audit
+from fibws.hub.graph.graph import Graph
+from fibws.hub.graph.parameters import native
+from fibws.hub.ros1 import api
+from fibws.hub.ros1.api import Answer, Check, Method
+from fibws.hub.ros1.http import Caller, NodeCalls
+from fibws.hub.ros1.nodes import ANY, MASTER, Ros1Nodes
+from fibws.hub.ros1.xmlrpc import Written, write_value
+
+logger = logging.getLogger("fibws.hub")
+
+CLIENT = "ros1"
+"""Stands for all callers of the master at the policy: their names are not proven. It is no node's
+name, which begins with a slash."""
+MOST_PARAMETER_SUBSCRIPTIONS = 10_000
+
+_topic, _service, _node = api.resolved("topic"), api.resolved("service"), api.resolved("node")
+_caller_api, _service_api = api.api("caller_api"), api.api("service_api")
+
+
+class Master:
+    """The methods of the Master API, by their names.
+
+    Args:
+        shut_down: ends the hub; takes the caller's reason.
+    """
+
+    def __init__(
+        self,
+        graph: Graph,
+        nodes: Ros1Nodes,
+        calls: NodeCalls,
+        audit: Audit,
+        shut_down: Callable[[str], object],
+    ) -> None:
+        self._graph = graph
+        self._nodes = nodes
+        self._calls = calls
+        self._audit = audit
+        self._shut_down = shut_down
+        self._parameter_subscribers: dict[str, dict[str, str]] = {}
+        """By keys with a slash at their ends: the names of nodes and their URIs."""
+        self._answers: dict[str, tuple[int, Written]] = {}
+        """The answers that list the graph, with the revision they are of."""
+        self._setter = ""
+        graph.parameters.watch(self._parameter_changed)
+        self.methods = self._methods()
+
+    def _methods(self) -> dict[str, Method]:
+        parameter: tuple[Check, ...] = (api.key,)
+        topic: tuple[Check, ...] = (_topic, api.type_name, _caller_api)
+        return {
+            "registerPublisher": Method(self.register_publisher, [], topic),
+            "registerSubscriber": Method(self.register_subscriber, [], topic),
+            "unregisterPublisher": Method(self.unregister_publisher, 0, (_topic, _caller_api)),
+            "unregisterSubscriber": Method(self.unregister_subscriber, 0, (_topic, _caller_api)),
+            "registerService": Method(
+                self.register_service, 0, (_service, _service_api, _caller_api)
+            ),
+            "unregisterService": Method(self.unregister_service, 0, (_service, _service_api)),
+            "lookupService": Method(self.lookup_service, "", (_service,)),
+            "lookupNode": Method(self.lookup_node, "", (_node,)),
+            "getPublishedTopics": Method(
+                self.get_published_topics, 0, (api.resolved("subgraph", may_be_empty=True),)
+            ),
+            "getTopicTypes": Method(self.get_topic_types, []),
+            "getSystemState": Method(self.get_system_state, [[], [], []]),
+            "getUri": Method(self.get_uri, ""),
+            "getPid": Method(self.get_pid, -1),
+            "shutdown": Method(self.shutdown, 0, (api.anything,), optional=1),
+            "setParam": Method(self.set_param, 0, (api.key, api.value)),
+            "getParam": Method(self.get_param, 0, parameter),
+            "deleteParam": Method(self.delete_param, 0, parameter),
+            "hasParam": Method(self.has_param, False, parameter),
+            "searchParam": Method(self.search_param, 0, (api.search_key,)),
+            "getParamNames": Method(self.get_param_names, []),
+            "subscribeParam": Method(self.subscribe_param, 0, (_caller_api, api.key)),
+            "unsubscribeParam": Method(self.unsubscribe_param, 0, (_caller_api, api.key)),
+        }
+
+    # Topics.
+
+    def register_publisher(
+        self, caller: Caller, node: str, topic: str, type_: str, uri: str
+    ) -> Answer:
+        """Register a publisher; the value is the URIs of the topic's subscribers."""
+        self._nodes.add_publisher(node, topic, type_, uri, caller.hub_host)
+        text = f"Registered [{node}] as publisher of [{topic}]"
+        return 1, text, self._nodes.subscriber_apis(topic, caller.hub_host)
+
+    def register_subscriber(
+        self, caller: Caller, node: str, topic: str, type_: str, uri: str
+    ) -> Answer:
+        """Register a subscriber; the value is the URIs of the topic's publishers."""
+        self._nodes.add_subscriber(node, topic, type_, uri, caller.hub_host)
+        apis = self._nodes.publisher_apis(topic, caller.hub_host)
+        subscriber = self._nodes.subscriber(node, topic)
+        if subscriber is not None:
+            subscriber.sent = apis
+        return 1, f"Subscribed to [{topic}]", apis
+
+    def unregister_publisher(self, caller: Caller, node: str, topic: str, uri: str) -> Answer:
+        """Remove a publisher; the value is how many were removed."""
+        return _removed(self._nodes.remove_publisher(node, topic, uri), node, topic)
+
+    def unregister_subscriber(self, caller: Caller, node: str, topic: str, uri: str) -> Answer:
+        """Remove a subscriber; the value is how many were removed."""
+        return _removed(self._nodes.remove_subscriber(node, topic, uri), node, topic)
+
+    def get_published_topics(self, caller: Caller, node: str, namespace: str) -> Answer:
+        """Return the topics with publishers in a namespace, with their types."""
+        below = f"{namespace}/" if namespace else ""
+        found = [
+            [topic, self._type_of(topic)]
+            for topic, publishers, _ in self._topics()
+            if publishers and topic.startswith(below)
+        ]
+        return 1, "current topics", found
+
+    def get_topic_types(self, caller: Caller, node: str) -> Answer:
+        """Return all topics with their types."""
+        found = [[topic, self._type_of(topic)] for topic, _, _ in self._topics()]
+        return 1, "current system state", found
+
+    # Services.
+
+    def register_service(
+        self, caller: Caller, node: str, service: str, service_uri: str, uri: str
+    ) -> Answer:
+        """Register a service, which takes the place of an older one of its name."""
+        self._nodes.add_service(node, service, service_uri, uri, caller.hub_host)
+        return 1, f"Registered [{node}] as provider of [{service}]", 1
+
+    def unregister_service(self, caller: Caller, node: str, service: str, uri: str) -> Answer:
+        """Remove a service; the value is how many were removed."""
+        present = self._nodes.service(service)
+        if present is None:
+            return 1, f"[{service}] is not a provider", 0
+        if not self._nodes.remove_service(service, uri):
+            text = f"[{uri}] is no longer the current service api handle for [{service}]"
+            return 1, text, 0
+        return 1, f"Unregistered [{node}] as provider of [{service}]", 1
+
+    def lookup_service(self, caller: Caller, node: str, service: str) -> Answer:
+        """Return the URI of a service: a ROS 1 node's own, or the hub's."""
+        found = self._nodes.service(service)
+        uri = found[1] if found is not None else ""
+        if not uri and service in self._visible("service", self._graph.services):
+            uri = self._nodes.hub_api(caller.hub_host).replace("http:", "rosrpc:").rstrip("/")
+        return (1, f"rosrpc URI: [{uri}]", uri) if uri else (-1, "no provider", "")
+
+    # The graph.
+
+    def lookup_node(self, caller: Caller, node: str, name: str) -> Answer:
+        """Return the URI of a node; of a node of the hub, a path at the hub."""
+        found = self._nodes.by_name.get(name)
+        if found is not None:
+            return 1, "node api", found.api
+        if name in self._graph.nodes and self._graph.is_node_visible(CLIENT, name):
+            return 1, "node api", self._nodes.hub_api(caller.hub_host, name)
+        return -1, f"unknown node [{name}]", ""
+
+    def get_system_state(self, caller: Caller, node: str) -> Answer:
+        """Return the publishers and subscribers of all topics, and the nodes of all services."""
+        return 1, "current system state", self._cached("state", self._system_state)
+
+    def get_uri(self, caller: Caller, node: str) -> Answer:
+        """Return the master's URI."""
+        return 1, "", self._nodes.hub_api(caller.hub_host)
+
+    def get_pid(self, caller: Caller, node: str) -> Answer:
+        """Return the hub's process."""
+        return 1, "", os.getpid()
+
+    def shutdown(self, caller: Caller, node: str, reason: Any = "") -> Answer:
+        """End the hub, if the caller is on this machine."""
+        if not is_loopback(caller.host) or not self._graph.policy.allows_all:
+            logger.warning("%s (%s) may not end the hub.", node, caller.host)
+            return -1, "shutdown is only for programs on the master's own machine", 0
+        self._shut_down(f"{node}: {reason}")
+        return 1, "shutdown", 0
+
+    def _system_state(self) -> str:
+        topics = list(self._topics())
+        publishers = _registrations((name, nodes) for name, nodes, _ in topics)
+        subscribers = _registrations((name, nodes) for name, _, nodes in topics)
+        services = self._graph.services
+        of_services = {name: services[name].node for name in self._visible("service", services)}
+        of_services.update((name, node.name) for name, node in self._nodes.services())
+        found = _registrations((name, [node]) for name, node in of_services.items())
+        return f"<value><array><data>{publishers}{subscribers}{found}</data></array></value>"
+
+    def _topics(self) -> Iterable[tuple[str, list[str], list[str]]]:
+        """Yield all topics, with the nodes that publish them and those that subscribe to them."""
+        graph, nodes = self._graph, self._nodes
+        # ROS 1 nodes are always listed, also those that exchange no messages with the hub.
+        names = dict.fromkeys(self._visible("topic", graph.topics))
+        names.update(dict.fromkeys(nodes.topics()))
+        for name in names:
+            topic = graph.topics.get(name)
+            publishers = dict.fromkeys(topic.sources if topic is not None else ())
+            subscribers = dict.fromkeys(topic.subscribers() if topic is not None else ())
+            if topic is None or topic.conflicts:
+                publishers.update((each.node.name, None) for each in nodes.publishers(name))
+                subscribers.update((each.node, None) for each in nodes.subscribers(name))
+            yield name, list(publishers), list(subscribers)
+
+    def _type_of(self, name: str) -> str:
+        topic = self._graph.topics.get(name)
+        if topic is not None and topic.type is not None:
+            return topic.type.name
+        types = [each.type for each in self._nodes.publishers(name)]
+        types += [each.type for each in self._nodes.subscribers(name)]
+        return next((type_ for type_ in types if type_ != ANY), ANY)
+
+    def _visible(self, kind: Any, names: Iterable[str]) -> Iterable[str]:
+        return names if self._graph.policy.allows_all else self._graph.visible(CLIENT, kind, names)
+
+    def _cached(self, name: str, make: Callable[[], str]) -> Written:
+        revision, answer = self._answers.get(name, (-1, None))
+        if answer is None or revision != self._graph.revision:
+            answer = Written(make())
+            self._answers[name] = (self._graph.revision, answer)
+        return answer
+
+    # Parameters.
+
+    def set_param(self, caller: Caller, node: str, key: str, value: Any) -> Answer:
+        """Set a parameter, or a namespace, which replaces the one that was there."""
+        self._setter = node
+        try:
+            self._graph.set_parameter(CLIENT, key, value)
+        finally:
+            self._setter = ""
+        self._audit.parameter_written(key, node=node)
+        return 1, f"parameter {key} set", 0
+
+    def get_param(self, caller: Caller, node: str, key: str) -> Answer:
+        """Return a parameter, or a namespace as a struct."""
+        try:
+            return 1, f"Parameter [{key}]", self._parameter(key)
+        except ParameterNotSet:
+            return -1, f"Parameter [{key}] is not set", 0
+
+    def delete_param(self, caller: Caller, node: str, key: str) -> Answer:
+        """Delete a parameter, or a namespace."""
+        if not self._has(key):
+            return -1, f"parameter [{key}] is not set", 0
+        self._setter = node
+        try:
+            self._graph.delete_parameter(CLIENT, key)
+        finally:
+            self._setter = ""
+        self._audit.parameter_written(key, node=node, deleted=True)
+        return 1, f"parameter {key} deleted", 0
+
+    def has_param(self, caller: Caller, node: str, key: str) -> Answer:
+        """Return whether there is a parameter or a namespace of this name."""
+        return 1, key, self._has(key)
+
+    def search_param(self, caller: Caller, node: str, key: str) -> Answer:
+        """Return the nearest parameter of a name, in the caller's namespace and those above it."""
+        found = self._graph.parameters.search(key, node)
+        if found and self._graph.is_parameter_visible(CLIENT, found):
+            return 1, f"Found [{found}]", found
+        return -1, f"Cannot find parameter [{key}] in an upwards search", ""
+
+    def get_param_names(self, caller: Caller, node: str) -> Answer:
+        """Return the names of all parameters."""
+        names = self._graph.parameters.names()
+        return 1, "Parameter names", list(self._visible("parameter", names))
+
+    def subscribe_param(self, caller: Caller, node: str, uri: str, key: str) -> Answer:
+        """Report changes of a parameter to a node; the value is the present one, or {}."""
+        subscribers = self._parameter_subscribers
+        if sum(map(len, subscribers.values())) >= MOST_PARAMETER_SUBSCRIPTIONS:
+            return 0, f"too many subscriptions, limit is {MOST_PARAMETER_SUBSCRIPTIONS}", 0
+        subscribers.setdefault(_namespace(key), {})[node] = uri
+        return 1, f"Subscribed to parameter [{key}]", self._parameter_or_empty(key)
+
+    def unsubscribe_param(self, caller: Caller, node: str, uri: str, key: str) -> Answer:
+        """Report changes of a parameter no more."""
+        namespace = _namespace(key)
+        subscribers = self._parameter_subscribers.get(namespace, {})
+        was_there = subscribers.get(node) == uri
+        if was_there:
+            del subscribers[node]
+            if not subscribers:
+                del self._parameter_subscribers[namespace]
+        return 1, f"Unsubscribe to parameter [{key}]", 1
+
+    def _parameter(self, key: str) -> object:
+        return native(from_json(self._graph.get_parameter(CLIENT, key)))
+
+    def _parameter_or_empty(self, key: str) -> object:
+        try:
+            return self._parameter(key)
+        except ParameterNotSet:
+            return {}
+
+    def _has(self, key: str) -> bool:
+        parameters = self._graph.parameters
+        return parameters.has(key) and self._graph.is_parameter_visible(CLIENT, key)
+
+    def _parameter_changed(self, name: str, _: str) -> None:
+        """Report a change to the subscribers of the parameter, and of all above and below it.
+
+        The node that has set it is not told, as by rosmaster.
+        """
+        changed = _namespace(name)
+        for subscribed, nodes in self._parameter_subscribers.items():
+            if changed.startswith(subscribed):
+                key = changed
+            elif subscribed.startswith(changed):
+                key = subscribed
+            else:
+                continue
+            value = Written(write_value(self._parameter_or_empty(key.rstrip("/") or "/")))
+            for node, uri in nodes.items():
+                if node != self._setter:
+                    self._calls.notify(uri, ("parameter", key), "paramUpdate", MASTER, key, value)
+
+
+def is_loopback(host: str) -> bool:
+    """Return whether an IP address is of this machine's own network."""
+    try:
+        address = ipaddress.ip_address(host)
+    except ValueError:
+        return False
+    mapped = getattr(address, "ipv4_mapped", None)
+    return (mapped or address).is_loopback
+
+
+def _namespace(key: str) -> str:
+    return key if key.endswith("/") else f"{key}/"
+
+
+def _removed(was_there: bool, node: str, topic: str) -> Answer:
+    if was_there:
+        return 1, f"Unregistered [{node}] as provider of [{topic}]", 1
+    return 1, f"[{node}] is not a known provider of [{topic}]", 0
+
+
+def _registrations(found: Iterable[tuple[str, Iterable[str]]]) -> str:
+    """Return the XML of ``[[name, [node, ...]], ...]``, without names that no node has."""
+    parts = []
+    for name, nodes in found:
+        users = "".join(f"<value><string>{escape(node)}</string></value>" for node in nodes)
+        if users:
+            parts.append(
+                f"<value><array><data><value><string>{escape(name)}</string></value>"
+                f"<value><array><data>{users}</data></array></value></data></array></value>"
+            )
+    return f"<value><array><data>{''.join(parts)}</data></array></value>"

@@ -1,0 +1,254 @@
+"""The port for ROS 1: XML-RPC for master and nodes, and TCPROS, told apart by their first bytes.
+
+One port means one rule in a firewall, and one number to know: 11311, as for roscore.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import os
+from collections.abc import Callable, Sequence
+from ipaddress import ip_address
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from fibws.access.rights import Principal
+from fibws.errors import HubError, XmlRpcError
+from fibws.hub.audit import Audit
+from fibws.hub.graph.graph import Graph
+from fibws.hub.graph.topic import Quota
+from fibws.hub.ros1 import api
+from fibws.hub.ros1.api import Answer, Method
+from fibws.hub.ros1.connection import Acceptor, TcprosConnection
+from fibws.hub.ros1.http import Caller, NodeCalls, XmlRpcConnection
+from fibws.hub.ros1.master import CLIENT, Master, is_loopback
+from fibws.hub.ros1.nodes import Ros1Nodes
+from fibws.hub.ros1.services import ServiceLinks
+from fibws.hub.ros1.slave import Slave
+from fibws.hub.ros1.state import StateFile
+from fibws.hub.ros1.topics import TopicLinks
+from fibws.hub.settings import Settings
+
+logger = logging.getLogger("fibws.hub")
+
+Connection: TypeAlias = "XmlRpcConnection | TcprosConnection"
+
+NODE_PATH = "/node"
+"""Where the paths of the hub's nodes begin; a node's global name follows."""
+BODIES = 4
+"""A call may have this many times the bytes that all parameters may have: XML has long tags."""
+
+
+class Ros1Server:
+    """ROS 1's master, nodes and topics on one port.
+
+    Args:
+        principal: whose rights ROS 1 nodes have; None on a hub without authentication.
+        kill: ends a client of the hub by the name of its node, for a reason.
+        shut_down: ends the hub, for a reason.
+        state: the file of the registered nodes; None for none.
+    """
+
+    def __init__(
+        self,
+        graph: Graph,
+        settings: Settings,
+        audit: Audit,
+        *,
+        principal: Principal | None,
+        kill: Callable[[str, str], bool],
+        shut_down: Callable[[str], object],
+    ) -> None:
+        self.port = 0
+        """The port that it listens on, once it does."""
+        self._graph = graph
+        self._settings = settings
+        self._audit = audit
+        self._networks = settings.ros1_networks
+        self._connections: set[Connection | _Sniffer] = set()
+        self._calls = NodeCalls(lambda uri, error: self.nodes.set_fault(uri, error.fault))
+        self.nodes = Ros1Nodes(
+            graph,
+            self._calls,
+            principal=principal,
+            quota=lambda: Quota(settings.max_latched_bytes),
+            port=lambda: self.port,
+        )
+        """The nodes that are registered."""
+        loop = asyncio.get_running_loop()
+        self._topics = TopicLinks(graph, self.nodes, self._calls, loop, settings)
+        self._services = ServiceLinks(graph, self.nodes, self._calls, loop, settings)
+        self.nodes.links, self.nodes.service_links = self._topics, self._services
+        self._master = Master(graph, self.nodes, self._calls, audit, shut_down)
+        self._slave = Slave(graph, self.nodes, self._topics, kill, lambda: self.port)
+        self._of_hub = self._slave.methods("") | self._master.methods
+        self._state: StateFile | None = None
+        self._watching: asyncio.Task[None]
+        self._server: asyncio.Server
+        if principal is not None:
+            graph.policy.enter(CLIENT, principal, is_chosen=False, is_taken=False)
+
+    async def start(self) -> None:
+        """Listen, and restore the nodes of an earlier hub; raises `HubError`."""
+        loop = asyncio.get_running_loop()
+        settings = self._settings
+        host = None if self._networks else "127.0.0.1"
+        try:
+            self._server = await loop.create_server(
+                lambda: _Sniffer(self), host, settings.ros1 or 0, start_serving=False
+            )
+        except OSError as error:
+            raise HubError(
+                f"--ros1: cannot listen on port {settings.ros1}: {error.strerror or error}; "
+                "is a roscore running?"
+            ) from error
+        self.port = self._server.sockets[0].getsockname()[1]
+        path = settings.ros1_state or (default_state_file(self.port) if settings.ros1 else None)
+        if path is not None:
+            self._state = StateFile(path, self.nodes.saved)
+            for saved in self._state.read():
+                self.nodes.restore(saved)
+            self.nodes.changed = self._state.changed
+        await self._server.start_serving()
+        self._watching = loop.create_task(self.nodes.watch())
+
+    async def close(self) -> None:
+        """Close all connections; the nodes are left as they are, for the next hub."""
+        self._server.close()
+        self._watching.cancel()
+        if self._state is not None:
+            await self._state.close()
+        self.nodes.changed = lambda: None
+        await self.nodes.close()
+        await self._topics.close()
+        await self._services.close()
+        for connection in list(self._connections):
+            connection.abort()
+        await self._calls.close()
+        await asyncio.gather(self._watching, return_exceptions=True)
+
+    @property
+    def uri(self) -> str:
+        """The master's URI for programs on this machine: their ROS_MASTER_URI."""
+        return f"http://{self._settings.ros1_host or 'localhost'}:{self.port}/"
+
+    # Connections.
+
+    def admit(self, host: str) -> bool:
+        """Return whether a machine may connect."""
+        if len(self._connections) >= self._settings.max_connections:
+            return False
+        if is_loopback(host):
+            return True
+        try:
+            address = ip_address(host.partition("%")[0])
+        except ValueError:
+            return False
+        address = getattr(address, "ipv4_mapped", None) or address
+        if any(address in network for network in self._networks):
+            return True
+        text = f"{host} may not use the ROS 1 master: not in --ros1-allow"
+        self._audit.refused("address", text, ip=host)
+        return False
+
+    def opened(self, connection: Connection | _Sniffer) -> None:
+        """Count a connection."""
+        self._connections.add(connection)
+
+    def closed(self, connection: Connection | _Sniffer) -> None:
+        """Forget a connection."""
+        self._connections.discard(connection)
+
+    def speak_http(self) -> XmlRpcConnection:
+        """Return the protocol of a connection that begins with an HTTP request."""
+        most = BODIES * self._settings.max_parameter_bytes
+        return XmlRpcConnection(self._answer, most, self.closed)
+
+    def speak_tcpros(self) -> TcprosConnection:
+        """Return the protocol of a connection that begins with a TCPROS header."""
+        acceptors: dict[str, Acceptor] = {"topic": self._topics, "service": self._services}
+        loop, timeout = asyncio.get_running_loop(), self._settings.open_timeout
+        return TcprosConnection(acceptors, loop, timeout, self.closed)
+
+    @property
+    def open_timeout(self) -> float:
+        """Seconds in which the first bytes must arrive."""
+        return self._settings.open_timeout
+
+    # Calls.
+
+    async def _answer(self, path: str, name: str, params: list[Any], caller: Caller) -> object:
+        methods, host = self._methods(path), self._settings.ros1_host
+        if host:
+            caller = caller._replace(hub_host=host)
+
+        def call(method: str, arguments: Sequence[Any]) -> Answer:
+            found = methods.get(method)
+            if found is None:
+                raise XmlRpcError(f'method "{method}" is not supported')
+            return found.call(method, arguments, caller)
+
+        if name == "system.multicall":
+            return await api.multicall(params, call)
+        return call(name, params)
+
+    def _methods(self, path: str) -> dict[str, Method]:
+        if not path.startswith(f"{NODE_PATH}/"):
+            return self._of_hub
+        node = path.removeprefix(NODE_PATH)
+        if not self._slave.has(node):
+            raise XmlRpcError(f"unknown node [{node}]")
+        return self._slave.methods(node)
+
+
+class _Sniffer(asyncio.Protocol):
+    """A connection whose protocol is not known yet."""
+
+    def __init__(self, server: Ros1Server) -> None:
+        self._server = server
+        self._received = b""
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        assert isinstance(transport, asyncio.Transport)
+        self._transport = transport
+        self._timer = asyncio.get_running_loop().call_later(
+            self._server.open_timeout, transport.abort
+        )
+        peer = transport.get_extra_info("peername")
+        if not self._server.admit(peer[0] if peer else ""):
+            transport.abort()
+        self._server.opened(self)
+
+    def data_received(self, data: bytes) -> None:
+        self._received += data
+        if len(self._received) < 4:
+            return
+        # The length of a header is less than 2**24, and a request begins with four letters.
+        is_http = self._received[3] != 0
+        server = self._server
+        protocol = server.speak_http() if is_http else server.speak_tcpros()
+        self._end()
+        server.opened(protocol)
+        self._transport.set_protocol(protocol)
+        protocol.connection_made(self._transport)
+        protocol.data_received(self._received)
+
+    def connection_lost(self, error: Exception | None) -> None:
+        self._end()
+
+    def abort(self) -> None:
+        self._transport.abort()
+
+    def _end(self) -> None:
+        self._timer.cancel()
+        self._server.closed(self)
+
+
+def default_state_file(port: int) -> Path:
+    """Return the state file of a port: in $STATE_DIRECTORY of systemd, or the user's state."""
+    folder = os.environ.get("STATE_DIRECTORY", "").partition(":")[0]
+    if not folder:
+        state = os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state"
+        folder = str(Path(state) / "fibws")
+    return Path(folder) / f"ros1-{port}.json"

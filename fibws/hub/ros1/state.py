@@ -1,0 +1,90 @@
+"""The state file: the ROS 1 nodes that are registered, for a hub that starts after this one.
+
+ROS 1 nodes register once and never again, so that a master without a memory loses them when it is
+restarted. The file is JSON. It is written whole or not at all, in a thread, and soon after changes.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import logging
+import os
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from pydantic import TypeAdapter, ValidationError
+
+from fibws.hub.ros1.nodes import SavedNode
+
+logger = logging.getLogger("fibws.hub")
+
+DELAY = 0.1
+"""Seconds after a change in which further ones are waited for."""
+VERSION = 1
+_NODES = TypeAdapter(list[SavedNode])
+
+
+class StateFile:
+    """Keeps the nodes in a file.
+
+    Args:
+        path: of the file, whose folder is made if there is none.
+        saved: returns the nodes.
+    """
+
+    def __init__(self, path: Path, saved: Callable[[], Sequence[SavedNode]]) -> None:
+        self._path = path
+        self._saved = saved
+        self._writing: asyncio.Task[None] | None = None
+        self._is_changed = False
+
+    def read(self) -> list[SavedNode]:
+        """Return the nodes of the file; none if there is no file, or it cannot be read."""
+        try:
+            document = json.loads(self._path.read_bytes())
+            if document["version"] != VERSION:
+                raise ValueError(f"version {document['version']} is not {VERSION}")
+            return _NODES.validate_python(document["nodes"])
+        except FileNotFoundError:
+            return []
+        except (OSError, ValueError, LookupError, TypeError, ValidationError) as error:
+            reason = str(error).splitlines()[0]
+            logger.warning("%s is ignored: it is not a state file: %s.", self._path, reason)
+            return []
+
+    def changed(self) -> None:
+        """Write the file soon."""
+        self._is_changed = True
+        if self._writing is None or self._writing.done():
+            self._writing = asyncio.get_running_loop().create_task(self._write_later())
+
+    async def close(self) -> None:
+        """Write what has changed."""
+        if self._writing is not None:
+            self._writing.cancel()
+            await asyncio.gather(self._writing, return_exceptions=True)
+        if self._is_changed:
+            self._write(self._text())
+
+    async def _write_later(self) -> None:
+        while self._is_changed:
+            await asyncio.sleep(DELAY)
+            self._is_changed = False
+            await asyncio.to_thread(self._write, self._text())
+
+    def _text(self) -> str:
+        nodes = [each._asdict() for each in self._saved()]
+        return json.dumps({"version": VERSION, "nodes": nodes})
+
+    def _write(self, text: str) -> None:
+        new = self._path.with_name(f"{self._path.name}.{os.getpid()}")
+        try:
+            self._path.parent.mkdir(parents=True, exist_ok=True)
+            with new.open("w") as file:
+                file.write(text)
+                file.flush()
+                os.fsync(file.fileno())
+            new.replace(self._path)
+        except OSError as error:
+            logger.warning("%s cannot be written: %s.", self._path, error.strerror)

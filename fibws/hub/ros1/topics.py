@@ -1,0 +1,171 @@
+"""Topics between ROS 1 nodes and the hub's clients: which links there are, and for how long.
+
+Two ROS 1 nodes exchange messages without the hub. It subscribes at a ROS 1 publisher only while a
+client of its own subscribes to the topic, and a publisher of its own costs nothing until a ROS 1
+node connects.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from fibws.errors import TcprosError
+from fibws.hub.delivery.clock import Clock, Timer
+from fibws.hub.graph.graph import ROSBRIDGE, Graph
+from fibws.hub.graph.topic import Topic
+from fibws.hub.ros1.api import Answer
+from fibws.hub.ros1.connection import TcprosConnection
+from fibws.hub.ros1.http import NodeCalls
+from fibws.hub.ros1.inlet import Inlet
+from fibws.hub.ros1.master import CLIENT
+from fibws.hub.ros1.nodes import Ros1Nodes
+from fibws.hub.ros1.outlet import Outlet, OutletLink
+from fibws.hub.ros1.tcpros import require
+from fibws.hub.settings import Settings
+
+LINGER = 2.0
+"""Seconds for which links to publishers stay open when no client subscribes any more."""
+
+
+class TopicLinks:
+    """All links for topics."""
+
+    def __init__(
+        self, graph: Graph, nodes: Ros1Nodes, calls: NodeCalls, clock: Clock, settings: Settings
+    ) -> None:
+        self._graph = graph
+        self._nodes = nodes
+        self._calls = calls
+        self._clock = clock
+        self._settings = settings
+        self._inlets: dict[str, dict[str, Inlet]] = {}
+        """By topic and publisher."""
+        self._lingering: dict[str, Timer] = {}
+        self._outlets: dict[str, Outlet] = {}
+
+    def outlet(self, topic: str) -> Outlet:
+        """Return what takes the messages of a topic for all ROS 1 subscribers."""
+        found = self._outlets.get(topic)
+        if found is None:
+            external, most = self._nodes.by_name, self._settings.max_queued_bytes
+            found = self._outlets[topic] = Outlet(topic, self._graph, external, most)
+        return found
+
+    def changed(self, topic: Topic) -> None:
+        """Open and close the links of a topic whose publishers or subscribers have changed."""
+        self._remove_stale_inlets(topic.name)
+        if any(node not in self._nodes.by_name for node in topic.subscribers()):
+            self._stop_lingering(topic.name)
+            self._open_inlets(topic.name)
+        elif topic.name in self._inlets and topic.name not in self._lingering:
+            self._lingering[topic.name] = self._clock.call_later(
+                LINGER, lambda: self._close_inlets(topic.name)
+            )
+        outlet = self._outlets.get(topic.name)
+        if outlet is not None:
+            outlet.settle(topic)
+            if not outlet.links and not self._nodes.subscribers(topic.name):
+                del self._outlets[topic.name]
+
+    def request_topic(
+        self, caller: str, topic: str, protocols: list[Any], host: str, port: int
+    ) -> Answer:
+        """Return how a subscriber can connect to the hub for a topic: by TCPROS."""
+        if not self._nodes.has_own_sources(topic) or not self._may_subscribe(topic):
+            return -1, f"Not a publisher of [{topic}]", []
+        if any(isinstance(each, list) and each[:1] == ["TCPROS"] for each in protocols):
+            return 1, f"ready on {host}:{port}", ["TCPROS", host, port]
+        return 0, "no supported protocol implementations", []
+
+    def accept(self, header: Mapping[str, str], connection: TcprosConnection) -> OutletLink:
+        """Connect a ROS 1 subscriber; raises `TcprosError`."""
+        require(header, "topic", "md5sum", "callerid")
+        topic, caller = header["topic"], header["callerid"]
+        if not self._nodes.has_own_sources(topic) or not self._may_subscribe(topic):
+            raise TcprosError(f"[{ROSBRIDGE}] is not a publisher of [{topic}]")
+        subscriber = self._nodes.subscriber(caller, topic)
+        if subscriber is None:
+            raise TcprosError(f"[{caller}] is not registered as a subscriber of [{topic}]")
+        return self.outlet(topic).accept(header, subscriber, connection)
+
+    def bus_info(self) -> list[Any]:
+        """Return all links, as getBusInfo does."""
+        found = []
+        for number, (direction, other, topic, info) in enumerate(self._links()):
+            found.append([number, other, direction, "TCPROS", topic, True, info])
+        return found
+
+    def bus_stats(self) -> list[Any]:
+        """Return the totals of all links, as getBusStats does."""
+        published: list[Any] = []
+        for name, outlet in self._outlets.items():
+            links = [
+                [number, link.bytes, link.messages, True]
+                for number, link in enumerate(outlet.links)
+            ]
+            published.append([name, sum(link.bytes for link in outlet.links), links])
+        subscribed: list[Any] = [
+            [
+                name,
+                [
+                    [number, each.connection.bytes, each.connection.messages, -1, True]
+                    for number, each in enumerate(inlets.values())
+                    if each.connection is not None
+                ],
+            ]
+            for name, inlets in self._inlets.items()
+        ]
+        return [published, subscribed, []]
+
+    async def close(self) -> None:
+        """Close all links."""
+        for topic in list(self._inlets):
+            self._stop_lingering(topic)
+            self._close_inlets(topic)
+        for outlet in self._outlets.values():
+            for link in list(outlet.links):
+                link.close()
+
+    def _links(self) -> Iterator[tuple[str, str, str, str]]:
+        for name, outlet in self._outlets.items():
+            for link in outlet.links:
+                yield "o", link.subscriber.node, name, f"TCPROS connection to [{link.peer}]"
+        for name, inlets in self._inlets.items():
+            for inlet in inlets.values():
+                if inlet.connection is not None:
+                    api = inlet.publisher.node.api
+                    yield "i", api, name, f"TCPROS connection to [{api}]"
+
+    def _may_subscribe(self, topic: str) -> bool:
+        return self._graph.is_allowed(CLIENT, "subscribe", topic)
+
+    def _open_inlets(self, topic: str) -> None:
+        for publisher in self._nodes.publishers(topic):
+            inlets = self._inlets.setdefault(topic, {})
+            if publisher.is_relayed and publisher.node.name not in inlets:
+                inlets[publisher.node.name] = Inlet(
+                    publisher, self._calls, self._nodes.learn, self._settings.max_message_size
+                )
+
+    def _remove_stale_inlets(self, topic: str) -> None:
+        """Close the links to publishers that have left, or may not publish to the hub's clients."""
+        publishers = self._nodes.publishers(topic)
+        inlets = self._inlets.get(topic, {})
+        for name, inlet in list(inlets.items()):
+            if inlet.publisher not in publishers or not inlet.publisher.is_relayed:
+                inlet.close()
+                del inlets[name]
+        if topic in self._inlets and not inlets:
+            del self._inlets[topic]
+            self._stop_lingering(topic)
+
+    def _close_inlets(self, topic: str) -> None:
+        self._lingering.pop(topic, None)
+        for inlet in self._inlets.pop(topic, {}).values():
+            inlet.close()
+
+    def _stop_lingering(self, topic: str) -> None:
+        timer = self._lingering.pop(topic, None)
+        if timer is not None:
+            timer.cancel()
