@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import socket
 import sys
 from urllib.parse import urlsplit
 
@@ -14,6 +16,8 @@ from fibws.errors import FibwsError
 from fibws.processes import exec_command
 
 _IGNORED = "Ignored; accepted for compatibility with roscore."
+MASTER = "ROS_MASTER_URI"
+MASTER_PORT = 11311
 
 
 @click.command()
@@ -25,14 +29,23 @@ _IGNORED = "Ignored; accepted for compatibility with roscore."
     envvar="FIBWS_PORT",
     help="Port to listen on; 0 chooses a free one.  [default: that of $FIBWS_HUB, else 9090]",
 )
+@click.option(
+    "--ros1/--no-ros1",
+    default=True,
+    help="Be the master of ROS 1 nodes, too, at the port of $ROS_MASTER_URI, else 11311. "
+    "[default: ros1]",
+)
 @click.option("-v", "--verbose", is_flag=True, help=_IGNORED)
 @click.option("-w", "--workers", "--numworkers", metavar="N", help=_IGNORED)
 @click.option("-t", "--timeout", metavar="SECONDS", help=_IGNORED)
-def command(port: int | None, verbose: bool, workers: str | None, timeout: str | None) -> None:
+def command(
+    port: int | None, ros1: bool, verbose: bool, workers: str | None, timeout: str | None
+) -> None:
     """Run a hub, as roscore runs a master: one for all nodes; a second one does not start.
 
     Start it first and leave it running. Nodes look for it at $FIBWS_HUB, or else at
-    ws://127.0.0.1:9090. `fibws hub` has more settings.
+    ws://127.0.0.1:9090. Nodes of an installed ROS 1 find it at $ROS_MASTER_URI, as they would find
+    roscore. `fibws hub` has more settings.
     """
     with clean_exit():
         if port is None:
@@ -47,7 +60,33 @@ def command(port: int | None, verbose: bool, workers: str | None, timeout: str |
             )
         if port and port != _port_of_nodes():
             click.echo(f"In the other terminals, type: export {hub_address.ENVIRONMENT}={url}")
-        exec_command([sys.executable, "-P", "-m", "fibws.hub", "--port", str(port)])
+        words = [sys.executable, "-P", "-m", "fibws.hub", "--port", str(port)]
+        if ros1 and "FIBWS_ROS1" not in os.environ:
+            words += _ros1_words()
+        exec_command(words)
+
+
+def _ros1_words() -> list[str]:
+    """Return the hub's arguments for ROS 1, or none, saying why, if the port is not free."""
+    port = MASTER_PORT
+    try:
+        master = urlsplit(os.environ.get(MASTER, ""))
+        if master.hostname in (*hub_address.LOOPBACK, socket.gethostname()):
+            port = master.port or port
+    except ValueError:
+        pass  # Programs of ROS report an invalid URI themselves.
+    with socket.socket() as trial:
+        trial.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            trial.bind((hub_address.LOOPBACK[0], port))
+        except OSError as error:
+            click.echo(
+                f"ROS 1 nodes cannot join: port {port} is not free ({error.strerror}). Is a "
+                "roscore running?",
+                err=True,
+            )
+            return []
+    return ["--ros1", str(port)]
 
 
 def _port_of_nodes() -> int | None:

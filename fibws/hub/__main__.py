@@ -165,9 +165,10 @@ async def _serve(settings: Settings, url_file: Path | None) -> None:
     _remove(url_file)  # An earlier hub may have been killed.
     async with Hub(settings) as hub:
         manager = ServiceManager(loop, hub.status)
+        hub.stop_requested = lambda reason: _stop_for(reason, stop)
         _reload_on_hangup(hub, manager, stop)
         _write(url_file, hub.url)
-        _announce(settings, hub.url)
+        _announce(settings, hub.url, hub.ros1.uri if hub.ros1 is not None else "")
         manager.ready()
         try:
             first = await signals.get()
@@ -226,11 +227,18 @@ def _has_terminal() -> bool:
     return True
 
 
-def _announce(settings: Settings, url: str) -> None:
+def _stop_for(reason: str, stop: Callable[[int], None]) -> None:
+    """Stop the hub for a ROS 1 program."""
+    logger.info("Shutting down for %s.", reason)
+    stop(signal.SIGTERM)
+
+
+def _announce(settings: Settings, url: str, master_uri: str) -> None:
     """Print where the hub is, or log it where the output must be JSON."""
-    text = announcement(settings, url)
+    text = announcement(settings, url, master_uri)
     if settings.log_format == "json":
-        logger.info("%s", text, extra={"event": "listening", "fields": {"url": url}})
+        fields = {"url": url} | ({"ros_master_uri": master_uri} if master_uri else {})
+        logger.info("%s", text, extra={"event": "listening", "fields": fields})
         return
     try:
         print(text, flush=True)

@@ -16,14 +16,17 @@ ALL_IPV4 = "0.0.0.0"
 ALL_IPV6 = "::"
 
 
-def announcement(settings: Settings, url: str) -> str:
+def announcement(settings: Settings, url: str, master_uri: str = "") -> str:
     """Return the lines to print, without a newline at the end.
 
     Args:
         url: the hub's URL on this machine.
+        master_uri: the URI of its ROS 1 master, if it has one.
     """
     page = url.replace("ws", "http", 1)
     lines = [f"The hub listens at {url}; open {page}/ in a browser. Press Ctrl-C to stop."]
+    if master_uri:
+        lines.append(f"ROS 1 nodes join it with: export ROS_MASTER_URI={master_uri}")
     parts = urlsplit(url)
     addresses = [
         parts._replace(netloc=f"{address}:{parts.port}").geturl()

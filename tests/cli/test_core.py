@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import signal
+import socket
 import subprocess
 import sys
 from collections.abc import Callable, Sequence
@@ -38,10 +39,11 @@ def core(monkeypatch: pytest.MonkeyPatch) -> Core:
         raise Started
 
     monkeypatch.setattr(module, "exec_command", exec_command)
-    for name in [name for name in os.environ if name.startswith("FIBWS")]:
+    for name in [name for name in os.environ if name.startswith(("FIBWS", "ROS_"))]:
         monkeypatch.delenv(name)
 
-    def core(*words: str, **environ: str) -> Result:
+    def core(*words: str, ros1: bool = False, **environ: str) -> Result:
+        words = words if ros1 else ("--no-ros1", *words)
         return CliRunner().invoke(command, ["core", *words], env=environ, prog_name="fibws")
 
     return core
@@ -54,7 +56,9 @@ def hub_command(result: Result) -> str:
 
 def test_core_runs_a_hub_until_ctrl_c() -> None:
     with subprocess.Popen(
-        [sys.executable, "-m", "fibws", "core", "-p", "0"], stdout=subprocess.PIPE, text=True
+        [sys.executable, "-m", "fibws", "core", "-p", "0", "--no-ros1"],
+        stdout=subprocess.PIPE,
+        text=True,
     ) as process:
         assert process.stdout is not None
         url = re.search(r"ws://[\d.]+:\d+", process.stdout.readline())
@@ -85,6 +89,33 @@ def test_second_hub_does_not_start(core: Core, hub: HubThread) -> None:
 
 def test_options_of_roscore_are_accepted(core: Core) -> None:
     assert hub_command(core("-v", "-w", "3", "-t", "2", "-p", "0")) == "-m fibws.hub --port 0"
+
+
+def test_hub_is_the_master_of_ros_1_nodes(core: Core) -> None:
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    result = core("-p", "0", ros1=True, ROS_MASTER_URI=f"http://localhost:{port}")
+    assert hub_command(result) == f"-m fibws.hub --port 0 --ros1 {port}"
+
+
+def test_hub_starts_without_a_master_if_its_port_is_taken(core: Core) -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        port = taken.getsockname()[1]
+        taken.listen()
+        result = core("-p", "0", ros1=True, ROS_MASTER_URI=f"http://localhost:{port}")
+    assert hub_command(result) == "-m fibws.hub --port 0"
+    assert str(port) in result.stderr and "roscore" in result.stderr
+
+
+@pytest.mark.parametrize("uri", ["", "http://robot.example:1234", "http://localhost:x"])
+def test_master_is_at_its_usual_port_unless_it_is_of_this_machine(
+    core: Core, monkeypatch: pytest.MonkeyPatch, uri: str
+) -> None:
+    monkeypatch.setattr(socket.socket, "bind", lambda *arguments: None)
+    result = core("-p", "0", ros1=True, ROS_MASTER_URI=uri)
+    assert hub_command(result) == "-m fibws.hub --port 0 --ros1 11311"
 
 
 def test_fibws_hub_on_another_machine_is_a_warning(core: Core) -> None:
