@@ -203,6 +203,8 @@ def _description(snapshot: GraphSnapshot, node: Entry, *, quiet: bool) -> Iterat
         return
     since = time.localtime(node["since"]["secs"])
     yield f"Address: {snapshot.address(name)}"
+    if node["fault"]:
+        yield f"Unreachable: {node['fault']}"
     yield f"Since: {time.strftime('%Y-%m-%d %H:%M:%S', since)}"
     connections = list(_connections(snapshot, name))
     if connections:
@@ -224,21 +226,25 @@ def _section(head: str, items: Iterable[str]) -> Iterator[str]:
 def _connections(snapshot: GraphSnapshot, name: str) -> Iterator[str]:
     for topic in _published(snapshot, name):
         for each in topic["subscriptions"]:
-            yield from _connection(snapshot, topic, each["node"], "outbound", each["compression"])
+            encoding = each["compression"]
+            yield from _connection(snapshot, topic, name, each["node"], "outbound", encoding)
     for topic in _subscribed(snapshot, name):
         encodings = {each["compression"] for each in topic["subscriptions"] if each["node"] == name}
         for each in topic["publishers"]:
             encoding = ", ".join(sorted(encodings))
-            yield from _connection(snapshot, topic, each["node"], "inbound", encoding)
+            yield from _connection(snapshot, topic, name, each["node"], "inbound", encoding)
 
 
 def _connection(
-    snapshot: GraphSnapshot, topic: Entry, other: str, direction: str, encoding: str
+    snapshot: GraphSnapshot, topic: Entry, node: str, other: str, direction: str, encoding: str
 ) -> Iterator[str]:
     yield f" * topic: {topic['name']}"
     yield f"    * to: {other} ({snapshot.address(other)})"
     yield f"    * direction: {direction}"
-    yield f"    * transport: WebSocket{'' if encoding == 'none' else f' ({encoding})'}"
+    if any(each["api"] for each in snapshot.nodes if each["name"] in (node, other)):
+        yield "    * transport: TCPROS"
+    else:
+        yield f"    * transport: WebSocket{'' if encoding == 'none' else f' ({encoding})'}"
 
 
 def _published(snapshot: GraphSnapshot, node: str) -> list[Entry]:

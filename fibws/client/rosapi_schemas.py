@@ -10,7 +10,16 @@ Schema: TypeAlias = "str | list[Schema] | Mapping[str, Schema]"
 """A primitive type of ROS; a list with the elements' schema; or an object's fields."""
 
 _TIME: Schema = {"secs": "uint32", "nsecs": "uint32"}
-_NODES: Schema = [{"name": "string", "address": "string", "since": _TIME, "own": "bool"}]
+_NODES: Schema = [
+    {
+        "name": "string",
+        "address": "string",
+        "since": _TIME,
+        "own": "bool",
+        "api": "string",
+        "fault": "string",
+    }
+]
 _SUBSCRIPTION: Mapping[str, Schema] = {
     "node": "string",
     "queue_length": "uint32",
@@ -23,6 +32,7 @@ _TOPIC: Mapping[str, Schema] = {
     "checked": "bool",
     "publishers": [{"node": "string", "latch": "bool"}],
     "subscriptions": [_SUBSCRIPTION],
+    "conflicts": [{"node": "string", "type": "string", "publishes": "bool", "fault": "string"}],
 }
 _SERVICE: Mapping[str, Schema] = {"name": "string", "type": "string", "node": "string"}
 _STATISTICS: Mapping[str, Schema] = {

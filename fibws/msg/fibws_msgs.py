@@ -10,6 +10,7 @@ import fibws.interfaces as ros
 __all__ = [
     "ActionInfo",
     "ClientStatistics",
+    "ConflictInfo",
     "NodeInfo",
     "PublisherInfo",
     "PublisherStatistics",
@@ -57,6 +58,18 @@ class ClientStatistics(ros.Message):
 
 
 @dataclass(slots=True, eq=False, repr=False)
+class ConflictInfo(ros.Message):
+    """fibws_msgs/ConflictInfo"""
+
+    _type: ClassVar[str] = "fibws_msgs/ConflictInfo"
+
+    node: str = ""
+    type: str = ""
+    publishes: bool = False
+    fault: str = ""
+
+
+@dataclass(slots=True, eq=False, repr=False)
 class NodeInfo(ros.Message):
     """fibws_msgs/NodeInfo"""
 
@@ -66,6 +79,8 @@ class NodeInfo(ros.Message):
     address: str = ""
     since: ros.Time = field(default_factory=ros.Time)
     own: bool = False
+    api: str = ""
+    fault: str = ""
 
 
 @dataclass(slots=True, eq=False, repr=False)
@@ -135,6 +150,7 @@ class TopicInfo(ros.Message):
     checked: bool = False
     publishers: list[PublisherInfo] = field(default_factory=list)
     subscriptions: list[SubscriptionInfo] = field(default_factory=list)
+    conflicts: list[ConflictInfo] = field(default_factory=list)
 
 
 @dataclass(slots=True, eq=False, repr=False)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import logging
 import secrets
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from itertools import count
@@ -64,6 +65,35 @@ class Node(Protocol):
 
     def providing(self) -> Iterable[str]:
         """Return the global names of the services that it provides."""
+
+
+class ExternalNode(ABC):
+    """A `Node` that is not connected to the hub, and answers at an address of its own.
+
+    Attributes:
+        api: the URI of its address.
+        fault: why it did not answer last; empty if it did.
+        since: when it registered, in nanoseconds since 1970.
+    """
+
+    api: str
+    fault: str
+    since: int
+
+    @abstractmethod
+    def ping(self, done: Callable[[str], object]) -> Callable[[], object]:
+        """Ask whether it answers.
+
+        Args:
+            done: called once with why it did not answer; with an empty text if it did.
+
+        Returns:
+            A function that cancels.
+        """
+
+    @abstractmethod
+    def shut_down(self, reason: str, done: Callable[[str], object]) -> Callable[[], object]:
+        """Ask it to end; otherwise as `ping`."""
 
 
 class Graph:

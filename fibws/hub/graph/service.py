@@ -35,7 +35,7 @@ class Deferred:
 
     __slots__ = ("cancel", "respond")
 
-    def __init__(self, cancel: Callable[[], None]) -> None:
+    def __init__(self, cancel: Callable[[], object]) -> None:
         self.cancel = cancel
         self.respond: Callable[[dict[str, Any]], None] = _not_asked_for
         """Gives the response, once."""

@@ -9,9 +9,11 @@ hub's clients; the topic lists it among its conflicts. The same goes for what th
 from __future__ import annotations
 
 import asyncio
+import errno
 import logging
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Coroutine, Iterable, Mapping
+from contextlib import suppress
 from typing import Any, NamedTuple, Protocol
 from urllib.parse import urlsplit
 
@@ -24,7 +26,7 @@ from fibws.errors import (
     OperationError,
     Ros1Error,
 )
-from fibws.hub.graph.graph import Graph
+from fibws.hub.graph.graph import ExternalNode, Graph
 from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.service import InternalServer
 from fibws.hub.graph.topic import Conflict, Quota, Receiver, SinkReport, Source, Topic
@@ -134,21 +136,21 @@ class Ros1Subscriber:
         return self.link.report() if self.link is not None else SinkReport()
 
 
-class Ros1Node:
+class Ros1Node(ExternalNode):
     """A ROS 1 node; a `Node` of the graph.
 
     Args:
         name: its global name.
         api: the URI of its XML-RPC server.
         hub_host: the address by which it reached the hub.
+        since: when it registered, in nanoseconds since 1970.
 
     Attributes:
         pid: its process, once it has told it.
         services: the URIs of its services, by their names.
-        fault: why it did not answer last; empty if it did.
     """
 
-    def __init__(self, name: str, api: str, hub_host: str, nodes: Ros1Nodes) -> None:
+    def __init__(self, name: str, api: str, hub_host: str, since: int, nodes: Ros1Nodes) -> None:
         self.name = name
         self.api = api
         self.hub_host = hub_host
@@ -157,6 +159,7 @@ class Ros1Node:
         self.subscribers: dict[str, Ros1Subscriber] = {}
         self.services: dict[str, str] = {}
         self.fault = ""
+        self.since = since
         self._nodes = nodes
 
     @property
@@ -179,6 +182,14 @@ class Ros1Node:
     def replaced(self) -> None:
         """End, since another node has taken its name."""
         self._nodes.replaced(self)
+
+    def ping(self, done: Callable[[str], object]) -> Callable[[], object]:
+        """Ask whether it answers; see `ExternalNode`."""
+        return self._nodes.run(self._nodes.ping(self), done)
+
+    def shut_down(self, reason: str, done: Callable[[str], object]) -> Callable[[], object]:
+        """Ask it to end; see `ExternalNode`."""
+        return self._nodes.run(self._nodes.shut_down(self, reason), done)
 
 
 class Ros1Nodes:
@@ -429,7 +440,7 @@ class Ros1Nodes:
         if name in self._graph.internal:
             logger.warning("%s at %s: this name is the hub's own.", name, api)
             return None
-        node = Ros1Node(name, api, hub_host, self)
+        node = Ros1Node(name, api, hub_host, self._graph.now(), self)
         try:
             self._graph.enter(node, name, self.principal)
         except NotAllowed as error:
@@ -441,12 +452,17 @@ class Ros1Nodes:
 
     async def _identify(self, node: Ros1Node) -> None:
         """Get a node's process, and remove nodes that had its address before."""
+        with suppress(Ros1Error):
+            await self.ping(node)
+
+    async def ping(self, node: Ros1Node) -> None:
+        """Get the process that answers at a node's address; raises `Ros1Error`."""
         try:
             pid = await self._calls.call(node.api, "getPid", MASTER)
         except Ros1Error as error:
             self.set_fault(node.api, _fault(error))
-            return
-        self.set_pid(node, pid)
+            raise
+        self._set_pid(node, pid)
 
     def restore(self, saved: SavedNode) -> None:
         """Register a node that was registered at an earlier hub, and ask it what it has now.
@@ -500,7 +516,7 @@ class Ros1Nodes:
         for topic in node.subscribers.keys() - subscriptions.keys():
             self.remove_subscriber(name, topic, api)
 
-    def set_pid(self, node: Ros1Node, pid: object) -> None:
+    def _set_pid(self, node: Ros1Node, pid: object) -> None:
         """Set the process that answers at a node's address."""
         if not isinstance(pid, int) or self.by_name.get(node.name) is not node:
             return
@@ -532,20 +548,16 @@ class Ros1Nodes:
     async def _check(self, node: Ros1Node, refused: dict[Ros1Node, int]) -> None:
         """Check a node; remove it once it is certain that its process is gone."""
         try:
-            pid = await self._calls.call(node.api, "getPid", MASTER)
+            await self.ping(node)
+            refused.pop(node, None)
         except NodeUnreachable as error:
-            self.set_fault(node.api, error.fault)
-            is_refused = error.fault == os.strerror(111)
+            is_refused = error.fault == os.strerror(errno.ECONNREFUSED)
             refused[node] = refused.get(node, 0) + 1 if is_refused else 0
             if refused[node] > 1 and self.by_name.get(node.name) is node and _has_ended(node):
                 logger.info("%s is gone: its process has ended.", node.name)
                 self.remove(node)
-            return
-        except Ros1Error as error:
-            self.set_fault(node.api, str(error))
-            return
-        refused.pop(node, None)
-        self.set_pid(node, pid)
+        except Ros1Error:
+            pass  # It answers, if only with an error.
 
     # Attaching to the graph.
 
@@ -692,10 +704,30 @@ class Ros1Nodes:
                 if subscriber is not None:
                     self._attach_subscriber(subscriber)
 
-    def _start(self, coroutine: Any) -> None:
+    def run(
+        self, coroutine: Coroutine[Any, Any, None], done: Callable[[str], object]
+    ) -> Callable[[], object]:
+        """Run a coroutine, and call ``done`` with the text of its `Ros1Error`, or an empty one.
+
+        Returns:
+            A function that cancels it, whereupon ``done`` is not called.
+        """
+
+        async def run() -> None:
+            try:
+                await coroutine
+            except Ros1Error as error:
+                done(str(error))
+            else:
+                done("")
+
+        return self._start(run()).cancel
+
+    def _start(self, coroutine: Coroutine[Any, Any, None]) -> asyncio.Task[None]:
         task = asyncio.get_running_loop().create_task(coroutine)
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
+        return task
 
     async def close(self) -> None:
         """Leave the nodes alone: the next hub finds them by the state file."""

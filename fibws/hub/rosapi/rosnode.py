@@ -10,7 +10,7 @@ from typing import Any
 from fibws.errors import NotAllowed
 from fibws.hub.audit import Audit
 from fibws.hub.delivery.clock import Clock, Timer
-from fibws.hub.graph.graph import Graph
+from fibws.hub.graph.graph import ExternalNode, Graph
 from fibws.hub.graph.service import Deferred, Function, Response
 from fibws.hub.log_text import shortened
 from fibws.hub.rosapi.clients import Client, ConnectedClients
@@ -59,6 +59,9 @@ class Rosnode:
         node = global_name(self._graph, request["node"], caller)
         if not self._is_known(node, caller):
             return _ping_failed(_unknown(node))
+        external = self._graph.nodes[node]
+        if isinstance(external, ExternalNode):
+            return self._ping_external(node, external)
         client = self._clients.find(node)
         if client is None:
             return {"success": True, "message": f"{node} is the hub's own", "seconds": 0.0}
@@ -73,8 +76,10 @@ class Rosnode:
         self._pings.setdefault(client, {})[data] = Ping(node, sent, timer, response)
         return response
 
-    def kill(self, request: dict[str, Any], caller: str) -> Response:
+    def kill(self, request: dict[str, Any], caller: str) -> Response | Deferred:
         """End a node by closing its connection with a reason, on which fibws's nodes exit.
+
+        A node that is not connected to the hub is asked to end.
 
         Raises:
             NotAllowed: the node is another principal's, and the caller is no admin.
@@ -82,14 +87,17 @@ class Rosnode:
         node = global_name(self._graph, request["node"], caller)
         if not self._is_known(node, caller):
             return {"success": False, "message": _unknown(node)}
-        client = self._clients.find(node)
-        if client is None:
+        client, external = self._clients.find(node), self._graph.nodes[node]
+        if client is None and not isinstance(external, ExternalNode):
             text = f"{node} is the hub's own, which ends with the hub alone"
             return {"success": False, "message": text}
         policy = self._graph.policy
         if not policy.is_same_owner(caller, node) and not policy.is_admin(caller):
             raise self._graph.refused(NotAllowed(caller, "admin", node))
         self._audit.node_killed(node, node=caller)
+        if client is None:
+            assert isinstance(external, ExternalNode)
+            return _kill_external(node, external)
         # It may be the caller, whose operations in the same text must not outlive it.
         self._clock.call_later(0, partial(client.close, KILLED))
         return {"success": True, "message": f"killed {node}"}
@@ -115,6 +123,18 @@ class Rosnode:
             for data in list(pings):
                 self._settle(client, data, _ping_failed("the hub is shutting down"))
 
+    def _ping_external(self, name: str, node: ExternalNode) -> Deferred:
+        sent = self._graph.now()
+
+        def done(fault: str) -> None:
+            seconds = max(0, self._graph.now() - sent) / 1_000_000_000
+            text = f"{name} has answered"
+            answer = {"success": True, "message": text, "seconds": seconds}
+            response.respond(_ping_failed(fault) if fault else answer)
+
+        response = Deferred(node.ping(done))
+        return response
+
     def _is_known(self, node: str, caller: str) -> bool:
         """Return whether a node is there and the caller may see it."""
         return node in self._graph.nodes and self._graph.is_node_visible(caller, node)
@@ -132,6 +152,14 @@ class Rosnode:
         self._pings[client].pop(data).timer.cancel()
         if not self._pings[client]:
             del self._pings[client]
+
+
+def _kill_external(name: str, node: ExternalNode) -> Deferred:
+    def done(fault: str) -> None:
+        response.respond({"success": not fault, "message": fault or f"killed {name}"})
+
+    response = Deferred(node.shut_down("user request", done))
+    return response
 
 
 def _unknown(node: str) -> str:

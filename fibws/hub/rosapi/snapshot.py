@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 from functools import partial
 from typing import Any
+from urllib.parse import urlsplit
 
 from pydantic_core import to_json
 
-from fibws.hub.graph.graph import Graph
+from fibws.hub.graph.graph import ExternalNode, Graph
 from fibws.hub.graph.service import Function, Response
 from fibws.hub.graph.topic import Sink, Topic
 from fibws.hub.rosapi.cache import ResponseCache
@@ -71,6 +72,11 @@ class Snapshot:
         nodes = []
         for name in self._graph.visible_nodes(caller, self._graph.nodes):
             address, since = connected.get(name, ("", self._began))
+            api = fault = ""
+            node = self._graph.nodes[name]
+            if isinstance(node, ExternalNode):
+                api, fault, since = node.api, node.fault, node.since
+                address = urlsplit(api).netloc
             is_visible = self._graph.is_address_visible(caller, name)
             secs, nsecs = divmod(since, 1_000_000_000)
             nodes.append(
@@ -79,6 +85,8 @@ class Snapshot:
                     "address": address if is_visible else "",
                     "since": {"secs": secs, "nsecs": nsecs},
                     "own": name in self._own,
+                    "api": api if is_visible else "",
+                    "fault": fault if is_visible else "",
                 }
             )
         return nodes
@@ -96,6 +104,9 @@ class Snapshot:
                 if is_visible(node)
             ],
             "subscriptions": [_subscription(sink) for sink in sinks if is_visible(sink.node)],
+            "conflicts": [
+                each._asdict() for each in sorted(topic.conflicts) if is_visible(each.node)
+            ],
         }
 
     def _actions(self, caller: str) -> Iterator[dict[str, Any]]:

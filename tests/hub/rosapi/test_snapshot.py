@@ -43,6 +43,8 @@ def test_nodes_have_their_addresses_and_connection_times(rosapi: RosapiClient) -
         "address": "10.0.0.1:50001",
         "since": {"secs": SECS, "nsecs": NSECS},
         "own": False,
+        "api": "",
+        "fault": "",
     }
 
 
@@ -69,6 +71,7 @@ def test_topic_has_its_type_and_its_publishers(rosapi: RosapiClient) -> None:
         "checked": True,
         "publishers": [{"node": "/a", "latch": True}, {"node": "/b", "latch": False}],
         "subscriptions": [],
+        "conflicts": [],
     }
 
 
