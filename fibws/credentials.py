@@ -168,7 +168,7 @@ class Credentials:
         return kind(url, reason or f"close code {code}", remedy)
 
     def missing(self, url: str, redirected_from: str, reason: str = "") -> NotAuthorized:
-        """Return the error for a hub that wants a token and was given none; see `refusal`."""
+        """Return the error for a hub that requires a token but got none; see `refusal`."""
         remedy = ""
         if self:
             remedy = (
@@ -184,7 +184,7 @@ def headers(token: str | None) -> dict[str, str]:
 
 
 def expiry(token: str) -> float | None:
-    """Return when a JWT expires, in seconds since 1970; None if it says nothing, or is no JWT.
+    """Return when a JWT expires, in seconds since 1970; None without ``exp``, or if not a JWT.
 
     Nothing is verified: only the hub can do that.
     """

@@ -32,7 +32,7 @@ _CERTIFICATE_ALERTS = {
     "SSLV3_ALERT_CERTIFICATE_REVOKED": "it has been revoked",
     "SSLV3_ALERT_CERTIFICATE_UNKNOWN": "it is not accepted",
 }
-"""What a server says of a client's certificate."""
+"""Explanations of TLS alerts with which a server refuses a client's certificate."""
 
 
 @dataclass(frozen=True, slots=True)

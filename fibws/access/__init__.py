@@ -1,1 +1,1 @@
-"""Who may do what: principals, their rights, and the file of tokens."""
+"""Access rights: principals, their rights and limits, and the file of tokens."""

@@ -1,4 +1,4 @@
-"""The limits of principals and addresses: what all their clients may take of the hub together."""
+"""Limits of connections, registrations and rates that clients of a principal or address share."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ PREFIX_LENGTH = 64
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What the clients of one principal may take together.
+    """Limits that the clients of one principal share.
 
-    None leaves a limit to the hub's settings; 0 is for no limit.
+    None leaves a limit to the hub's settings; 0 means unlimited.
 
     Attributes:
         connections: clients at once.
         subscriptions: topics that they subscribe to.
         advertisements: topics, services and actions that they advertise.
         messages_per_second: messages that they send; all operations and pings count.
-        bytes_per_second: bytes of these.
+        bytes_per_second: bytes of these messages.
     """
 
     connections: int | None = None
@@ -78,7 +78,7 @@ def _check(value: object, where: str, *, whole: bool) -> None:
 
 @lru_cache(maxsize=1024)
 def network_of(address: str) -> str:
-    """Return what counts as one address: of IPv6 the first 64 bits, which a customer gets."""
+    """Return the network that counts as one address: of IPv6 the first 64 bits."""
     try:
         parsed = ipaddress.ip_address(address)
     except ValueError:

@@ -20,8 +20,8 @@ from fibws.suggestions import suggestion_or_known
 Right: TypeAlias = Literal[
     "publish", "subscribe", "call", "provide", "param_read", "param_write", "node"
 ]
-"""What one may do with a name: ``call`` and ``provide`` are for services and actions, ``node`` is
-to be a node of this name."""
+"""A kind of use of a name: ``call`` and ``provide`` are for services and actions, ``node`` is for
+connecting as a node of this name."""
 
 RIGHTS: tuple[Right, ...] = get_args(Right)
 GLOBS: TypeAlias = Mapping[Right, Sequence[str]]
@@ -39,13 +39,13 @@ _LEVEL = re.compile(r"\w+", re.ASCII)
 
 @dataclass(frozen=True)
 class Rights:
-    """What a principal may do; answers are remembered.
+    """The rights of a principal, with a cache of decisions.
 
     Args:
         allow: globs of names by right.
         deny: exceptions from these.
-        admin: whether everything is allowed, what only the hub's operator may do included: to kill
-            nodes, to set log levels of others, to read metrics.
+        admin: whether everything is allowed, including the operator's actions: to kill nodes, to
+            set log levels of others, to read metrics.
         name: the principal's, for ``%n``; if it is not one level of a name, ``%n`` allows nothing,
             and denies any level.
 
@@ -83,7 +83,7 @@ class Rights:
         return cls(allow, deny, admin, name)
 
     def table(self) -> dict[str, Any]:
-        """Return the table that `parse` takes, without what is empty."""
+        """Return the table that `parse` takes, without empty lists."""
         found: dict[str, Any] = {"admin": True} if self.admin else {}
         for key, globs in (("allow", self.allow), ("deny", self.deny)):
             kept = {right: list(globs[right]) for right in RIGHTS if globs.get(right)}
@@ -92,7 +92,7 @@ class Rights:
         return found
 
     def allows(self, right: Right, name: str) -> bool:
-        """Return whether the principal may use a global name so."""
+        """Return whether the principal may use a global name in this way."""
         if self.admin:
             return True
         answer = self._answers.get((right, name))
@@ -125,12 +125,12 @@ class Rights:
 
 @dataclass(frozen=True)
 class Principal:
-    """Whoever has proved by a token or a certificate who they are, or ``anonymous``.
+    """A user or program, identified by a token or a certificate, or ``anonymous``.
 
     Attributes:
-        name: tells principals apart.
-        expires: seconds since 1970 from which on the proof does not count; None for never.
-        limits: what the principal's clients may take together.
+        name: unique name.
+        expires: when the proof expires, in seconds since 1970; None for never.
+        limits: limits that the principal's clients share.
     """
 
     name: str
@@ -139,7 +139,7 @@ class Principal:
     limits: Limits = DEFAULT
 
     def is_expired(self, now: float) -> bool:
-        """Return whether the proof does not count any more at a time in seconds since 1970."""
+        """Return whether the proof has expired at a time in seconds since 1970."""
         return self.expires is not None and now >= self.expires
 
 
@@ -166,8 +166,8 @@ def compile_globs(
     """Return the pattern of all names that one of the globs matches.
 
     Args:
-        name: what ``%n`` stands for.
-        otherwise: the pattern that ``%n`` is if the name is not one level of a name.
+        name: the replacement of ``%n``.
+        otherwise: the pattern in place of ``%n`` if the name is not one level of a name.
     """
     known = {"**": ".*", "*": "[^/]*", "%n": name if _LEVEL.fullmatch(name) else otherwise}
     parts = [

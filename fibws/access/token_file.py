@@ -1,4 +1,4 @@
-"""The file of tokens, from which a hub knows whom to let in.
+"""The file of tokens: the principals that a hub accepts, and their rights.
 
 It is TOML, and holds digests only: a token is shown once, when it is made. A token has 256 random
 bits, so that a plain SHA-256 of it cannot be reversed, as that of a password could.
@@ -68,8 +68,8 @@ class Tokens:
     Attributes:
         tokens: by the digests of their tokens.
         certificates: by the common names of their certificates.
-        anonymous: whom clients without a token are; None if these may not enter.
-        ros1: whom ROS 1 nodes are.
+        anonymous: the principal of clients without a token; None if these may not connect.
+        ros1: the principal of ROS 1 nodes.
     """
 
     tokens: Mapping[str, Principal]
@@ -79,7 +79,7 @@ class Tokens:
 
     @classmethod
     def load(cls, path: Path) -> Self:
-        """Read a file; raise `AccessError` if that fails, or something in it is invalid."""
+        """Read a file; raise `AccessError` if it cannot be read or is invalid."""
         return cls.parse(_read(path), str(path))
 
     @classmethod
@@ -119,7 +119,7 @@ class Tokens:
         return cls(tokens, certificates, anonymous, ros1)
 
     def find(self, token: str) -> Principal | None:
-        """Return the principal that a token proves to be; it may be expired."""
+        """Return the principal of a token, which may have expired; None if it is unknown."""
         digest = digest_of(token)
         found = None
         # Every one is compared, in a time that does not depend on where two digests differ.

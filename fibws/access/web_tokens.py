@@ -34,7 +34,7 @@ class WebTokens:
         path: of the key: for HS256 a secret of at least 32 bytes, otherwise a public key in PEM, or
             a set of keys (JWKS, RFC 7517) in JSON.
         algorithm: one of `ALGORITHMS`.
-        audience: what ``aud`` must hold; None if it must be absent.
+        audience: the value that ``aud`` must have; None if it must be absent.
         leeway: seconds by which clocks may differ.
 
     Raises:
@@ -63,7 +63,7 @@ class WebTokens:
         self.reload()
 
     def reload(self) -> None:
-        """Read the key anew; raise `AccessError` and keep the old one if that fails."""
+        """Read the key again; raise `AccessError` and keep the old one if that fails."""
         try:
             data = self._path.read_bytes()
         except OSError as error:
@@ -76,7 +76,7 @@ class WebTokens:
             self._keys = [(None, self._public_key(data))]
 
     def principal(self, token: str) -> Principal:
-        """Return the principal that a token proves to be.
+        """Return the principal of a token.
 
         Raises:
             AuthenticationError: it is not signed by a known key, expired, or for somebody else.
@@ -122,7 +122,7 @@ class WebTokens:
     def _secret(self, data: bytes) -> bytes:
         if data.startswith(b"-----BEGIN") or data.lstrip().startswith(b"{"):
             raise AccessError(
-                f"{self._path} is no secret for HS256, but a key for another algorithm; name it: "
+                f"{self._path} is not a secret for HS256 but a key for another algorithm; set "
                 f"--jwt-algorithm {', '.join(ALGORITHMS[1:-1])} or {ALGORITHMS[-1]}"
             )
         if len(data) < SHORTEST_SECRET:

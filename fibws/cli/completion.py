@@ -29,7 +29,7 @@ def _quoted(text: str) -> str:
 
 
 class _Bash(BashComplete):
-    # Brackets in a completion are no pattern: with nullglob, bash would drop it.
+    # Brackets in a completion are not a pattern: with nullglob, bash would drop it.
     source_template = BashComplete.source_template.replace(
         "local IFS=$'\\n'\n", "local - IFS=$'\\n'\n    set -f\n"
     )

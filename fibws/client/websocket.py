@@ -235,7 +235,7 @@ class WebSocket:
             raise HubUnreachable(self.url, cause) from None
 
     def _redirect(self, url: str) -> None:
-        """Go on at another address, without the token if it is another server's."""
+        """Continue at another address, without the token if it is another server's."""
         if _origin(url) != _origin(self.url):
             self._headers = {}
         self.url = url

@@ -1,4 +1,4 @@
-"""What the hub prints when clients can connect: the addresses by which to reach it."""
+"""The text that the hub prints when clients can connect: its addresses."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Audit events: who entered the hub, who was refused what, and who changed what others rely on.
+"""Audit events: logins, refusals, and changes that affect other clients.
 
 An event is one log line of the logger ``fibws.hub.audit``. In the log's text format it is an
 ordinary line, in its JSON format an object with the event's name and its fields::
@@ -73,7 +73,7 @@ class Audit:
         """Count a refusal, and record it unless the same one was recorded just before.
 
         Args:
-            text: what was refused and why, as the client is told.
+            text: the refusal and its reason, as sent to the client.
         """
         self.refusals[reason] += 1
         client = self._client(node, principal, ip)
@@ -84,7 +84,7 @@ class Audit:
             self._record(logging.WARNING, "refused", text, {"reason": reason, **client})
 
     def count(self, reason: Reason) -> None:
-        """Count a refusal that the log has otherwise."""
+        """Count a refusal that is logged elsewhere."""
         self.refusals[reason] += 1
 
     def parameter_written(self, parameter: str, *, node: str, deleted: bool = False) -> None:

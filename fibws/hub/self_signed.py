@@ -54,7 +54,7 @@ def files() -> Files:
 
 
 def ensure_certificate(addresses: Iterable[str]) -> Files:
-    """Make the certificate if there is none yet, if it expires soon, or lacks a name or an address.
+    """Make the certificate if it is missing, expires soon, or lacks a name or an address.
 
     Args:
         addresses: this machine's IP addresses, besides those of the loopback interface.

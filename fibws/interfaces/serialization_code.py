@@ -58,7 +58,7 @@ bytes could fill the memory."""
 WEIGHT_OF_MESSAGE: Final = 500
 WEIGHT_OF_STRING: Final = 150
 WEIGHT_OF_NUMBER: Final = {1: 18, 2: 60, 4: 60, 8: 60}
-"""By the size of an integer: those of one byte are no new objects in Python."""
+"""By the size of an integer: those of one byte make no new objects in Python."""
 WEIGHT_OF_FLOAT: Final = 120
 """Nanoseconds to make an object of each kind, and then its JSON."""
 

@@ -327,7 +327,7 @@ class WebSocket(asyncio.BufferedProtocol):
             self._session.end(error)
 
     def _next_turn(self) -> None:
-        """Go on reading, now that the readers had a turn of the loop."""
+        """Continue reading, now that the readers had a turn of the loop."""
         self._turn_is_due = False
         if self._transport.is_closing():
             return

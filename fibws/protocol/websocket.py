@@ -38,7 +38,7 @@ PIECE: Final = 1024
 B = TypeVar("B", bytes, memoryview)
 
 Payload: TypeAlias = bytes | bytearray
-"""What a message holds; a large one is the buffer that it was read into."""
+"""The content of a message; a large one is the buffer that it was read into."""
 
 _SHORT_HEADERS = {first: [bytes((first, size)) for size in range(126)] for first in (TEXT, BINARY)}
 _NO_MESSAGE = bytearray()
@@ -309,7 +309,7 @@ class FrameParser:
         """Read the frame at ``start`` if it is complete and ours to read.
 
         Returns:
-            Where to go on: behind a message that was taken, otherwise ``start``.
+            Where to continue: behind a message that was taken, otherwise ``start``.
         """
         size = end - start
         if size < 2:

@@ -30,7 +30,7 @@ Names: TypeAlias = Mapping[str, Any]
 Value: TypeAlias = Callable[[Any], Any]
 """Returns the value of a part of an expression, given what `Expression.value` is given."""
 Variable: TypeAlias = Callable[[ast.expr], Value | None]
-"""Returns the value of a variable, given a name, an attribute or an item; None if it is none."""
+"""Returns the value of a variable, given a name, an attribute or an item; None for others."""
 
 
 class Expression:

@@ -45,7 +45,7 @@ Stdout: TypeAlias = Callable[..., Stream]
 
 @pytest.fixture
 def stdout(monkeypatch: pytest.MonkeyPatch) -> Stdout:
-    """Takes the place of standard output, which pytest sets anew for the test itself."""
+    """Takes the place of standard output, which pytest replaces for the test itself."""
 
     def stdout(encoding: str = "utf-8", *, is_terminal: bool = False) -> Stream:
         stream = Stream(encoding, is_terminal=is_terminal)

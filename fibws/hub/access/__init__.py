@@ -1,1 +1,1 @@
-"""Who clients are, and what they may do: authentication, and the graph's policy."""
+"""Authentication of clients, and the graph's policy."""

@@ -4,8 +4,8 @@ A token comes in the handshake: in the header ``Authorization: Bearer TOKEN``, i
 ``token=TOKEN``, as the WebSocket subprotocol ``fibws.token.TOKEN``, or in the cookie that the
 hub's page has after a login. Or the client sends it soon after, by the operation ``auth``.
 
-A wrong token is no reason to look for another one, and not to be let in as anonymous: its owner
-would wonder why so little is allowed.
+A client with a wrong token is refused; neither another token of the same request nor anonymous
+access takes its place: the user would wonder why so little is allowed.
 """
 
 from __future__ import annotations
@@ -44,11 +44,11 @@ CERTIFICATE_RIGHTS = Rights({right: ("/**",) for right in RIGHTS})
 
 @dataclass(frozen=True, slots=True)
 class Login:
-    """A client that has proved who it is.
+    """An accepted proof of a client.
 
     Attributes:
-        principal: whom it has proved to be.
-        again: checks the proof once more, after the tokens have changed; raises
+        principal: the client's principal.
+        again: checks the proof again, after the tokens have changed; raises
             `AuthenticationError`.
     """
 
@@ -87,7 +87,7 @@ class Authentication:
             raise HubError(str(error)) from None
 
     def reload(self) -> None:
-        """Read all files anew; raise `AccessError`, and keep what was read before, on a fault."""
+        """Read all files again; raise `AccessError` and keep the old content on a fault."""
         tokens = self._tokens if self._path is None else Tokens.load(self._path)
         if self._web_tokens is not None:
             self._web_tokens.reload()
@@ -114,7 +114,7 @@ class Authentication:
         certificate: str | None,
         address: str,
     ) -> Login | None:
-        """Return who sends a request; None if it has no proof, and nobody may be anonymous.
+        """Return the principal of a request; None without a proof if there is no anonymous access.
 
         Args:
             path: the request's target, with its query.
@@ -135,7 +135,11 @@ class Authentication:
         return None
 
     def log_in_by_token(self, token: str, address: str) -> Login:
-        """Return whose token this is; raises `AuthenticationError`."""
+        """Return the principal of a token.
+
+        Raises:
+            AuthenticationError: the token is wrong or expired.
+        """
         self._attempts.check(address)
         try:
             return _logged_in(partial(self._of_token, token))

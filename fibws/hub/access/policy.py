@@ -1,4 +1,4 @@
-"""The policy of a hub with authentication: the rights of the principals, and what they imply.
+"""The policy of a hub with authentication: granted and implied rights of principals.
 
 Besides the rights that the operator grants, every principal has those without which no client of
 ROS works: to call the hub's own services, whose answers hide what it may not see; to write log
@@ -78,7 +78,7 @@ class AccessPolicy:
         self._principals[node] = principal
 
     def leave(self, node: str) -> None:
-        """Take note that a node has left."""
+        """Forget the principal of a node that has left."""
         self._principals.pop(node, None)
 
     def may(self, node: str, right: Right, name: str) -> bool:

@@ -15,7 +15,7 @@ from fibws.interfaces import base64text
 from fibws.interfaces.json_text import json_of
 
 CANCEL_SUFFIX = "/_action/cancel_goal"
-"""What an action's name has behind it in the name of the service that cancels its goals."""
+"""The suffix of an action's name in the name of the service that cancels its goals."""
 
 
 class Ros2GoalStatus(IntEnum):

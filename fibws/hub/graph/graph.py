@@ -201,7 +201,7 @@ class Graph:
     def is_user_visible(self, caller: str, topic: Topic, node: str) -> bool:
         """Return whether a node that sees a topic may learn that another one uses it.
 
-        It may, but for the log, which every node sees, as it may write to it.
+        It may, except for the log: every node sees that topic, as it may write to it.
         """
         return topic.name not in self.guards or self.is_node_visible(caller, node)
 
@@ -406,7 +406,7 @@ class Graph:
             if serialized and topic.type is not None:
                 topic.type.check_known()
             holds = type_ is not None if holds_type is None else holds_type
-            # Whoever may not publish must not be able to fix the type for those who may.
+            # A node without the right to publish must not fix the type for those that have it.
             holds = holds and self.is_allowed(sink.node, "publish", topic.name)
             topic.attach(
                 sink,

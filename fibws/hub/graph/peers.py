@@ -116,7 +116,7 @@ class PeerWatch:
         watcher.report()
 
     def cancel(self, owner: object, id_: object) -> None:
-        """End one request, if it is there; others of its owner go on."""
+        """End one request, if it is there; others of its owner continue."""
         requests = self._watching.get(owner, {})
         watcher = requests.pop(id_, None)
         if watcher is not None:

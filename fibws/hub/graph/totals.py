@@ -99,9 +99,9 @@ class TopicTotals:
         self._left: dict[str, MessageTotals] = {}
         """By the topics that have totals of their own: what those who have left had."""
         self._left_others = MessageTotals()
-        """What those who have left all other topics had."""
+        """The totals of clients that have left all other topics."""
         self._forgotten = MessageTotals()
-        """What topics had that have lost their own totals to newer ones."""
+        """The totals of topics whose places newer topics took."""
         self._others: set[str] = set()
         """Names that count among the others, for as long as there is such a topic: its totals must
         not go over to another name."""

@@ -335,8 +335,8 @@ class Codecs:
 class Types:
     """All types of one hub, each made on first use.
 
-    Those that clients brought are kept while something of the graph holds them. Whoever has one of
-    these types may go on using it after that: each brings the definitions that it needs.
+    Types that clients brought are kept while something of the graph holds them. An object that has
+    one may use it after that, too: each type holds the definitions that it needs.
 
     Args:
         now: returns the nanoseconds since 1970, for messages that ask for the time.

@@ -26,7 +26,7 @@ class Client(Protocol):
     """The address with its port."""
     queue: SendQueue
     principal: Principal | None
-    """Who it is, on a hub with authentication."""
+    """Its principal, on a hub with authentication."""
     bytes_received: int
     limited: int
     """Messages that were dropped because they were more than it may send."""

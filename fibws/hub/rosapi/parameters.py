@@ -1,7 +1,7 @@
 """rosapi's services for parameters, whose values are JSON texts so that they may have any type.
 
 The rules are those of rosapi's params.py: a parameter that is not set has the caller's default, and
-to delete it is no error.
+to delete it is not an error.
 """
 
 from __future__ import annotations

@@ -82,7 +82,7 @@ class Rosnode:
         A node that is not connected to the hub is asked to end.
 
         Raises:
-            NotAllowed: the node is another principal's, and the caller is no admin.
+            NotAllowed: the node is another principal's, and the caller is not an admin.
         """
         node = global_name(self._graph, request["node"], caller)
         if not self._is_known(node, caller):

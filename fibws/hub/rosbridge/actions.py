@@ -211,7 +211,7 @@ class Actions:
                 del self._goals_of[goal.action.name]
 
     def displaced(self, action: Action) -> None:
-        """Take note that another server has an action; the goals that this one has go on.
+        """Record that another server has an action; goals of this one continue.
 
         It may be this one, by advertising again.
         """

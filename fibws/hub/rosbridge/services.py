@@ -193,8 +193,8 @@ class Services:
     """One client's services, and the calls that it is to respond to; a `ServiceServer`.
 
     As with the real server, a response may come on another connection than the call went out on:
-    rosbridgecpp opens one for each operation. Whoever names the call's id, and may provide the
-    service, responds to it. Ids hold a secret of the server's that others cannot guess.
+    rosbridgecpp opens one for each operation. Any client that names the call's id and may provide
+    the service can respond. Ids hold a secret of the server's that others cannot guess.
     """
 
     __slots__ = ("_calls", "_calls_of", "_client", "_secret", "_served")

@@ -125,7 +125,7 @@ class Rosbridge:
 
 
 class TokenWait:
-    """What precedes a client's session until it has sent its token by ``auth``; an `Endpoint`."""
+    """An `Endpoint` for a client that has still to send its token by ``auth``."""
 
     node = ""
     protocol = "none"
@@ -383,7 +383,7 @@ class Session:
         return len(self.topics.sources) + len(services) + len(actions)
 
     def authorize(self, principal: Principal) -> None:
-        """Go on with the rights of a principal; see `Endpoint.authorize`."""
+        """Use the rights of a principal from now on; see `Endpoint.authorize`."""
         self._client.graph.authorize(self.node, principal)
         for part in (self._actions, self._services, self.topics):
             if part is not None:
@@ -541,7 +541,7 @@ class Session:
                 assert_never(request)
 
     def _authenticate(self, request: Auth) -> None:
-        """Go on as whom a token proves the client to be; a wrong one changes nothing."""
+        """Change to the principal of a token; a wrong token changes nothing."""
         if self._log_in is None:
             # A hub without authentication accepts all credentials.
             text = "auth: ignored, no authentication is enabled"

@@ -78,7 +78,7 @@ REFUSALS: dict[int, Reason] = {
     FORBIDDEN: "right",
     LIMITED: "limit",
 }
-"""What the codes of closes mean that are refusals."""
+"""The reasons of close codes that are refusals, for the audit."""
 DROPPING_PAUSE = 0.01
 """Seconds between two reads of a client whose messages are dropped: to drop them costs, too."""
 DROP_REPORT_INTERVAL = 10.0
@@ -184,7 +184,7 @@ class Connection(asyncio.BufferedProtocol):
         self._head: bytes | None = b""
         """The last bytes of a request that is not complete yet; None after the handshake."""
         self._request = b""
-        """What was read of a request and waits for the connection's turn."""
+        """Bytes of a request that wait for the connection's turn."""
         self._parser: FrameParser
         self._busy = False
         """Whether there was more to read than fits a turn, lately."""
@@ -207,9 +207,9 @@ class Connection(asyncio.BufferedProtocol):
         self.queue: SendQueue
         self.endpoint: Endpoint | None = None
         self.principal: Principal | None = None
-        """Who the client is, on a hub with authentication."""
+        """The client's principal, on a hub with authentication."""
         self._again: Callable[[], Principal] | None = None
-        """Checks once more who the client is."""
+        """Checks the client's login again."""
         self._login_due = math.inf
         """When a client must have sent its token that had none in its handshake."""
         self.address = ""
@@ -297,7 +297,7 @@ class Connection(asyncio.BufferedProtocol):
         if self._head is None:
             parser = self._parser
             if meter is not None and meter.refusal is not None:
-                self._go_on_dropping(meter, began)
+                self._continue_dropping(meter, began)
             if self._busy and turns.is_spent():
                 parser.pause()
             if parser.in_large:
@@ -393,7 +393,7 @@ class Connection(asyncio.BufferedProtocol):
         elif self._is_held():
             began, meter = self._shared.turns.began, self._quotas.meter
             if meter is not None and meter.refusal is not None:
-                self._go_on_dropping(meter, began)
+                self._continue_dropping(meter, began)
             self._parser.resume()
             meter = self._quotas.meter  # An auth may have replaced it.
             if meter is not None:
@@ -530,7 +530,7 @@ class Connection(asyncio.BufferedProtocol):
     # Who the client is.
 
     def _log_in(self, token: str) -> Principal:
-        """Return whose token this is, and take the client for that from now on."""
+        """Log the client in by a token, and return its principal."""
         assert self._shared.authentication is not None
         return self._logged_in(self._shared.authentication.log_in_by_token(token, self.address))
 
@@ -542,7 +542,7 @@ class Connection(asyncio.BufferedProtocol):
         return login.principal
 
     def check_login(self) -> None:
-        """Check once more who the client is and what it may do, as the tokens have changed."""
+        """Check the client's login and rights again after the tokens have changed."""
         if self._again is None or self.endpoint is None:
             return
         try:
@@ -580,8 +580,8 @@ class Connection(asyncio.BufferedProtocol):
         if self._quotas.meter is not None:
             self._quotas.meter.due = -math.inf
 
-    def _go_on_dropping(self, meter: Meter, now: float) -> None:
-        """Go on to drop messages, or take them again if it is time."""
+    def _continue_dropping(self, meter: Meter, now: float) -> None:
+        """Continue to drop messages, or accept them again if it is time."""
         self._exempt = False
         if meter.resumes(now):
             meter.charged = self.messages_received

@@ -19,7 +19,7 @@ from fibws.hub.delivery.send_queue import SendQueue
 from fibws.protocol.websocket import CloseReason, Payload
 
 Registration: TypeAlias = Literal["subscriptions", "advertisements"]
-"""What clients register: topics that they subscribe to; topics, services and actions."""
+"""A kind of registration: topics subscribed to; topics, services and actions advertised."""
 
 
 class Endpoint(Protocol):
@@ -54,7 +54,7 @@ class Endpoint(Protocol):
         """Return how many of something the client has registered."""
 
     def authorize(self, principal: Principal) -> None:
-        """Go on with these rights, and take back what they do not allow.
+        """Use these rights from now on, and remove registrations that they do not allow.
 
         Raises:
             NotAllowed: the client may not be its node any more.
@@ -72,10 +72,10 @@ class Opening:
         node: the global name that the client requested, if any.
         queue: takes the frames for the client.
         close: closes the connection.
-        principal: who the client is; None if it has not proved that, or need not.
-        log_in: returns whose token this is, or raises `AuthenticationError`; None on a hub without
-            authentication.
-        replace: lets another endpoint go on with the connection.
+        principal: the client's principal; None before its login, or without authentication.
+        log_in: returns the principal of a token, or raises `AuthenticationError`; None on a hub
+            without authentication.
+        replace: gives the connection to another endpoint.
         count_operations: counts operations of a message beyond the first as messages, too.
         check_room: raises `LimitReached` if the client's address or its principal has registered as
             many of something as it may.
@@ -92,7 +92,7 @@ class Opening:
 
 
 TOKEN_SUBPROTOCOL = "fibws.token."
-"""How a subprotocol begins that is a token: scripts of web pages can choose no header."""
+"""The beginning of a subprotocol that is a token: scripts of web pages cannot set headers."""
 
 OpenEndpoint: TypeAlias = Callable[[Opening], Endpoint]
 

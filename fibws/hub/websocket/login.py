@@ -29,7 +29,7 @@ ATTRIBUTES = "HttpOnly; SameSite=Strict"
 """The path is not among them: by default it is the folder of ``login``, also behind a proxy that
 has the hub in a folder of its own."""
 OWN_PAGE = ("same-origin", "none")
-"""What browsers say in Sec-Fetch-Site about requests of the page, and of a person."""
+"""Values of Sec-Fetch-Site in requests of the page itself, and of the address bar."""
 # RFC 6265, section 4.1.1, without characters that would need quotes.
 _COOKIE_VALUE = re.compile(r"[A-Za-z0-9!#$%&'()*+\-./:<=>?@\[\]^_`{|}~]+")
 
@@ -56,7 +56,7 @@ class LoginRoutes:
         requests.add_route("/logout", self._log_out)
 
     def _log_in(self, get: Get) -> Response:
-        """Set the cookie if a token is given; otherwise respond with who the client is."""
+        """Set the cookie if a token is given; otherwise respond with the client's principal."""
         refusal = self._refusal(get)
         if refusal is not None:
             return refusal
@@ -88,7 +88,7 @@ class LoginRoutes:
         return None if refusal is None else text_response(http.HTTPStatus.FORBIDDEN, refusal)
 
     def _describe(self, get: Get) -> Response:
-        """Respond with who the client is by its cookie, or why it is nobody."""
+        """Respond with the principal of the client's cookie, or why there is none."""
         principal: Principal | None = None
         reason = ""
         if self._authentication is not None:

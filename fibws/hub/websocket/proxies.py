@@ -110,7 +110,7 @@ def _values(headers: Headers, name: str) -> Iterator[str]:
 
 
 def _parse(text: str) -> Address | None:
-    """Return an address, which may have a port; None if it is none."""
+    """Return an address without its port; None if the text is not an address."""
     if found := _WITH_PORT.fullmatch(text):
         text = found[1] or found[2] or ""
     try:

@@ -1,4 +1,4 @@
-"""Quotas: what the clients of one principal, or of one address, may take of the hub together.
+"""Quotas: limits that the clients of one principal, or of one address, share.
 
 Rates are measured by token buckets. A client is charged once in a millisecond, or for 16 KiB, and
 not for each message: one that is within its limits costs next to nothing more. A client whose
@@ -21,7 +21,7 @@ from fibws.hub.settings import KIB, Settings
 from fibws.hub.websocket.endpoint import Registration
 
 BURST_SECONDS = 2.0
-"""What may come at once, in seconds of the rate."""
+"""Size of a burst, in seconds of the rate."""
 LEAST_MESSAGES = 100
 """Messages that may come at once at any rate: a node registers much when it starts."""
 LEAST_BYTES = 64 * KIB
@@ -92,7 +92,7 @@ class Rate:
 
 
 class Quota:
-    """What the clients of one principal or one address take, and may take.
+    """Use and limits of the clients of one principal or one address.
 
     Args:
         whose: what they have in common, for errors.

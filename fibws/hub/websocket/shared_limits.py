@@ -1,6 +1,6 @@
 """Limits for all connections together: how many there may be, and the bytes kept for them.
 
-What one client may have is limited elsewhere; a thousand clients may have a thousand times as much.
+Limits of one client do not bound a thousand clients.
 Bytes are counted only after enough new ones that the limit may be reached.
 """
 
@@ -75,7 +75,7 @@ class SharedLimits:
         self.refused = 0
         """Connections refused so far."""
         self.quotas = Quotas(settings)
-        """What clients of one principal or one address may take."""
+        """Limits that clients of one principal or one address share."""
         self.queued = ByteAllowance(lambda: call_soon(self.check_queued))
         """Counts down the bytes that may still wait for clients."""
         self.incoming = ByteAllowance(lambda: call_soon(self.check_incoming))
@@ -247,7 +247,7 @@ def _files_reason(files: int) -> str:
 
 
 def _most_files() -> int | None:
-    """Return how many files the process may have open; None if there is no limit that matters."""
+    """Return how many files the process may have open; None if unlimited or unknown."""
     if OPEN_FILES is None:
         return None
     soft, _ = resource.getrlimit(OPEN_FILES)

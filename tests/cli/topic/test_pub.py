@@ -77,7 +77,7 @@ async def test_at_a_rate_it_goes_on_and_on(start: Start, hub: HubThread, client:
     assert await program.line() == "publishing data: \n"
     client.subscribe("/time")
     messages = client.messages("/time", 20)
-    assert next(messages) != next(messages), "-s reads now anew"
+    assert next(messages) != next(messages), "-s reads now again for each message"
     program.send(signal.SIGINT)
     code, _, errors = await program.end()
     assert (code, errors) == (0, "")
