@@ -42,9 +42,7 @@ def access(plan: Plan, report: Report) -> None:
     """Compare a hub with tokens to one without."""
     with tempfile.TemporaryDirectory() as folder:
         tokens, key = Path(folder, "tokens.toml"), Path(folder, "key")
-        file = TokenFile(tokens)
-        token = file.add("robot", EVERYTHING)
-        file.save()
+        token = TokenFile(tokens).add("robot", EVERYTHING)
         with tokens.open("a") as text:
             text.write('\n[anonymous.allow]\npublish = ["/**"]\nsubscribe = ["/**"]\n')
         key.write_bytes(SECRET)

@@ -6,7 +6,7 @@ tools       cli/                        ros1/ (launch, workspace, shell; python/
 ends of         client/ (synchronous)    node/ (asyncio; with msg/, srv/, action/)    hub/
 the wire            |                        |                                          |
 pure        values/  protocol/  interfaces/  access/  credentials  hub_address  tls  names
-            errors  suggestions
+            errors  files  suggestions
 """
 
 from __future__ import annotations
@@ -25,22 +25,23 @@ MASK = {"websockets.speedups.apply_mask", "websockets.utils.apply_mask"}
 CLASSES = {"msg", "srv", "action"}
 NODE = {*fibws.__all__} - {"Hub"}
 """The public names of the node library."""
-LOWEST = {"errors", "names", "suggestions", "hub_address", "tls", "credentials", "access"}
+LOWEST = {"errors", "files", "names", "suggestions", "hub_address", "tls", "credentials", "access"}
 BELOW = {
     "errors": {"command_names"},
     "names": {"errors"},
     "suggestions": set[str](),
+    "files": set[str](),
     "hub_address": {"errors"},
     "tls": {"errors"},
     "credentials": {"errors", "hub_address", "protocol"},
     "command_names": set[str](),
     "definition_folders": set[str](),
     "processes": set[str](),
-    "access": {"errors", "suggestions"},
+    "access": {"errors", "files", "suggestions"},
     "interfaces": {"errors", "names", "suggestions"},
     "protocol": {"errors", "names", "interfaces"},
     "values": {*LOWEST, "interfaces", "definition_folders"},
-    "hub": {"errors", "names", "access", "protocol", "interfaces", "__version__"},
+    "hub": {"errors", "files", "names", "access", "protocol", "interfaces", "__version__"},
     "client": {*LOWEST, "protocol", "values"},
     "msg": {"errors", "interfaces"},
     "srv": {"errors", "interfaces", "msg"},

@@ -340,7 +340,6 @@ async def test_token_is_sent_with_tls_but_not_after_a_redirect_to_it(
 ) -> None:
     file = TokenFile(tmp_path / "tokens.toml")
     monkeypatch.setenv("FIBWS_TOKEN", file.add("arm", Rights({"subscribe": ("/**",)})))
-    file.save()
     monkeypatch.setenv(tls.CA, str(authority.file))
     certificate, key = authority.issue()
     hub = await start_hub(cert=certificate, key=key, tokens=tmp_path / "tokens.toml")

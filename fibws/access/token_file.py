@@ -29,12 +29,11 @@ from __future__ import annotations
 
 import hashlib
 import hmac
-import os
 import re
 import secrets
 import tomllib
-from collections.abc import Mapping
-from contextlib import suppress
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import UTC, date, datetime, time
 from pathlib import Path
@@ -43,6 +42,7 @@ from typing import Any, Self
 from fibws.access.limits import Limits
 from fibws.access.rights import RIGHTS, Principal, Right, Rights, check_name
 from fibws.errors import AccessError
+from fibws.files import locked, replace_file
 from fibws.suggestions import suggestion, suggestion_or_known
 
 PREFIX = "fibws_"
@@ -130,69 +130,66 @@ class Tokens:
 
 
 class TokenFile:
-    """A file of tokens that is edited; comments and the rest of it are kept.
+    """Editor of a file of tokens, which keeps its comments and the rest of it.
+
+    Several programs may edit the file at once. It keeps its owner and its permissions; a new one is
+    readable by its owner only.
 
     Args:
         path: of the file, which need not exist yet.
-
-    Raises:
-        AccessError: it cannot be read, or is invalid.
     """
 
     def __init__(self, path: Path) -> None:
-        import tomlkit  # Only the commands that edit the file need it.
-
         self._path = path
-        text = _read(path) if path.exists() else ""
-        self.tokens = Tokens.parse(text, str(path))
-        self._document: Any = tomlkit.parse(text)
 
     def add(self, name: str, rights: Rights, expires: datetime | None = None) -> str:
         """Add a principal and return its new token, which is not kept.
 
         Raises:
-            AccessError: the name is taken or invalid.
+            AccessError: the name is taken or invalid, or the file is invalid or cannot be written.
         """
         import tomlkit
 
         check_name(name)
-        if any(each.name == name for each in self.tokens.tokens.values()):
-            raise AccessError(f"{self._path} has a token {name} already; revoke it first")
         token = PREFIX + secrets.token_urlsafe(32)
         table: dict[str, Any] = {"sha256": digest_of(token)}
         if expires is not None:
             table["expires"] = expires.astimezone(UTC).replace(microsecond=0)
-        if "tokens" not in self._document:
-            self._document["tokens"] = tomlkit.table(is_super_table=True)
-        self._document["tokens"][name] = tomlkit.item({**table, **rights.table()})
-        self._changed()
+        with self._edit() as (document, names):
+            if name in names:
+                raise AccessError(f"{self._path} has a token {name} already; revoke it first")
+            if "tokens" not in document:
+                document["tokens"] = tomlkit.table(is_super_table=True)
+            document["tokens"][name] = tomlkit.item({**table, **rights.table()})
         return token
 
     def revoke(self, name: str) -> None:
-        """Remove a principal's token; raise `AccessError` if there is none."""
-        known = [each.name for each in self.tokens.tokens.values()]
-        if name not in known:
-            raise AccessError(f"{self._path} has no token {name}{suggestion(name, known)}")
-        del self._document["tokens"][name]
-        self._changed()
+        """Remove a principal's token.
 
-    def save(self) -> None:
-        """Write the file at once, readable by its owner only; raise `AccessError` if that fails."""
-        new = self._path.with_name(f".{self._path.name}.{os.getpid()}")
+        Raises:
+            AccessError: there is no such token, or the file is invalid or cannot be written.
+        """
+        with self._edit() as (document, names):
+            if name not in names:
+                raise AccessError(f"{self._path} has no token {name}{suggestion(name, names)}")
+            del document["tokens"][name]
+
+    @contextmanager
+    def _edit(self) -> Iterator[tuple[Any, list[str]]]:
+        """Yield the document and the names of its tokens, then write the document."""
+        import tomlkit  # Only the commands that edit the file need it.
+
         try:
-            mode = self._path.stat().st_mode & 0o777 if self._path.exists() else 0o600
-            descriptor = os.open(new, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600)
-            with open(descriptor, "w", encoding="utf-8") as file:
-                file.write(self._document.as_string())
-            new.chmod(mode)
-            new.replace(self._path)
+            with locked(self._path):
+                text = _read(self._path) if self._path.exists() else ""
+                tokens = Tokens.parse(text, str(self._path)).tokens
+                document: Any = tomlkit.parse(text)
+                yield document, [each.name for each in tokens.values()]
+                text = document.as_string()
+                Tokens.parse(text, str(self._path))
+                replace_file(self._path, text.encode(), 0o600, keep=True)
         except OSError as error:
-            with suppress(OSError):
-                new.unlink(missing_ok=True)
             raise AccessError(f"cannot write {self._path}: {error.strerror}") from None
-
-    def _changed(self) -> None:
-        self.tokens = Tokens.parse(self._document.as_string(), str(self._path))
 
 
 def digest_of(token: str) -> str:

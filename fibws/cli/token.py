@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, cast
 import click
 
 from fibws.access.rights import RIGHTS, Principal, Right, Rights, check_glob
-from fibws.access.token_file import TokenFile
+from fibws.access.token_file import TokenFile, Tokens
 from fibws.cli import output
 from fibws.cli.common_options import examples, json_option
 from fibws.errors import AccessError
@@ -129,10 +129,8 @@ def add(name: str, file: Path, admin: bool, expires: datetime | None, **options:
         raise click.UsageError(
             "the token would allow nothing; give it rights, such as --subscribe '/**' or --admin"
         )
-    tokens = TokenFile(file)
     rights = Rights(cast("dict[Right, tuple[str, ...]]", allow), deny, admin=admin, name=name)
-    token = tokens.add(name, rights, expires)
-    tokens.save()
+    token = TokenFile(file).add(name, rights, expires)
     click.echo(
         f"Added {output.visible(name, keep='')} to {file}. Keep the token, it is not shown again:",
         err=True,
@@ -148,7 +146,7 @@ def list_(file: Path, as_json: bool) -> None:
 
     Tokens themselves cannot be shown.
     """
-    tokens = TokenFile(file).tokens
+    tokens = Tokens.load(file)
     found = [("token", each) for each in tokens.tokens.values()]
     found += [("certificate", each) for each in tokens.certificates.values()]
     if tokens.anonymous is not None:
@@ -172,7 +170,7 @@ def _complete_names(
     from click.shell_completion import CompletionItem
 
     try:
-        tokens = TokenFile(context.params["file"]).tokens
+        tokens = Tokens.load(context.params["file"])
     except (AccessError, KeyError, TypeError):
         return []
     names = [each.name for each in tokens.tokens.values()]
@@ -187,9 +185,7 @@ def revoke(name: str, file: Path) -> None:
 
     A running hub disconnects its clients as soon as it gets SIGHUP.
     """
-    tokens = TokenFile(file)
-    tokens.revoke(name)
-    tokens.save()
+    TokenFile(file).revoke(name)
     output.line(f"Revoked {name}. A running hub reads {file} again on SIGHUP.")
 
 

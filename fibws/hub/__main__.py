@@ -19,6 +19,7 @@ import click
 
 from fibws import __version__
 from fibws.errors import FibwsError, HubError
+from fibws.files import replace_file
 from fibws.hub import log_output
 from fibws.hub.announcement import announcement
 from fibws.hub.monitoring.service_manager import ServiceManager
@@ -247,13 +248,10 @@ def _announce(settings: Settings, url: str, master_uri: str) -> None:
 
 
 def _write(url_file: Path | None, url: str) -> None:
-    """Write the URL file at once, so that nobody reads half of it."""
     if url_file is None:
         return
-    new = url_file.with_name(f"{url_file.name}.{os.getpid()}")
     try:
-        new.write_text(f"{url}\n")
-        new.replace(url_file)
+        replace_file(url_file, f"{url}\n".encode())
     except OSError as error:
         raise HubError(f"--url-file: cannot write {url_file}: {error.strerror}") from None
 

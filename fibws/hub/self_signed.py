@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from fibws.errors import HubError
+from fibws.files import replace_file
 
 if TYPE_CHECKING:
     from cryptography import x509
@@ -102,7 +103,7 @@ class _Maker:
         if authority is None or not self._is_authority_fit(authority[0]):
             authority = self._make_authority()
         certificate, key = authority
-        _write(self._paths.authority, _pem(certificate), 0o644)
+        replace_file(self._paths.authority, _pem(certificate), 0o644)
         found = _read(self._paths.certificate)
         if found is None or not self._is_fit(found[0], certificate):
             self._make(certificate, key, None if found is None else found[0])
@@ -148,7 +149,7 @@ class _Maker:
             .add_extension(identifier, critical=False)
             .sign(key, hashes.SHA256())
         )
-        _write(self._authority_file, _pem(made) + _pem_of_key(key), 0o600)
+        replace_file(self._authority_file, _pem(made) + _pem_of_key(key), 0o600)
         return made, key
 
     def _make(
@@ -187,7 +188,7 @@ class _Maker:
             )
             .sign(authority_key, hashes.SHA256())
         )
-        _write(self._paths.certificate, _pem(made) + _pem_of_key(key), 0o600)
+        replace_file(self._paths.certificate, _pem(made) + _pem_of_key(key), 0o600)
 
     def _builder(self, days: int) -> x509.CertificateBuilder:
         from cryptography import x509
@@ -256,12 +257,3 @@ def _read(path: Path) -> tuple[x509.Certificate, EllipticCurvePrivateKey] | None
     except (FileNotFoundError, ValueError):
         return None
     return (certificate, key) if isinstance(key, EllipticCurvePrivateKey) else None
-
-
-def _write(path: Path, content: bytes, mode: int) -> None:
-    """Replace a file at once, so that nobody reads half of it."""
-    new = path.with_name(f"{path.name}.{os.getpid()}")
-    descriptor = os.open(new, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, mode)
-    with open(descriptor, "wb") as file:
-        file.write(content)
-    new.replace(path)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import stat
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -99,7 +100,6 @@ def test_tokens_are_added_and_revoked(tmp_path: Path) -> None:
     expires = datetime(2030, 1, 1, tzinfo=UTC)
     token = file.add("robot.1", Rights({"publish": ["/**"]}, {"call": ["/x"]}), expires)
     other = file.add("boss", Rights(admin=True))
-    file.save()
     tokens = Tokens.load(path)
     robot, boss = tokens.find(token), tokens.find(other)
     assert robot is not None
@@ -112,10 +112,8 @@ def test_tokens_are_added_and_revoked(tmp_path: Path) -> None:
     assert "# Who may enter." in text
     assert "# Ann's" in text
     assert token not in text
-    file = TokenFile(path)
     file.revoke("teleop")
     file.revoke("robot.1")
-    file.save()
     tokens = Tokens.load(path)
     assert tokens.find("secret") is None
     assert tokens.find(token) is None
@@ -126,7 +124,6 @@ def test_tokens_are_added_and_revoked(tmp_path: Path) -> None:
 def test_new_file_is_readable_by_its_owner_only(tmp_path: Path) -> None:
     file = TokenFile(tmp_path / "tokens.toml")
     tokens = {file.add(name, Rights()) for name in ("a", "b")}
-    file.save()
     assert len(tokens) == 2
     assert all(token.startswith("fibws_") and len(token) == 49 for token in tokens)
     assert [path.name for path in tmp_path.iterdir()] == ["tokens.toml"]
@@ -143,7 +140,8 @@ def test_names_are_added_once_and_revoked_if_known(tmp_path: Path) -> None:
         file.add("anonymous", Rights())
     with pytest.raises(AccessError, match="did you mean robot"):
         file.revoke("robt")
-    assert [each.name for each in file.tokens.tokens.values()] == ["robot"]
+    found = Tokens.load(tmp_path / "tokens.toml").tokens
+    assert [each.name for each in found.values()] == ["robot"]
 
 
 @pytest.mark.skipif(
@@ -153,4 +151,24 @@ def test_file_that_cannot_be_written_is_named(tmp_path: Path) -> None:
     file = TokenFile(tmp_path / "tokens.toml")
     tmp_path.chmod(0o500)
     with pytest.raises(AccessError, match="cannot write"):
-        file.save()
+        file.add("robot", Rights())
+
+
+def test_edits_of_several_programs_are_all_kept(tmp_path: Path) -> None:
+    path = tmp_path / "tokens.toml"
+    names = [f"robot{number}" for number in range(20)]
+    with ThreadPoolExecutor(len(names)) as threads:
+        for added in [threads.submit(TokenFile(path).add, name, Rights()) for name in names]:
+            added.result()
+        for revoked in [threads.submit(TokenFile(path).revoke, name) for name in names[1:]]:
+            revoked.result()
+    assert [each.name for each in Tokens.load(path).tokens.values()] == ["robot0"]
+    assert [each.name for each in tmp_path.iterdir()] == ["tokens.toml"]
+
+
+def test_invalid_name_leaves_the_file_unchanged(tmp_path: Path) -> None:
+    path = tmp_path / "tokens.toml"
+    path.write_text(FILE, "utf-8")
+    with pytest.raises(AccessError, match="revoke it first"):
+        TokenFile(path).add("teleop", Rights())
+    assert path.read_text("utf-8") == FILE

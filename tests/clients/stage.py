@@ -63,10 +63,8 @@ async def play(cast: Cast) -> Observations:
 
 def _add_token(path: Path) -> str:
     """Return a new token, which may use all names below /allowed."""
-    file = TokenFile(path)
-    token = file.add("client", Rights({right: ("/allowed/**",) for right in RIGHTS[:-1]}))
-    file.save()
-    return token
+    rights = Rights({right: ("/allowed/**",) for right in RIGHTS[:-1]})
+    return TokenFile(path).add("client", rights)
 
 
 async def _watch(

@@ -214,8 +214,8 @@ async def test_token_without_encryption_is_warned_about_once(
 async def token_hub(tmp_path: Path) -> AsyncIterator[tuple[Hub, TokenFile]]:
     """A real hub that wants tokens, and their file."""
     path = tmp_path / "tokens.toml"
+    path.touch()
     file = TokenFile(path)
-    file.save()
     settings = Settings(port=0, close_timeout=0.1, tokens=path)
     async with Hub(settings) as hub:
         yield hub, file
@@ -227,7 +227,6 @@ EVERYTHING = Rights({right: ("/**",) for right in RIGHTS})
 async def test_real_hub_lets_in_a_node_with_a_token(token_hub: tuple[Hub, TokenFile]) -> None:
     hub, file = token_hub
     token = file.add("robot1", EVERYTHING)
-    file.save()
     hub.reload()
     async with fibws.Node("talker", hub=hub.url, token=token) as node:
         numbers = node.subscribe("numbers", Int32)
@@ -252,7 +251,6 @@ async def test_real_hub_refuses_a_name_of_another_principal(
 ) -> None:
     hub, file = token_hub
     first, second = file.add("first", EVERYTHING), file.add("second", EVERYTHING)
-    file.save()
     hub.reload()
     async with fibws.Node("talker", hub=hub.url, token=first) as node:
         with pytest.raises(fibws.MissingRight, match="/talker"):
@@ -264,7 +262,6 @@ async def test_real_hub_refuses_a_name_of_another_principal(
 async def test_missing_right_is_named(token_hub: tuple[Hub, TokenFile]) -> None:
     hub, file = token_hub
     token = file.add("looker", Rights({"subscribe": ("/**",)}))
-    file.save()
     hub.reload()
     async with fibws.Node("looker", hub=hub.url, token=token) as node:
         with pytest.raises(fibws.OperationRejected, match=r"publish.*/numbers") as caught:
@@ -277,11 +274,9 @@ async def test_revoked_token_ends_a_node_of_a_real_hub(
 ) -> None:
     hub, file = token_hub
     token = file.add("robot1", EVERYTHING)
-    file.save()
     hub.reload()
     async with fibws.Node("talker", hub=hub.url, token=token) as node:
         file.revoke("robot1")
-        file.save()
         hub.reload()
         with pytest.raises(fibws.NotAuthorized, match="unknown token"):
             await node.spin()

@@ -54,7 +54,6 @@ async def token_hub(tmp_path: Path) -> AsyncIterator[TokenHub]:
     file = TokenFile(tmp_path / "tokens.toml")
     everything = {right: ("/**",) for right in RIGHTS}
     robot = file.add("robot", Rights(everything, {"param_write": ("/ros*",)}))
-    file.save()
     settings = Settings(port=0, close_timeout=0.1, tokens=tmp_path / "tokens.toml")
     async with Hub(settings) as hub:
         yield TokenHub(hub.url, robot, tmp_path)
@@ -81,10 +80,9 @@ async def test_rospy_script_without_a_token_ends_with_the_reason(
 async def test_topic_that_may_not_be_read_is_not_waited_for(
     start: Start, token_hub: TokenHub
 ) -> None:
-    tokens = TokenFile(token_hub.folder / "tokens.toml")
-    token = tokens.add("blind", Rights({"publish": ("/chatter",)}))
-    file = token_hub.file("more.toml", tokens._document.as_string())
-    async with Hub(Settings(port=0, tokens=Path(file))) as hub:
+    file = token_hub.folder / "more.toml"
+    token = TokenFile(file).add("blind", Rights({"publish": ("/chatter",)}))
+    async with Hub(Settings(port=0, tokens=file)) as hub:
         words = ("topic", "echo", "/secret", "--hub", hub.url)
         program = await start("fibws", *words, FIBWS_TOKEN=token)
         code, _, err = await program.end()

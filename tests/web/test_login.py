@@ -23,19 +23,15 @@ class TokenHub:
         self.file = file
         self.robot = file.add("robot", Rights({right: ("/**",) for right in RIGHTS}))
         self.dashboard = file.add("dashboard", Rights({"subscribe": ("/**",)}))
-        self.save()
-
-    def save(self) -> None:
-        self.file.save()
-        self.hub.reload()
+        hub.reload()
 
 
 @fixture
 async def token_hub(tmp_path: Path) -> AsyncIterator[TokenHub]:
-    file = TokenFile(tmp_path / "tokens.toml")
-    file.save()
-    async with Hub(Settings(port=0, tokens=tmp_path / "tokens.toml")) as hub:
-        yield TokenHub(hub, file)
+    path = tmp_path / "tokens.toml"
+    path.touch()
+    async with Hub(Settings(port=0, tokens=path)) as hub:
+        yield TokenHub(hub, TokenFile(path))
 
 
 async def log_in(page: Page, token: str) -> None:
@@ -87,7 +83,7 @@ async def test_revoked_token_asks_for_another(open_page: OpenPage, token_hub: To
     await log_in(page, token_hub.dashboard)
     await expect(page.locator("#hub")).to_have_attribute("data-state", "open")
     token_hub.file.revoke("dashboard")
-    token_hub.save()
+    token_hub.hub.reload()
     await expect(page.locator("#login-problem")).to_contain_text("unknown token")
     await log_in(page, token_hub.robot)
     await expect(page.locator("#account")).to_contain_text("robot")

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass
 from errno import EISDIR
 from pathlib import Path, PurePosixPath
 from typing import TypeAlias
+
+from fibws.files import replace_file
 
 
 @dataclass(frozen=True)
@@ -58,20 +59,11 @@ def remove(folder: Path, names: Iterable[str]) -> None:
 
 
 def _write(path: Path, file: File) -> None:
-    mode = 0o755 if file.executable else 0o644
     if path.is_file() and not path.is_symlink() and path.read_bytes() == file.content:
         if (path.stat().st_mode & 0o111 != 0) != file.executable:
-            path.chmod(mode)
+            path.chmod(0o755 if file.executable else 0o644)
         return
     path.parent.mkdir(parents=True, exist_ok=True)
     if path.is_dir():
         raise IsADirectoryError(EISDIR, os.strerror(EISDIR), str(path))
-    handle, name = tempfile.mkstemp(prefix=".fibws-", dir=path.parent)
-    try:
-        with os.fdopen(handle, "wb") as target:
-            target.write(file.content)
-        os.chmod(name, mode)
-        os.replace(name, path)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise
+    replace_file(path, file.content, 0o777 if file.executable else 0o666)

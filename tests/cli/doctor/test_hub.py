@@ -196,7 +196,6 @@ def token_hub(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple
         monkeypatch.delenv(name, raising=False)
     file = TokenFile(tmp_path / "tokens.toml")
     token = file.add("robot1", Rights({"subscribe": ("/**",)}))
-    file.save()
     settings = Settings(port=0, close_timeout=0.1, tokens=tmp_path / "tokens.toml")
     with HubThread(settings) as hub:
         yield hub.url, token

@@ -1,0 +1,125 @@
+"""Replacement of files, and locks."""
+
+from __future__ import annotations
+
+import os
+import stat
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import pytest
+
+from fibws.files import locked, replace_file
+
+posix = pytest.mark.skipif(sys.platform == "win32", reason="Windows has other permissions")
+root = pytest.mark.skipif(
+    not hasattr(os, "geteuid") or os.geteuid() != 0, reason="only root may change owners"
+)
+
+
+def test_file_is_replaced_and_nothing_else_is_left(tmp_path: Path) -> None:
+    path = tmp_path / "file"
+    replace_file(path, b"old\n")
+    replace_file(path, b"new\n")
+    assert path.read_bytes() == b"new\n"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_reader_of_the_old_file_is_not_disturbed(tmp_path: Path) -> None:
+    path = tmp_path / "file"
+    replace_file(path, b"old")
+    with path.open("rb") as reader:
+        replace_file(path, b"new")
+        assert reader.read() == b"old"
+
+
+def test_failure_leaves_the_folder_unchanged(tmp_path: Path) -> None:
+    (tmp_path / "folder").mkdir()
+    with pytest.raises(OSError):
+        replace_file(tmp_path / "folder", b"text")
+    assert [each.name for each in tmp_path.iterdir()] == ["folder"]
+
+
+@posix
+def test_permissions_of_a_new_file_are_those_asked_for(tmp_path: Path) -> None:
+    replace_file(tmp_path / "secret", b"", 0o600)
+    assert stat.S_IMODE((tmp_path / "secret").stat().st_mode) == 0o600
+
+
+@posix
+@pytest.mark.parametrize("mode", [0o640, 0o664, 0o400])
+def test_permissions_of_an_existing_file_are_kept(tmp_path: Path, mode: int) -> None:
+    path = tmp_path / "file"
+    path.touch()
+    path.chmod(mode)
+    replace_file(path, b"new", 0o600, keep=True)
+    assert stat.S_IMODE(path.stat().st_mode) == mode
+
+
+@posix
+@root
+def test_owner_of_an_existing_file_is_kept(tmp_path: Path) -> None:
+    path = tmp_path / "file"
+    path.touch()
+    os.chown(path, 1234, 2345)
+    replace_file(path, b"new", keep=True)
+    assert (path.stat().st_uid, path.stat().st_gid) == (1234, 2345)
+
+
+@posix
+def test_file_whose_owner_cannot_be_kept_is_not_replaced(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "file"
+    path.write_text("old")
+    found = path.stat()
+
+    def stat_of_another(path: Path) -> os.stat_result:
+        fields = list(os.stat(path))
+        fields[stat.ST_UID] = found.st_uid + (path.name == "file")
+        return os.stat_result(fields)
+
+    def refuse(*arguments: object) -> None:
+        raise PermissionError
+
+    monkeypatch.setattr(Path, "stat", stat_of_another)
+    monkeypatch.setattr(Path, "exists", lambda path: True)
+    monkeypatch.setattr(os, "chown", refuse)
+    with pytest.raises(PermissionError, match="another user"):
+        replace_file(path, b"new", keep=True)
+    assert path.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@posix
+def test_link_is_followed(tmp_path: Path) -> None:
+    (tmp_path / "real").mkdir()
+    link, target = tmp_path / "file", tmp_path / "real" / "target"
+    link.symlink_to(target)
+    replace_file(link, b"first", keep=True)
+    replace_file(link, b"second", keep=True)
+    assert link.is_symlink()
+    assert target.read_bytes() == b"second"
+
+
+def test_lock_is_held_by_one_at_a_time(tmp_path: Path) -> None:
+    counter = tmp_path / "file"
+    counter.write_text("0")
+
+    def count() -> None:
+        for _ in range(50):
+            with locked(counter):
+                number = int(counter.read_text())
+                counter.write_text(str(number + 1))
+
+    with ThreadPoolExecutor(4) as threads:
+        for each in [threads.submit(count) for _ in range(4)]:
+            each.result()
+    assert counter.read_text() == "200"
+
+
+@posix
+def test_lock_leaves_no_file(tmp_path: Path) -> None:
+    with locked(tmp_path / "file"):
+        assert not list(tmp_path.iterdir())
