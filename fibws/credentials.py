@@ -18,14 +18,18 @@ from urllib.parse import urlsplit
 
 from fibws import hub_address
 from fibws.errors import AccessDenied, AccessError, HubLimitReached, MissingRight, NotAuthorized
-from fibws.protocol.websocket import FORBIDDEN, LIMITED, UNAUTHENTICATED
+from fibws.protocol.websocket import (
+    FORBIDDEN,
+    LIMITED,
+    LONGEST_TOKEN,
+    MISSING_TOKEN,
+    UNAUTHENTICATED,
+)
 
 TOKEN = "FIBWS_TOKEN"
 TOKEN_FILE = "FIBWS_TOKEN_FILE"
 VARIABLES = (hub_address.ENVIRONMENT, TOKEN, TOKEN_FILE)
 """The variables that may hold a token or name its file."""
-LONGEST_TOKEN = 8192
-"""Most characters of a token: hubs look at no longer ones."""
 HEADER = "Authorization"
 REFUSALS: Mapping[int, type[AccessDenied]] = {
     UNAUTHENTICATED: NotAuthorized,
@@ -147,7 +151,14 @@ class Credentials:
         return f"The token is sent to {url} without encryption: others may read it. Use wss://"
 
     def refusal(
-        self, url: str, code: int | None, reason: str, *, sent: bool, redirected_from: str
+        self,
+        url: str,
+        code: int | None,
+        reason: str,
+        *,
+        sent: bool,
+        redirected_from: str,
+        certificate: str | None = None,
     ) -> AccessDenied | None:
         """Return the error for a connection that the hub has closed for good; None for others.
 
@@ -158,10 +169,13 @@ class Credentials:
             sent: whether the token was sent.
             redirected_from: another address that redirected to ``url``, which must not get the
                 token.
+            certificate: the file of the certificate that the hub was given, if any.
         """
         kind = REFUSALS.get(code or 0)
         if kind is None:
             return None
+        if kind is NotAuthorized and not sent and certificate and reason != MISSING_TOKEN.reason:
+            return NotAuthorized(url, reason, f"Check the certificate in {certificate}")
         if kind is NotAuthorized and not sent:
             return self.missing(url, redirected_from, reason)
         remedy = f"Check the token in {self.source}" if kind is NotAuthorized else ""

@@ -252,7 +252,9 @@ class NotAllowed(OperationError):
         self.node = node
         self.right = right
         self.name = name
-        super().__init__(f"{fault or f'missing right {right} for {name}'} (node {node})")
+        text = fault or f"missing right {right} for {name}"
+        # The text need not name the node twice.
+        super().__init__(text if name == node else f"{text} (node {node})")
 
 
 class AuthenticationError(OperationError):

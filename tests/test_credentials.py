@@ -155,6 +155,14 @@ def test_remedy_names_the_source_of_the_token(file: Path) -> None:
     assert "FIBWS_TOKEN" in text(Credentials(), sent=False)
     assert "the hub's URL" in text(Credentials("a", source="the hub's URL"))
     assert str(file) in text(Credentials(file=file, source="FIBWS_TOKEN_FILE"))
+    for reason, remedy in (
+        ("the certificate expired", "robot.pem"),
+        ("missing token", "FIBWS_TOKEN"),
+    ):
+        error = Credentials().refusal(
+            "wss://robot", 4401, reason, sent=False, redirected_from="", certificate="robot.pem"
+        )
+        assert remedy in str(error)
     redirect = text(Credentials("a", source="x"), sent=False, first="ws://first")
     assert "redirects" in redirect and "FIBWS_HUB=ws://robot" in redirect
 

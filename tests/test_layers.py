@@ -67,6 +67,7 @@ BELOW_IN_HUB = {
     "delivery": {"protocol.frame_queue", "hub.delivery"},
     "websocket": {
         "errors",
+        "files",
         "names",
         "access",
         "protocol.websocket",
@@ -77,7 +78,7 @@ BELOW_IN_HUB = {
     "monitoring": {"errors", "access", "hub.access", "hub.audit", "hub.graph", "hub.settings"}
     | {"hub.delivery", "hub.monitoring", "hub.websocket", "__version__"},
     "access": {"errors", "access", "hub.access", "hub.graph", "hub.settings", "hub.log_text"}
-    | {"hub.websocket.endpoint"},
+    | {"protocol.websocket"},
     "rosbridge": {
         "errors",
         "names",

@@ -51,8 +51,6 @@ ANONYMOUS = "anonymous"
 """The principal of clients without a token."""
 ROS1 = "ros1"
 """The principal of ROS 1 nodes, which have no tokens; the hub admits them by their addresses."""
-LONGEST_TOKEN = 8192
-"""Most characters of a token that is looked at."""
 _DIGEST = re.compile(r"[0-9a-f]{64}")
 _SECTIONS = ("tokens", "certificates", ANONYMOUS, ROS1)
 _EVERYTHING: dict[Right, tuple[str, ...]] = {right: ("/**",) for right in RIGHTS}

@@ -257,6 +257,7 @@ class WebSocket:
             reason,
             sent=self.has_sent_token,
             redirected_from=self._first_url,
+            certificate=tls.TlsFiles.choose().client_cert if self.url.startswith("wss:") else None,
         )
 
     def _refusal(self, error: Exception) -> Exception:

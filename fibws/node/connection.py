@@ -575,7 +575,12 @@ class Connection:
     def _denied(self, code: int | None, reason: str) -> AccessDenied | None:
         sent = self._session.has_token
         return self._credentials.refusal(
-            self._address, code, reason, sent=sent, redirected_from=self._hub
+            self._address,
+            code,
+            reason,
+            sent=sent,
+            redirected_from=self._hub,
+            certificate=self._tls.client_cert if self._address.startswith("wss:") else None,
         )
 
     def _on_not_authenticated(self) -> None:

@@ -75,6 +75,10 @@ FORBIDDEN = 4403
 """The close code for a missing right."""
 LIMITED = 4429
 """The close code for a client that has gone beyond a limit, or tried too many tokens."""
+TOKEN_SUBPROTOCOL = "fibws.token."
+"""The beginning of a subprotocol that is a token: scripts of web pages cannot set headers."""
+LONGEST_TOKEN = 8192
+"""Most characters of a token."""
 MISSING_TOKEN = CloseReason(UNAUTHENTICATED, "missing token")
 EXPIRED = CloseReason(UNAUTHENTICATED, "the token expired")
 MOST_REASON_BYTES = 123

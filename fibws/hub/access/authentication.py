@@ -22,12 +22,12 @@ from websockets.datastructures import Headers
 
 from fibws.access.limits import network_of
 from fibws.access.rights import RIGHTS, Principal, Rights, check_name
-from fibws.access.token_file import ANONYMOUS, LONGEST_TOKEN, Tokens
+from fibws.access.token_file import ANONYMOUS, Tokens
 from fibws.access.web_tokens import WebTokens
 from fibws.errors import AccessError, AuthenticationError, HubError, TooManyAttempts
 from fibws.hub.log_text import is_power_of_ten
 from fibws.hub.settings import Settings
-from fibws.hub.websocket.endpoint import TOKEN_SUBPROTOCOL
+from fibws.protocol.websocket import LONGEST_TOKEN, TOKEN_SUBPROTOCOL
 
 logger = logging.getLogger("fibws.hub")
 

@@ -70,7 +70,7 @@ class AccessPolicy:
     ) -> None:
         """Let a principal's client be a node; see `Policy.enter`."""
         if principal is None:
-            raise NotAllowed(node, "node", node, "no token")
+            raise NotAllowed(node, "node", node, f"missing token for {node}")
         if is_taken and not _is_same(self._principals[node], principal):
             raise NotAllowed(node, "node", node, f"{node} is a node of another principal")
         if is_chosen and not self._may_be(principal, node):

@@ -16,7 +16,7 @@ from websockets.typing import Subprotocol
 
 from fibws.access.rights import Principal
 from fibws.hub.delivery.send_queue import SendQueue
-from fibws.protocol.websocket import CloseReason, Payload
+from fibws.protocol.websocket import TOKEN_SUBPROTOCOL, CloseReason, Payload
 
 Registration: TypeAlias = Literal["subscriptions", "advertisements"]
 """A kind of registration: topics subscribed to; topics, services and actions advertised."""
@@ -90,9 +90,6 @@ class Opening:
     count_operations: Callable[[int], None] = lambda count: None
     check_room: Callable[[Registration], None] = lambda what: None
 
-
-TOKEN_SUBPROTOCOL = "fibws.token."
-"""The beginning of a subprotocol that is a token: scripts of web pages cannot set headers."""
 
 OpenEndpoint: TypeAlias = Callable[[Opening], Endpoint]
 
