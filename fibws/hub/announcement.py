@@ -8,8 +8,8 @@ from urllib.parse import urlsplit
 
 import ifaddr
 
-from fibws.hub import self_signed
 from fibws.hub.settings import Settings
+from fibws.hub.websocket import self_signed
 from fibws.hub.websocket.origins import AllowedOrigins
 
 ALL_IPV4 = "0.0.0.0"

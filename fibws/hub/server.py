@@ -31,13 +31,13 @@ from fibws.hub.monitoring.probes import Probes, Watchers
 from fibws.hub.rosapi.clients import Client
 from fibws.hub.rosapi.nodes import OWN_NODES, OwnNodes
 from fibws.hub.rosbridge.session import Rosbridge
-from fibws.hub.self_signed import ensure_certificate
 from fibws.hub.settings import Settings
 from fibws.hub.websocket.connection import Connection, Shared
 from fibws.hub.websocket.endpoint import Endpoints
 from fibws.hub.websocket.http import HttpRequests, read_files
 from fibws.hub.websocket.login import LoginRoutes
 from fibws.hub.websocket.proxies import TrustedProxies
+from fibws.hub.websocket.self_signed import ensure_certificate
 from fibws.hub.websocket.shared_limits import SharedLimits
 from fibws.hub.websocket.tls import ServerTls
 from fibws.hub.websocket.turns import Turns

@@ -13,7 +13,8 @@ import pytest
 from playwright.async_api import Page, expect
 
 import fibws
-from fibws.hub import Hub, Settings, self_signed
+from fibws.hub import Hub, Settings
+from fibws.hub.websocket import self_signed
 from fibws.msg.std_msgs import Int32
 
 from .conftest import STRANGER, OpenPage, web_address

@@ -15,8 +15,9 @@ import re
 import socket
 from collections.abc import Iterable
 from datetime import UTC, datetime, timedelta
+from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 from fibws.errors import HubError
 from fibws.files import replace_file
@@ -24,6 +25,8 @@ from fibws.files import replace_file
 if TYPE_CHECKING:
     from cryptography import x509
     from cryptography.hazmat.primitives.asymmetric.ec import EllipticCurvePrivateKey
+
+    _Extension = TypeVar("_Extension", bound=x509.ExtensionType)
 
 CERTIFICATE_DAYS = 397
 """Browsers accept no certificates that are valid for longer."""
@@ -63,9 +66,7 @@ def ensure_certificate(addresses: Iterable[str]) -> Files:
     Raises:
         HubError: the package cryptography is not installed, or a file cannot be written.
     """
-    try:
-        import cryptography.x509  # noqa: F401
-    except ImportError:
+    if find_spec("cryptography") is None:
         raise HubError(
             "--self-signed requires the package cryptography: python -m pip install 'fibws[auth]'"
         ) from None
@@ -111,8 +112,9 @@ class _Maker:
     def _is_authority_fit(self, authority: x509.Certificate) -> bool:
         from cryptography import x509
 
-        constraints = authority.extensions.get_extension_for_class(x509.NameConstraints).value
-        allowed = {str(each.value) for each in constraints.permitted_subtrees or ()}
+        constraints = _extension(authority, x509.NameConstraints)
+        subtrees = () if constraints is None else constraints.permitted_subtrees or ()
+        allowed = {str(each.value) for each in subtrees}
         return self._lasts(authority) and allowed.issuperset(self._names)
 
     def _is_fit(self, certificate: x509.Certificate, authority: x509.Certificate) -> bool:
@@ -224,9 +226,26 @@ def _subject(certificate: x509.Certificate) -> tuple[set[str], set[str]]:
     """Return the names and the addresses in a certificate."""
     from cryptography import x509
 
-    found = certificate.extensions.get_extension_for_class(x509.SubjectAlternativeName).value
+    found = _extension(certificate, x509.SubjectAlternativeName)
+    if found is None:
+        return set(), set()
     addresses = found.get_values_for_type(x509.IPAddress)
     return set(found.get_values_for_type(x509.DNSName)), {str(each) for each in addresses}
+
+
+def _extension(certificate: x509.Certificate, kind: type[_Extension]) -> _Extension | None:
+    """Return an extension of a certificate; None if it is missing or invalid."""
+    from cryptography import x509
+
+    try:
+        return certificate.extensions.get_extension_for_class(kind).value
+    except (
+        x509.ExtensionNotFound,
+        x509.DuplicateExtension,
+        x509.UnsupportedGeneralNameType,
+        ValueError,
+    ):
+        return None
 
 
 def _pem(certificate: x509.Certificate) -> bytes:
@@ -248,12 +267,14 @@ def _pem_of_key(key: EllipticCurvePrivateKey) -> bytes:
 def _read(path: Path) -> tuple[x509.Certificate, EllipticCurvePrivateKey] | None:
     """Return a certificate and its key; None if the file does not hold both."""
     from cryptography import x509
+    from cryptography.exceptions import UnsupportedAlgorithm
     from cryptography.hazmat.primitives.asymmetric.ec import EllipticCurvePrivateKey
     from cryptography.hazmat.primitives.serialization import load_pem_private_key
 
     try:
         text = path.read_bytes()
         certificate, key = x509.load_pem_x509_certificate(text), load_pem_private_key(text, None)
-    except (FileNotFoundError, ValueError):
-        return None
-    return (certificate, key) if isinstance(key, EllipticCurvePrivateKey) else None
+        is_its_key = certificate.public_key() == key.public_key()
+    except (FileNotFoundError, ValueError, TypeError, UnsupportedAlgorithm):
+        return None  # TypeError: the key has a password.
+    return (certificate, key) if is_its_key and isinstance(key, EllipticCurvePrivateKey) else None

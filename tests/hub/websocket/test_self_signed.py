@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import builtins
 import ssl
+import sys
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
@@ -11,13 +11,22 @@ from typing import Any
 import pytest
 from conftest import StartHub
 from cryptography import x509
+from cryptography.hazmat.primitives import hashes
+from cryptography.hazmat.primitives.asymmetric import ec
+from cryptography.hazmat.primitives.serialization import (
+    BestAvailableEncryption,
+    Encoding,
+    NoEncryption,
+    PrivateFormat,
+)
 from websockets.asyncio.client import connect
 
 import fibws
 from fibws.errors import HubError
-from fibws.hub import Settings, self_signed
+from fibws.hub import Settings
 from fibws.hub.announcement import announcement
-from fibws.hub.self_signed import Files, ensure_certificate
+from fibws.hub.websocket import self_signed
+from fibws.hub.websocket.self_signed import Files, ensure_certificate
 
 LAN = "192.168.1.20"
 
@@ -118,15 +127,45 @@ def test_broken_file_is_replaced(folder: Path, file: str, content: str) -> None:
     context.load_cert_chain(files.certificate)
 
 
+def odd_certificate(*, password: bytes | None = None, own_key: bool = True) -> bytes:
+    """Return a certificate without any extension, and a key."""
+    key, other = (ec.generate_private_key(ec.SECP256R1()) for _ in range(2))
+    name = x509.Name([])
+    now = datetime.now(UTC)
+    made = (
+        x509.CertificateBuilder()
+        .subject_name(name)
+        .issuer_name(name)
+        .public_key(key.public_key())
+        .serial_number(1)
+        .not_valid_before(now)
+        .not_valid_after(now + timedelta(days=365))
+        .sign(key, hashes.SHA256())
+    )
+    encryption = NoEncryption() if password is None else BestAvailableEncryption(password)
+    pem = (key if own_key else other).private_bytes(Encoding.PEM, PrivateFormat.PKCS8, encryption)
+    return made.public_bytes(Encoding.PEM) + pem
+
+
+@pytest.mark.parametrize("file", ["hub.pem", "ca.key.pem"])
+@pytest.mark.parametrize(
+    "options",
+    [{}, {"password": b"secret"}, {"own_key": False}],
+    ids=["no extensions", "password", "key of another certificate"],
+)
+def test_certificate_of_another_program_is_replaced(
+    folder: Path, file: str, options: dict[str, Any]
+) -> None:
+    ensure_certificate([])
+    (folder / "fibws" / "self-signed" / file).write_bytes(odd_certificate(**options))
+    files = ensure_certificate([])
+    context = ssl.create_default_context(cafile=files.authority)
+    context.load_cert_chain(files.certificate)
+    assert "robot-7" in names(files)
+
+
 def test_missing_package_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    import_ = builtins.__import__
-
-    def fail(name: str, *arguments: Any) -> Any:
-        if name.startswith("cryptography"):
-            raise ImportError(name)
-        return import_(name, *arguments)
-
-    monkeypatch.setattr(builtins, "__import__", fail)
+    monkeypatch.setitem(sys.modules, "cryptography", None)
     with pytest.raises(HubError, match=r"fibws\[auth\]"):
         ensure_certificate([])
 
