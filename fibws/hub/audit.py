@@ -11,8 +11,8 @@ ordinary line, in its JSON format an object with the event's name and its fields
 
 A caller names the client by whatever it knows of node, principal and address; of a node that is
 connected, the rest is looked up. Refusals are counted in `Audit.refusals` for ``/metrics``. Lines
-of refusals and of parameters are limited, so that a client which tries a thousand times a second
-does not fill the disk.
+of logins, refusals and parameters are limited, so that a client which tries a thousand times a
+second does not fill the disk.
 """
 
 from __future__ import annotations
@@ -29,6 +29,10 @@ Reason: TypeAlias = Literal["authentication", "right", "limit", "origin", "addre
 """Why something was refused: the credentials, a missing right, a limit, the page's origin, or the
 address of a ROS 1 node."""
 
+LOGINS_PER_CLIENT = 100
+"""Lines a second about logins from one address, each of another principal."""
+LOGINS = 1000
+"""Lines a second about all logins."""
 WRITES_PER_CLIENT = 500
 """Lines a second about parameters that one client sets: a launch file may set hundreds."""
 WRITES = 1000
@@ -60,12 +64,16 @@ class Audit:
         self._now = now
         self._identify = identify
         self._refused = LineLimit()
+        self._logins = LineLimit(LOGINS_PER_CLIENT, LOGINS)
         self._written = LineLimit(WRITES_PER_CLIENT, WRITES)
 
     def login(self, *, principal: str, node: str = "", ip: str = "") -> None:
-        """Record that a client has proved who it is."""
+        """Record that a client has logged in, unless that was recorded just before."""
         client = self._client(node, principal, ip)
-        self._record(logging.INFO, "login", f"{_named(client)} has logged in", client)
+        hidden = self._logins.admit(client["node"] or client["ip"], principal, self._now())
+        if hidden is not None:
+            text = f"{_named(client)} has logged in{_more(hidden)}"
+            self._record(logging.INFO, "login", text, client)
 
     def refused(
         self, reason: Reason, text: str, *, node: str = "", principal: str = "", ip: str = ""

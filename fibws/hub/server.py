@@ -184,7 +184,12 @@ class Hub:
         )
         self._probes.add_to(requests)
         LoginRoutes(requests, self._authentication, partial(_refuse_login, self.audit))
-        self._limits = SharedLimits(self.settings, self._connections, loop.call_soon)
+        self._limits = SharedLimits(
+            self.settings,
+            self._connections,
+            loop.call_soon,
+            partial(self.audit.count, "limit"),
+        )
         metrics = Metrics(
             self.graph,
             self._connections,

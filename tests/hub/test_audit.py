@@ -88,6 +88,26 @@ def test_repeated_refusals_are_counted_but_logged_once(
     assert {reason: n for reason, n in audit.refusals.items() if n} == {"authentication": 1001}
 
 
+def test_repeated_logins_are_logged_once(
+    audit: Audit, clock: Clock, caplog: pytest.LogCaptureFixture
+) -> None:
+    for _ in range(1000):
+        audit.login(principal="guest", ip="10.0.0.8")
+        audit.login(principal="other", ip="10.0.0.8")
+    assert [event["principal"] for event in events(caplog)] == ["guest", "other"]
+    clock.now = REPEAT_AFTER
+    audit.login(principal="guest", ip="10.0.0.8")
+    assert "(999 more since the last line)" in caplog.messages[-1]
+
+
+def test_logins_of_many_clients_are_all_logged(
+    audit: Audit, caplog: pytest.LogCaptureFixture
+) -> None:
+    for number in range(500):
+        audit.login(principal="robot", ip=f"10.0.{number % 256}.{number // 256}")
+    assert len(caplog.records) == 500
+
+
 def test_refusals_of_many_clients_are_limited(
     audit: Audit, caplog: pytest.LogCaptureFixture
 ) -> None:

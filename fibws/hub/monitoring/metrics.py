@@ -11,8 +11,7 @@ import gzip
 import http
 import os
 import platform
-import socket
-import struct
+import sys
 import time
 from collections.abc import Collection
 from pathlib import Path
@@ -26,19 +25,14 @@ from fibws.hub.monitoring.exposition import Column, Exposition
 from fibws.hub.monitoring.loop_lag import LoopLag
 from fibws.hub.monitoring.probes import Probes, Watchers
 from fibws.hub.settings import Settings
+from fibws.hub.websocket import tcp_counters
 from fibws.hub.websocket.connection import Connection
 from fibws.hub.websocket.http import Get, accepts_gzip, response
 from fibws.hub.websocket.shared_limits import SharedLimits
 
-try:
+if sys.platform != "win32":
     import resource
-except ImportError:  # Windows
-    resource = None  # type: ignore[assignment]
 
-TCP_INFO = getattr(socket, "TCP_INFO", None)
-"""Only Linux counts a connection's bytes for its programs."""
-_TRANSFERRED = struct.Struct("=120x2Q")
-"""tcpi_bytes_acked and tcpi_bytes_received in Linux's struct tcp_info."""
 _PROC = Path("/proc/self")
 _STARTED = time.time()
 BY_TOPIC = (
@@ -95,7 +89,10 @@ class ClientTotals:
         return received, sent
 
     def _transferred(self, connection: Connection) -> tuple[int, int]:
-        return transferred(connection) or self._seen.get(connection, (0, 0))
+        counts = tcp_counters.read(connection.socket)
+        if counts is None:
+            return self._seen.get(connection, (0, 0))
+        return counts.received, counts.acknowledged
 
 
 class Metrics:
@@ -168,7 +165,6 @@ class Metrics:
         metrics.gauge("fibws_services", "Services.", len(graph.services))
         metrics.gauge("fibws_actions", "Actions.", len(graph.actions))
         refusals: dict[str, int] = {str(key): n for key, n in self._audit.refusals.items()}
-        refusals["limit"] += self._limits.refused
         metrics.counters(
             "fibws_refusals",
             "Refused connections, requests and operations by reason.",
@@ -200,7 +196,7 @@ class Metrics:
         metrics.gauge("fibws_incoming_bytes", help_, self._limits.incoming_bytes())
         help_ = "Limit of the bytes kept of messages that came in part."
         metrics.gauge("fibws_incoming_bytes_limit", help_, settings.max_total_incoming_bytes)
-        if TCP_INFO is not None:
+        if tcp_counters.are_available:
             received, sent = clients.transferred()
             help_ = "Bytes that clients have sent, on their sockets."
             metrics.counter("fibws_received_bytes", help_, received)
@@ -232,23 +228,6 @@ class Metrics:
         help_ = "Service calls that failed, by the error's code."
         labels = ("service", "code")
         metrics.counters_by_two("fibws_service_failures", help_, labels, calls.failures.items())
-
-
-def transferred(connection: Connection) -> tuple[int, int] | None:
-    """Return the bytes that a client has sent, and those that it has received.
-
-    Linux counts them, so that the hub need not. They include headers of WebSocket frames and TLS,
-    but not those of TCP. None if they are unknown: the socket is closed, or not one of TCP.
-    """
-    open_socket = connection.socket
-    if TCP_INFO is None or open_socket is None:
-        return None
-    try:
-        found = open_socket.getsockopt(socket.IPPROTO_TCP, TCP_INFO, _TRANSFERRED.size)
-        sent, received = _TRANSFERRED.unpack(found)
-    except (OSError, struct.error):
-        return None
-    return received, sent
 
 
 def add_process(metrics: Exposition) -> None:

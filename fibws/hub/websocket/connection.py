@@ -36,6 +36,7 @@ from fibws.hub.access.authentication import Authentication, Login
 from fibws.hub.audit import Audit, Reason
 from fibws.hub.delivery.send_queue import Flusher, SendQueue
 from fibws.hub.settings import KIB, Settings
+from fibws.hub.websocket import tcp_counters
 from fibws.hub.websocket.endpoint import Endpoint, Endpoints, Opening, Registration
 from fibws.hub.websocket.http import HttpRequests, node_name, text_response
 from fibws.hub.websocket.keepalive import Keepalive
@@ -66,9 +67,6 @@ _library_logger.setLevel(logging.WARNING)
 
 HIGH_WATER = 64 * KIB
 """Bytes in a transport's buffer at which its client counts as slow."""
-TCP_INFO = getattr(socket, "TCP_INFO", None) if sys.platform == "linux" else None
-BYTES_ACKED = 120
-"""Where Linux has the number of acknowledged bytes in its struct tcp_info (linux/tcp.h)."""
 TLS_RECORD = b"\x16\x03"
 """The first bytes from a client that speaks TLS; no HTTP request holds them."""
 MAX_FRAGMENTS = 4096
@@ -351,12 +349,10 @@ class Connection(asyncio.BufferedProtocol):
         These are the bytes in the transport's buffer. With TLS another buffer is behind it, of
         which the event loop says nothing: there it is what the client's system has acknowledged.
         """
-        if TCP_INFO is not None and self._transport.get_extra_info("ssl_object") is not None:
-            sock = self._transport.get_extra_info("socket")
-            if sock is None or sock.fileno() < 0:  # It is closed already.
-                return 0
-            info = sock.getsockopt(socket.IPPROTO_TCP, TCP_INFO, BYTES_ACKED + 8)
-            return -int.from_bytes(info[BYTES_ACKED:], sys.byteorder)
+        if self._transport.get_extra_info("ssl_object") is not None:
+            counts = tcp_counters.read(self.socket)
+            if counts is not None:
+                return -counts.acknowledged
         return self._transport.get_write_buffer_size()
 
     def resume_writing(self) -> None:

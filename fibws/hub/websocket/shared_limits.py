@@ -62,6 +62,7 @@ class SharedLimits:
         connections: all connections, now and later.
         call_soon: calls a function in the next iteration of the event loop: a client must not be
             closed while a message is on its way to it.
+        count_refusal: is called for each refused connection that is logged here.
     """
 
     def __init__(
@@ -69,6 +70,7 @@ class SharedLimits:
         settings: Settings,
         connections: Collection[Limited],
         call_soon: Callable[[Callable[[], None]], object],
+        count_refusal: Callable[[], object] = lambda: None,
     ) -> None:
         self.clients = 0
         """Clients that are connected."""
@@ -82,6 +84,7 @@ class SharedLimits:
         """Counts down the bytes that clients may still send."""
         self._settings = settings
         self._connections = connections
+        self._count_refusal = count_refusal
         self._throttled = 0
         self._refusals: Counter[str] = Counter()
         """Connections refused since the last log line, by the reason."""
@@ -118,10 +121,12 @@ class SharedLimits:
         return f"The hub cannot accept more connections: {reason}; try again later"
 
     def handshake_refusal(self, address: str, now: float) -> str | None:
-        """Return why an address may send no request now; None if it may."""
+        """Return why an address may send no request now; None if it may.
+
+        Log and count it in the audit: it is about one client only.
+        """
         refusal = self.quotas.handshake_refusal(address, now)
-        if refusal is not None:
-            self._refuse(refusal)
+        self.refused += refusal is not None
         return refusal
 
     def accept_failed(self, error: BaseException | None) -> bool:
@@ -139,6 +144,7 @@ class SharedLimits:
     def _refuse(self, reason: str) -> None:
         self._refusals[reason] += 1
         self.refused += 1
+        self._count_refusal()
 
     # Bytes.
 

@@ -23,7 +23,7 @@ from fibws.access.token_file import digest_of
 from fibws.hub import Hub
 from fibws.hub.graph.totals import OTHER, TopicTotals
 
-from ..raw_client import Client, connected, publish, until
+from ..raw_client import Client, connected, dialled, handshake, publish, until
 
 pytestmark = pytest.mark.both_loops
 
@@ -204,6 +204,17 @@ class TestCounters:
         }
         assert samples["authentication"] == 1
         assert samples["right"] == 1
+
+    async def test_refused_connection_is_counted_once(self, start_hub: StartHub) -> None:
+        hub = await start_hub(max_connections=0, max_address_handshakes_per_second=1)
+        for refusals in range(1, 110):
+            async with dialled(hub.port) as client:
+                await client.send(handshake())
+                status, _, _ = await client.response()
+            assert value(hub, "fibws_refusals_total", reason="limit") == refusals
+            if status == 429:
+                break
+        assert status == 429
 
     async def test_calls_are_counted_by_service_and_outcome(self, hub: Hub) -> None:
         async with connected(hub.port) as client:

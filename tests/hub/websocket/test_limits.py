@@ -329,3 +329,4 @@ async def test_too_many_handshakes_get_status_429(start_hub: StartHub) -> None:
                 break
     assert statuses == [101] * (len(statuses) - 1) + [429]
     assert hub.health()["refused"] == 1
+    assert hub.audit.refusals["limit"] == 1
