@@ -60,6 +60,7 @@ class ClientTotals:
         """Clients that have connected so far."""
         self._connections = connections
         self._dropped = 0
+        self._limited = 0
         self._seen: dict[Connection, tuple[int, int]] = {}
         """The bytes of each connection as of the last look: some sockets are gone at the end."""
         self._received = 0
@@ -69,6 +70,7 @@ class ClientTotals:
         """Keep the totals of a connection that is about to be lost."""
         if connection.endpoint is not None:
             self._dropped += connection.queue.dropped
+            self._limited += connection.limited
         received, sent = self._transferred(connection)
         self._seen.pop(connection, None)
         self._received += received
@@ -78,6 +80,10 @@ class ClientTotals:
         """Return the messages that were dropped for all clients so far."""
         present = (each.queue.dropped for each in self._connections if each.is_open)
         return self._dropped + sum(present)
+
+    def limited(self) -> int:
+        """Return the messages of all clients that were beyond their rates, and so dropped."""
+        return self._limited + sum(each.limited for each in self._connections)
 
     def transferred(self) -> tuple[int, int]:
         """Return the bytes that all clients have sent, and those that they have received."""
@@ -211,6 +217,8 @@ class Metrics:
         metrics.counter("fibws_sent_messages", help_, every.sent)
         help_ = "Messages dropped for clients that read too slowly."
         metrics.counter("fibws_dropped_messages", help_, self._clients.dropped())
+        help_ = "Messages of clients dropped because they were beyond a rate limit."
+        metrics.counter("fibws_limited_messages", help_, self._clients.limited())
         help_ = "Messages left out by throttle_rate."
         metrics.counter("fibws_throttled_messages", help_, every.throttled)
         rows = {

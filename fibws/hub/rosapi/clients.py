@@ -28,8 +28,10 @@ class Client(Protocol):
     principal: Principal | None
     """Its principal, on a hub with authentication."""
     bytes_received: int
-    limited: int
-    """Messages that were dropped because they were more than it may send."""
+
+    @property
+    def limited(self) -> int:
+        """Messages that were dropped because they were more than it may send."""
 
     @property
     def messages_received(self) -> int:

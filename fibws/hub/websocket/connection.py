@@ -25,43 +25,33 @@ from websockets.protocol import State
 from websockets.server import ServerProtocol
 
 from fibws.access.rights import Principal
-from fibws.errors import (
-    AuthenticationError,
-    InvalidUtf8,
-    LimitReached,
-    NotAllowed,
-    TooManyAttempts,
-)
+from fibws.errors import AuthenticationError, LimitReached, NotAllowed, TooManyAttempts
 from fibws.hub.access.authentication import Authentication, Login
-from fibws.hub.audit import Audit, Reason
+from fibws.hub.audit import Audit
 from fibws.hub.delivery.send_queue import Flusher, SendQueue
 from fibws.hub.settings import KIB, Settings
 from fibws.hub.websocket import tcp_counters
+from fibws.hub.websocket.client_log import ClientLog
 from fibws.hub.websocket.endpoint import Endpoint, Endpoints, Opening, Registration
 from fibws.hub.websocket.http import HttpRequests, node_name, text_response
 from fibws.hub.websocket.keepalive import Keepalive
+from fibws.hub.websocket.message_reader import MessageReader, ReadBuffers
 from fibws.hub.websocket.proxies import TrustedProxies
-from fibws.hub.websocket.quotas import CHARGED_BYTES, ClientQuotas, Meter
+from fibws.hub.websocket.quotas import ClientQuotas
 from fibws.hub.websocket.shared_limits import SharedLimits
 from fibws.hub.websocket.tls import certificate_name
 from fibws.hub.websocket.turns import TURN, Turns
 from fibws.protocol.websocket import (
     EXPIRED,
     FORBIDDEN,
-    FRAGMENTS,
-    INVALID_UTF8,
     LIMITED,
     MISSING_TOKEN,
     OVERFULL,
-    REPLACED,
     UNAUTHENTICATED,
     CloseReason,
-    FrameParser,
-    Payload,
     close_reason,
 )
 
-logger = logging.getLogger("fibws.hub")
 _library_logger = logging.getLogger("fibws.hub.websockets")
 _library_logger.setLevel(logging.WARNING)
 
@@ -69,28 +59,13 @@ HIGH_WATER = 64 * KIB
 """Bytes in a transport's buffer at which its client counts as slow."""
 TLS_RECORD = b"\x16\x03"
 """The first bytes from a client that speaks TLS; no HTTP request holds them."""
-MAX_FRAGMENTS = 4096
-"""Frames that one fragmented message may have: empty ones do not count towards its size."""
-REFUSALS: dict[int, Reason] = {
-    UNAUTHENTICATED: "authentication",
-    FORBIDDEN: "right",
-    LIMITED: "limit",
-}
-"""The reasons of close codes that are refusals, for the audit."""
 DROPPING_PAUSE = 0.01
 """Seconds between two reads of a client whose messages are dropped: to drop them costs, too."""
-DROP_REPORT_INTERVAL = 10.0
-"""Seconds between two log lines about one client's dropped messages."""
 
 
 @dataclass(frozen=True, slots=True)
 class Shared:
-    """The state that all connections of one hub share.
-
-    ``small`` and ``medium`` are the buffers that sockets are read into: what is read is used up
-    within the same callback, so that one buffer serves all. A small one makes a flooding publisher
-    take turns with the others; the other one is for connections in the middle of a longer frame.
-    """
+    """The state that all connections of one hub share."""
 
     settings: Settings
     http: HttpRequests
@@ -105,16 +80,12 @@ class Shared:
     authentication: Authentication | None = None
     now: Callable[[], float] = time
     """Returns the seconds since 1970."""
-    small: memoryview = field(default_factory=lambda: memoryview(bytearray(16 * KIB)))
-    medium: memoryview = field(default_factory=lambda: memoryview(bytearray(256 * KIB)))
+    buffers: ReadBuffers = field(default_factory=ReadBuffers)
 
 
 _ENDED = ServerProtocol()
 """Stands in for the library's part of all connections that are lost."""
 _ENDED.state = State.CLOSED
-
-READ_SIZE = 512 * KIB
-"""Most bytes of a large message that are read at once."""
 
 
 class Observer(Protocol):
@@ -141,21 +112,16 @@ class Connection(asyncio.BufferedProtocol):
 
     __slots__ = (
         "_again",
-        "_binary",
         "_busy",
-        "_exempt",
-        "_fragments",
         "_head",
         "_keepalive",
         "_left",
+        "_log",
         "_login_due",
-        "_others",
-        "_parser",
         "_pong_bytes",
         "_protocol",
         "_quotas",
-        "_reported",
-        "_reported_at",
+        "_reader",
         "_request",
         "_shared",
         "_transport",
@@ -164,7 +130,6 @@ class Connection(asyncio.BufferedProtocol):
         "bytes_received",
         "certificate_name",
         "endpoint",
-        "limited",
         "peer",
         "principal",
         "queue",
@@ -183,25 +148,16 @@ class Connection(asyncio.BufferedProtocol):
         """The last bytes of a request that is not complete yet; None after the handshake."""
         self._request = b""
         """Bytes of a request that wait for the connection's turn."""
-        self._parser: FrameParser
+        self._reader: MessageReader
         self._busy = False
         """Whether there was more to read than fits a turn, lately."""
         self._waiting = False
         """Whether the connection waits for its turn, and its socket is not read."""
-        self._fragments: list[bytes] = []
-        self._binary = False
         self._pong_bytes = 0
         self._left = False
         self._quotas = ClientQuotas(shared.limits.quotas)
-        self._exempt = False
-        """Whether the data that is read now costs nothing, as its messages are dropped."""
-        self._others = 0
-        """Messages received that the parser has not counted."""
+        self._log = ClientLog(shared.audit)
         self.bytes_received = 0
-        self.limited = 0
-        """Messages that were dropped because they were more than the client may send."""
-        self._reported = 0
-        self._reported_at = float("-inf")
         self.queue: SendQueue
         self.endpoint: Endpoint | None = None
         self.principal: Principal | None = None
@@ -231,7 +187,12 @@ class Connection(asyncio.BufferedProtocol):
     @property
     def messages_received(self) -> int:
         """How many messages have come, pings and pongs included."""
-        return self._others + (self._parser.messages if self.is_open else 0)
+        return self._reader.messages if self.is_open else 0
+
+    @property
+    def limited(self) -> int:
+        """Messages that were dropped because they were more than the client may send."""
+        return self._reader.dropped if self.is_open else 0
 
     @property
     def protocol(self) -> str:
@@ -250,9 +211,9 @@ class Connection(asyncio.BufferedProtocol):
     @property
     def incoming_bytes(self) -> int:
         """Bytes that are kept of messages that came in part."""
-        size = len(self._protocol.reader.buffer) + sum(map(len, self._fragments))
+        size = len(self._protocol.reader.buffer)
         if self.endpoint is not None:
-            size += self._parser.kept_bytes + self.endpoint.incomplete_bytes
+            size += self._reader.kept_bytes + self.endpoint.incomplete_bytes
         return size
 
     # What asyncio calls.
@@ -274,13 +235,7 @@ class Connection(asyncio.BufferedProtocol):
             transport.abort()
 
     def get_buffer(self, sizehint: int) -> memoryview:
-        if self._head is None:
-            parser = self._parser
-            if parser.in_large:
-                return parser.buffer()[:READ_SIZE]
-            if parser.missing > len(self._shared.small):
-                return self._shared.medium
-        return self._shared.small
+        return self._reader.buffer() if self._head is None else self._shared.buffers.small
 
     def buffer_updated(self, nbytes: int) -> None:
         shared = self._shared
@@ -290,31 +245,15 @@ class Connection(asyncio.BufferedProtocol):
             incoming.check()
         turns.began = began = perf_counter()
         self.bytes_received += nbytes
-        full = False
-        meter = self._quotas.meter
         if self._head is None:
-            parser = self._parser
-            if meter is not None and meter.refusal is not None:
-                self._continue_dropping(meter, began)
             if self._busy and turns.is_spent():
-                parser.pause()
-            if parser.in_large:
-                parser.filled(nbytes)
-            else:
-                buffer = self.get_buffer(nbytes)
-                full = nbytes == len(buffer)
-                parser.receive(bytes(buffer[:nbytes]))
-            held = parser.paused
-            meter = self._quotas.meter  # An auth in these bytes may have replaced it.
-            if meter is not None:
-                meter.uncharged_bytes += nbytes
-                self._measure(meter, began)
+                self._reader.pause()
+            has_more = self._reader.filled(nbytes, began)
         else:
             # A handshake costs as much as hundreds of messages, and a thousand may come at once.
-            self._request += shared.small[:nbytes]
-            held = True
-        dropping = meter is not None and meter.refusal is not None
-        self._busy = full or held or dropping or perf_counter() - began >= TURN
+            self._request += shared.buffers.small[:nbytes]
+            has_more = True
+        self._busy = has_more or perf_counter() - began >= TURN
         if self._busy:
             self._wait()
         if self.endpoint is not None and self.queue.paused and self.queue.overfull:
@@ -322,7 +261,7 @@ class Connection(asyncio.BufferedProtocol):
 
     def eof_received(self) -> bool:
         if self._head is None:
-            self._parser.end()
+            self._reader.end()
         self._protocol.receive_eof()
         self._send()
         return False
@@ -334,8 +273,8 @@ class Connection(asyncio.BufferedProtocol):
             self._quotas.leave(self)
             self._shared.observer.lost(self)
             if self.endpoint is not None:
-                self._report_drops(float("inf"))
-                logger.info("%s has left.", self.name, extra=self._event("left"))
+                self._report_drops(math.inf)
+                self._log.left(self)
             self._release()
 
     def pause_writing(self) -> None:
@@ -365,7 +304,7 @@ class Connection(asyncio.BufferedProtocol):
 
     def _is_held(self) -> bool:
         """Return whether frames that were read wait for the next turn."""
-        return self._head is None and self._parser.paused
+        return self._head is None and self._reader.is_paused
 
     def _wait(self) -> None:
         """Let the others have their turn first; read nothing meanwhile."""
@@ -373,7 +312,7 @@ class Connection(asyncio.BufferedProtocol):
             self._waiting = True
             self._transport.pause_reading()
             turns = self._shared.turns
-            if self._is_dropping:
+            if self._head is None and self._reader.is_dropping:
                 self._shared.loop.call_later(DROPPING_PAUSE, turns.wait, self)
             else:
                 turns.wait(self)
@@ -387,13 +326,7 @@ class Connection(asyncio.BufferedProtocol):
             request, self._request = self._request, b""
             self._shake_hands(request)
         elif self._is_held():
-            began, meter = self._shared.turns.began, self._quotas.meter
-            if meter is not None and meter.refusal is not None:
-                self._continue_dropping(meter, began)
-            self._parser.resume()
-            meter = self._quotas.meter  # An auth may have replaced it.
-            if meter is not None:
-                self._measure(meter, began)
+            self._reader.resume(self._shared.turns.began)
             if self.endpoint is not None and self.queue.paused and self.queue.overfull:
                 self.fail(OVERFULL)
         if self._is_held():
@@ -418,25 +351,17 @@ class Connection(asyncio.BufferedProtocol):
         end = seen.find(b"\r\n\r\n")
         if end < 0:
             self._head = seen[-3:]
-            self._feed(data)
+            self.feed(data)
             return
         rest = seen[end + 4 :]
         self._head = None
-        settings = self._shared.settings
-        self._parser = FrameParser(
-            self._on_text,
-            self._on_binary,
-            self._feed,
-            max_size=settings.max_message_size,
-            masked=True,
-            turn=1,
-            go_on=self._shared.turns.go_on,
+        shared = self._shared
+        self._reader = MessageReader(
+            self, self._quotas, shared.settings, shared.turns, shared.buffers
         )
-        if not settings.fast_framing:
-            self._parser.give_up()
-        self._feed(data[: len(data) - len(rest)])
+        self.feed(data[: len(data) - len(rest)])
         if rest and self._protocol.state is State.OPEN:
-            self._parser.receive(rest)
+            self._reader.receive(rest)
 
     def _on_request(self, request: Request) -> None:
         shared = self._shared
@@ -459,13 +384,8 @@ class Connection(asyncio.BufferedProtocol):
         self._keepalive.opened()
         try:
             self._open(request)
-        except AuthenticationError as error:
-            limited = isinstance(error, TooManyAttempts)
-            self.fail(close_reason(LIMITED if limited else UNAUTHENTICATED, str(error)))
-        except NotAllowed as error:
-            self.fail(close_reason(FORBIDDEN, str(error)))
-        except LimitReached as error:
-            self.fail(close_reason(LIMITED, str(error)))
+        except REFUSED as error:
+            self.fail(_refusal(error))
         finally:
             request.headers.clear()  # The library keeps the request as long as the connection.
 
@@ -498,7 +418,7 @@ class Connection(asyncio.BufferedProtocol):
             principal=self.principal,
             log_in=log_in,
             replace=self._enter,
-            count_operations=self._count_operations,
+            count_operations=self._reader.count_operations,
             check_room=self._quotas.check_room,
         )
         endpoint = open_endpoint(opening)
@@ -506,22 +426,15 @@ class Connection(asyncio.BufferedProtocol):
         if log_in is None or self.principal is not None:
             self._enter(endpoint)
         else:
-            self.endpoint = endpoint
+            self.endpoint = self._reader.endpoint = endpoint
             self._login_due = shared.loop.time() + shared.settings.auth_timeout
 
     def _enter(self, endpoint: Endpoint) -> None:
         """Exchange messages with the client through an endpoint that is a node."""
-        self.endpoint = endpoint
+        self.endpoint = self._reader.endpoint = endpoint
         self._login_due = math.inf
         self._shared.observer.entered(self)
-        principal = f" as {self.principal.name}" if self.principal is not None else ""
-        logger.info(
-            "%s has connected from %s%s.",
-            endpoint.node,
-            self.peer,
-            principal,
-            extra=self._event("connected"),
-        )
+        self._log.connected(self, endpoint.node)
 
     # Who the client is.
 
@@ -534,7 +447,7 @@ class Connection(asyncio.BufferedProtocol):
         self._join(login.principal)
         self._again = login.again
         self.principal = login.principal
-        self._shared.audit.login(principal=login.principal.name, ip=self.address)
+        self._log.logged_in(self, login.principal)
         return login.principal
 
     def check_login(self) -> None:
@@ -547,14 +460,8 @@ class Connection(asyncio.BufferedProtocol):
                 self._join(principal)
                 self.principal = principal
                 self.endpoint.authorize(principal)
-        except AuthenticationError as error:
-            self.fail(close_reason(UNAUTHENTICATED, f"after a reload: {error}"))
-        except NotAllowed as error:
-            self.fail(close_reason(FORBIDDEN, f"after a reload: {error}"))
-        except LimitReached as error:
-            self.fail(close_reason(LIMITED, f"after a reload: {error}"))
-
-    # How much the client sends.
+        except REFUSED as error:
+            self.fail(_refusal(error, "after a reload: "))
 
     def _join(self, principal: Principal) -> None:
         """Count the client of a principal from now on, whose limits may be other ones.
@@ -563,59 +470,9 @@ class Connection(asyncio.BufferedProtocol):
             LimitReached: the principal has too many clients.
         """
         self._quotas.join_principal(self, principal, self._shared.turns.clock())
-        self._parser.on_text, self._parser.on_binary = self._on_text, self._on_binary
+        self._reader.accept()
 
-    @property
-    def _is_dropping(self) -> bool:
-        """Whether the client's messages are dropped, as it sends too much."""
-        meter = self._quotas.meter
-        return meter is not None and meter.refusal is not None
-
-    def _count_operations(self, count: int) -> None:
-        self._others += count
-        if self._quotas.meter is not None:
-            self._quotas.meter.due = -math.inf
-
-    def _continue_dropping(self, meter: Meter, now: float) -> None:
-        """Continue to drop messages, or accept them again if it is time."""
-        self._exempt = False
-        if meter.resumes(now):
-            meter.charged = self.messages_received
-            meter.uncharged_bytes = 0
-            self._parser.on_text, self._parser.on_binary = self._on_text, self._on_binary
-        else:
-            # A message that began before is still to be paid for.
-            self._exempt = self._parser.large_taker not in (self._on_text, self._on_binary)
-
-    def _measure(self, meter: Meter, now: float) -> None:
-        """Charge what was read lately; drop messages from now on if that was too much."""
-        if now < meter.due and meter.uncharged_bytes < CHARGED_BYTES:
-            return
-        size, meter.uncharged_bytes = meter.uncharged_bytes, 0
-        if self._exempt or not self.is_open:
-            return
-        meter.charge(self.messages_received - meter.charged, size, now)
-        if meter.refusal is not None:
-            self._parser.on_text, self._parser.on_binary = self._drop_text, self._drop_binary
-
-    def _drop_text(self, text: Payload) -> None:
-        self._drop(text, is_text=True)
-
-    def _drop_binary(self, data: Payload) -> None:
-        self._drop(data, is_text=False)
-
-    def _drop(self, data: Payload, *, is_text: bool) -> None:
-        """Drop a message of which the endpoint reports why."""
-        meter = self._quotas.meter
-        assert meter is not None
-        assert self.endpoint is not None
-        self.limited += 1
-        try:
-            self.endpoint.refuse(data, meter.reason, is_text=is_text)
-        except InvalidUtf8:
-            self.fail(INVALID_UTF8)
-        except Exception:
-            logger.exception("%s: an operation could not be refused.", self.name)
+    # Requests that open no connection.
 
     def _refuse_flood(self) -> Response | None:
         """Return the response to a client whose address sends too many requests."""
@@ -645,7 +502,7 @@ class Connection(asyncio.BufferedProtocol):
 
     # Reading.
 
-    def _feed(self, data: bytes) -> None:
+    def feed(self, data: bytes) -> None:
         """Pass data to the library, and process its events."""
         if self._protocol.state is State.CLOSED:
             return
@@ -656,56 +513,15 @@ class Connection(asyncio.BufferedProtocol):
             elif isinstance(event, Frame):
                 self._on_frame(event)
         if self._protocol.state is not State.OPEN and self._head is None:
-            self._parser.give_up()
+            self._reader.give_up()
             self._leave()
         self._send()
 
     def _on_frame(self, frame: Frame) -> None:
-        self._others += 1
-        if frame.opcode is Opcode.PING and self._is_dropping:
-            self.limited += 1
+        self._reader.add(frame)
         if frame.opcode is Opcode.PONG:
             self._keepalive.ponged()
             self._shared.observer.ponged(self, bytes(frame.data))
-        elif frame.opcode in (Opcode.TEXT, Opcode.BINARY, Opcode.CONT):
-            self._on_data(frame)
-
-    def _on_data(self, frame: Frame) -> None:
-        """Put fragments together.
-
-        The library has read on: frames before a close, or before an error, still count.
-        """
-        if self._left:
-            return
-        if len(self._fragments) == MAX_FRAGMENTS:
-            self.fail(FRAGMENTS)
-            return
-        if frame.opcode is not Opcode.CONT:
-            self._binary = frame.opcode is Opcode.BINARY
-        self._fragments.append(bytes(frame.data))
-        self._parser.fragmented = not frame.fin
-        if frame.fin:
-            message, self._fragments = b"".join(self._fragments), []
-            parser = self._parser
-            on_message = parser.on_binary if self._binary else parser.on_text
-            on_message(message)
-
-    def _on_text(self, text: Payload) -> None:
-        assert self.endpoint is not None
-        try:
-            self.endpoint.receive_text(text)
-        except InvalidUtf8:
-            self.fail(INVALID_UTF8)
-        except Exception:
-            # An exception here would end the connection of a client that did nothing wrong.
-            logger.exception("%s: an operation failed.", self.name)
-
-    def _on_binary(self, data: Payload) -> None:
-        assert self.endpoint is not None
-        try:
-            self.endpoint.receive_binary(data)
-        except Exception:
-            logger.exception("%s: an operation failed.", self.name)
 
     # Writing.
 
@@ -748,11 +564,11 @@ class Connection(asyncio.BufferedProtocol):
     def close(self, reason: CloseReason) -> None:
         """Close in good order; a later sweep cuts off a client that does not answer."""
         if self._protocol.state is State.OPEN:
-            self._log_close(logging.INFO, reason)
+            self._log.closed(self, reason, level=logging.INFO)
             self._leave()
             self._protocol.send_close(reason.code, reason.reason)
             self._keepalive.closing(self._shared.loop.time())
-            self._parser.give_up()
+            self._reader.give_up()
             self._send()
         elif self._protocol.state is State.CONNECTING:
             self._transport.abort()
@@ -765,29 +581,17 @@ class Connection(asyncio.BufferedProtocol):
         """Close because of a fault of the client."""
         if self._protocol.state is not State.OPEN:
             return
-        self._log_close(logging.WARNING, reason)
+        self._log.closed(self, reason, level=logging.WARNING)
         self._leave()
         self._protocol.fail(reason.code, reason.reason)
-        self._parser.give_up()
+        self._reader.give_up()
         self._send()
-
-    def _log_close(self, level: int, reason: CloseReason) -> None:
-        audit, refused = self._shared.audit, REFUSALS.get(reason.code)
-        node = self.endpoint.node if self.endpoint is not None else ""
-        principal = self.principal.name if self.principal is not None else ""
-        if refused is not None:
-            audit.refused(refused, reason.reason, node=node, principal=principal, ip=self.address)
-            return
-        if reason is REPLACED:
-            audit.name_taken(node=node, principal=principal, ip=self.address)
-        text = "%s is closed: %s."
-        logger.log(level, text, self.name, reason.reason, extra=self._event("closed", reason))
 
     def _leave(self) -> None:
         """Remove the client's registrations; frames queued until now are still sent."""
         if self.endpoint is not None and not self._left:
             self._left = True
-            self._fragments = []
+            self._reader.stop()
             self.endpoint.leave()
             self.queue.flush()
             self.queue.close()
@@ -799,8 +603,8 @@ class Connection(asyncio.BufferedProtocol):
         endpoint and the library's protocol refer back to the connection, or to themselves.
         """
         if self._head is None:
-            del self._parser
-        self._fragments = []
+            self._reader.release()
+            del self._reader
         self.endpoint = None
         protocol, self._protocol = self._protocol, _ENDED
         vars(protocol).clear()
@@ -839,25 +643,19 @@ class Connection(asyncio.BufferedProtocol):
             self.fail(verdict)
 
     def _report_drops(self, now: float) -> None:
-        new = self.queue.dropped - self._reported
-        if new and now - self._reported_at >= DROP_REPORT_INTERVAL:
-            self._reported = self.queue.dropped
-            self._reported_at = now
-            logger.warning(
-                "%s reads too slowly: %d messages dropped, %d in all.",
-                self.name,
-                new,
-                self.queue.dropped,
-                extra=self._event("dropped"),
-            )
+        meter = self._quotas.meter
+        self._log.report_drops(self, now, meter.reason if meter is not None else "")
 
-    def _event(self, event: str, reason: CloseReason | None = None) -> dict[str, object]:
-        """Return what a line of the log in JSON has about the client."""
-        fields: dict[str, object] = {"ip": self.address}
-        if self.endpoint is not None:
-            fields["node"] = self.endpoint.node
-        if self.principal is not None:
-            fields["principal"] = self.principal.name
-        if reason is not None:
-            fields["code"] = reason.code
-        return {"event": event, "fields": fields}
+
+REFUSED = (AuthenticationError, NotAllowed, LimitReached)
+"""The errors for clients that may not enter, or not remain."""
+
+
+def _refusal(error: Exception, prefix: str = "") -> CloseReason:
+    """Return the reason with which the client of an error of `REFUSED` is closed."""
+    code = FORBIDDEN
+    if isinstance(error, LimitReached | TooManyAttempts):
+        code = LIMITED
+    elif isinstance(error, AuthenticationError):
+        code = UNAUTHENTICATED
+    return close_reason(code, f"{prefix}{error}")

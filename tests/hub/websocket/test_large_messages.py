@@ -296,7 +296,7 @@ async def test_announced_length_allocates_little_before_the_bytes_come(hub: Hub)
         try:
             before, _ = tracemalloc.get_traced_memory()
             await client.send(client_header(BINARY, 60 * MIB))
-            await until(lambda: connection._parser.in_large)
+            await until(lambda: connection._reader._parser.in_large)
             _, peak = tracemalloc.get_traced_memory()
         finally:
             tracemalloc.stop()

@@ -1,0 +1,310 @@
+"""Reading of one client after its handshake: bytes in, whole messages to its endpoint.
+
+A client that sends more than its limits allow has its messages dropped here, before they are
+decoded: the endpoint only reports that.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+from typing import Protocol
+
+from websockets.frames import Frame, Opcode
+
+from fibws.errors import InvalidUtf8
+from fibws.hub.settings import KIB, Settings
+from fibws.hub.websocket.endpoint import Endpoint
+from fibws.hub.websocket.quotas import CHARGED_BYTES, ClientQuotas, Meter
+from fibws.hub.websocket.turns import Turns
+from fibws.protocol.websocket import (
+    FRAGMENTS,
+    INVALID_UTF8,
+    CloseReason,
+    FrameParser,
+    Payload,
+)
+
+logger = logging.getLogger("fibws.hub")
+
+READ_SIZE = 512 * KIB
+"""Most bytes of a large message that are read at once."""
+MAX_FRAGMENTS = 4096
+"""Frames that one fragmented message may have: empty ones do not count towards its size."""
+
+
+class ReadBuffers:
+    """The buffers of one hub that sockets are read into.
+
+    What is read is used up within the same callback, so that one buffer serves all connections. A
+    small one makes a flooding publisher take turns with the others; the other one is for
+    connections in the middle of a longer frame.
+    """
+
+    __slots__ = ("medium", "small")
+
+    def __init__(self) -> None:
+        self.small = memoryview(bytearray(16 * KIB))
+        self.medium = memoryview(bytearray(256 * KIB))
+
+
+class Client(Protocol):
+    """A client's connection, as far as its reader uses it."""
+
+    @property
+    def name(self) -> str:
+        """The client's name in the log."""
+
+    def feed(self, data: bytes) -> None:
+        """Pass the bytes of all other frames to the library, which calls `MessageReader.add`."""
+
+    def fail(self, reason: CloseReason) -> None:
+        """Close because of a fault of the client."""
+
+
+class MessageReader:
+    """Splits what a client sends into messages, and measures how much that is.
+
+    Args:
+        quotas: the client's; a login may change them at any time.
+    """
+
+    __slots__ = (
+        "_binary",
+        "_buffers",
+        "_client",
+        "_exempt",
+        "_fragments",
+        "_others",
+        "_parser",
+        "_quotas",
+        "_stopped",
+        "dropped",
+        "endpoint",
+    )
+
+    def __init__(
+        self,
+        client: Client,
+        quotas: ClientQuotas,
+        settings: Settings,
+        turns: Turns,
+        buffers: ReadBuffers,
+    ) -> None:
+        self.endpoint: Endpoint | None = None
+        """Receives the messages; to be set before the first one comes."""
+        self.dropped = 0
+        """Messages that were dropped because they were more than the client may send."""
+        self._client = client
+        self._quotas = quotas
+        self._buffers = buffers
+        self._fragments: list[bytes] = []
+        self._binary = False
+        self._stopped = False
+        self._exempt = False
+        """Whether the data that is read now costs nothing, as its messages are dropped."""
+        self._others = 0
+        """Messages received that the parser has not counted."""
+        self._parser = FrameParser(
+            self._on_text,
+            self._on_binary,
+            client.feed,
+            max_size=settings.max_message_size,
+            masked=True,
+            turn=1,
+            go_on=turns.go_on,
+        )
+        if not settings.fast_framing:
+            self._parser.give_up()
+
+    @property
+    def messages(self) -> int:
+        """How many messages have come, pings and pongs included."""
+        return self._others + self._parser.messages
+
+    @property
+    def kept_bytes(self) -> int:
+        """Bytes that are kept of messages that came in part."""
+        return self._parser.kept_bytes + sum(map(len, self._fragments))
+
+    @property
+    def is_paused(self) -> bool:
+        """Whether frames that were read wait for `resume`."""
+        return self._parser.paused
+
+    @property
+    def is_dropping(self) -> bool:
+        """Whether the client's messages are dropped, as it sends too much."""
+        meter = self._quotas.meter
+        return meter is not None and meter.refusal is not None
+
+    # Bytes.
+
+    def buffer(self) -> memoryview:
+        """Return the buffer for the next bytes of the socket."""
+        parser = self._parser
+        if parser.in_large:
+            return parser.buffer()[:READ_SIZE]
+        buffers = self._buffers
+        return buffers.medium if parser.missing > len(buffers.small) else buffers.small
+
+    def filled(self, size: int, now: float) -> bool:
+        """Process bytes that were read into `buffer`.
+
+        Args:
+            now: seconds of the clock of `Turns`.
+
+        Returns:
+            Whether the client should wait for its turn, as it sends much.
+        """
+        parser, meter = self._parser, self._quotas.meter
+        if meter is not None and meter.refusal is not None:
+            self._continue_dropping(meter, now)
+        full = False
+        if parser.in_large:
+            parser.filled(size)
+        else:
+            buffer = self.buffer()
+            full = size == len(buffer)
+            parser.receive(bytes(buffer[:size]))
+        held = parser.paused
+        meter = self._quotas.meter  # A login in these bytes may have changed it.
+        if meter is None:
+            return full or held
+        meter.uncharged_bytes += size
+        self._measure(meter, now)
+        return full or held or meter.refusal is not None
+
+    def receive(self, data: bytes) -> None:
+        """Process bytes that came with the handshake's request."""
+        self._parser.receive(data)
+
+    def pause(self) -> None:
+        """Keep all bytes until `resume`."""
+        self._parser.pause()
+
+    def resume(self, now: float) -> None:
+        """Process the bytes that were kept, for one turn."""
+        meter = self._quotas.meter
+        if meter is not None and meter.refusal is not None:
+            self._continue_dropping(meter, now)
+        self._parser.resume()
+        meter = self._quotas.meter  # A login in these bytes may have changed it.
+        if meter is not None:
+            self._measure(meter, now)
+
+    def end(self) -> None:
+        """Pass the rest of a frame to the library: the client sends no more."""
+        self._parser.end()
+
+    def give_up(self) -> None:
+        """Pass everything to the library from now on."""
+        self._parser.give_up()
+
+    def stop(self) -> None:
+        """Ignore all further messages.
+
+        The library reads on behind a close frame, and behind an error.
+        """
+        self._stopped = True
+        self._fragments = []
+
+    def release(self) -> None:
+        """Free the memory of incomplete messages, and references that would keep the client."""
+        self._fragments = []
+        self.endpoint = None
+        del self._parser, self._client
+
+    # Messages.
+
+    def add(self, frame: Frame) -> None:
+        """Process a frame that the library has read: of control, or part of a message."""
+        self._others += 1
+        if frame.opcode is Opcode.PING:
+            self.dropped += self.is_dropping
+        elif frame.opcode in (Opcode.TEXT, Opcode.BINARY, Opcode.CONT) and not self._stopped:
+            self._add_fragment(frame)
+
+    def count_operations(self, count: int) -> None:
+        """Count operations of a message beyond the first as messages, too."""
+        self._others += count
+        if self._quotas.meter is not None:
+            self._quotas.meter.due = -math.inf
+
+    def _add_fragment(self, frame: Frame) -> None:
+        if len(self._fragments) == MAX_FRAGMENTS:
+            self._client.fail(FRAGMENTS)
+            return
+        if frame.opcode is not Opcode.CONT:
+            self._binary = frame.opcode is Opcode.BINARY
+        self._fragments.append(bytes(frame.data))
+        parser = self._parser
+        parser.fragmented = not frame.fin
+        if frame.fin:
+            message, self._fragments = b"".join(self._fragments), []
+            on_message = parser.on_binary if self._binary else parser.on_text
+            on_message(message)
+
+    def _on_text(self, text: Payload) -> None:
+        assert self.endpoint is not None
+        try:
+            self.endpoint.receive_text(text)
+        except InvalidUtf8:
+            self._client.fail(INVALID_UTF8)
+        except Exception:
+            # An exception here would end the connection of a client that did nothing wrong.
+            logger.exception("%s: an operation failed.", self._client.name)
+
+    def _on_binary(self, data: Payload) -> None:
+        assert self.endpoint is not None
+        try:
+            self.endpoint.receive_binary(data)
+        except Exception:
+            logger.exception("%s: an operation failed.", self._client.name)
+
+    # How much the client sends.
+
+    def accept(self) -> None:
+        """Drop no messages from now on: the client's quotas have changed."""
+        self._parser.on_text, self._parser.on_binary = self._on_text, self._on_binary
+
+    def _measure(self, meter: Meter, now: float) -> None:
+        """Charge what was read lately; drop messages from now on if that was too much."""
+        if now < meter.due and meter.uncharged_bytes < CHARGED_BYTES:
+            return
+        size, meter.uncharged_bytes = meter.uncharged_bytes, 0
+        if self._exempt or self.endpoint is None:
+            return
+        meter.charge(self.messages - meter.charged, size, now)
+        if meter.refusal is not None:
+            self._parser.on_text, self._parser.on_binary = self._drop_text, self._drop_binary
+
+    def _continue_dropping(self, meter: Meter, now: float) -> None:
+        """Continue to drop messages, or accept them again if it is time."""
+        self._exempt = False
+        if meter.resumes(now):
+            meter.charged = self.messages
+            meter.uncharged_bytes = 0
+            self.accept()
+        else:
+            # A message that began before is still to be paid for.
+            self._exempt = self._parser.large_taker not in (self._on_text, self._on_binary)
+
+    def _drop_text(self, text: Payload) -> None:
+        self._drop(text, is_text=True)
+
+    def _drop_binary(self, data: Payload) -> None:
+        self._drop(data, is_text=False)
+
+    def _drop(self, data: Payload, *, is_text: bool) -> None:
+        """Drop a message of which the endpoint reports why."""
+        meter = self._quotas.meter
+        assert meter is not None
+        assert self.endpoint is not None
+        self.dropped += 1
+        try:
+            self.endpoint.refuse(data, meter.reason, is_text=is_text)
+        except InvalidUtf8:
+            self._client.fail(INVALID_UTF8)
+        except Exception:
+            logger.exception("%s: an operation could not be refused.", self._client.name)
