@@ -49,8 +49,10 @@ class Limits:
         if not isinstance(table, Mapping):
             raise AccessError(f"{where} must be a table of limits, got {table!r}")
         for key, value in table.items():
-            if key not in NAMES:
-                raise AccessError(f"unknown limit {where}.{key}{suggestion_or_known(key, NAMES)}")
+            if key not in LIMIT_NAMES:
+                raise AccessError(
+                    f"unknown limit {where}.{key}{suggestion_or_known(key, LIMIT_NAMES)}"
+                )
             _check(value, f"{where}.{key}", whole=key in WHOLE)
         return cls(**table)
 
@@ -60,10 +62,10 @@ class Limits:
 
     def table(self) -> dict[str, Any]:
         """Return the table that `parse` takes."""
-        return {name: value for name in NAMES if (value := getattr(self, name)) is not None}
+        return {name: value for name in LIMIT_NAMES if (value := getattr(self, name)) is not None}
 
 
-NAMES = tuple(field.name for field in fields(Limits))
+LIMIT_NAMES = tuple(field.name for field in fields(Limits))
 DEFAULT = Limits()
 """Leaves all limits to the hub's settings."""
 WHOLE = ("connections", "subscriptions", "advertisements")

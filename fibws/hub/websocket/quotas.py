@@ -10,11 +10,12 @@ from __future__ import annotations
 
 import math
 from collections import OrderedDict
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from itertools import chain
 from typing import Literal, Protocol, TypeAlias
 
-from fibws.access.limits import Limits, network_of
+from fibws.access.limits import LIMIT_NAMES, Limits, network_of
 from fibws.access.rights import Principal
 from fibws.errors import LimitReached
 from fibws.hub.settings import KIB, Settings
@@ -40,6 +41,10 @@ Whose: TypeAlias = Literal["client", "principal", "address"]
 
 class Member(Protocol):
     """A client's connection, as far as it counts here."""
+
+    @property
+    def messages_received(self) -> int:
+        """How many messages have come from the client."""
 
     def registrations(self, what: Registration) -> int:
         """Return how many of something the client has registered."""
@@ -94,18 +99,30 @@ class Rate:
 class Quota:
     """Use and limits of the clients of one principal or one address.
 
+    Two proofs of one principal may have different limits: each such group of clients has a quota
+    with its own rates, but connections and registrations of all of them count together.
+
     Args:
         whose: what they have in common, for errors.
         limits: without None.
         flags: where each limit was set, by its name.
+        group: the quotas of the same principal or address, by their limits, with this one.
     """
 
-    __slots__ = ("bytes", "flags", "limits", "members", "messages", "whose")
+    __slots__ = ("bytes", "flags", "group", "limits", "members", "messages", "whose")
 
-    def __init__(self, whose: Whose, limits: Limits, flags: dict[str, str], now: float) -> None:
+    def __init__(
+        self,
+        whose: Whose,
+        limits: Limits,
+        flags: dict[str, str],
+        now: float,
+        group: Mapping[Limits, Quota],
+    ) -> None:
         self.whose = whose
         self.limits = limits
         self.flags = flags
+        self.group = group
         self.members: set[Member] = set()
         self.messages = self._rate("messages_per_second", LEAST_MESSAGES, now)
         self.bytes = self._rate("bytes_per_second", LEAST_BYTES, now)
@@ -123,8 +140,9 @@ class Quota:
 
     def _count(self, what: Literal["connections"] | Registration) -> int:
         if what == "connections":
-            return len(self.members)
-        return sum(each.registrations(what) for each in self.members)
+            return sum(len(quota.members) for quota in self.group.values())
+        members = chain.from_iterable(quota.members for quota in self.group.values())
+        return sum(each.registrations(what) for each in members)
 
     def _rate(self, name: str, least: int, now: float) -> Rate | None:
         rate = getattr(self.limits, name)
@@ -138,6 +156,8 @@ class Quota:
 
 class Meter:
     """Measures what one client sends, and says when to drop it.
+
+    A client keeps its meter as long as it is connected, so that a new login makes nothing good.
 
     Attributes:
         refusal: why messages are dropped now; None if they are not.
@@ -160,10 +180,9 @@ class Meter:
         "uncharged_bytes",
     )
 
-    def __init__(self, quotas: Iterable[Quota]) -> None:
-        quotas = tuple(quotas)
-        self._messages = tuple(each.messages for each in quotas if each.messages)
-        self._bytes = tuple(each.bytes for each in quotas if each.bytes)
+    def __init__(self) -> None:
+        self._messages: tuple[Rate, ...] = ()
+        self._bytes: tuple[Rate, ...] = ()
         self._resumes = 0.0
         self._strikes = 0
         self._dropped = 0
@@ -171,6 +190,22 @@ class Meter:
         self.reason = ""
         self.charged = 0
         self.uncharged_bytes = 0
+        self.due = -math.inf
+
+    def set_quotas(self, quotas: Iterable[Quota], received: int) -> None:
+        """Charge other quotas from now on, and accept messages until these refuse them.
+
+        Args:
+            received: messages that have come so far.
+        """
+        if not self.is_needed:  # It has not measured until now.
+            self.charged = received
+            self.uncharged_bytes = 0
+        quotas = tuple(quotas)
+        self._messages = tuple(each.messages for each in quotas if each.messages)
+        self._bytes = tuple(each.bytes for each in quotas if each.bytes)
+        self._resumes = 0.0
+        self.refusal = None
         self.due = -math.inf
 
     @property
@@ -234,11 +269,12 @@ class Quotas:
         )
         self._handshakes_per_second = settings.max_address_handshakes_per_second
         self._handshakes: OrderedDict[str, TokenBucket] = OrderedDict()
-        """By address, those that have sent requests lately."""
-        self._quotas: OrderedDict[tuple[Whose, str], Quota] = OrderedDict()
+        """By address, those that have sent requests lately; the oldest request comes first."""
+        self._groups: OrderedDict[tuple[Whose, str], dict[Limits, Quota]] = OrderedDict()
+        """Those of each principal and address by their limits; the oldest use comes first."""
 
     def __len__(self) -> int:
-        return len(self._quotas) + len(self._handshakes)
+        return sum(map(len, self._groups.values())) + len(self._handshakes)
 
     def handshake_refusal(self, address: str, now: float) -> str | None:
         """Return why an address may send no request now; None if it may, which is counted."""
@@ -251,6 +287,7 @@ class Quotas:
             bucket = self._handshakes[network] = TokenBucket(limit, LEAST_MESSAGES, now)
             if len(self._handshakes) > MOST_IDLE:
                 self._handshakes.popitem(last=False)
+        self._handshakes.move_to_end(network)
         if not bucket.charge(1, now):
             return None
         bucket.charge(-1, now)
@@ -261,14 +298,14 @@ class Quotas:
         """Return a new quota for one client alone; None if it is unlimited."""
         if not _is_limited(self._client):
             return None
-        flags = {name: _flag("client", name) for name in NAMES}
-        return Quota("client", self._client, flags, now)
+        flags = {name: _flag("client", name) for name in LIMIT_NAMES}
+        return Quota("client", self._client, flags, now, {})
 
     def of_address(self, address: str, now: float) -> Quota | None:
         """Return the quota of an address; None if it is unlimited."""
         if not _is_limited(self._address):
             return None
-        flags = {name: _flag("address", name) for name in NAMES}
+        flags = {name: _flag("address", name) for name in LIMIT_NAMES}
         return self._shared("address", network_of(address), self._address, flags, now)
 
     def of_principal(self, principal: Principal, now: float) -> Quota | None:
@@ -279,7 +316,7 @@ class Quotas:
             return None
         flags = {
             name: f"limits.{name} of its token" if name in own else _flag("principal", name)
-            for name in NAMES
+            for name in LIMIT_NAMES
         }
         return self._shared("principal", principal.name, limits, flags, now)
 
@@ -287,31 +324,38 @@ class Quotas:
         """Forget addresses and principals that have no clients, and have been quiet for a while."""
         for network in [each for each, bucket in self._handshakes.items() if bucket.is_full(now)]:
             del self._handshakes[network]
-        idle = [key for key, quota in self._quotas.items() if not quota.members]
-        for number, key in enumerate(idle):
-            if len(idle) - number > MOST_IDLE or self._quotas[key].is_idle(now):
-                del self._quotas[key]
+        idle = [
+            (key, quota)
+            for key, group in self._groups.items()
+            for quota in group.values()
+            if not quota.members
+        ]
+        for number, (key, quota) in enumerate(idle):
+            if len(idle) - number > MOST_IDLE or quota.is_idle(now):
+                group = self._groups[key]
+                del group[quota.limits]
+                if not group:
+                    del self._groups[key]
 
     def _shared(
         self, whose: Whose, key: str, limits: Limits, flags: dict[str, str], now: float
     ) -> Quota:
-        known = self._quotas.get((whose, key))
-        if known is not None and known.limits == limits:
-            return known
-        quota = self._quotas[whose, key] = Quota(whose, limits, flags, now)
-        if known is not None:  # The limits were changed; its clients move over one by one.
-            quota.members = known.members
-        return quota
+        group = self._groups.setdefault((whose, key), {})
+        self._groups.move_to_end((whose, key))
+        if limits not in group:
+            group[limits] = Quota(whose, limits, flags, now, group)
+        return group[limits]
 
 
 class ClientQuotas:
     """The quotas that one client belongs to: its own, its address's, and its principal's."""
 
-    __slots__ = ("_joined", "_quotas", "meter")
+    __slots__ = ("_joined", "_meter", "_quotas", "meter")
 
     def __init__(self, quotas: Quotas) -> None:
         self._quotas = quotas
         self._joined: dict[Whose, Quota] = {}
+        self._meter = Meter()
         self.meter: Meter | None = None
         """Measures what the client sends; None if its rates are unlimited."""
 
@@ -321,12 +365,12 @@ class ClientQuotas:
         own = self._quotas.of_client(now)
         if own is not None:
             self._joined["client"] = own
-        self._measure()
+        self._set_meter(member)
 
     def join_principal(self, member: Member, principal: Principal, now: float) -> None:
         """Count the client of a principal; raises `LimitReached` if there are too many."""
         self._join(member, "principal", self._quotas.of_principal(principal, now))
-        self._measure()
+        self._set_meter(member)
 
     def check_room(self, what: Registration) -> None:
         """Raise `LimitReached` if no more of something may be registered."""
@@ -341,24 +385,22 @@ class ClientQuotas:
         self._joined.clear()
 
     def _join(self, member: Member, whose: Whose, quota: Quota | None) -> None:
-        if quota is not None and member not in quota.members:
+        older = self._joined.get(whose)
+        if quota is not None and (older is None or older.group is not quota.group):
             quota.check_room("connections")
-        older = self._joined.pop(whose, None)
+        self._joined.pop(whose, None)
         if older is not None:
             older.members.discard(member)
         if quota is not None:
             self._joined[whose] = quota
             quota.members.add(member)
 
-    def _measure(self) -> None:
-        meter = Meter(self._joined.values())
-        if self.meter is not None:
-            meter.charged = self.meter.charged
-        self.meter = meter if meter.is_needed else None
+    def _set_meter(self, member: Member) -> None:
+        self._meter.set_quotas(self._joined.values(), member.messages_received)
+        self.meter = self._meter if self._meter.is_needed else None
 
 
 NO_LIMITS = Limits(0, 0, 0, 0, 0)
-NAMES = tuple(NO_LIMITS.table())
 
 
 def _is_limited(limits: Limits) -> bool:

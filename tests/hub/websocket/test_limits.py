@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from functools import partial
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -84,6 +86,10 @@ async def exhaust(client: Client) -> None:
     await client.send(publish("/t", 0) * MANY)
 
 
+def is_processed(flooding: Connection, sent: int) -> bool:
+    return flooding._left or flooding.messages_received >= sent
+
+
 # Rates.
 
 
@@ -104,6 +110,25 @@ async def test_messages_beyond_the_rate_are_dropped_and_counted(
         status = json.loads(payload)
         assert (opcode, status["op"], status["level"]) == (TEXT, "status", "error")
         assert "limit 100, --max-messages-per-second" in status["msg"]
+
+
+async def test_dropped_messages_are_in_the_metrics_and_the_audit(
+    limited: Hub, caplog: pytest.LogCaptureFixture
+) -> None:
+    async with connected(limited.port, "/?node=/flooder") as flooder:
+        await flooder.advertises("/t")
+        await exhaust(flooder)
+        flooding = connection(limited)
+        await until(lambda: flooding.messages_received >= MANY + 2)
+        dropped = flooding.limited
+        for _ in range(2):
+            flooding.sweep(0.0, 0.0)
+        assert limited.audit.refusals["limit"] == 1
+        (event,) = [each for each in caplog.records if each.name == "fibws.hub.audit"]
+        assert "/flooder" in event.message and "--max-messages-per-second" in event.message
+        assert limited._clients.limited() == dropped
+    await until(lambda: not limited._connections)
+    assert limited._clients.limited() == dropped
 
 
 async def test_client_within_its_limits_loses_nothing(limited: Hub) -> None:
@@ -212,10 +237,11 @@ async def test_client_that_goes_on_beyond_its_rate_is_closed(start_hub: StartHub
         await other.advertises("/quiet")
         await flooder.advertises("/t")
         flooding = connection(hub)
+        sent = flooding.messages_received
         while not flooding._left:
             await flooder.send(publish("/t", 0) * 50)
-            before = flooding.messages_received
-            await until(lambda: flooding._left or flooding.messages_received > before)  # noqa: B023
+            sent += 50
+            await until(partial(is_processed, flooding, sent))
         code, reason = await closing(flooder)
         assert code == LIMITED
         assert "limit 100, --max-messages-per-second" in reason
@@ -310,6 +336,33 @@ async def test_limits_are_reloaded(no_sweeps: None, start_hub: StartHub, tmp_pat
         await bob.send_operation("call_service", service="/rosapi/get_time", id="call")
         assert (await until_response(bob, "call"))["result"]
         assert connection(hub).limited == dropped
+
+
+async def test_login_amid_a_burst_drops_messages_only_while_there_are_too_many(
+    no_sweeps: None, start_hub: StartHub, tmp_path: Path
+) -> None:
+    path = tmp_path / "tokens.toml"
+    path.write_text(TOKENS, "utf-8")
+    hub = await start_hub(tokens=path, max_principal_messages_per_second=MANY)
+    async with connected(hub.port, "/?token=two&node=/flooder") as bob:
+        message = operation("clear_will", topic="/t")
+        # The login comes while nothing is dropped yet, and in one read with other messages.
+        burst = [message * 60, operation("auth", token="two"), message * 60] * (MANY // 12)
+        await bob.send(b"".join(burst))
+        flooding = connection(hub)
+        await until(lambda: flooding.messages_received == 121 * (MANY // 12))
+        assert flooding.limited
+        result = False
+        for number in count():
+            await bob.send_operation("call_service", service="/rosapi/get_time", id=f"{number}")
+            result = (await until_response(bob, f"{number}"))["result"]
+            if result:
+                break
+        dropped = flooding.limited
+        await bob.send(message * 10)
+        await bob.send_operation("call_service", service="/rosapi/get_time", id="last")
+        assert (await until_response(bob, "last"))["result"]
+        assert flooding.limited == dropped
 
 
 # Handshakes.

@@ -29,6 +29,7 @@ class Connection:
 
     def __init__(self, **registered: int) -> None:
         self.registered = registered
+        self.messages_received = 0
 
     def registrations(self, what: Registration) -> int:
         return self.registered.get(what, 0)
@@ -149,6 +150,28 @@ def test_client_is_beyond_a_limit_for_too_long_after_some_seconds_in_a_row() -> 
     assert not meter.sweep(SUSTAINED_SECONDS + 1)
 
 
+def test_new_login_makes_no_excess_good() -> None:
+    quotas, connection = Quotas(Settings()), Connection()
+    client = entered(quotas, connection=connection)
+    for dropped in range(1, SUSTAINED_SECONDS + 1):
+        client.join_principal(connection, principal(messages_per_second=5 + dropped % 2), 0.0)
+        assert client.meter is not None
+        # Two limits have two buckets, which are empty from then on.
+        client.meter.charge(LEAST_MESSAGES + 1 if dropped <= 2 else 1, 0, 0.0)
+        assert client.meter.refusal is not None
+        is_closed = client.meter.sweep(dropped)
+    assert is_closed
+
+
+def test_messages_before_there_was_a_limit_are_not_charged() -> None:
+    quotas, connection = Quotas(Settings()), Connection()
+    client = entered(quotas, connection=connection)
+    connection.messages_received = 1_000_000
+    client.join_principal(connection, principal(messages_per_second=5), 0.0)
+    assert client.meter is not None
+    assert client.meter.charged == 1_000_000
+
+
 # Connections and registrations.
 
 
@@ -176,6 +199,25 @@ def test_connections_of_one_principal_are_limited() -> None:
     second.join_principal(Connection(), principal("bob"), 0.0)
     first.join_principal(connection, principal("cid"), 0.0)
     entered(quotas).join_principal(Connection(), principal(), 0.0)
+
+
+def test_proofs_of_one_principal_with_other_limits_count_together() -> None:
+    quotas = Quotas(Settings())
+    connections = [Connection(subscriptions=1) for _ in range(3)]
+    few, many = (principal(connections=limit, subscriptions=limit) for limit in (2, 3))
+    clients = [entered(quotas) for _ in connections]
+    for client, connection in zip(clients[:2], connections, strict=False):
+        client.join_principal(connection, many, 0.0)
+    with pytest.raises(LimitReached, match=r"limit 2, limits\.connections"):
+        clients[2].join_principal(connections[2], few, 0.0)
+    clients[2].join_principal(connections[2], many, 0.0)
+    clients[2].join_principal(connections[2], few, 0.0)  # It is connected already.
+    with pytest.raises(LimitReached, match=r"limit 2, limits\.subscriptions"):
+        clients[2].check_room("subscriptions")
+    for client, connection in zip(clients, connections, strict=True):
+        client.leave(connection)
+    quotas.sweep(1.0)
+    assert len(quotas) == 0
 
 
 @pytest.mark.parametrize("what", ["subscriptions", "advertisements"])
@@ -253,6 +295,18 @@ def test_addresses_are_remembered_up_to_a_limit(monkeypatch: pytest.MonkeyPatch)
         client.leave(connection)
     quotas.sweep(0.0)
     assert len(quotas) <= 20
+
+
+def test_busy_address_is_remembered_longer_than_an_idle_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(module, "MOST_IDLE", 10)
+    quotas = Quotas(Settings(max_address_handshakes_per_second=1))
+    refusals = []
+    for number in range(LEAST_MESSAGES + 1):
+        refusals.append(quotas.handshake_refusal("10.0.0.1", 0.0))
+        assert quotas.handshake_refusal(f"10.0.1.{number}", 0.0) is None
+    assert [refusal is None for refusal in refusals] == [True] * LEAST_MESSAGES + [False]
 
 
 @pytest.mark.parametrize(
