@@ -13,6 +13,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from unittest.mock import patch
 
 from bench.client import frame, operation
 from bench.handshake import connected, handshake
@@ -170,7 +171,7 @@ def _handshakes(hub: str, ways: Sequence[Way], plan: Plan, report: Report) -> No
 @contextmanager
 def _ways(hub: str, folder: Path) -> Iterator[list[Way]]:
     """Start the servers; nginx only if it is installed."""
-    with _variable("XDG_STATE_HOME", str(folder)), ExitStack() as stack:
+    with patch.dict(os.environ, XDG_STATE_HOME=str(folder)), ExitStack() as stack:
         files = ensure_certificate([])
         context = ssl.create_default_context(cafile=files.authority)
         plain = stack.enter_context(running(hub))
@@ -229,19 +230,6 @@ def _nginx(
     finally:
         process.terminate()
         process.wait()
-
-
-@contextmanager
-def _variable(name: str, value: str) -> Iterator[None]:
-    old = os.environ.get(name)
-    os.environ[name] = value
-    try:
-        yield
-    finally:
-        if old is None:
-            del os.environ[name]
-        else:
-            os.environ[name] = old
 
 
 _BUFFER = memoryview(bytearray(1 << 18))

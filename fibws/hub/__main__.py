@@ -26,10 +26,8 @@ from fibws.hub.monitoring.service_manager import ServiceManager
 from fibws.hub.server import Hub
 from fibws.hub.settings import MIB, Settings
 
-try:
+if sys.platform != "win32":
     import resource
-except ImportError:  # Windows has no such limits.
-    resource = None  # type: ignore[assignment]
 
 logger = logging.getLogger("fibws.hub")
 
@@ -302,8 +300,8 @@ def _flush_output() -> None:
 
 def _raise_file_limit(count: int) -> None:
     """Allow the process that many open files, or as many as the system lets it have."""
-    if resource is None:
-        return  # type: ignore[unreachable]
+    if sys.platform == "win32":
+        return  # It has no such limit.
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     if soft == resource.RLIM_INFINITY or soft >= count:
         return

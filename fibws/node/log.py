@@ -6,6 +6,7 @@ import asyncio
 import logging
 import os
 import sys
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from string import Template
@@ -49,13 +50,12 @@ def severity_name(record: logging.LogRecord) -> str:
     return _NAMES.get(record.levelno, record.levelname)
 
 
-class ConsoleHandler(logging.Handler):
-    """Writes a line for each record, as subclasses format it: to stderr from WARN on, else to
-    stdout."""
+class ConsoleHandler(logging.Handler, ABC):
+    """A handler that writes a line for each record: to stderr from WARN on, else to stdout."""
 
+    @abstractmethod
     def line(self, record: logging.LogRecord) -> str:
         """Return the record's line."""
-        raise NotImplementedError
 
     def emit(self, record: logging.LogRecord) -> None:
         """Write the record's line and flush it.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Coroutine, Iterable
 from typing import Any, NoReturn, TypeAlias, assert_never
 
@@ -94,20 +95,20 @@ class Tasks:
         return self._tasks - {asyncio.current_task()} if self._tasks else set()
 
 
-class Registration:
+class Registration(ABC):
     """A publisher, a service or an action server, which the hub registers or refuses."""
 
     is_awaited = False
     """Whether `Node` waits for the hub's answer: it raises a refusal, which is logged otherwise."""
 
     @property
+    @abstractmethod
     def fault(self) -> Exception | None:
         """The error that ended it, such as the hub's refusal; usually None."""
-        raise NotImplementedError
 
+    @abstractmethod
     def close(self) -> None:
         """Take it back. Does nothing when called again."""
-        raise NotImplementedError
 
 
 class OperationHandler:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import FrozenInstanceError, fields
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -51,8 +52,9 @@ def test_origin_without_a_scheme_is_refused() -> None:
     ],
 )
 def test_number_out_of_range_is_refused(setting: str, value: float, flag: str) -> None:
+    values: dict[str, Any] = {setting: value}
     with pytest.raises(HubError) as caught:
-        Settings(**{setting: value})  # type: ignore[arg-type]
+        Settings(**values)
     assert flag in str(caught.value)
     assert str(value) in str(caught.value)
 
@@ -66,11 +68,13 @@ def test_number_out_of_range_is_refused(setting: str, value: float, flag: str) -
     ],
 )
 def test_tls_requires_certificate_and_key(files: dict[str, str], flags: tuple[str, str]) -> None:
+    values: dict[str, Any] = {name: Path(file) for name, file in files.items()}
     with pytest.raises(HubError) as caught:
-        Settings(**{name: Path(file) for name, file in files.items()})  # type: ignore[arg-type]
+        Settings(**values)
     assert all(flag in str(caught.value) for flag in flags)
 
 
 def test_unknown_format_of_the_log_is_refused() -> None:
+    xml: Any = "xml"
     with pytest.raises(HubError, match="--log-format must be text or json, got xml"):
-        Settings(log_format="xml")  # type: ignore[arg-type]
+        Settings(log_format=xml)

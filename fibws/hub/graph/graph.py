@@ -39,7 +39,7 @@ from fibws.hub.graph.action import (
 from fibws.hub.graph.parameters import Parameters, canonical, names_in
 from fibws.hub.graph.policy import RIGHTS_OF, AllowAll, Kind, Policy
 from fibws.hub.graph.service import Call, Function, InternalServer, Service, ServiceServer
-from fibws.hub.graph.topic import Guard, GuardedSource, Quota, Receiver, Sink, Source, Topic
+from fibws.hub.graph.topic import Guard, GuardedSource, LatchQuota, Receiver, Sink, Source, Topic
 from fibws.hub.graph.totals import CallTotals, TopicTotals
 from fibws.hub.graph.types import MessageType, Types
 from fibws.interfaces import Interfaces
@@ -318,7 +318,7 @@ class Graph:
         definition: str | None = None,
         *,
         latch: bool = False,
-        quota: Quota | None = None,
+        quota: LatchQuota | None = None,
         serialized: bool = False,
         md5sum: str | None = None,
     ) -> Source:
@@ -354,12 +354,12 @@ class Graph:
         return source
 
     def _new_source(
-        self, node: str, topic: Topic, type_: MessageType, *, latch: bool, quota: Quota | None
+        self, node: str, topic: Topic, type_: MessageType, *, latch: bool, quota: LatchQuota | None
     ) -> Source:
         guard = self.guards.get(topic.name)
         is_free = guard is None or node in self.internal or self.policy.is_admin(node)
         make = Source if guard is None or is_free else partial(GuardedSource, guard)
-        return make(node, topic, type_, self.now, latch=latch, quota=quota or Quota())
+        return make(node, topic, type_, self.now, latch=latch, quota=quota or LatchQuota())
 
     def remove_source(self, source: Source) -> None:
         """Remove a source from its topic."""

@@ -75,7 +75,7 @@ Guard: TypeAlias = Callable[[str, Mapping[str, Any]], None]
 """Checks the values of a node's message, and raises `OperationError` to refuse it."""
 
 
-class Quota:
+class LatchQuota:
     """Bytes that the latched messages of one node may take together.
 
     Args:
@@ -303,7 +303,7 @@ class Source:
         now: Callable[[], int],
         *,
         latch: bool,
-        quota: Quota,
+        quota: LatchQuota,
     ) -> None:
         self.node = node
         self.topic = topic

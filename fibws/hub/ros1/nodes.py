@@ -29,7 +29,7 @@ from fibws.errors import (
 from fibws.hub.graph.graph import ExternalNode, Graph
 from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.service import InternalServer
-from fibws.hub.graph.topic import Conflict, Quota, Receiver, SinkReport, Source, Topic
+from fibws.hub.graph.topic import Conflict, LatchQuota, Receiver, SinkReport, Source, Topic
 from fibws.hub.log_text import shortened
 from fibws.hub.ros1.http import NodeCalls
 
@@ -212,7 +212,7 @@ class Ros1Nodes:
         calls: NodeCalls,
         *,
         principal: Principal | None,
-        quota: Callable[[], Quota],
+        quota: Callable[[], LatchQuota],
         port: Callable[[], int],
     ) -> None:
         self.by_name: dict[str, Ros1Node] = {}

@@ -17,7 +17,7 @@ from fibws.access.rights import Principal
 from fibws.errors import HubError, XmlRpcError
 from fibws.hub.audit import Audit
 from fibws.hub.graph.graph import Graph
-from fibws.hub.graph.topic import Quota
+from fibws.hub.graph.topic import LatchQuota
 from fibws.hub.ros1 import api
 from fibws.hub.ros1.api import Answer, Method
 from fibws.hub.ros1.connection import Acceptor, TcprosConnection
@@ -72,7 +72,7 @@ class Ros1Server:
             graph,
             self._calls,
             principal=principal,
-            quota=lambda: Quota(settings.max_latched_bytes),
+            quota=lambda: LatchQuota(settings.max_latched_bytes),
             port=lambda: self.port,
         )
         """The nodes that are registered."""

@@ -18,7 +18,7 @@ from fibws.errors import (
 )
 from fibws.hub.delivery.clock import Timer
 from fibws.hub.graph.peers import PeerWatch
-from fibws.hub.graph.topic import Quota, Source, Topic
+from fibws.hub.graph.topic import LatchQuota, Source, Topic
 from fibws.hub.log_text import is_power_of_ten
 from fibws.hub.rosbridge.client import Client
 from fibws.hub.rosbridge.encodings import COMPRESSIONS
@@ -75,7 +75,7 @@ class Topics:
 
     def __init__(self, client: Client) -> None:
         self._client = client
-        self._latch_quota: Quota | None = None
+        self._latch_quota: LatchQuota | None = None
         self._grace_ends = client.clock.time() + GRACE
         self._pending: PendingPublishes | None = None
         self._refused: dict[str, RefusedAdvertise] = {}
@@ -295,9 +295,9 @@ class Topics:
             self._spellings.setdefault(source, []).append(request.topic)
         return source
 
-    def _quota(self) -> Quota:
+    def _quota(self) -> LatchQuota:
         if self._latch_quota is None:
-            self._latch_quota = Quota(self._client.settings.max_latched_bytes)
+            self._latch_quota = LatchQuota(self._client.settings.max_latched_bytes)
         return self._latch_quota
 
     def _count_advertisement(self, source: Source, request: Advertise) -> None:

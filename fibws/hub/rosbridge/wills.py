@@ -15,7 +15,7 @@ from typing import Any
 
 from fibws.errors import FibwsError, LimitReached
 from fibws.hub.delivery.clock import Clock, Timer
-from fibws.hub.graph.topic import Quota, Source
+from fibws.hub.graph.topic import LatchQuota, Source
 from fibws.protocol.operations import json_of
 
 logger = logging.getLogger("fibws.hub")
@@ -58,7 +58,7 @@ class Wills:
 
     __slots__ = ("_clock", "_node", "_quota", "_wills")
 
-    def __init__(self, node: str, quota: Quota, clock: Clock) -> None:
+    def __init__(self, node: str, quota: LatchQuota, clock: Clock) -> None:
         self._node = node
         self._quota = quota
         self._clock = clock

@@ -11,7 +11,7 @@ import pytest
 
 from fibws.errors import InvalidMessage, OperationError
 from fibws.hub.graph.graph import Graph
-from fibws.hub.graph.topic import Quota, Source
+from fibws.hub.graph.topic import LatchQuota, Source
 from fibws.interfaces import Interfaces
 
 from ..fakes import INT32, NANOSECONDS
@@ -128,7 +128,7 @@ def test_message_for_one_node_is_not_latched() -> None:
 
 
 def test_only_bytes_are_kept_of_a_latched_message() -> None:
-    quota = Quota(100)
+    quota = LatchQuota(100)
     talker = source(latch=True, quota=quota)
     recorder = recorded(talker)
     ways: list[Callable[[], None]] = [
@@ -148,7 +148,7 @@ def test_only_bytes_are_kept_of_a_latched_message() -> None:
 
 @pytest.mark.parametrize("serialized", [False, True])
 def test_message_beyond_the_quota_is_delivered_but_not_latched(serialized: bool) -> None:
-    quota = Quota(20)
+    quota = LatchQuota(20)
     talker = source("std_msgs/String", latch=True, quota=quota)
     recorder = recorded(talker)
     talker.publish({"data": "short"})
@@ -166,7 +166,7 @@ def test_message_beyond_the_quota_is_delivered_but_not_latched(serialized: bool)
 
 
 def test_quota_is_shared_by_the_sources_of_a_node() -> None:
-    quota = Quota(7)
+    quota = LatchQuota(7)
     first, second = (source(latch=True, quota=quota) for _ in range(2))
     first.publish({"data": 1})
     with pytest.raises(OperationError):

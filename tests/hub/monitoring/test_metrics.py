@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import gzip
 import re
-from collections.abc import AsyncIterator, Iterator
+from collections.abc import AsyncIterator, Callable, Iterator
 from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Any
@@ -49,7 +49,8 @@ def scrape(hub: Hub, address: str = "127.0.0.1", **headers: str) -> Response:
 
 def strict_families(text: str) -> Iterator[Metric]:
     """Yield the metrics of an OpenMetrics text, whose parser is strict."""
-    yield from strict_families_of(text)  # type: ignore[no-untyped-call]
+    parse: Callable[[str], Iterator[Metric]] = strict_families_of
+    yield from parse(text)
 
 
 def families(hub: Hub, **headers: str) -> dict[str, Metric]:

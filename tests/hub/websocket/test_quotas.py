@@ -102,7 +102,8 @@ def test_unlimited_client_is_not_measured() -> None:
 def test_too_much_a_second_is_refused(whose: str, what: str, charge: tuple[int, int]) -> None:
     limit = {"messages": 500.0, "bytes": 50_000.0}[what]
     name = f"max_{whose}{what}_per_second"
-    client = entered(Quotas(Settings(**{name: limit})))  # type: ignore[arg-type]
+    settings: dict[str, Any] = {name: limit}
+    client = entered(Quotas(Settings(**settings)))
     client.join_principal(Connection(), principal(), 0.0)
     meter = client.meter
     assert meter is not None
@@ -222,7 +223,8 @@ def test_proofs_of_one_principal_with_other_limits_count_together() -> None:
 
 @pytest.mark.parametrize("what", ["subscriptions", "advertisements"])
 def test_registrations_of_one_address_are_limited_together(what: Registration) -> None:
-    quotas = Quotas(Settings(**{f"max_address_{what}": 3}))  # type: ignore[arg-type]
+    settings: dict[str, Any] = {f"max_address_{what}": 3}
+    quotas = Quotas(Settings(**settings))
     clients = [entered(quotas, connection=Connection(**{what: count})) for count in (1, 1)]
     clients[0].check_room(what)
     other = entered(quotas, connection=Connection(**{what: 1}))
