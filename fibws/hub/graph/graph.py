@@ -26,6 +26,7 @@ from fibws.errors import (
     NotAllowed,
     OperationError,
     TypeConflict,
+    UnknownDefinition,
 )
 from fibws.hub.graph.action import (
     Action,
@@ -41,7 +42,7 @@ from fibws.hub.graph.policy import RIGHTS_OF, AllowAll, Kind, Policy
 from fibws.hub.graph.service import Call, Function, InternalServer, Service, ServiceServer
 from fibws.hub.graph.topic import Guard, GuardedSource, LatchQuota, Receiver, Sink, Source, Topic
 from fibws.hub.graph.totals import CallTotals, TopicTotals
-from fibws.hub.graph.types import MessageType, Types
+from fibws.hub.graph.types import UNKNOWN_SERVICE, MessageType, ServiceType, Types
 from fibws.interfaces import Interfaces
 
 logger = logging.getLogger("fibws.hub")
@@ -506,9 +507,13 @@ class Graph:
     # Services.
 
     def serve(
-        self, name: str, type_: str, definition: str | None, server: ServiceServer
+        self, name: str, type_: str | None, definition: str | None, server: ServiceServer
     ) -> Service:
         """Let a client serve a service; an older server is informed that it is displaced.
+
+        Args:
+            type_: the service's type; None until `learn_service_type`, which the server calls
+                before it asks for a call's request.
 
         Raises:
             NotAllowed: the policy forbids it.
@@ -516,12 +521,55 @@ class Graph:
             InterfaceError: the type's name is not valid, or its package does not have it.
         """
         self.check_allowed(server.node, "provide", name)
-        service_type = self._types.service(Interfaces.canonical(type_), definition, server.node)
+        service_type = UNKNOWN_SERVICE
+        if type_ is not None:
+            service_type = self._types.service(Interfaces.canonical(type_), definition, server.node)
         older = self.services.get(name)
         if older is not None and isinstance(older.server, InternalServer):
             raise OperationError(f"Service {name} is the hub's own ({older.node})")
         self._check_free("Service", name, older, server.node)
         return self._serve(Service(name, service_type, server))
+
+    def learn_service_type(
+        self, service: Service, type_: str, definition: str | None, md5sum: str
+    ) -> None:
+        """Give a service its type, which its server has told.
+
+        If the definition is unknown or another one, the service has a type by name only, and its
+        server is to refuse calls.
+
+        Args:
+            definition: the text of the type; None for the one that the hub knows.
+            md5sum: the md5 of the type as the server knows it.
+
+        Raises:
+            InterfaceError: the type's name is not valid, its package does not have it, or it is
+                known with other fields.
+            DefinitionMismatch: the md5 is another one.
+            UnknownDefinition: the fields are unknown.
+        """
+        name = Interfaces.canonical(type_)
+        try:
+            found = self._types.service(name, definition, service.node)
+            if found.codecs is None:
+                raise UnknownDefinition(name, found.fault)
+            if found.md5sum != md5sum:
+                raise DefinitionMismatch(name, md5sum, found.md5sum or "")
+        except (InterfaceError, OperationError) as error:
+            self._set_service_type(service, self._types.unchecked_service(name, md5sum, str(error)))
+            raise
+        self._set_service_type(service, found)
+
+    def _set_service_type(self, service: Service, type_: ServiceType) -> None:
+        if self.services.get(service.name) is service:
+            self._types.hold(type_, service, partial(self._described_service, service))
+            if type_.codecs is not service.type.codecs:
+                self._types.release(service.type, service)
+            self.revision += 1
+        service.type = type_
+
+    def _described_service(self, service: Service) -> str:
+        return self._described(service.node, service.name)
 
     def serve_internally(self, name: str, type_: str, node: str, function: Function) -> None:
         """Let the hub itself serve a service, as one of its own nodes."""
@@ -530,7 +578,7 @@ class Graph:
     def _serve(self, service: Service) -> Service:
         older = self.services.get(service.name)
         self.services[service.name] = service
-        self._types.hold(service.type, service, lambda: self._described(service.node, service.name))
+        self._types.hold(service.type, service, partial(self._described_service, service))
         self.revision += 1
         if older is not None:
             self._types.release(older.type, older)

@@ -75,6 +75,7 @@ class Service:
 
     name: str
     type: ServiceType
+    """`ANY_TYPE` until it is known; see `Graph.learn_service_type`."""
     server: ServiceServer
 
     @property
@@ -125,8 +126,8 @@ class Call:
     ) -> None:
         _check_md5sum(service, caller, headers or {})
         self.service = service
-        self.request = service.type.fill_request(args)
-        """Its values, every field filled."""
+        self.request: Any = service.type.fill_request(args) if service.type.is_known else args
+        """Its values, every field filled; as the caller gave them while the type is unknown."""
         self.caller = caller
         self.headers = headers
         self.due = math.inf
@@ -145,6 +146,16 @@ class Call:
         # The server has it; a large request need not be kept until it responds.
         self.request = {}
         self.headers = None
+
+    def fill(self, args: object, headers: Mapping[str, str] | None) -> dict[str, Any]:
+        """Return the request of a call that was made before its service's type was known.
+
+        Raises:
+            InvalidMessage: the request does not fit the type.
+            CallFailed: the caller means another type.
+        """
+        _check_md5sum(self.service, self.caller, headers or {})
+        return self.service.type.fill_request(args)
 
     def respond(self, values: object) -> None:
         """Take the server's response.

@@ -30,6 +30,9 @@ from fibws.interfaces.serialization import FEWEST_BYTES, Serializer, Serializers
 
 _SCALARS = frozenset({str, int, float, bool, type(None)})
 
+ANY_TYPE = "*"
+"""The name of a type that is still to be learned, as in ROS 1's connection headers."""
+
 Buffer: TypeAlias = bytes | bytearray | memoryview
 """Serialized bytes; they must not be changed."""
 Validate: TypeAlias = Callable[[object], dict[str, Any]]
@@ -238,6 +241,11 @@ class ServiceType:
     codecs: Codecs | None = None
     fault: str = ""
 
+    @property
+    def is_known(self) -> bool:
+        """Whether it is a type at all, and not one that is still to be learned."""
+        return self.name != ANY_TYPE
+
     def fill_request(self, args: object) -> dict[str, Any]:
         """Return the request that ``args`` stand for: an object, or a list of fields in order.
 
@@ -374,7 +382,11 @@ class Types:
             return self._codecs("srv", name, definition, client).service(name)
         except (UnknownPackage, DefinitionLimit) as error:
             fault = self._fault(error)
-        return ServiceType(name, _relayed(name), _relayed(name), fault=fault)
+        return self.unchecked_service(name, None, fault)
+
+    def unchecked_service(self, name: str, md5sum: str | None, fault: str) -> ServiceType:
+        """Return a service's type whose fields are unknown; ``fault`` says why."""
+        return ServiceType(name, _relayed(name), _relayed(name), md5sum=md5sum, fault=fault)
 
     def action(self, name: str, definition: str | None = None, client: str = "") -> ActionType:
         """Return the type of an action; arguments and errors as with `message`."""
@@ -461,3 +473,7 @@ def _as_json(value: Any) -> Any:
     if isinstance(value, list) and not _SCALARS.issuperset(map(type, value)):
         return [_as_json(each) for each in value]
     return value
+
+
+UNKNOWN_SERVICE = ServiceType(ANY_TYPE, _relayed(ANY_TYPE), _relayed(ANY_TYPE))
+"""The type of a service that is still to be learned."""

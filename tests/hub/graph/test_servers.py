@@ -4,10 +4,20 @@ from __future__ import annotations
 
 import pytest
 
-from fibws.errors import InvalidTypeName, OperationError, UnknownPackage, UnknownType
+from fibws.errors import (
+    CallFailed,
+    DefinitionMismatch,
+    InvalidMessage,
+    InvalidTypeName,
+    OperationError,
+    UnknownDefinition,
+    UnknownPackage,
+    UnknownType,
+)
 from fibws.hub.graph.action import Action, Goal, Ros2GoalStatus
 from fibws.hub.graph.graph import CANCEL_GOAL, Graph
 from fibws.hub.graph.service import Call, InternalServer, Service
+from fibws.hub.graph.types import Types
 from fibws.interfaces import Interfaces
 
 from ..fakes import ADD, FIBONACCI, NANOSECONDS
@@ -149,3 +159,68 @@ def test_revision_changes_with_services_and_actions() -> None:
     graph.remove_service(service)
     graph.remove_action(action)
     assert graph.revision == revisions[-1]
+
+
+ADD_MD5 = "6a2e34150c00229791cc89ff309fff21"
+DOUBLE = "int32 number\n---\nint32 twice\n"
+
+
+def call(graph: Graph, args: object, md5sum: str | None = None) -> Call:
+    headers = {"md5sum": md5sum} if md5sum is not None else None
+    return graph.call("/add", args, "/caller", print, print, headers)
+
+
+def test_service_of_a_type_that_is_not_known_yet_takes_every_request() -> None:
+    graph = new_graph()
+    service = graph.serve("/add", None, None, FakeServer())
+    assert service.type.name == "*"
+    assert call(graph, {"a": 1}).request == {"a": 1}
+    assert call(graph, [1, 2], md5sum=ADD_MD5).request == [1, 2]
+
+
+def test_request_is_checked_once_the_type_is_known() -> None:
+    graph = new_graph()
+    service = graph.serve("/add", None, None, FakeServer())
+    early = call(graph, [])
+    graph.learn_service_type(service, ADD, None, ADD_MD5)
+    assert service.type.name == ADD
+    assert early.fill([1, 2], None) == {"a": 1, "b": 2}
+    assert call(graph, [3]).request == {"a": 3, "b": 0}
+    with pytest.raises(InvalidMessage):
+        early.fill({"a": "one"}, None)
+    with pytest.raises(CallFailed):
+        early.fill({}, {"md5sum": "0" * 32})
+
+
+def test_learned_definition_is_kept_while_the_service_is_there() -> None:
+    graph = new_graph()
+    service = graph.serve("/double", None, None, FakeServer())
+    known = Types(INTERFACES, int, strict=False).service("maths/Double", DOUBLE)
+    assert known.md5sum is not None
+    graph.learn_service_type(service, "maths/Double", DOUBLE, known.md5sum)
+    assert graph.definitions.service("maths/Double").type == "maths/Double"
+    graph.learn_service_type(service, "maths/Double", DOUBLE, known.md5sum)
+    assert graph.definitions.service("maths/Double").type == "maths/Double"
+    graph.remove_service(service)
+    with pytest.raises(UnknownPackage):
+        graph.definitions.service("maths/Double")
+
+
+@pytest.mark.parametrize(
+    ("type_", "error"),
+    [
+        ("maths/Double", UnknownDefinition),
+        (ADD, DefinitionMismatch),
+        ("std_srvs/Nothing", UnknownType),
+    ],
+)
+def test_service_whose_definition_is_not_found_has_a_type_by_name_only(
+    type_: str, error: type[Exception]
+) -> None:
+    graph = new_graph()
+    service = graph.serve("/double", None, None, FakeServer())
+    with pytest.raises(error):
+        graph.learn_service_type(service, type_, None, "0" * 32)
+    assert (service.type.name, service.type.md5sum) == (type_, "0" * 32)
+    assert service.type.codecs is None
+    assert service.type.fault
