@@ -42,7 +42,7 @@ from fibws.hub.graph.policy import RIGHTS_OF, AllowAll, Kind, Policy
 from fibws.hub.graph.service import Call, Function, InternalServer, Service, ServiceServer
 from fibws.hub.graph.topic import Guard, GuardedSource, LatchQuota, Receiver, Sink, Source, Topic
 from fibws.hub.graph.totals import CallTotals, TopicTotals
-from fibws.hub.graph.types import UNKNOWN_SERVICE, MessageType, ServiceType, Types
+from fibws.hub.graph.types import MessageType, ServiceType, Types, unknown_service
 from fibws.interfaces import Interfaces
 
 logger = logging.getLogger("fibws.hub")
@@ -521,8 +521,9 @@ class Graph:
             InterfaceError: the type's name is not valid, or its package does not have it.
         """
         self.check_allowed(server.node, "provide", name)
-        service_type = UNKNOWN_SERVICE
-        if type_ is not None:
+        if type_ is None:
+            service_type = unknown_service()
+        else:
             service_type = self._types.service(Interfaces.canonical(type_), definition, server.node)
         older = self.services.get(name)
         if older is not None and isinstance(older.server, InternalServer):
@@ -556,7 +557,7 @@ class Graph:
             if found.md5sum != md5sum:
                 raise DefinitionMismatch(name, md5sum, found.md5sum or "")
         except (InterfaceError, OperationError) as error:
-            self._set_service_type(service, self._types.unchecked_service(name, md5sum, str(error)))
+            self._set_service_type(service, unknown_service(name, md5sum, str(error)))
             raise
         self._set_service_type(service, found)
 

@@ -111,6 +111,7 @@ class Call:
         "headers",
         "id",
         "request",
+        "response",
         "service",
     )
 
@@ -128,6 +129,8 @@ class Call:
         self.service = service
         self.request: Any = service.type.fill_request(args) if service.type.is_known else args
         """Its values, every field filled; as the caller gave them while the type is unknown."""
+        self.response: dict[str, Any] | None = None
+        """Its values, if the server has not responded in JSON."""
         self.caller = caller
         self.headers = headers
         self.due = math.inf
@@ -163,7 +166,8 @@ class Call:
         Raises:
             InvalidMessage: it does not fit the type; the call still waits for a response.
         """
-        self.respond_json(json_of(self.service.type.response(values)))
+        self.response = self.service.type.response(values)
+        self.respond_json(json_of(self.response))
 
     def respond_json(self, text: bytes) -> None:
         """Take the response as JSON."""

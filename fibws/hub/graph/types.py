@@ -240,11 +240,8 @@ class ServiceType:
     md5sum: str | None = None
     codecs: Codecs | None = None
     fault: str = ""
-
-    @property
-    def is_known(self) -> bool:
-        """Whether it is a type at all, and not one that is still to be learned."""
-        return self.name != ANY_TYPE
+    is_known: bool = True
+    """Whether requests can be checked; else the server does it, once it has learned the type."""
 
     def fill_request(self, args: object) -> dict[str, Any]:
         """Return the request that ``args`` stand for: an object, or a list of fields in order.
@@ -299,6 +296,7 @@ class Codecs:
         self.long_integers = LongIntegers(definitions)
         self._messages: dict[str, CheckedType] = {}
         self._services: dict[str, ServiceType] = {}
+        self._service_serializers: dict[str, tuple[Serializer, Serializer]] = {}
         self._actions: dict[str, ActionType] = {}
 
     def message(self, name: str) -> CheckedType:
@@ -320,6 +318,16 @@ class Codecs:
                 self,
             )
         return self._services[name]
+
+    def service_serializers(self, name: str) -> tuple[Serializer, Serializer]:
+        """Return the serializers of a service's request and response; as `message`."""
+        if name not in self._service_serializers:
+            service = self.definitions.service(name)
+            self._service_serializers[name] = (
+                self.serializers.of_definition(service.request),
+                self.serializers.of_definition(service.response),
+            )
+        return self._service_serializers[name]
 
     def action(self, name: str) -> ActionType:
         """Return the type of an action; as `message`."""
@@ -382,11 +390,7 @@ class Types:
             return self._codecs("srv", name, definition, client).service(name)
         except (UnknownPackage, DefinitionLimit) as error:
             fault = self._fault(error)
-        return self.unchecked_service(name, None, fault)
-
-    def unchecked_service(self, name: str, md5sum: str | None, fault: str) -> ServiceType:
-        """Return a service's type whose fields are unknown; ``fault`` says why."""
-        return ServiceType(name, _relayed(name), _relayed(name), md5sum=md5sum, fault=fault)
+        return ServiceType(name, _relayed(name), _relayed(name), fault=fault)
 
     def action(self, name: str, definition: str | None = None, client: str = "") -> ActionType:
         """Return the type of an action; arguments and errors as with `message`."""
@@ -475,5 +479,9 @@ def _as_json(value: Any) -> Any:
     return value
 
 
-UNKNOWN_SERVICE = ServiceType(ANY_TYPE, _relayed(ANY_TYPE), _relayed(ANY_TYPE))
-"""The type of a service that is still to be learned."""
+def unknown_service(
+    name: str = ANY_TYPE, md5sum: str | None = None, fault: str = ""
+) -> ServiceType:
+    """Return the type of a service whose definition is still to be learned."""
+    relayed = _relayed(name)
+    return ServiceType(name, relayed, relayed, md5sum=md5sum, fault=fault, is_known=False)

@@ -17,6 +17,7 @@ from threading import Lock
 from typing import NamedTuple
 
 from fibws.errors import InterfaceError, UnknownPackage, UnknownType
+from fibws.hub.ros1.tcpros import ANY
 from fibws.interfaces import (
     ActionDefinition,
     Interfaces,
@@ -29,7 +30,6 @@ from fibws.interfaces.client_definitions import LONGEST_TEXT
 from fibws.interfaces.definition import ACTION_SUFFIXES
 from fibws.interfaces.folders import STANDARD, Kind
 
-ANY_MD5SUM = "*"
 DISTRIBUTIONS = "/opt/ros/*/share"
 DEBIAN = "/usr/share"
 """Where Debian's own packages of ROS have their definitions."""
@@ -75,11 +75,11 @@ class DefinitionSearch:
         self._listed = -FRESH_FOR
         self._lock = Lock()
 
-    async def find_soon(self, kind: Kind, name: str, md5sum: str = ANY_MD5SUM) -> FoundDefinition:
+    async def find_soon(self, kind: Kind, name: str, md5sum: str = ANY) -> FoundDefinition:
         """Return what `find` does, which searches in another thread."""
         return await asyncio.to_thread(self.find, kind, name, md5sum)
 
-    def find(self, kind: Kind, name: str, md5sum: str = ANY_MD5SUM) -> FoundDefinition:
+    def find(self, kind: Kind, name: str, md5sum: str = ANY) -> FoundDefinition:
         """Return the first definition of a type, ``package/Type``, that has an md5.
 
         Raises:
@@ -103,7 +103,7 @@ class DefinitionSearch:
                 except OSError as error:
                     faults.append(f"{folder}: {error}")
                     continue
-                if md5sum in (ANY_MD5SUM, found.md5sum):
+                if md5sum in (ANY, found.md5sum):
                     return found
                 faults.append(f"{path} has the md5sum {found.md5sum}")
         raise InterfaceError(self._not_found(name, md5sum, faults))
@@ -143,7 +143,7 @@ class DefinitionSearch:
 
     def _not_found(self, name: str, md5sum: str, faults: list[str]) -> str:
         package = name.partition("/")[0]
-        wanted = name if md5sum == ANY_MD5SUM else f"{name} (md5sum {md5sum})"
+        wanted = name if md5sum == ANY else f"{name} (md5sum {md5sum})"
         text = f"the definition of {wanted} was not found on the hub's machine"
         if faults:
             text = f"{text}: {'; '.join(faults)}"
@@ -209,7 +209,7 @@ def _read(definitions: Definitions, kind: Kind, name: str, path: Path) -> FoundD
             return FoundDefinition(path, text, md5sum)
         case "action":
             # An action's definition has no md5 of its own.
-            return FoundDefinition(path, definitions.action_text(name), ANY_MD5SUM)
+            return FoundDefinition(path, definitions.action_text(name), ANY)
 
 
 def _file_of(folder: Path, kind: Kind, short: str) -> Path | None:

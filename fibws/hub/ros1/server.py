@@ -21,6 +21,7 @@ from fibws.hub.graph.topic import LatchQuota
 from fibws.hub.ros1 import api
 from fibws.hub.ros1.api import Answer, Method
 from fibws.hub.ros1.connection import Acceptor, TcprosConnection
+from fibws.hub.ros1.definition_search import DefinitionSearch
 from fibws.hub.ros1.http import Caller, NodeCalls, XmlRpcConnection
 from fibws.hub.ros1.master import CLIENT, Master, is_loopback
 from fibws.hub.ros1.nodes import Ros1Nodes
@@ -78,7 +79,8 @@ class Ros1Server:
         """The nodes that are registered."""
         loop = asyncio.get_running_loop()
         self._topics = TopicLinks(graph, self.nodes, self._calls, loop, settings)
-        self._services = ServiceLinks(graph, self.nodes, self._calls, loop, settings)
+        search = DefinitionSearch(settings.interfaces, os.environ)
+        self._services = ServiceLinks(graph, self.nodes, settings, search)
         self.nodes.links, self.nodes.service_links = self._topics, self._services
         self._master = Master(graph, self.nodes, self._calls, audit, shut_down)
         self._slave = Slave(graph, self.nodes, self._topics, kill, lambda: self.port)
