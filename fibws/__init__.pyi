@@ -48,7 +48,7 @@ from .node.params import Params as Params
 from .node.peers import Peers as Peers
 from .node.program import run as run
 from .node.publisher import Publisher as Publisher
-from .node.rate import Rate as Rate
+from .node.clock import Rate as Rate
 from .node.services import (
     Handler as Handler,
     HeaderHandler as HeaderHandler,

@@ -221,6 +221,7 @@ class Hub:
             observer=self,
             authentication=self._authentication,
             audit=self.audit,
+            is_simulated=lambda: self.graph.clock.simulated is not None,
         )
         self._warn_if_public()
         self._started = time.monotonic()

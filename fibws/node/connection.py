@@ -53,7 +53,9 @@ from fibws.protocol.serialized import SUBPROTOCOL
 from fibws.protocol.websocket import (
     KILLED,
     REPLACED,
+    SIMULATED,
     TEXT,
+    TIME_HEADER,
     UNAUTHENTICATED,
     FrameParser,
     client_frame,
@@ -188,6 +190,9 @@ class WebSocket(asyncio.BufferedProtocol):
         Args:
             hold: keep messages until `OutgoingQueue.release`.
         """
+        response = self._handshake.response
+        assert response is not None
+        self._session.is_simulated = response.headers.get(TIME_HEADER) == SIMULATED
         self._handshake.websocket = self
         self._transport.set_protocol(self)
         self._session.connect(

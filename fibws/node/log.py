@@ -18,6 +18,7 @@ from fibws.msg.roscpp import Logger
 from fibws.msg.rosgraph_msgs import Log
 from fibws.msg.std_msgs import Header
 from fibws.node.checks import without_surrogates
+from fibws.node.clock import Clock
 from fibws.node.services import Services
 from fibws.node.topics import Topics
 from fibws.node.types import MessageCodec
@@ -141,10 +142,12 @@ class Rosout(logging.Handler):
         node: the node's global name.
         topics: the node's.
         codec: the codec of `Log`.
+        clock: the node's.
     """
 
-    def __init__(self, node: str, topics: Topics, codec: MessageCodec[Log]) -> None:
+    def __init__(self, node: str, topics: Topics, codec: MessageCodec[Log], clock: Clock) -> None:
         super().__init__()
+        self._clock = clock
         self._node = node
         self._topics = topics
         self._publisher = topics.advertise(ROSOUT, codec, queue_size=ROSOUT_QUEUE_SIZE)
@@ -165,8 +168,11 @@ class Rosout(logging.Handler):
             self.loop.call_soon_threadsafe(self._publish, message)
 
     def _message(self, record: logging.LogRecord) -> Log:
+        stamp = self._clock.simulated
+        if stamp is None:
+            stamp = round(record.created * 1e9)
         return Log(
-            header=Header(stamp=Time.from_nanoseconds(round(record.created * 1e9))),
+            header=Header(stamp=Time.from_nanoseconds(stamp)),
             level=severity(record.levelno).ros,
             name=self._node,
             msg=without_surrogates(_FORMATTER.format(record)),

@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import logging
 import os
-import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,15 +14,16 @@ from typing_extensions import TypeVar
 
 from fibws import hub_address, names
 from fibws.credentials import Credentials
+from fibws.errors import FibwsError
 from fibws.interfaces import Action, Message, Service, Time
 from fibws.interfaces.message import F, G, R, Req, Res
 from fibws.msg.rosgraph_msgs import Log
 from fibws.node.calls import Calls
 from fibws.node.checks import check_queue_size, check_timeout
+from fibws.node.clock import Clock, Rate
 from fibws.node.connection import Connection
 from fibws.node.log import Console, Loggers, Rosout, node_log
 from fibws.node.publisher import P, Publisher
-from fibws.node.rate import Rate
 from fibws.node.services import Handler, HeaderHandler, Services, ServiceServer
 from fibws.node.session import Registration, Session, throw
 from fibws.node.subscription import Subscription, next_message
@@ -109,6 +109,9 @@ class Node:
             $FIBWS_CLIENT_CERT, else none.
         client_key: a PEM file of the certificate's private key; default $FIBWS_CLIENT_KEY, else
             ``client_cert``.
+        use_sim_time: whether the time is that of the topic /clock, 0 before its first message, for
+            `now`, `rate`, the log, and messages that ask for the time; default whether the hub's
+            parameter /use_sim_time was true when the node was entered.
 
     Raises:
         InvalidName: a name is not legal.
@@ -133,6 +136,7 @@ class Node:
         ca: File | None = None,
         client_cert: File | None = None,
         client_key: File | None = None,
+        use_sim_time: bool | None = None,
     ) -> None:
         self._identity = Identity.choose(
             name, anonymous=anonymous, namespace=namespace, remapping=remapping
@@ -140,17 +144,21 @@ class Node:
         environment = os.environ
         self._hub = hub_address.hub_url(hub)
         credentials = Credentials.find(hub, token=token, token_file=token_file)
-        self._types = Types(time.time_ns)
         self.log = log or node_log(
             self.name, log_format or environment.get("ROSCONSOLE_FORMAT") or None
         )
         """The node's logger: its records go to the console and, once the node is entered, to
         /rosout."""
         self._session = Session(self.log)
+        self._clock = Clock(self._session)
+        self._use_sim_time = use_sim_time
+        self._types = Types(self._clock.now)
         self._calls = Calls(self._session, self._types)
         self._services = Services(self._session, self._types)
         self._topics = Topics(self._session)
-        self._rosout = Rosout(self.name, self._topics, self._types.codec(Log)) if rosout else None
+        self._rosout: Rosout | None = None
+        if rosout:
+            self._rosout = Rosout(self.name, self._topics, self._types.codec(Log), self._clock)
         self._loggers = Loggers(self.log, self._services, self.resolve)
         tls = TlsFiles.choose(ca, client_cert, client_key)
         self._connection = Connection(
@@ -202,8 +210,8 @@ class Node:
         return Graph(self._calls, self.resolve)
 
     def now(self) -> Time:
-        """Return the time of day."""
-        return Time.from_nanoseconds(time.time_ns())
+        """Return the time: the system's, or the simulated time of /clock."""
+        return Time.from_nanoseconds(self._clock.now())
 
     async def advertise(
         self,
@@ -541,7 +549,7 @@ class Node:
             self._topics,
             self._types,
             self._calls.wait_for_service,
-            time.time_ns,
+            self._clock.now,
         )
 
     def rate(self, hz: float) -> Rate:
@@ -550,7 +558,7 @@ class Node:
         Raises:
             ValueError: ``hz`` is not a finite number above 0.
         """
-        return Rate(hz, self._session.ended)
+        return Rate(hz, self._clock)
 
     async def flush(self) -> None:
         """Wait until the hub has handled everything that the node has sent; without a hub, wait.
@@ -582,6 +590,11 @@ class Node:
         except BaseException:
             self._leave_log()
             raise
+        if self._use_sim_time is None:
+            self._use_sim_time = self._session.is_simulated
+        if self._use_sim_time:
+            self._clock.set(0)
+            self._session.tasks.start(self._follow_clock(), f"clock of {self.name}")
         return self
 
     async def __aexit__(self, *error: object) -> None:
@@ -590,6 +603,15 @@ class Node:
         finally:
             self._leave_log()
             await self._session.tasks.finished()
+
+    async def _follow_clock(self) -> None:
+        """Set the simulated time by /clock."""
+        try:
+            async with self.subscribe("/clock", "rosgraph_msgs/Clock", queue_size=1) as messages:
+                async for message in messages:
+                    self._clock.set(message.clock.to_nanoseconds())
+        except FibwsError as error:
+            self.log.error("The time stands still: cannot subscribe to /clock: %s", error)
 
     async def _registered(self, registration: Registration) -> None:
         """Wait until the hub knows a registration; take it back if that fails.

@@ -156,6 +156,8 @@ class Session:
         """Whether the node has been entered."""
         self.receive_binary: Callable[[Payload], None] = lambda data: None
         """Handles a binary frame of the hub: a message of a topic."""
+        self.is_simulated = False
+        """Whether the hub's time was simulated when this connection was made."""
         self.has_token = False
         """Whether the hub was given a token on this connection."""
         self.on_not_authenticated: Callable[[], None] = _do_nothing
@@ -293,8 +295,13 @@ class Session:
         self.tasks.cancel()
         self.outgoing.close()
 
-    async def ended(self, within: float | None = None) -> bool:
+    async def ended(
+        self, within: float | None = None, *, waiter: asyncio.Future[None] | None = None
+    ) -> bool:
         """Wait for the node's end, or for ``within`` seconds; return whether it has ended.
+
+        Args:
+            waiter: ends the wait when it is done, besides.
 
         A timer ends the wait rather than a cancellation, which would go through the caller's
         frames: debuggers lose them then.
@@ -306,7 +313,7 @@ class Session:
         if not self.over:
             self._check_begun()
             loop = asyncio.get_running_loop()
-            waiter = loop.create_future()
+            waiter = waiter or loop.create_future()
             timer = loop.call_later(within, _release, waiter) if within is not None else None
             self._waiters.add(waiter)
             try:

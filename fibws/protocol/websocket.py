@@ -77,6 +77,10 @@ LIMITED = 4429
 """The close code for a client that has gone beyond a limit, or tried too many tokens."""
 TOKEN_SUBPROTOCOL = "fibws.token."
 """The beginning of a subprotocol that is a token: scripts of web pages cannot set headers."""
+TIME_HEADER = "Fibws-Time"
+"""The header of the handshake's response that says how the time goes, if it is not the system's."""
+SIMULATED = "simulated"
+"""Its value while the parameter /use_sim_time is true."""
 LONGEST_TOKEN = 8192
 """Most characters of a token."""
 MISSING_TOKEN = CloseReason(UNAUTHENTICATED, "missing token")

@@ -37,6 +37,7 @@ from fibws.hub.graph.action import (
     cancel_goals,
     cancel_service,
 )
+from fibws.hub.graph.clock import GraphClock
 from fibws.hub.graph.parameters import Parameters, canonical, names_in
 from fibws.hub.graph.policy import RIGHTS_OF, AllowAll, Kind, Policy
 from fibws.hub.graph.service import Call, Function, InternalServer, Service, ServiceServer
@@ -135,13 +136,15 @@ class Graph:
         """Takes each refusal of the policy, but those of a node's name."""
         self._topic_watchers: list[Callable[[Topic], None]] = []
         self.now = now
+        self.clock = GraphClock(now)
+        """The time of messages, which may be simulated."""
         self.messages = TopicTotals(self.topics)
         """The messages of all topics so far."""
         self.calls = CallTotals(ticks or now)
         """The calls of all services so far."""
         self.revision = 0
         """Another number whenever something but the parameters has changed."""
-        self._types = Types(interfaces, now, strict=strict_types)
+        self._types = Types(interfaces, self.clock.now, strict=strict_types)
         self.definitions = self._types.definitions
         """The definitions of all types: the installed ones, and those that clients brought."""
         self._unnamed: set[str] = set()
@@ -360,7 +363,7 @@ class Graph:
         guard = self.guards.get(topic.name)
         is_free = guard is None or node in self.internal or self.policy.is_admin(node)
         make = Source if guard is None or is_free else partial(GuardedSource, guard)
-        return make(node, topic, type_, self.now, latch=latch, quota=quota or LatchQuota())
+        return make(node, topic, type_, self.clock.now, latch=latch, quota=quota or LatchQuota())
 
     def remove_source(self, source: Source) -> None:
         """Remove a source from its topic."""
@@ -675,7 +678,7 @@ class Graph:
             text = f"Action {name} is of type {action.type.name}, not {wanted}"
             raise CallFailed(text, "type_conflict")
         uuid = next(self._goal_numbers).to_bytes(16, "big")
-        return Goal(action, args, client, caller, uuid, self.now())
+        return Goal(action, args, client, caller, uuid, self.clock.now())
 
     def _may_end(self, caller: str, goal: Goal) -> bool:
         """Return whether a node may cancel a goal: its own, or its principal's."""

@@ -159,6 +159,8 @@ class RemoteService:
                 fault = await self._learn()
             if fault is None or fault is self._fault:
                 return
+            if delay == FIRST_RETRY:
+                logger.info("%s: %s; the hub tries again.", self.node, fault)
             await asyncio.sleep(delay)
             delay = min(2 * delay, LONGEST_RETRY)
 
@@ -175,7 +177,6 @@ class RemoteService:
         try:
             type_, md5sum = await self._probe()
         except CallFailed as error:
-            logger.info("%s: %s", self.node, error)
             return error
         try:
             await self._define(type_, md5sum)

@@ -70,8 +70,8 @@ class Introspection:
         }
 
     def get_time(self, request: dict[str, Any], caller: str) -> Response:
-        """Return the time of the hub's clock, counted from 1970."""
-        secs, nsecs = divmod(self._graph.now(), 1_000_000_000)
+        """Return the time of the graph: counted from 1970, unless it is simulated."""
+        secs, nsecs = divmod(self._graph.clock.now(), 1_000_000_000)
         return {"time": {"secs": secs, "nsecs": nsecs}}
 
     # Topics.

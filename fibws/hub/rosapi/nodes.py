@@ -8,11 +8,12 @@ are additions of fibws: one response replaces hundreds of calls.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from fibws.errors import NotAllowed
+from fibws.errors import NotAllowed, OperationError
 from fibws.hub.audit import Audit
 from fibws.hub.delivery.clock import Clock
 from fibws.hub.graph.graph import ROSBRIDGE, Graph
@@ -30,9 +31,13 @@ from fibws.hub.rosapi.statistics import Statistics
 from fibws.hub.rosapi.typedefs import TypeDefs
 from fibws.protocol.decoding import quoted
 
+logger = logging.getLogger("fibws.hub")
+
 ROSOUT = "/rosout"
 """A node, and the topic that it subscribes to."""
 ROSAPI = "/rosapi"
+CLOCK = "/clock"
+USE_SIM_TIME = "/use_sim_time"
 OWN_NODES = (ROSAPI, ROSBRIDGE, ROSOUT)
 LOG = "rosgraph_msgs/Log"
 
@@ -94,6 +99,61 @@ class RosoutAggregator:
         return SinkReport(messages=self._messages)
 
 
+class SimulatedTime:
+    """Sets the graph's time from /clock while /use_sim_time is true (http://wiki.ros.org/Clock).
+
+    It is a `Sink`. ROS nodes read the parameter once, when they start; the hub outlives them, so it
+    follows each change.
+
+    Args:
+        subscribed: the topics of the node that subscribes.
+    """
+
+    node = ROSAPI
+
+    def __init__(self, graph: Graph, subscribed: list[str]) -> None:
+        self._graph = graph
+        self._subscribed = subscribed
+        self._messages = 0
+        graph.parameters.watch(self._parameter_changed)
+
+    def receive(self, publication: Publication) -> None:
+        """Set the time."""
+        self._messages += 1
+        clock = publication.values()["clock"]
+        self._graph.clock.simulated = clock["secs"] * 10**9 + clock["nsecs"]
+
+    def replay(self, publication: Publication) -> None:
+        """Set the time by a latched message."""
+        self.receive(publication)
+
+    def report(self) -> SinkReport:
+        """Return the totals."""
+        return SinkReport(messages=self._messages)
+
+    def close(self) -> None:
+        """Return to the system's time."""
+        if self._subscribed:
+            self._subscribed.clear()
+            self._graph.unsubscribe(self._graph.topics[CLOCK], self)
+        self._graph.clock.simulated = None
+
+    def _parameter_changed(self, name: str, node: str) -> None:
+        if name.strip("/") not in ("", USE_SIM_TIME.strip("/")):
+            return
+        parameters = self._graph.parameters
+        if not (parameters.has(USE_SIM_TIME) and parameters.get(USE_SIM_TIME) is True):
+            self.close()
+        elif not self._subscribed:
+            try:
+                self._graph.subscribe(self._graph.topic(CLOCK), self, "rosgraph_msgs/Clock")
+            except OperationError as error:
+                logger.warning("The hub does not use simulated time: %s", error)
+                return
+            self._subscribed.append(CLOCK)
+            self._graph.clock.simulated = self._graph.clock.simulated or 0
+
+
 class OwnNodes:
     """The hub's own nodes with all that they publish and serve, and the first parameters.
 
@@ -140,11 +200,13 @@ class OwnNodes:
             graph.serve_internally(service, type_, _namespace(service), function)
         self._aggregator = RosoutAggregator(self._sources[ROSOUT, "/rosout_agg"])
         graph.subscribe(graph.topics[ROSOUT], self._aggregator, LOG)
+        subscribed: dict[str, list[str]] = {ROSOUT: [ROSOUT], ROSAPI: [], ROSBRIDGE: []}
+        self._simulated_time = SimulatedTime(graph, subscribed[ROSAPI])
         self._nodes = [
             OwnNode(
                 name,
                 [topic for topic, (nodes, _) in PUBLISHED.items() if name in nodes],
-                [ROSOUT] if name == ROSOUT else [],
+                subscribed[name],
                 [service for service in services if _namespace(service) == name],
             )
             for name in OWN_NODES
@@ -171,6 +233,7 @@ class OwnNodes:
             return
         self.clients.close()
         self._rosnode.close()
+        self._simulated_time.close()
         self._graph.unsubscribe(self._graph.topics[ROSOUT], self._aggregator)
         for source in self._sources.values():
             self._graph.remove_source(source)

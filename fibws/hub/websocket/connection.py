@@ -47,6 +47,8 @@ from fibws.protocol.websocket import (
     LIMITED,
     MISSING_TOKEN,
     OVERFULL,
+    SIMULATED,
+    TIME_HEADER,
     UNAUTHENTICATED,
     CloseReason,
     close_reason,
@@ -80,6 +82,8 @@ class Shared:
     authentication: Authentication | None = None
     now: Callable[[], float] = time
     """Returns the seconds since 1970."""
+    is_simulated: Callable[[], bool] = lambda: False
+    """Returns whether the graph's time is simulated."""
     buffers: ReadBuffers = field(default_factory=ReadBuffers)
 
 
@@ -370,7 +374,7 @@ class Connection(asyncio.BufferedProtocol):
             self._refuse_flood()
             or shared.http.respond(request, self.address, self.certificate_name)
             or self._refuse()
-            or self._protocol.accept(request)
+            or self._accept(request)
         )
         self._protocol.send_response(response)
         if self._protocol.state is not State.OPEN:
@@ -471,6 +475,12 @@ class Connection(asyncio.BufferedProtocol):
         """
         self._quotas.join_principal(self, principal, self._shared.turns.clock())
         self._reader.accept()
+
+    def _accept(self, request: Request) -> Response:
+        response = self._protocol.accept(request)
+        if self._shared.is_simulated():
+            response.headers[TIME_HEADER] = SIMULATED
+        return response
 
     # Requests that open no connection.
 

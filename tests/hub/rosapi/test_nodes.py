@@ -151,3 +151,25 @@ def test_rosout_counts_as_a_subscriber_of_the_log(rosapi: RosapiClient) -> None:
     talker.send("publish", "/rosout", msg=LOG)
     [report] = [sink.report() for sink in rosapi.graph.topics["/rosout"].sinks()]
     assert report.messages == 1
+
+
+def test_time_is_simulated_while_the_parameter_says_so(rosapi: RosapiClient) -> None:
+    clock = rosapi.graph.clock
+    real = rosapi.call("/rosapi/get_time")["time"]
+    rosapi.call("/rosapi/set_param", name="/use_sim_time", value="true")
+    assert clock.simulated == 0
+    assert rosapi.graph.topics["/clock"].sinks()
+    assert rosapi.call("/rosapi/node_details", node="/rosapi")["subscribing"] == ["/clock"]
+    player = rosapi.add_client("/player")
+    player.send("advertise", "/clock", type="rosgraph_msgs/Clock")
+    player.send("publish", "/clock", msg={"clock": {"secs": 12, "nsecs": 34}})
+    assert rosapi.call("/rosapi/get_time")["time"] == {"secs": 12, "nsecs": 34}
+    rosapi.call("/rosapi/set_param", name="/use_sim_time", value="false")
+    assert rosapi.call("/rosapi/get_time")["time"] == real
+    assert not rosapi.graph.topics["/clock"].sinks()
+
+
+def test_clock_of_another_type_does_not_simulate_time(rosapi: RosapiClient) -> None:
+    rosapi.client.send("advertise", "/clock", type=INT32)
+    rosapi.call("/rosapi/set_param", name="/use_sim_time", value="true")
+    assert rosapi.graph.clock.simulated is None

@@ -142,7 +142,13 @@ def init_node(
     def node() -> fibws.Node:
         import fibws
 
-        return fibws.Node(name, namespace=namespace, log=logger, rosout=not disable_rosout)
+        return fibws.Node(
+            name,
+            namespace=namespace,
+            log=logger,
+            rosout=not disable_rosout,
+            use_sim_time=False,  # `_use_simulated_time` does it for rospy's own clock.
+        )
 
     _start(node)
     _arguments = arguments
