@@ -76,10 +76,20 @@ class PeerWatch:
         nodes: their names, which the topic keeps up to date.
     """
 
-    __slots__ = ("_behind", "_changes", "_news", "_nodes", "_start", "_up_to_date", "_watching")
+    __slots__ = (
+        "_behind",
+        "_changes",
+        "_news",
+        "_nodes",
+        "_start",
+        "_unlinked",
+        "_up_to_date",
+        "_watching",
+    )
 
     def __init__(self, nodes: Collection[str]) -> None:
         self._nodes = nodes
+        self._unlinked: set[str] = set()
         self._watching: dict[object, dict[object, Watcher]] = {}
         """By the owners and the ids of their requests."""
         self._up_to_date: dict[Watcher, None] = {}
@@ -131,11 +141,31 @@ class PeerWatch:
 
     def joined(self, node: str) -> None:
         """Take note of a node that is there now."""
-        self._change(node, joined=True)
+        if node not in self._unlinked:
+            self._change(node, joined=True)
 
     def left(self, node: str) -> None:
         """Take note of a node that is not there any more."""
-        self._change(node, joined=False)
+        if node in self._unlinked:
+            self._unlinked.discard(node)
+        else:
+            self._change(node, joined=False)
+
+    def unlinked(self, node: str) -> None:
+        """Take note that no messages pass to or from a node, which may be there or join later.
+
+        ROS 1 nodes need a connection for each topic.
+        """
+        if node not in self._unlinked:
+            if node in self._nodes:
+                self._change(node, joined=False)
+            self._unlinked.add(node)
+
+    def linked(self, node: str) -> None:
+        """Take note that messages pass now."""
+        if node in self._unlinked:
+            self._unlinked.discard(node)
+            self._change(node, joined=True)
 
     def report(self) -> None:
         """Let all watchers report their unread changes without further delay."""
@@ -171,13 +201,18 @@ class PeerWatch:
 
     def _since(self, first: int) -> PeerNews:
         if first < self._start:
-            return PeerNews(self._nodes, None)
+            return PeerNews(self._linked(), None)
         changes = self._changes[first - self._start :]
         latest = dict(changes)
         earliest = dict(reversed(changes))
         removed = (node for node, joined in earliest.items() if not joined)
         added = (node for node, joined in latest.items() if joined)
-        return PeerNews(self._nodes, removed, added)
+        return PeerNews(self._linked(), removed, added)
+
+    def _linked(self) -> Iterable[str]:
+        if not self._unlinked:
+            return self._nodes
+        return [node for node in self._nodes if node not in self._unlinked]
 
     def _remove(self, watcher: Watcher) -> None:
         self._up_to_date.pop(watcher, None)

@@ -214,6 +214,11 @@ class Topic:
             del self.sources[source.node]
             self.watching_sources.left(source.node)
 
+    def source_linked(self, node: str) -> None:
+        """Take note that messages of a ROS 1 node's source arrive from now on."""
+        self.watching_sources.linked(node)
+        self._receivers = None
+
     def replay(self, sink: Sink) -> None:
         """Replay latched messages to a sink; raise the last error of `Sink.replay`."""
         failure: Exception | None = None

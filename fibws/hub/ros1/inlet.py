@@ -14,7 +14,6 @@ from time import perf_counter
 from typing import Any
 
 from fibws.errors import FibwsError, Ros1Error, TcprosError
-from fibws.hub.graph.graph import ROSBRIDGE
 from fibws.hub.graph.topic import Source
 from fibws.hub.log_text import is_power_of_ten, shortened
 from fibws.hub.ros1.http import NodeCalls
@@ -45,6 +44,7 @@ class Inlet:
     """A link to one publisher, opened again and again until it is closed.
 
     Args:
+        caller: returns the name of the node that the link is for.
         learn: takes the type, the definition and the md5sum that the publisher tells, and returns
             its source; None closes the link.
     """
@@ -53,17 +53,22 @@ class Inlet:
         self,
         publisher: Ros1Publisher,
         calls: NodeCalls,
+        caller: Callable[[], str],
         learn: Callable[[Ros1Publisher, str, str, str], Source | None],
         max_size: int,
     ) -> None:
         self.publisher = publisher
+        self.caller = ""
+        """The name that the publisher knows."""
         self.connection: InletConnection | None = None
         """The present connection, if its header has arrived."""
         self._calls = calls
+        self._name_caller = caller
         self._learn = learn
         self._max_size = max_size
         self._task = asyncio.get_running_loop().create_task(self._run())
         self._last_fault = ""
+        self._is_renamed = False
 
     def close(self) -> None:
         """Close the link; latched messages that came by it are forgotten."""
@@ -73,6 +78,12 @@ class Inlet:
         source = self.publisher.source
         if source is not None:
             source.forget_latched()
+
+    def reopen(self) -> None:
+        """Open the link again at once, in the name of the node that it is for now."""
+        if self.connection is not None:
+            self._is_renamed = True
+            self.connection.close()
 
     async def _run(self) -> None:
         delay = FIRST_RETRY
@@ -84,14 +95,18 @@ class Inlet:
                 self._report(error)
             if self.publisher.source is None and not self.publisher.is_relayed:
                 return
+            if self._is_renamed:
+                self._is_renamed = False
+                continue
             await asyncio.sleep(delay * random.uniform(0.8, 1.2))
             delay = min(2 * delay, LONGEST_RETRY)
 
     async def _connect_once(self) -> None:
         """Connect, and return once the connection has ended; raise if it failed before."""
         loop, publisher = asyncio.get_running_loop(), self.publisher
+        self.caller = self._name_caller()
         answer = await self._calls.call(
-            publisher.node.api, "requestTopic", ROSBRIDGE, publisher.topic, [["TCPROS"]]
+            publisher.node.api, "requestTopic", self.caller, publisher.topic, [["TCPROS"]]
         )
         match answer:
             case ["TCPROS", str() as host, int() as port]:
@@ -99,7 +114,7 @@ class Inlet:
             case _:
                 raise TcprosError(f"requestTopic returned {answer!r}, expected a TCPROS address")
         header = {
-            "callerid": ROSBRIDGE,
+            "callerid": self.caller,
             "topic": publisher.topic,
             "type": ANY,
             "md5sum": ANY,
@@ -117,6 +132,9 @@ class Inlet:
             await connection.ended
         finally:
             self.connection = None
+            source = publisher.source
+            if source is not None:
+                source.topic.watching_sources.unlinked(publisher.node.name)
             transport.abort()
 
     def _opened(self, header: Mapping[str, str]) -> Source:
@@ -130,6 +148,7 @@ class Inlet:
             raise TcprosError("its type conflicts with that of the topic")
         source.latch = header.get("latching") == "1"
         source.set_headers({"type": header["type"], "md5sum": header["md5sum"]})
+        source.topic.source_linked(self.publisher.node.name)
         return source
 
     def _report(self, error: Exception) -> None:

@@ -14,6 +14,7 @@ import logging
 import os
 from collections.abc import Callable, Coroutine, Iterable, Mapping
 from contextlib import suppress
+from socket import gethostname
 from typing import Any, NamedTuple, Protocol
 from urllib.parse import urlsplit
 
@@ -65,7 +66,7 @@ class ServiceLinks(Protocol):
         """Remove it."""
 
 
-class Link(Protocol):
+class Link(Receiver, Protocol):
     """A connection to a ROS 1 subscriber."""
 
     def report(self) -> SinkReport:
@@ -125,8 +126,9 @@ class Ros1Subscriber:
         self.link: Link | None = None
 
     def receive(self, publication: Publication) -> None:
-        """Fail: the topic's outlet takes the messages."""
-        raise AssertionError(f"{self.topic}: messages are for the outlet")
+        """Take a message for this subscriber alone; the topic's outlet takes those for all."""
+        if self.link is not None:
+            self.link.receive(publication)
 
     def replay(self, publication: Publication) -> None:
         """Do nothing: latched messages are sent when the subscriber connects."""
@@ -569,6 +571,8 @@ class Ros1Nodes:
             return
         topic = self._graph.topic(publisher.topic)
         node = publisher.node.name
+        if node not in topic.sources:
+            topic.watching_sources.unlinked(node)
         try:
             publisher.source = self._graph.advertise(
                 topic,
@@ -582,16 +586,20 @@ class Ros1Nodes:
         except (NotAllowed, OperationError, InterfaceError, InvalidMessage) as error:
             # An unknown type may become known by the definition that the publisher tells a link.
             publisher.is_relayed = isinstance(error, InterfaceError) and definition is None
+            if publisher.source is None:
+                topic.watching_sources.left(node)
             self._detach_source(publisher)
             self._conflict(topic, node, publisher.type, str(error), publishes=True)
 
     def _attach_subscriber(self, subscriber: Ros1Subscriber) -> None:
         topic = self._graph.topic(subscriber.topic)
         type_ = None if subscriber.type == ANY else subscriber.type
+        topic.watching_sinks.unlinked(subscriber.node)
         try:
             receiver = self.links.outlet(topic.name)
             self._graph.subscribe(topic, subscriber, type_, receiver=receiver)
         except (NotAllowed, OperationError, InterfaceError) as error:
+            topic.watching_sinks.left(subscriber.node)
             self._conflict(topic, subscriber.node, subscriber.type, str(error), publishes=False)
 
     def _conflict(
@@ -760,7 +768,7 @@ def _fault(error: Ros1Error) -> str:
 def _has_ended(node: Ros1Node) -> bool:
     """Return whether a node ran on this machine and its process has ended."""
     host = urlsplit(node.api).hostname
-    if node.pid is None or host not in (node.hub_host, "localhost", "127.0.0.1"):
+    if node.pid is None or host not in (node.hub_host, "localhost", "127.0.0.1", gethostname()):
         return False
     try:
         os.kill(node.pid, 0)

@@ -86,6 +86,7 @@ class Outlet:
                 link.send(publication.ros1())
         self.links[link] = None
         subscriber.link = link
+        topic.watching_sinks.linked(subscriber.node)
         return link
 
     def own_sources(self, topic: Topic) -> list[Source]:
@@ -104,6 +105,9 @@ class Outlet:
         self.links.pop(link, None)
         if link.subscriber.link is link:
             link.subscriber.link = None
+            topic = self._graph.topics.get(self.name)
+            if topic is not None and link.subscriber in topic.sinks():
+                topic.watching_sinks.unlinked(link.subscriber.node)
 
 
 class OutletLink:
@@ -133,6 +137,10 @@ class OutletLink:
         self._queue: deque[Buffer] = deque()
         self._queued = 0
         self._is_paused = False
+
+    def receive(self, publication: Publication) -> None:
+        """Send a message."""
+        self.send(publication.ros1())
 
     def send(self, data: Buffer) -> None:
         """Send a message, or let it wait while the subscriber reads slowly."""

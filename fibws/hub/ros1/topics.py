@@ -57,11 +57,12 @@ class TopicLinks:
         self._remove_stale_inlets(topic.name)
         if any(node not in self._nodes.by_name for node in topic.subscribers()):
             self._stop_lingering(topic.name)
-            self._open_inlets(topic.name)
+            self._open_inlets(topic)
         elif topic.name in self._inlets and topic.name not in self._lingering:
             self._lingering[topic.name] = self._clock.call_later(
                 LINGER, lambda: self._close_inlets(topic.name)
             )
+        self._open_goals(topic.name)
         outlet = self._outlets.get(topic.name)
         if outlet is not None:
             outlet.settle(topic)
@@ -140,13 +141,47 @@ class TopicLinks:
     def _may_subscribe(self, topic: str) -> bool:
         return self._graph.is_allowed(CLIENT, "subscribe", topic)
 
-    def _open_inlets(self, topic: str) -> None:
-        for publisher in self._nodes.publishers(topic):
-            inlets = self._inlets.setdefault(topic, {})
-            if publisher.is_relayed and publisher.node.name not in inlets:
+    def _open_inlets(self, topic: Topic) -> None:
+        server = self._action_server(topic)
+        for publisher in self._nodes.publishers(topic.name):
+            inlets = self._inlets.setdefault(topic.name, {})
+            inlet = inlets.get(publisher.node.name)
+            if inlet is None and publisher.is_relayed:
                 inlets[publisher.node.name] = Inlet(
-                    publisher, self._calls, self._nodes.learn, self._settings.max_message_size
+                    publisher,
+                    self._calls,
+                    lambda: self._caller(self._graph.topic(topic.name)),
+                    self._nodes.learn,
+                    self._settings.max_message_size,
                 )
+            elif inlet is not None and server not in (None, inlet.caller):
+                inlet.reopen()
+
+    def _open_goals(self, status: str) -> None:
+        """Open the links of an action's goals again if the server of its status is known now."""
+        name, _, part = status.rpartition("/")
+        for topic in (f"{name}/goal", f"{name}/cancel") if part == "status" else ():
+            if topic in self._inlets:
+                self._open_inlets(self._graph.topic(topic))
+
+    def _caller(self, topic: Topic) -> str:
+        """Return the node that a link of a topic is for, or the hub's name if it is for several."""
+        own = [node for node in topic.subscribers() if node not in self._nodes.by_name]
+        return own[0] if len(own) == 1 else self._action_server(topic) or ROSBRIDGE
+
+    def _action_server(self, topic: Topic) -> str | None:
+        """Return the client that serves the action whose goals a topic carries.
+
+        An action's client takes the server for absent unless the node that publishes its status
+        has connected to the goals and cancellations (http://wiki.ros.org/actionlib, actionlib's
+        ConnectionMonitor).
+        """
+        name, _, part = topic.name.rpartition("/")
+        status = self._graph.topics.get(f"{name}/status") if part in ("goal", "cancel") else None
+        if status is None:
+            return None
+        servers = (node for node in status.sources if node not in self._nodes.by_name)
+        return next((node for node in servers if node in topic.subscribers()), None)
 
     def _remove_stale_inlets(self, topic: str) -> None:
         """Close the links to publishers that have left, or may not publish to the hub's clients."""

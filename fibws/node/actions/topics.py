@@ -21,6 +21,7 @@ from fibws.msg import actionlib_msgs
 from fibws.node.actions.client import ActionClient, ClientGoal
 from fibws.node.actions.server import MOST_GOALS, ActionServer, Execute
 from fibws.node.actions.status import Record, Records
+from fibws.node.peers import Peers
 from fibws.node.publisher import Publisher
 from fibws.node.session import Session, Tasks
 from fibws.node.subscription import Subscription
@@ -91,30 +92,35 @@ class ActionTopics:
         self._subscriptions: list[Subscription[Any]] = []
 
     def advertise(
-        self, topic: ActionTopic, *, queue_size: int, latch: bool = False
+        self, topic: ActionTopic, *, queue_size: int, latch: bool = False, peers: bool = False
     ) -> ActionPublisher:
         """Return a publisher of one of the topics."""
         name, codec = self._resolve(topic)
         publisher: Publisher[Any, ...] = self._topics.advertise(
-            name, codec, queue_size=queue_size, latch=latch, refused=self._refused
+            name, codec, queue_size=queue_size, latch=latch, peers=peers, refused=self._refused
         )
         self._publishers.append(ActionPublisher(publisher, codec))
         return self._publishers[-1]
 
     def subscribe(
-        self, topic: ActionTopic, take: Callable[[Any], None], *, queue_size: int
-    ) -> None:
+        self,
+        topic: ActionTopic,
+        take: Callable[[Any], None],
+        *,
+        queue_size: int,
+        peers: bool = False,
+    ) -> Subscription[Any]:
         """Call ``take`` with each message of one of the topics as it arrives.
 
         The node queues none, so that the messages of several topics stay in order: a goal's
         feedback comes before its result.
         """
         name, codec = self._resolve(topic)
-        self._subscriptions.append(
-            self._topics.subscribe(
-                name, codec, queue_size=queue_size, take=take, refused=self._refused
-            )
+        subscription: Subscription[Any] = self._topics.subscribe(
+            name, codec, queue_size=queue_size, peers=peers, take=take, refused=self._refused
         )
+        self._subscriptions.append(subscription)
+        return subscription
 
     def close(self) -> None:
         """Close all publishers and subscriptions."""
@@ -139,6 +145,11 @@ class ActionPublisher:
     def __init__(self, publisher: Publisher[Any, ...], codec: MessageCodec[Any]) -> None:
         self._publisher = publisher
         self._codec = codec
+
+    @property
+    def peers(self) -> Peers:
+        """The nodes that subscribe, if they were asked for."""
+        return self._publisher.peers
 
     def publish(self, **fields: Any) -> None:
         """Publish a message of these JSON values; the default stamp of a header is the time."""
@@ -281,11 +292,11 @@ class TopicActionClient(ActionClient[G, R, F]):
         """When the server last published a status, in seconds; None if this hub brought none."""
         self._status_received = asyncio.Event()
         self._topics = ActionTopics(topics, types, name, type_.name, self._refuse)
-        self._topics.subscribe(STATUS, self._on_status, queue_size=1)
+        self._status = self._topics.subscribe(STATUS, self._on_status, queue_size=1, peers=True)
         self._topics.subscribe(FEEDBACK, self._on_feedback, queue_size=QUEUE_SIZE)
         self._topics.subscribe(RESULT, self._on_result, queue_size=QUEUE_SIZE)
-        self._goal_publisher = self._topics.advertise(GOAL, queue_size=QUEUE_SIZE)
-        self._cancel_publisher = self._topics.advertise(CANCEL, queue_size=QUEUE_SIZE)
+        self._goal_publisher = self._topics.advertise(GOAL, queue_size=QUEUE_SIZE, peers=True)
+        self._cancel_publisher = self._topics.advertise(CANCEL, queue_size=QUEUE_SIZE, peers=True)
 
     def on_disconnect(self) -> None:
         """Fail all goals, and forget the server."""
@@ -342,9 +353,19 @@ class TopicActionClient(ActionClient[G, R, F]):
     # Called by the base class
 
     async def _server_available(self) -> None:
-        while self._last_status is None or _now() - self._last_status >= LOST_AFTER:
+        while not self._has_server():  # A server publishes its status about five times a second.
             self._status_received.clear()
             await self._status_received.wait()
+
+    def _has_server(self) -> bool:
+        """Return whether goals and cancellations reach the node that publishes the status."""
+        if self._last_status is None or _now() - self._last_status >= LOST_AFTER:
+            return False
+        servers = self._status.peers
+        if not servers.known:  # A rosbridge_suite server never reports them.
+            return True
+        reached = {*self._goal_publisher.peers.names} & {*self._cancel_publisher.peers.names}
+        return not reached.isdisjoint(servers.names)
 
     def _forget(self, goal: ClientGoal[R, F]) -> None:
         super()._forget(goal)

@@ -206,6 +206,23 @@ def test_unknown_requests_and_owners_can_be_removed() -> None:
     assert watcher.read() == [[], ([], ["/c"])]
 
 
+def test_node_is_reported_only_while_it_is_linked() -> None:
+    topic = Topic()
+    topic.peers.unlinked("/a")
+    topic.join("/a", "/b")
+    watcher = topic.watched()
+    assert watcher.received == [["/b"]]
+    topic.peers.linked("/a")
+    watcher.report()
+    topic.peers.unlinked("/a")
+    watcher.report()
+    topic.leave("/a")
+    watcher.report()
+    topic.join("/a")
+    watcher.report()
+    assert watcher.received[1:] == [([], ["/a"]), (["/a"], []), ([], ["/a"])]
+
+
 def test_requests_of_one_owner_are_limited() -> None:
     topic = Topic()
     for id_ in range(MOST_REQUESTS):

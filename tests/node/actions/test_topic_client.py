@@ -296,3 +296,19 @@ async def test_first_refusal_is_the_one_that_is_raised(
         deliver(session, "status", level="error", id=each["id"], msg=each["topic"])
     with pytest.raises(OperationRejected, match="/fibonacci/status"):
         await client.wait_for_server()
+
+
+async def test_server_is_available_once_goals_reach_it(
+    session: FakeSession, client: FibonacciClient
+) -> None:
+    goals, cancels, states, *_ = [each["id"] for each in reconnected(session)]
+    waiting = asyncio.create_task(client.wait_for_server(timeout=60))
+    await asyncio.sleep(0)
+    deliver(session, "peers", id=states, nodes=["/server"])
+    for id_ in (goals, cancels):
+        receive_status(session)
+        await asyncio.sleep(0)
+        assert not waiting.done()
+        deliver(session, "peers", id=id_, nodes=["/server", "/recorder"])
+    receive_status(session)
+    await waiting
