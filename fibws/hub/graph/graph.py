@@ -41,7 +41,16 @@ from fibws.hub.graph.clock import GraphClock
 from fibws.hub.graph.parameters import Parameters, canonical, names_in
 from fibws.hub.graph.policy import RIGHTS_OF, AllowAll, Kind, Policy
 from fibws.hub.graph.service import Call, Function, InternalServer, Service, ServiceServer
-from fibws.hub.graph.topic import Guard, GuardedSource, LatchQuota, Receiver, Sink, Source, Topic
+from fibws.hub.graph.topic import (
+    Conflict,
+    Guard,
+    GuardedSource,
+    LatchQuota,
+    Receiver,
+    Sink,
+    Source,
+    Topic,
+)
 from fibws.hub.graph.totals import CallTotals, TopicTotals
 from fibws.hub.graph.types import MessageType, ServiceType, Types, unknown_service
 from fibws.interfaces import Interfaces
@@ -502,6 +511,23 @@ class Graph:
             if type_ is not topic.type:
                 self._change_type(topic, type_)
         self._changed(topic)
+
+    def add_conflict(self, topic: Topic, conflict: Conflict) -> None:
+        """Note on a topic that a node uses it with another type."""
+        topic.conflicts.append(conflict)
+        self.topics[topic.name] = topic
+        self.revision += 1
+
+    def remove_conflict(self, topic: Topic, node: str, *, publishes: bool) -> None:
+        """Remove such a note; nothing happens if there is none."""
+        kept = [
+            each for each in topic.conflicts if each.node != node or each.publishes is not publishes
+        ]
+        if len(kept) < len(topic.conflicts):
+            topic.conflicts[:] = kept
+            if topic.idle and self.topics.get(topic.name) is topic:
+                del self.topics[topic.name]
+            self.revision += 1
 
     def _described(self, node: str, name: str) -> str:
         """Return who uses a type, for errors that any node may get."""

@@ -131,7 +131,7 @@ class Topic:
     @property
     def idle(self) -> bool:
         """Whether the topic has no user left."""
-        return not self.sources and not self._sinks
+        return not (self.sources or self._sinks or self.conflicts)
 
     @property
     def held(self) -> bool:

@@ -606,16 +606,12 @@ class Ros1Nodes:
         self, topic: Topic, node: str, type_: str, fault: str, *, publishes: bool
     ) -> None:
         logger.warning("%s", shortened(f"{node} exchanges no messages on {topic.name}: {fault}"))
-        topic.conflicts.append(Conflict(node, type_, publishes, fault))
-        self._graph.revision += 1
+        self._graph.add_conflict(topic, Conflict(node, type_, publishes, fault))
 
     def _detach_conflict(self, topic: str, node: str, *, publishes: bool) -> None:
         found = self._graph.topics.get(topic)
-        if found is not None and found.conflicts:
-            found.conflicts[:] = [
-                each for each in found.conflicts if (each.node, each.publishes) != (node, publishes)
-            ]
-            self._graph.revision += 1
+        if found is not None:
+            self._graph.remove_conflict(found, node, publishes=publishes)
 
     def _detach_source(self, publisher: Ros1Publisher) -> None:
         source, publisher.source = publisher.source, None
@@ -688,7 +684,7 @@ class Ros1Nodes:
             topic = self._graph.topic(name)
             if topic.conflicts or name in self._publishers or name in self._subscribers:
                 self._retry(topic)
-                self.links.changed(topic)
+                self.links.changed(self._graph.topic(name))
             for subscriber in self.subscribers(name):
                 apis = self.publisher_apis(name, subscriber.owner.hub_host)
                 if subscriber.sent != apis:
@@ -738,8 +734,10 @@ class Ros1Nodes:
         return task
 
     async def close(self) -> None:
-        """Leave the nodes alone: the next hub finds them by the state file."""
+        """Remove the nodes from the graph; the next hub finds them by the state file."""
         self._is_closed = True
+        for node in list(self.by_name.values()):
+            self.remove(node)
         tasks = list(self._tasks)
         for task in tasks:
             task.cancel()
