@@ -119,11 +119,18 @@ class Master:
 
     def unregister_publisher(self, caller: Caller, node: str, topic: str, uri: str) -> Answer:
         """Remove a publisher; the value is how many were removed."""
-        return _removed(self._nodes.remove_publisher(node, topic, uri), node, topic)
+        return self._removed(self._nodes.remove_publisher(node, topic, uri), node, topic)
 
     def unregister_subscriber(self, caller: Caller, node: str, topic: str, uri: str) -> Answer:
         """Remove a subscriber; the value is how many were removed."""
-        return _removed(self._nodes.remove_subscriber(node, topic, uri), node, topic)
+        return self._removed(self._nodes.remove_subscriber(node, topic, uri), node, topic)
+
+    def _removed(self, was_there: bool, node: str, topic: str) -> Answer:
+        if was_there:
+            return 1, f"Unregistered [{node}] as provider of [{topic}]", 1
+        if node not in self._nodes.by_name:
+            return 1, f"[{node}] is not a registered node", 0
+        return 1, f"[{node}] is not a known provider of [{topic}]", 0
 
     def get_published_topics(self, caller: Caller, node: str, namespace: str) -> Answer:
         """Return the topics with publishers in a namespace, with their types."""
@@ -151,9 +158,6 @@ class Master:
 
     def unregister_service(self, caller: Caller, node: str, service: str, uri: str) -> Answer:
         """Remove a service; the value is how many were removed."""
-        present = self._nodes.service(service)
-        if present is None:
-            return 1, f"[{service}] is not a provider", 0
         if not self._nodes.remove_service(service, uri):
             text = f"[{uri}] is no longer the current service api handle for [{service}]"
             return 1, text, 0
@@ -351,12 +355,6 @@ def is_loopback(host: str) -> bool:
 
 def _namespace(key: str) -> str:
     return key if key.endswith("/") else f"{key}/"
-
-
-def _removed(was_there: bool, node: str, topic: str) -> Answer:
-    if was_there:
-        return 1, f"Unregistered [{node}] as provider of [{topic}]", 1
-    return 1, f"[{node}] is not a known provider of [{topic}]", 0
 
 
 def _registrations(found: Iterable[tuple[str, Iterable[str]]]) -> str:
