@@ -7,13 +7,14 @@ import contextlib
 import re
 from collections.abc import AsyncIterator
 from xml.etree import ElementTree
+from xmlrpc.client import ServerProxy
 
 import pytest
 from playwright.async_api import FloatRect, Locator, Page, expect
 
 import fibws
 from fibws.action.actionlib_tutorials import Fibonacci
-from fibws.hub import Hub
+from fibws.hub import Hub, Settings
 from fibws.msg.actionlib_tutorials import FibonacciFeedback, FibonacciGoal, FibonacciResult
 from fibws.msg.std_msgs import Int32, String
 from fibws.srv.std_srvs import Trigger, TriggerRequest, TriggerResponse
@@ -101,6 +102,33 @@ async def test_edges_show_rates(hub: Hub, open_page: OpenPage) -> None:
         await expect(into.locator(".words")).to_contain_text("Hz")
         await out.locator(".hit").dispatch_event("pointerover")
         await expect(out.locator("title")).to_contain_text("/talker publishes /chatter: ")
+
+
+async def test_unreachable_ros1_node_and_its_conflict_are_flagged(open_page: OpenPage) -> None:
+    async with Hub(Settings(port=0, ros1=0)) as hub, chain(hub, "talker", "/numbers", "listener"):
+        assert hub.ros1 is not None
+        master = ServerProxy(hub.ros1.uri)
+        arguments = ("/camera", "/numbers", "sensor_msgs/Image", "http://127.0.0.1:9/")
+        await asyncio.to_thread(master.registerPublisher, *arguments)
+        page = await open_page(hub)
+        camera = element(page, "node", "/camera")
+        await expect(camera).to_contain_text("unreachable")
+        await expect(camera).to_have_attribute("aria-label", re.compile("unreachable: .*refused"))
+        await expect(camera).to_have_class(re.compile("unreachable"))
+        flagged = edge(page, "node /camera", "topic /numbers")
+        await expect(flagged).to_have_class(re.compile("conflict"))
+        await expect(flagged.locator(".words")).to_have_text("⚠ sensor_msgs/Image")
+        fine = edge(page, "node /talker", "topic /numbers")
+        await expect(fine).not_to_have_class(re.compile("conflict"))
+        conflict = "publishes sensor_msgs/Image, the topic is std_msgs/Int32"
+        details = page.get_by_role("complementary", name="Details")
+        await camera.click()
+        for text in ("http://127.0.0.1:9/", "ROS 1 node", "unreachable: ", conflict):
+            await expect(details).to_contain_text(text)
+        await details.get_by_role("link", name="/numbers").click()
+        await expect(details.get_by_role("listitem").filter(has_text="/camera")).to_contain_text(
+            conflict
+        )
 
 
 async def test_nodes_appear_and_disappear(hub: Hub, open_page: OpenPage) -> None:

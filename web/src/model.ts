@@ -19,6 +19,10 @@ export interface NodeInfo {
   since: Time;
   /** Whether it is part of the hub. */
   own: boolean;
+  /** The URI at which a ROS 1 node answers calls; empty for nodes that are connected to the hub. */
+  api: string;
+  /** Why a ROS 1 node does not answer; empty while it does. */
+  fault: string;
 }
 
 export interface PublisherInfo {
@@ -34,6 +38,16 @@ export interface SubscriptionInfo {
   compression: string;
 }
 
+/** A ROS 1 node that uses a topic, and cannot exchange messages with the hub's clients there. */
+export interface ConflictInfo {
+  node: string;
+  /** The type with which it uses the topic. */
+  type: string;
+  /** Whether it publishes; else it subscribes. */
+  publishes: boolean;
+  fault: string;
+}
+
 export interface TopicInfo {
   name: string;
   /** Empty if it is unknown so far. */
@@ -41,6 +55,7 @@ export interface TopicInfo {
   checked: boolean;
   publishers: PublisherInfo[];
   subscriptions: SubscriptionInfo[];
+  conflicts: ConflictInfo[];
 }
 
 export interface ServiceInfo {

@@ -1,8 +1,9 @@
 import { expect, test } from "vitest";
 
 import type { Rates } from "../model";
+import { NO_RATES } from "../rates";
 import { asText } from "./as_text";
-import { picture } from "./picture";
+import { type Picture, picture } from "./picture";
 import { DEFAULTS } from "./toolbar";
 
 test("each node and topic is listed with its edges", () => {
@@ -14,6 +15,8 @@ test("each node and topic is listed with its edges", () => {
         address: "",
         since: { secs: 0, nsecs: 0 },
         own: false,
+        api: "",
+        fault: "",
       })),
       topics: [
         {
@@ -24,6 +27,7 @@ test("each node and topic is listed with its edges", () => {
           subscriptions: [
             { node: "/listener", queue_length: 0, throttle_rate: 0, compression: "none" },
           ],
+          conflicts: [],
         },
       ],
       services: [],
@@ -45,5 +49,31 @@ test("each node and topic is listed with its edges", () => {
     "topic /chatter [std_msgs/String]",
     "  ─> /listener",
     "  <─ /talker  1.0 Hz",
+  ]);
+});
+
+test("unreachable nodes and conflicts are named", () => {
+  const about = { type: "", group: null, second: "", about: "" };
+  const edge = {
+    ...{ id: "e", from: "node /n", to: "topic /t", publishers: [], subscriptions: [], label: "" },
+    ...{ latched: false, dashed: false, bothWays: false, direct: false, about: "" },
+    conflict: "a/B",
+  };
+  const drawn: Picture = {
+    elements: [
+      { ...about, id: "node /n", kind: "node", name: "/n", label: "/n", fault: "Timed out" },
+      { ...about, id: "topic /t", kind: "topic", name: "/t", label: "/t", fault: "" },
+    ],
+    edges: [edge, { ...edge, id: "f", from: "topic /t", to: "node /n", conflict: "not allowed" }],
+    groups: [],
+    typed: false,
+  };
+  expect(asText(drawn, NO_RATES).split("\n")).toEqual([
+    "node /n  unreachable: Timed out",
+    "  ─> /t  no messages: type a/B",
+    "  <─ /t  no messages: not allowed",
+    "topic /t",
+    "  ─> /n  no messages: not allowed",
+    "  <─ /n  no messages: type a/B",
   ]);
 });

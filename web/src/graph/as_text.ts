@@ -23,17 +23,24 @@ export function asText({ elements, edges }: Picture, rates: Rates): string {
   return elements
     .filter(({ kind }) => kind !== "topic")
     .concat(elements.filter(({ kind }) => kind === "topic"))
-    .flatMap(({ id, kind, name, type }) => [
-      `${kind} ${name}${type === "" ? "" : ` [${type}]`}`,
+    .flatMap(({ id, kind, name, type, fault }) => [
+      `${kind} ${name}${type === "" ? "" : ` [${type}]`}${fault && `  unreachable: ${fault}`}`,
       ...(out.get(id) ?? []).map(
         (edge) =>
           `  ─> ${edge.label ? `${edge.label} ─> ` : ""}${byId.get(edge.to)?.name}${flow(edge)}` +
-          (edge.latched ? "  latched" : ""),
+          (edge.latched ? "  latched" : "") +
+          flag(edge),
       ),
       ...(into.get(id) ?? []).map(
         (edge) =>
-          `  <─ ${edge.label ? `${edge.label} <─ ` : ""}${byId.get(edge.from)?.name}${flow(edge)}`,
+          `  <─ ${edge.label ? `${edge.label} <─ ` : ""}${byId.get(edge.from)?.name}${flow(edge)}` +
+          flag(edge),
       ),
     ])
     .join("\n");
 }
+
+const flag = ({ conflict }: Edge): string =>
+  conflict === ""
+    ? ""
+    : `  no messages: ${conflict === "not allowed" ? conflict : `type ${conflict}`}`;

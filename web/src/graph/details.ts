@@ -16,7 +16,12 @@ import { flowKey } from "../rates";
 import { definitions } from "../type_definition";
 import type { TypeDef } from "../types";
 import { route } from "../view";
+import { conflictText, TopicUsers } from "./conflicts";
 import type { Kind } from "./picture";
+
+const NOT_COUNTED =
+  "ROS 1 nodes send each other messages directly: the hub sees and counts only those to and from " +
+  "its own clients.";
 
 type Live = (rates: Rates, clients: readonly ClientStatistics[]) => void;
 
@@ -104,7 +109,7 @@ export class Details {
       case "node":
         return this.#node(known);
       case "topic":
-        return this.#topic(known.topic);
+        return this.#topic(known.topic, known.direct);
       case "service":
         return this.#service(known.service);
       case "action":
@@ -118,9 +123,11 @@ export class Details {
     node,
     publishes,
     subscribes,
+    conflicts,
     actions,
     services,
   }: ElementData & { kind: "node" }): Child[] {
+    const isRos1 = node.api !== "";
     const since = node.since.secs + node.since.nsecs / 1e9;
     const queued = this.#liveText((_, clients) => {
       const client = clients.find((each) => each.node === node.name);
@@ -131,15 +138,24 @@ export class Details {
     const key = (topic: string): string => flowKey(topic, node.name);
     return [
       terms([
-        ["address", node.address || (node.own ? "part of the hub" : "unknown")],
+        isRos1 ? ["kind", "ROS 1 node"] : null,
+        ["address", node.api || node.address || (node.own ? "part of the hub" : "unknown")],
+        node.fault === "" ? null : ["state", warning(`unreachable: ${node.fault}`)],
         [
           "since",
           this.#liveText(
             () => `${dateTime(node.since.secs, 0).slice(0, 19)}, ${ago(Date.now() / 1000 - since)}`,
           ),
         ],
-        node.own ? null : ["send queue", queued],
+        node.own || isRos1 ? null : ["send queue", queued],
       ]),
+      isRos1 ? h("p", { class: "soft small" }, NOT_COUNTED) : null,
+      list(
+        "Conflicts",
+        conflicts.map(({ topic, text }) => [
+          h("span", {}, link("topic", topic), h("span", {}, warning(text))),
+        ]),
+      ),
       list(
         "Publishes",
         publishes.map((topic) => [
@@ -165,7 +181,7 @@ export class Details {
     ];
   }
 
-  #topic(topic: TopicInfo): Child[] {
+  #topic(topic: TopicInfo, direct: boolean): Child[] {
     const { name } = topic;
     const key = (node: string): string => flowKey(name, node);
     const flowing = this.#liveText((rates) => {
@@ -186,6 +202,18 @@ export class Details {
           : ["checked", "no, the hub does not know this type"],
         ["rate", flowing],
       ]),
+      direct ? h("p", { class: "soft small" }, NOT_COUNTED) : null,
+      list(
+        "Conflicts",
+        topic.conflicts.map((conflict) => [
+          h(
+            "span",
+            { title: conflict.fault },
+            link("node", conflict.node),
+            h("span", {}, warning(conflictText(conflict, topic))),
+          ),
+        ]),
+      ),
       list(
         "Publishers",
         topic.publishers.map(({ node, latch }) => [
@@ -316,6 +344,8 @@ function list(title: string, rows: Child[][], none?: string): Child {
   );
 }
 
+const warning = (text: string): HTMLElement => h("span", { class: "warning" }, `⚠ ${text}`);
+
 export type ElementData =
   | {
       kind: "node";
@@ -323,10 +353,13 @@ export type ElementData =
       /** Names of topics. */
       publishes: string[];
       subscribes: string[];
+      /** Topics on which it exchanges no messages with the hub's clients, and why. */
+      conflicts: { topic: string; text: string }[];
       actions: string[];
       services: string[];
     }
-  | { kind: "topic"; topic: TopicInfo }
+  /** `direct`: whether ROS 1 nodes exchange messages of it without the hub. */
+  | { kind: "topic"; topic: TopicInfo; direct: boolean }
   | { kind: "service"; service: ServiceInfo }
   /** `topics` are its own ones, if it is over topics. */
   | { kind: "action"; action: ActionInfo; topics: string[] };
@@ -347,6 +380,11 @@ export function elementData(
           node,
           publishes: names(graph.topics.filter(({ publishers }) => publishers.some(its))),
           subscribes: names(graph.topics.filter(({ subscriptions }) => subscriptions.some(its))),
+          conflicts: graph.topics.flatMap((topic) =>
+            topic.conflicts
+              .filter(its)
+              .map((conflict) => ({ topic: topic.name, text: conflictText(conflict, topic) })),
+          ),
           actions: names(graph.actions.filter(its)),
           services: names(graph.services.filter(its)),
         }
@@ -354,7 +392,7 @@ export function elementData(
     }
     case "topic": {
       const topic = graph.topics.find(named);
-      return topic && { kind, topic };
+      return topic && { kind, topic, direct: new TopicUsers(graph).isDirect(topic) };
     }
     case "service": {
       const service = graph.services.find(named);

@@ -226,11 +226,13 @@ export class Drawing {
         continue;
       }
       const { element: previous, to: box } = old;
-      const shown = [previous.label, previous.second, box.width, box.height].join("\n");
-      if (shown !== [element.label, element.second, to.width, to.height].join("\n")) {
+      const shown = [previous.label, previous.second, previous.fault, box.width, box.height];
+      const next = [element.label, element.second, element.fault, to.width, to.height];
+      if (shown.join("\n") !== next.join("\n")) {
         old.mark.replaceChildren(...elementContent(element, to));
       }
       setAttribute(old.mark, "aria-label", element.about);
+      old.mark.classList.toggle("unreachable", element.fault !== "");
       Object.assign(old, { element, from: old.at, to });
     }
     // The tab key visits elements in the direction of the edges.
@@ -260,6 +262,7 @@ export class Drawing {
       }
       mark.mark.classList.toggle("dashed", edge.dashed);
       mark.mark.classList.toggle("latched", edge.latched);
+      mark.mark.classList.toggle("conflict", edge.conflict !== "");
       Object.assign(mark, { edge, from: mark.at, to });
     }
   }

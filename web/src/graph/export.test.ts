@@ -11,6 +11,7 @@ const element = (kind: Element["kind"], name: string, more: Partial<Element> = {
   group: null,
   label: name,
   second: "",
+  fault: "",
   about: "",
   ...more,
 });
@@ -25,8 +26,24 @@ const edge = (from: string, to: string, more: Partial<Edge> = {}): Edge => ({
   latched: false,
   dashed: false,
   bothWays: false,
+  conflict: "",
+  direct: false,
   about: "",
   ...more,
+});
+
+test("DOT shows unreachable nodes and conflicts", () => {
+  const text = dotFile({
+    elements: [
+      element("node", "/n", { second: "⚠ unreachable", fault: "Connection refused" }),
+      element("topic", "/t"),
+    ],
+    edges: [edge("node /n", "topic /t", { conflict: "a/B" })],
+    groups: [],
+    typed: false,
+  });
+  expect(text).toContain('style=dashed, tooltip="Connection refused"');
+  expect(text).toContain('[label="⚠ a/B", style=dotted]');
 });
 
 test("DOT has elements, edges and nested namespaces", () => {

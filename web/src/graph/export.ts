@@ -21,15 +21,18 @@ const SHAPES: Record<Kind, string> = {
 
 /** The elements and edges in Graphviz's language, with a cluster for each namespace. */
 export function dotFile({ elements, edges, groups }: Picture): string {
-  const element = ({ id, kind, label, type, second }: Element): string => {
+  const element = ({ id, kind, label, type, second, fault }: Element): string => {
     const lines = second === "" ? label : `${label}\n${second}`;
-    const tooltip = type === "" ? "" : `, tooltip=${quoted(type)}`;
-    return `${quoted(id)} [label=${quoted(lines)}, shape=${SHAPES[kind]}${tooltip}];`;
+    const more = fault || type;
+    const tooltip = more === "" ? "" : `, tooltip=${quoted(more)}`;
+    const style = fault === "" ? "" : ", style=dashed";
+    return `${quoted(id)} [label=${quoted(lines)}, shape=${SHAPES[kind]}${style}${tooltip}];`;
   };
-  const edge = ({ from, to, label, dashed, bothWays }: Edge): string => {
+  const edge = ({ from, to, label, dashed, bothWays, conflict }: Edge): string => {
+    const lines = [label, conflict === "" ? "" : `⚠ ${conflict}`].filter((each) => each !== "");
     const attributes = [
-      label === "" ? "" : `label=${quoted(label)}`,
-      dashed ? "style=dashed" : "",
+      lines.length === 0 ? "" : `label=${quoted(lines.join("\n"))}`,
+      dashed ? "style=dashed" : conflict === "" ? "" : "style=dotted",
       bothWays ? "dir=both" : "",
     ].filter((each) => each !== "");
     const list = attributes.length === 0 ? "" : ` [${attributes.join(", ")}]`;
@@ -59,7 +62,7 @@ function quoted(text: string): string {
 const MARGIN = 16;
 const COLOURS = ["fill", "stroke"] as const;
 const STYLES = {
-  shape: ["fill-opacity", "stroke-width", "stroke-opacity", "stroke-dasharray"],
+  shape: ["fill-opacity", "stroke-width", "stroke-opacity", "stroke-dasharray", "stroke-linecap"],
   text: [
     "font-family",
     "font-size",

@@ -13,6 +13,7 @@ const element = (id: string, label = id): Element => ({
   group: null,
   label,
   second: "",
+  fault: "",
   about: "",
 });
 
@@ -26,6 +27,8 @@ const edge = (latched: boolean): Edge => ({
   latched,
   dashed: false,
   bothWays: false,
+  conflict: "",
+  direct: false,
   about: "",
 });
 

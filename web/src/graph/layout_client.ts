@@ -2,7 +2,7 @@
 import { layoutWorker } from "../script_urls";
 import { type Layout, type LayoutRequest, moved, type Size } from "./layout_types";
 import type { Edge, Picture } from "./picture";
-import { type Measure, shortened, sizeOf } from "./shapes";
+import { conflictLabel, type Measure, shortened, sizeOf } from "./shapes";
 
 /** The longest usual labels: there is space for these, so a changing rate moves nothing. */
 const RATE = "99.9 Hz";
@@ -86,8 +86,11 @@ export function layoutRequest(picture: Picture, measure: Measure, canvas: Size):
 }
 
 function labelSize(edge: Edge, measure: Measure): { width: number; height: number } {
-  if (edge.publishers.length + edge.subscriptions.length === 0) return { width: 8, height: 8 };
-  const rate = measure(edge.latched ? LATCHED : RATE, "rate");
+  const { conflict, latched, publishers, subscriptions } = edge;
+  const isCounted = publishers.length + subscriptions.length > 0;
+  if (conflict === "" && !isCounted) return { width: 8, height: 8 };
+  const text = conflict !== "" ? conflictLabel(edge) : latched ? LATCHED : RATE;
+  const rate = measure(text, "rate");
   if (edge.label === "") return { width: Math.round(rate + PADDING), height: LINE };
   const topic = measure(shortened(edge.label, 32), "rate");
   return { width: Math.round(Math.max(rate, topic) + PADDING), height: 2 * LINE };

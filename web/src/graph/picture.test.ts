@@ -10,6 +10,8 @@ const node = (name: string) => ({
   address: "127.0.0.1:1",
   since: { secs: 1, nsecs: 0 },
   own: false,
+  api: "",
+  fault: "",
 });
 
 function topic(
@@ -29,6 +31,7 @@ function topic(
       throttle_rate: 0,
       compression: "none",
     })),
+    conflicts: [],
   };
 }
 
@@ -196,6 +199,74 @@ describe("a picture", () => {
       "std_msgs/String",
     );
     expect(picture(many, { ...DEFAULTS, types: true }).typed).toBe(true);
+  });
+});
+
+describe("ROS 1 nodes", () => {
+  const ros1 = (name: string, fault = "") => ({ ...node(name), api: `http://pi:1${name}`, fault });
+  const conflict = (name: string, publishes: boolean, type = "a/B") => ({
+    node: name,
+    type,
+    publishes,
+    fault: "why",
+  });
+
+  it("say that they are unreachable, also to screen readers", () => {
+    const drawn = picture({ ...CHATTER, nodes: [ros1("/talker", "Timed out")] }, DEFAULTS);
+    const talker = drawn.elements.find(({ name }) => name === "/talker");
+    expect(talker?.second).toBe("⚠ unreachable");
+    expect(talker?.about).toBe("node /talker, publishes 1, subscribes 0, unreachable: Timed out");
+  });
+
+  it("of another type than the topic have a flagged edge", () => {
+    const chatter = {
+      ...topic("/chatter", ["/talker"], ["/listener"]),
+      conflicts: [conflict("/camera", true), conflict("/old", false, "std_msgs/String")],
+    };
+    const nodes = [...CHATTER.nodes, ros1("/camera"), ros1("/old")];
+    const drawn = picture({ ...CHATTER, nodes, topics: [chatter] }, DEFAULTS);
+    expect(drawn.edges.map(({ id, conflict: flag, about }) => [id, flag, about])).toEqual([
+      [
+        "node /camera > topic /chatter",
+        "a/B",
+        "/camera, /chatter: publishes a/B, the topic is std_msgs/String",
+      ],
+      ["node /talker > topic /chatter", "", "/talker publishes /chatter"],
+      ["topic /chatter > node /listener", "", "/listener subscribes to /chatter"],
+      [
+        "topic /chatter > node /old",
+        "not allowed",
+        "/old, /chatter: subscribes to std_msgs/String: why",
+      ],
+    ]);
+    expect(drawn.edges[0]?.publishers).toEqual([]);
+  });
+
+  it("of the same other type exchange messages with each other", () => {
+    const chatter = {
+      ...topic("/chatter", ["/talker"], ["/listener"]),
+      conflicts: [conflict("/camera", true), conflict("/viewer", false)],
+    };
+    const nodes = [...CHATTER.nodes, ros1("/camera"), ros1("/viewer")];
+    const drawn = picture({ ...CHATTER, nodes, topics: [chatter] }, { ...DEFAULTS, topics: false });
+    const flags = drawn.edges.map(({ from, to, conflict: flag }) => `${from} > ${to}: ${flag}`);
+    expect(flags).toEqual([
+      "node /camera > node /listener: a/B",
+      "node /camera > node /viewer: ",
+      "node /talker > node /listener: ",
+      "node /talker > node /viewer: a/B",
+    ]);
+  });
+
+  it("exchange messages that the hub does not count", () => {
+    const nodes = [ros1("/talker"), ros1("/listener"), node("/web")];
+    const topics = [topic("/chatter", ["/talker"], ["/listener", "/web"])];
+    const drawn = picture({ ...CHATTER, nodes, topics }, DEFAULTS);
+    expect(drawn.edges.map(({ to, direct }) => [to, direct])).toEqual([
+      ["topic /chatter", true],
+      ["node /listener", true],
+      ["node /web", false],
+    ]);
   });
 });
 

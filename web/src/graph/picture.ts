@@ -2,8 +2,9 @@
 
 import { type Filter, fieldsOf } from "../filter";
 import { isHidden } from "../hidden_names";
-import type { ActionInfo, Graph, TopicInfo } from "../model";
+import type { ActionInfo, ConflictInfo, Graph, TopicInfo } from "../model";
 import { flowKey } from "../rates";
+import { conflictText, TopicUsers } from "./conflicts";
 import { namespaces } from "./namespaces";
 import type { GraphOptions } from "./toolbar";
 
@@ -20,8 +21,10 @@ export interface Element {
   group: string | null;
   /** The name within that namespace. */
   label: string;
-  /** The second line of text: the type, if types are shown. */
+  /** The second line of text: the type, if types are shown; the state of an unreachable node. */
   second: string;
+  /** Why a node does not answer; empty for all other elements. */
+  fault: string;
   /** The description for screen readers. */
   about: string;
 }
@@ -38,6 +41,10 @@ export interface Edge {
   latched: boolean;
   dashed: boolean;
   bothWays: boolean;
+  /** What keeps messages from passing: another type than the topic's, or "not allowed". */
+  conflict: string;
+  /** Whether its messages may pass between ROS 1 nodes without the hub, which cannot count them. */
+  direct: boolean;
   /** A sentence that describes the edge. */
   about: string;
 }
@@ -89,7 +96,7 @@ export function picture(
         ...element,
         group,
         label: group === null ? element.name : element.name.slice(group.length + 1),
-        second: typed ? element.type : "",
+        second: element.fault !== "" ? "⚠ unreachable" : typed ? element.type : "",
         about: description(element, outgoing(element.id), incoming(element.id)),
       };
     }),
@@ -105,9 +112,9 @@ class PictureDraft {
   edges: Edge[] = [];
 
   /** Add an element; returns its id. */
-  addElement(kind: Kind, name: string, type = "", node = ""): string {
+  addElement(kind: Kind, name: string, type = "", node = "", fault = ""): string {
     const id = idOf(kind, name);
-    this.elements.set(id, { id, kind, name, type, node });
+    this.elements.set(id, { id, kind, name, type, node, fault });
     return id;
   }
 
@@ -127,6 +134,8 @@ class PictureDraft {
       latched: false,
       dashed: false,
       bothWays: false,
+      conflict: "",
+      direct: false,
       ...line,
     });
   }
@@ -137,8 +146,9 @@ function collected(graph: Graph, options: GraphOptions): PictureDraft {
   const shown = ({ name }: { name: string }): boolean => options.debug || !isHidden(name);
   const draft = new PictureDraft();
   for (const node of graph.nodes.filter(shown)) {
-    if (options.debug || !node.own) draft.addElement("node", node.name);
+    if (options.debug || !node.own) draft.addElement("node", node.name, "", "", node.fault);
   }
+  const users = new TopicUsers(graph);
   const actionTopics = new Set<string>();
   for (const action of graph.actions.filter(shown)) {
     if (action.over_topics && options.debug) continue;
@@ -146,7 +156,7 @@ function collected(graph: Graph, options: GraphOptions): PictureDraft {
     if (options.actions) addAction(draft, action, graph.topics);
   }
   for (const topic of graph.topics.filter(shown)) {
-    if (!actionTopics.has(topic.name)) addTopic(draft, topic, options);
+    if (!actionTopics.has(topic.name)) addTopic(draft, topic, users, options);
   }
   for (const service of options.services ? graph.services.filter(shown) : []) {
     draft.addEdge({
@@ -195,46 +205,80 @@ function filtered(draft: PictureDraft, filter: Filter): { elements: Sketch[]; ed
 }
 
 /** Add a topic, as an element or as edges from node to node. */
-function addTopic(draft: PictureDraft, topic: TopicInfo, { topics, deadEnds }: GraphOptions): void {
+function addTopic(
+  draft: PictureDraft,
+  topic: TopicInfo,
+  users: TopicUsers,
+  { topics, deadEnds }: GraphOptions,
+): void {
   const { name, type } = topic;
-  const publishers = topic.publishers.filter(({ node }) => draft.has("node", node));
-  const subscribers = topic.subscriptions.filter(({ node }) => draft.has("node", node));
+  const all = users.of(topic).filter(({ node }) => draft.has("node", node));
+  const publishers = all.filter(({ publishes }) => publishes);
+  const subscribers = all.filter(({ publishes }) => !publishes);
   const isDeadEnd = publishers.length === 0 || subscribers.length === 0;
   if (isDeadEnd && (!deadEnds || !topics)) return;
+  const latchedText = (latch: boolean): string => (latch ? ", latched" : "");
   if (topics) {
     const box = draft.addElement("topic", name, type);
-    for (const { node, latch } of publishers) {
+    for (const user of publishers) {
+      const { node, latch, conflict } = user;
       draft.addEdge({
         from: idOf("node", node),
         to: box,
-        publishers: [flowKey(name, node)],
+        publishers: conflict === null ? [flowKey(name, node)] : [],
         latched: latch,
-        about: `${node} publishes ${name}${latch ? ", latched" : ""}`,
+        conflict: flag(conflict, topic),
+        direct: user.isRos1 && subscribers.some(({ isRos1 }) => isRos1),
+        about:
+          conflict === null
+            ? `${node} publishes ${name}${latchedText(latch)}`
+            : `${node}, ${name}: ${conflictText(conflict, topic)}`,
       });
     }
-    for (const { node } of subscribers) {
+    for (const user of subscribers) {
+      const { node, conflict } = user;
       draft.addEdge({
         from: box,
         to: idOf("node", node),
-        subscriptions: [flowKey(name, node)],
-        about: `${node} subscribes to ${name}`,
+        subscriptions: conflict === null ? [flowKey(name, node)] : [],
+        conflict: flag(conflict, topic),
+        direct: user.isRos1 && publishers.some(({ isRos1 }) => isRos1),
+        about:
+          conflict === null
+            ? `${node} subscribes to ${name}`
+            : `${node}, ${name}: ${conflictText(conflict, topic)}`,
       });
     }
     return;
   }
-  for (const { node: publisher, latch } of publishers) {
-    for (const { node: subscriber } of subscribers) {
+  for (const publisher of publishers) {
+    for (const subscriber of subscribers) {
+      const conflict = users.conflict(publisher, subscriber);
+      const { node: from, latch } = publisher;
+      const { node: to } = subscriber;
       draft.addEdge({
-        from: idOf("node", publisher),
-        to: idOf("node", subscriber),
+        from: idOf("node", from),
+        to: idOf("node", to),
         label: name,
-        publishers: [flowKey(name, publisher)],
-        subscriptions: [flowKey(name, subscriber)],
+        publishers: conflict === null ? [flowKey(name, from)] : [],
+        subscriptions: conflict === null ? [flowKey(name, to)] : [],
         latched: latch,
-        about: `${publisher} publishes ${name}${latch ? ", latched," : ""} to ${subscriber}`,
+        conflict: flag(conflict, topic),
+        direct: publisher.isRos1 && subscriber.isRos1,
+        about:
+          conflict === null
+            ? `${from} publishes ${name}${latch ? ", latched," : ""} to ${to}`
+            : `${from} sends no messages on ${name} to ${to}: ` +
+              `${conflict.node} ${conflictText(conflict, topic)}`,
       });
     }
   }
+}
+
+/** The short text at an edge for a conflict; empty for none. */
+function flag(conflict: ConflictInfo | null, topic: TopicInfo): string {
+  if (conflict === null) return "";
+  return conflict.type === topic.type ? "not allowed" : conflict.type;
 }
 
 /** Add an action. One edge stands for what a client sends and receives. */
@@ -289,9 +333,10 @@ function counter(ids: readonly string[]): (id: string) => number {
   return (id) => counts.get(id) ?? 0;
 }
 
-function description({ kind, name, type }: Sketch, out: number, into: number): string {
+function description({ kind, name, type, fault }: Sketch, out: number, into: number): string {
   const typed = type === "" ? "" : `, type ${type}`;
-  if (kind === "node") return `node ${name}, publishes ${out}, subscribes ${into}`;
+  const state = fault === "" ? "" : `, unreachable: ${fault}`;
+  if (kind === "node") return `node ${name}, publishes ${out}, subscribes ${into}${state}`;
   if (kind === "topic") return `topic ${name}${typed}, publishers ${into}, subscribers ${out}`;
   return `${kind} ${name}${typed}`;
 }

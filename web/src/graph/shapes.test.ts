@@ -14,6 +14,8 @@ const EDGE: Edge = {
   latched: false,
   dashed: false,
   bothWays: false,
+  conflict: "",
+  direct: false,
   about: "/n subscribes to /t",
 };
 
@@ -53,6 +55,15 @@ it("the label has the rate, the tooltip also the edge", () => {
 
 it("there is no label without messages", () => {
   expect(rateLabel(EDGE, rates(0))).toMatchObject({ label: "", idle: true, drops: false });
+});
+
+it("an edge with a conflict is labelled with the other type, whatever passes", () => {
+  const { label, title, idle } = rateLabel({ ...EDGE, conflict: "a/B", about: "why" }, rates(5));
+  expect([label, title, idle]).toEqual(["⚠ a/B", "why", false]);
+});
+
+it("the tooltip says if messages between ROS 1 nodes are missing in the rate", () => {
+  expect(rateLabel({ ...EDGE, direct: true }, rates(1)).title).toMatch(/1.0 Hz.*not counted/);
 });
 
 it("the line width is logarithmic", () => {

@@ -80,10 +80,11 @@ export function sizeOf(element: PictureElement, measure: Measure): Size {
   const line = (element.second === "" ? 0 : 10) + more;
   switch (element.kind) {
     case "node": {
-      const height = 44 + 0.7 * more;
+      const count = lines.length + (element.second === "" ? 0 : 1);
+      const height = 44 + 0.7 * LINE * (count - 1);
       // The corners of the text are inside the ellipse.
-      const part = (LINE * lines.length - 4) / height;
-      const width = name / Math.sqrt(1 - part ** 2) + 16;
+      const part = (LINE * count - 4) / height;
+      const width = widest / Math.sqrt(1 - part ** 2) + 16;
       return { width: Math.round(Math.max(64, width)), height };
     }
     case "topic":
@@ -154,7 +155,7 @@ export function makeElement(element: PictureElement, box: Box): SVGGElement {
   return svg(
     "g",
     {
-      class: `element ${element.kind}`,
+      class: `element ${element.kind}${element.fault === "" ? "" : " unreachable"}`,
       role: "button",
       tabindex: 0,
       "aria-label": element.about,
@@ -166,10 +167,11 @@ export function makeElement(element: PictureElement, box: Box): SVGGElement {
 
 /** The SVG content of an element. */
 export function elementContent(
-  { kind, name, type, label, second }: PictureElement,
+  { kind, name, type, label, second, fault }: PictureElement,
   box: Box,
 ): (Node | string)[] {
-  const title = svg("title", {}, type === "" ? name : `${name}\n${type}`);
+  const more = fault === "" ? type : `unreachable: ${fault}`;
+  const title = svg("title", {}, more === "" ? name : `${name}\n${more}`);
   const hasType = second !== "";
   const lines = linesOf(label);
   const middle = (LINE * (lines.length - 1)) / 2;
@@ -195,6 +197,9 @@ export function makeEdge(edge: Edge, path: EdgePath): EdgeMark {
   return { edge, at: path, from: path, to: path, mark, line, heads, hit, label, rate, stroke: 0 };
 }
 
+/** The label of an edge without messages, since types differ. */
+export const conflictLabel = ({ conflict }: Edge): string => `⚠ ${shortened(conflict, 24)}`;
+
 /** How an edge shows its rate. */
 export interface RateLabel {
   /** The label at the edge; empty without messages. */
@@ -212,6 +217,10 @@ const MIN_STROKE = 1.25;
 const STROKE_STEP = 0.75;
 
 export function rateLabel(edge: Edge, rates: Rates): RateLabel {
+  if (edge.conflict !== "") {
+    const [label, title] = [conflictLabel(edge), edge.about];
+    return { label, title, stroke: MIN_STROKE, idle: false, drops: false };
+  }
   let messages = 0;
   let bytes = 0;
   let dropping = 0;
@@ -229,6 +238,7 @@ export function rateLabel(edge: Edge, rates: Rates): RateLabel {
   const rate = messages > 0 ? hertz(messages) : "";
   const parts = [dropping > 0 ? "⚠" : "", rate, edge.latched ? "latched" : ""];
   const words = [`${edge.about}: ${hertz(messages)}`];
+  if (edge.direct) words.push("messages between ROS 1 nodes are not counted");
   if (bytes > 0) words.push(bandwidth(bytes));
   if (dropped > 0) {
     words.push(

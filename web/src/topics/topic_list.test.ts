@@ -14,6 +14,7 @@ const GRAPH: Graph = {
     checked: true,
     publishers: Array.from({ length: at }, (_, each) => ({ node: `/n${each}`, latch: false })),
     subscriptions: [{ node: "/listener", queue_length: 0, throttle_rate: 0, compression: "none" }],
+    conflicts: [],
   })),
 };
 const RATES: Rates = {
