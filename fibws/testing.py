@@ -56,6 +56,8 @@ class HubThread:
         self._thread: threading.Thread | None = None
         self.url = ""
         """The hub's URL, such as ``ws://127.0.0.1:41253``."""
+        self.master_uri = ""
+        """The ``ROS_MASTER_URI`` of ROS 1 nodes; empty without ``Settings(ros1=...)``."""
 
     @property
     def port(self) -> int:
@@ -108,6 +110,7 @@ class HubThread:
         async with Hub(self._settings) as hub:
             self._settings = dataclasses.replace(self._settings, port=hub.port)
             self.url = hub.url
+            self.master_uri = hub.ros1.uri if hub.ros1 is not None else ""
             self._ready.set()
             await self._end.wait()
 

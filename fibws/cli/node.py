@@ -11,7 +11,7 @@ import click
 from fibws.cli import completers, output
 from fibws.cli.common_options import json_option, with_hub
 from fibws.cli.exit_handling import end_line
-from fibws.client.graph_snapshot import Entry, GraphSnapshot, in_namespace
+from fibws.client.graph_snapshot import Entry, GraphSnapshot, conflict_text, in_namespace
 from fibws.client.hub_client import HubClient
 from fibws.command_names import command_name
 from fibws.errors import UnknownName
@@ -30,7 +30,7 @@ def command() -> None:
 
 @command.command("list")
 @click.argument("namespace", required=False, shell_complete=completers.nodes)
-@click.option("-u", "addresses", is_flag=True, help="List addresses, IP:PORT, instead of names.")
+@click.option("-u", "addresses", is_flag=True, help="List addresses instead of names.")
 @click.option("-a", "--all", "everything", is_flag=True, help="List addresses and names.")
 @json_option
 @with_hub("node")
@@ -39,7 +39,7 @@ def list_(
 ) -> None:
     """List all nodes, or those in NAMESPACE.
 
-    The hub's own nodes have the hub's address.
+    The hub's own nodes have the hub's address, and ROS 1 nodes a URI.
     """
     snapshot = GraphSnapshot(client)
     for node in in_namespace(namespace and client.resolve_namespace(namespace), snapshot.nodes):
@@ -118,7 +118,7 @@ def machine(client: HubClient, machine: str | None) -> None:
     """List the IP addresses of the nodes' machines, or the nodes on MACHINE."""
     snapshot = GraphSnapshot(client)
     names = [node["name"] for node in snapshot.nodes]
-    hosts = {name: urlsplit(f"//{snapshot.address(name)}").hostname or "" for name in names}
+    hosts = {name: _host(snapshot.address(name)) for name in names}
     if machine is None:
         output.names(set(hosts.values()))
     elif machine in hosts.values():
@@ -129,12 +129,42 @@ def machine(client: HubClient, machine: str | None) -> None:
 
 
 @command.command()
-def cleanup() -> None:
-    """Do nothing; accepted for compatibility with rosnode.
+@click.option("-y", "--yes", is_flag=True, help="Unregister without asking.")
+@with_hub("node")
+def cleanup(client: HubClient, yes: bool) -> None:
+    """Unregister ROS 1 nodes that do not answer.
 
-    A hub removes unreachable nodes by itself.
+    Other nodes are connected to the hub, which removes them when they disconnect.
     """
-    output.line("Nothing to clean up: a hub removes unreachable nodes by itself.")
+    nodes = [each["name"] for each in GraphSnapshot(client).nodes if each["api"]]
+    responses = {name: client.call("/rosapi/ping_node", {"node": name}) for name in nodes}
+    silent = {
+        name: str(response["message"])
+        for name, response in responses.items()
+        if not response["success"]
+    }
+    if not silent:
+        output.line(f"Nothing to clean up: {output.counted(len(nodes), 'ROS 1 node')}, all answer.")
+        return
+    output.line("Unable to contact the following nodes:")
+    for message in silent.values():
+        output.line(f" * {message}")
+    output.line(
+        "Warning: these might include alive and functioning nodes, e.g. in unstable networks."
+    )
+    output.line("Cleanup will purge all information about these nodes from the master.")
+    if not yes and not _confirmed():
+        output.line("aborting")
+        return
+    failures = []
+    for name in silent:
+        output.line(f"Unregistering {name}")
+        response = client.call("/rosapi/unregister_node", {"node": name})
+        if not response["success"]:
+            failures.append(str(response["message"]))
+    if failures:
+        raise click.ClickException(f"Failed to unregister: {output.visible('; '.join(failures))}")
+    output.line("done")
 
 
 @command.command()
@@ -145,6 +175,7 @@ def kill(client: HubClient, nodes: tuple[str, ...], everyone: bool) -> None:
     """Kill each NODE; without a NODE, ask for one.
 
     The hub closes a node's connection. Nodes of fibws and rospy end then; web pages may reconnect.
+    ROS 1 nodes are asked to end.
     """
     if everyone and nodes:
         raise click.UsageError("--all cannot be combined with NODE")
@@ -179,6 +210,7 @@ def _details(snapshot: GraphSnapshot, node: Entry) -> Entry:
         "address": snapshot.address(name),
         "publications": {topic["name"]: topic["type"] for topic in _published(snapshot, name)},
         "subscriptions": {topic["name"]: topic["type"] for topic in _subscribed(snapshot, name)},
+        "conflicts": dict(_conflicts(snapshot, name)),
         "services": {
             each["name"]: each["type"] for each in snapshot.services if each["node"] == name
         },
@@ -194,6 +226,9 @@ def _description(snapshot: GraphSnapshot, node: Entry, *, quiet: bool) -> Iterat
     yield f"Node [{name}]"
     yield from _section("Publications", map(_typed, _published(snapshot, name)))
     yield from _section("Subscriptions", map(_typed, _subscribed(snapshot, name)))
+    conflicts = [f"{topic}: {text}" for topic, text in _conflicts(snapshot, name)]
+    if conflicts:
+        yield from _section("Conflicts", conflicts)
     provided = [each["name"] for each in snapshot.services if each["node"] == name]
     yield from _section("Services", provided)
     actions = [_typed(each) for each in snapshot.actions if each["node"] == name]
@@ -263,6 +298,18 @@ def _subscribed(snapshot: GraphSnapshot, node: str) -> list[Entry]:
     ]
 
 
+def _conflicts(snapshot: GraphSnapshot, node: str) -> Iterator[tuple[str, str]]:
+    """Yield topics that a ROS 1 node cannot use with the hub's clients, and why."""
+    for topic in snapshot.topics:
+        for conflict in topic["conflicts"]:
+            if conflict["node"] == node:
+                yield topic["name"], conflict_text(conflict, topic)
+
+
+def _host(address: str) -> str:
+    return urlsplit(address if "://" in address else f"//{address}").hostname or ""
+
+
 def _typed(entry: Entry) -> str:
     return f"{entry['name']} [{entry['type'] or 'unknown type'}]"
 
@@ -294,6 +341,15 @@ def _ping(client: HubClient, name: str, address: str) -> float:
     milliseconds = 1000 * float(response["seconds"])
     output.line(f"reply from {name} at {address}: time={milliseconds:.2f}ms")
     return milliseconds
+
+
+def _confirmed() -> bool:
+    try:
+        return click.confirm("Please type y or n to continue", default=None)
+    except (click.Abort, RuntimeError) as error:  # RuntimeError: standard input is closed.
+        if isinstance(error.__context__, KeyboardInterrupt):
+            raise
+        raise click.UsageError("standard input is closed; give --yes") from None
 
 
 def _ask_for_one(names: list[str]) -> str:

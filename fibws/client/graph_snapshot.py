@@ -52,11 +52,27 @@ class GraphSnapshot:
         return _find("action", name, self.actions)
 
     def address(self, node: str) -> str:
-        """Return a node's address, ``127.0.0.1:5``: the hub's for the hub's own nodes."""
+        """Return a node's address, ``127.0.0.1:5``: the hub's for the hub's own nodes.
+
+        That of a ROS 1 node is a URI, as ROS's tools print it: ``http://robot:5/``.
+        """
         for each in self.nodes:
             if each["name"] == node:
-                return str(each["address"] or self._hub)
+                return str(each["api"] or each["address"] or self._hub)
         return "unknown address"
+
+
+def conflict_text(conflict: Entry, topic: Entry) -> str:
+    """Return what a ROS 1 node does at a topic, and why no messages pass, without the node's name.
+
+    Args:
+        conflict: an entry of the topic's conflicts.
+        topic: an entry of `GraphSnapshot.topics`.
+    """
+    verb = "publishes" if conflict["publishes"] else "subscribes to"
+    if conflict["type"] == topic["type"] or not topic["type"]:
+        return f"{verb} {conflict['type']}: {conflict['fault']}"
+    return f"{verb} {conflict['type']}, the topic is {topic['type']}"
 
 
 def in_namespace(namespace: str | None, entries: Iterable[Entry]) -> list[Entry]:

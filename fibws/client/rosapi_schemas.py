@@ -78,6 +78,7 @@ RESPONSES: Mapping[str, Mapping[str, Schema]] = {
     "/rosapi/get_param_names": {"names": ["string"]},
     "/rosapi/ping_node": {"success": "bool", "message": "string", "seconds": "float64"},
     "/rosapi/kill_node": {"success": "bool", "message": "string"},
+    "/rosapi/unregister_node": {"success": "bool", "message": "string"},
 }
 """The fields of responses that tools use, by the services' names."""
 

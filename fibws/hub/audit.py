@@ -111,6 +111,14 @@ class Audit:
         text = f"{_named(client)} kills {printable(killed)}"
         self._record(logging.INFO, "node_killed", text, {"killed": killed, **client})
 
+    def node_unregistered(self, unregistered: str, *, node: str) -> None:
+        """Record that a node has removed another one, which did not answer."""
+        client = self._client(node)
+        text = f"{_named(client)} unregisters {printable(unregistered)}"
+        self._record(
+            logging.INFO, "node_unregistered", text, {"unregistered": unregistered, **client}
+        )
+
     def name_taken(self, *, node: str, principal: str = "", ip: str = "") -> None:
         """Record that a client has lost its node's name to another client.
 

@@ -21,6 +21,9 @@ __all__ = [
     "PingNode",
     "PingNodeRequest",
     "PingNodeResponse",
+    "UnregisterNode",
+    "UnregisterNodeRequest",
+    "UnregisterNodeResponse",
 ]
 
 
@@ -132,3 +135,30 @@ class PingNode(ros.Service[PingNodeRequest, PingNodeResponse]):
     _type = "fibws_msgs/PingNode"
     Request: TypeAlias = PingNodeRequest
     Response: TypeAlias = PingNodeResponse
+
+
+@dataclass(slots=True, eq=False, repr=False)
+class UnregisterNodeRequest(ros.Message):
+    """fibws_msgs/UnregisterNodeRequest"""
+
+    _type: ClassVar[str] = "fibws_msgs/UnregisterNodeRequest"
+
+    node: str = ""
+
+
+@dataclass(slots=True, eq=False, repr=False)
+class UnregisterNodeResponse(ros.Message):
+    """fibws_msgs/UnregisterNodeResponse"""
+
+    _type: ClassVar[str] = "fibws_msgs/UnregisterNodeResponse"
+
+    success: bool = False
+    message: str = ""
+
+
+class UnregisterNode(ros.Service[UnregisterNodeRequest, UnregisterNodeResponse]):
+    """fibws_msgs/UnregisterNode"""
+
+    _type = "fibws_msgs/UnregisterNode"
+    Request: TypeAlias = UnregisterNodeRequest
+    Response: TypeAlias = UnregisterNodeResponse

@@ -7,12 +7,10 @@ import re
 from collections.abc import Iterator
 
 import pytest
-from click.testing import CliRunner
 from hub_in_thread import HubThread, Run
 from node_in_thread import Peer, nothing, peer
 
 from fibws.cli import node
-from fibws.cli.commands import command
 from fibws.client.hub_client import HubClient
 from fibws.errors import NodeKilled
 
@@ -61,9 +59,10 @@ def test_machine_lists_addresses_or_nodes(run: Run, client: HubClient) -> None:
     assert "10.0.0.1" in result.output and "127.0.0.1" in result.output
 
 
-def test_cleanup_does_nothing() -> None:
-    result = CliRunner().invoke(command, ["node", "cleanup"])
+def test_cleanup_leaves_nodes_of_the_hub_alone(run: Run, talker: Peer) -> None:
+    result = run("node", "cleanup", "--yes")
     assert result.exit_code == 0
+    assert "/talker" in run("node", "list").output
 
 
 def test_list_prints_one_json_object_per_line(run: Run, hub: HubThread) -> None:

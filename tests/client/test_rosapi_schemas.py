@@ -32,6 +32,7 @@ TYPES = {
     "/rosapi/get_param_names": "rosapi/GetParamNames",
     "/rosapi/ping_node": "fibws_msgs/PingNode",
     "/rosapi/kill_node": "fibws_msgs/KillNode",
+    "/rosapi/unregister_node": "fibws_msgs/UnregisterNode",
 }
 GOOD: dict[str, Any] = {"string": "x", "bool": True, "float64": 1.5, "int8": -1}
 OTHERS: tuple[Any, ...] = (None, "x", True, [5], {"a": 5}, 10**400, -(10**400), 1e999)

@@ -512,6 +512,7 @@ OPERATIONS: list[dict[str, Any]] = [
             *(("service_type", "service"), ("service_node", "service")),
             *(("service_host", "service"), ("service_providers", "service")),
             *(("node_details", "node"), ("ping_node", "node"), ("kill_node", "node")),
+            ("unregister_node", "node"),
             *(("get_param", "name"), ("has_param", "name"), ("delete_param", "name")),
             *(("search_param", "name"), ("set_param", "name")),
         )

@@ -131,6 +131,7 @@ def test_changes_are_recorded_with_their_author(
     audit.parameter_written("/gain", node="/joystick")
     audit.parameter_written("/gain", node="/joystick", deleted=True)
     audit.node_killed("/camera", node="/joystick")
+    audit.node_unregistered("/lidar", node="/joystick")
     audit.name_taken(node="/camera", principal="robot", ip="10.0.0.9")
     audit.reloaded("tokens")
     audit.reload_failed("certificates", "file not found")
@@ -140,6 +141,7 @@ def test_changes_are_recorded_with_their_author(
         {"event": "parameter_set", "parameter": "/gain", **joystick},
         {"event": "parameter_deleted", "parameter": "/gain", **joystick},
         {"event": "node_killed", "killed": "/camera", **joystick},
+        {"event": "node_unregistered", "unregistered": "/lidar", **joystick},
         {"event": "name_taken", "node": "/camera", "principal": "robot", "ip": "10.0.0.9"},
         {"event": "reloaded", "what": "tokens"},
         {"event": "reload_failed", "what": "certificates", "error": "file not found"},

@@ -7,7 +7,7 @@ import click
 from fibws.cli import completers, output
 from fibws.cli.common_options import json_option, with_hub
 from fibws.cli.type_names import check_short_name
-from fibws.client.graph_snapshot import Entry, GraphSnapshot, in_namespace
+from fibws.client.graph_snapshot import Entry, GraphSnapshot, conflict_text, in_namespace
 from fibws.client.hub_client import HubClient
 from fibws.suggestions import suggestion
 
@@ -31,8 +31,8 @@ def list_(
     if publishers and subscribers:
         raise click.UsageError("you may only specify one of -p, -s")
     topics = in_namespace(namespace and client.resolve_namespace(namespace), _topics(client))
-    published = [topic for topic in topics if topic["publishers"]]
-    subscribed = [topic for topic in topics if topic["subscribers"]]
+    published = [topic for topic in topics if _is_used(topic, "publishers", publishes=True)]
+    subscribed = [topic for topic in topics if _is_used(topic, "subscribers", publishes=False)]
     chosen = published if publishers else subscribed if subscribers else topics
     if as_json:
         for topic in chosen:
@@ -57,17 +57,25 @@ def _topics(client: HubClient) -> list[Entry]:
             "type": topic["type"],
             "publishers": [each["node"] for each in topic["publishers"]],
             "subscribers": sorted({each["node"] for each in topic["subscriptions"]}),
+            "conflicts": topic["conflicts"],
         }
         for topic in GraphSnapshot(client).topics
-        if topic["publishers"] or topic["subscriptions"]
+        if topic["publishers"] or topic["subscriptions"] or topic["conflicts"]
     ]
+
+
+def _is_used(topic: Entry, end: str, *, publishes: bool) -> bool:
+    """Return whether a topic has publishers or subscribers, if only of another type."""
+    return bool(topic[end]) or any(each["publishes"] == publishes for each in topic["conflicts"])
 
 
 def _print_numbers(topics: list[Entry], end: str) -> None:
     for topic in topics:
         number = output.counted(len(topic[f"{end}s"]), end)
         type_ = topic["type"] or "unknown type"
-        output.line(f" * {topic['name']} [{type_}] {number}")
+        others = [each for each in topic["conflicts"] if each["publishes"] == (end == "publisher")]
+        more = f", {output.counted(len(others), 'conflict')}" if others else ""
+        output.line(f" * {topic['name']} [{type_}] {number}{more}")
 
 
 @click.command()
@@ -75,7 +83,11 @@ def _print_numbers(topics: list[Entry], end: str) -> None:
 @json_option
 @with_hub()
 def info(client: HubClient, topic: str, as_json: bool) -> None:
-    """Show the type, the publishers and the subscribers of TOPIC."""
+    """Show the type, the publishers and the subscribers of TOPIC.
+
+    Conflicts are ROS 1 nodes that use it with another type, and exchange no messages with the hub's
+    clients.
+    """
     snapshot = GraphSnapshot(client)
     found = snapshot.topic(client.resolve(topic))
     publishers, subscribers = (
@@ -87,11 +99,18 @@ def info(client: HubClient, topic: str, as_json: bool) -> None:
     )
     if as_json:
         ends = {"publishers": publishers, "subscribers": subscribers}
-        output.as_json({"name": found["name"], "type": found["type"]} | ends)
+        conflicts = {"conflicts": found["conflicts"]}
+        output.as_json({"name": found["name"], "type": found["type"]} | ends | conflicts)
         return
     output.line(f"Type: {found['type'] or 'unknown type'}\n")
     _print_nodes("Publishers", publishers)
     _print_nodes("Subscribers", subscribers)
+    if found["conflicts"]:
+        output.line("Conflicts: ")
+        for each in found["conflicts"]:
+            address = snapshot.address(each["node"])
+            output.line(f" * {each['node']} ({address}) {conflict_text(each, found)}")
+        output.line()
     output.line()
 
 

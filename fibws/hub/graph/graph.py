@@ -106,6 +106,10 @@ class ExternalNode(ABC):
     def shut_down(self, reason: str, done: Callable[[str], object]) -> Callable[[], object]:
         """Ask it to end; otherwise as `ping`."""
 
+    @abstractmethod
+    def unregister(self) -> None:
+        """Remove it from the graph, with everything that it has registered."""
+
 
 class Graph:
     """The graph of one hub.

@@ -193,6 +193,10 @@ class Ros1Node(ExternalNode):
         """Ask it to end; see `ExternalNode`."""
         return self._nodes.run(self._nodes.shut_down(self, reason), done)
 
+    def unregister(self) -> None:
+        """Remove it; see `ExternalNode`."""
+        self._nodes.remove(self)
+
 
 class Ros1Nodes:
     """All ROS 1 nodes of the hub's master.

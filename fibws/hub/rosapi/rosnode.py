@@ -1,4 +1,7 @@
-"""Services that ping and kill nodes, as ROS's rosnode does: /rosapi/ping_node, kill_node."""
+"""Services behind rosnode's ping, kill and cleanup.
+
+They are /rosapi/ping_node, /rosapi/kill_node and /rosapi/unregister_node.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +35,7 @@ class Ping:
 
 
 class Rosnode:
-    """Pings and kills nodes through their connections; the hub's own nodes have none.
+    """Pings, kills and unregisters nodes; the hub's own nodes have no connection for that.
 
     Args:
         clients: those that are connected.
@@ -52,6 +55,7 @@ class Rosnode:
         return {
             "/rosapi/ping_node": ("fibws_msgs/PingNode", self.ping),
             "/rosapi/kill_node": ("fibws_msgs/KillNode", self.kill),
+            "/rosapi/unregister_node": ("fibws_msgs/UnregisterNode", self.unregister),
         }
 
     def ping(self, request: dict[str, Any], caller: str) -> Response | Deferred:
@@ -91,9 +95,7 @@ class Rosnode:
         if client is None and not isinstance(external, ExternalNode):
             text = f"{node} is the hub's own, which ends with the hub alone"
             return {"success": False, "message": text}
-        policy = self._graph.policy
-        if not policy.is_same_owner(caller, node) and not policy.is_admin(caller):
-            raise self._graph.refused(NotAllowed(caller, "admin", node))
+        self._check_may_end(caller, node)
         self._audit.node_killed(node, node=caller)
         if client is None:
             assert isinstance(external, ExternalNode)
@@ -101,6 +103,32 @@ class Rosnode:
         # It may be the caller, whose operations in the same text must not outlive it.
         self._clock.call_later(0, partial(client.close, KILLED))
         return {"success": True, "message": f"killed {node}"}
+
+    def unregister(self, request: dict[str, Any], caller: str) -> Response:
+        """Remove a node that has not answered its last ping, as rosnode cleanup does.
+
+        Nodes that are connected to the hub are removed when they disconnect. A ROS 1 node that
+        answers stays: it would never register again.
+
+        Raises:
+            NotAllowed: as with `kill`.
+        """
+        node = global_name(self._graph, request["node"], caller)
+        if not self._is_known(node, caller):
+            return {"success": False, "message": _unknown(node)}
+        external = self._graph.nodes[node]
+        if not isinstance(external, ExternalNode):
+            text = f"{node} is not a ROS 1 node: it is removed when it disconnects"
+            return {"success": False, "message": text}
+        self._check_may_end(caller, node)
+        if not external.fault:
+            return {
+                "success": False,
+                "message": f"{node} answers: only unreachable nodes can be unregistered",
+            }
+        self._audit.node_unregistered(node, node=caller)
+        external.unregister()
+        return {"success": True, "message": f"unregistered {node}"}
 
     def ponged(self, client: Client, data: bytes) -> None:
         """Respond to the pings that a client's pong answers."""
@@ -130,7 +158,7 @@ class Rosnode:
             seconds = max(0, self._graph.now() - sent) / 1_000_000_000
             text = f"{name} has answered"
             answer = {"success": True, "message": text, "seconds": seconds}
-            response.respond(_ping_failed(fault) if fault else answer)
+            response.respond(_ping_failed(f"{name}: {fault}") if fault else answer)
 
         response = Deferred(node.ping(done))
         return response
@@ -138,6 +166,12 @@ class Rosnode:
     def _is_known(self, node: str, caller: str) -> bool:
         """Return whether a node is there and the caller may see it."""
         return node in self._graph.nodes and self._graph.is_node_visible(caller, node)
+
+    def _check_may_end(self, caller: str, node: str) -> None:
+        """Check that a node is the caller's, or the caller an admin; raises `NotAllowed`."""
+        policy = self._graph.policy
+        if not policy.is_same_owner(caller, node) and not policy.is_admin(caller):
+            raise self._graph.refused(NotAllowed(caller, "admin", node))
 
     def _give_up(self, client: Client, data: bytes) -> None:
         text = f"{self._pings[client][data].node} did not answer within {PATIENCE:g} s"
@@ -156,7 +190,9 @@ class Rosnode:
 
 def _kill_external(name: str, node: ExternalNode) -> Deferred:
     def done(fault: str) -> None:
-        response.respond({"success": not fault, "message": fault or f"killed {name}"})
+        response.respond(
+            {"success": not fault, "message": f"{name}: {fault}" if fault else f"killed {name}"}
+        )
 
     response = Deferred(node.shut_down("user request", done))
     return response

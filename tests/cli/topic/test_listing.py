@@ -62,6 +62,7 @@ def test_list_prints_a_json_object_per_line(run: Run, publish: Publish) -> None:
             "type": "std_msgs/Int32",
             "publishers": [client.node],
             "subscribers": [],
+            "conflicts": [],
         }
     ]
 
@@ -91,7 +92,12 @@ def test_info_as_json(run: Run, publish: Publish) -> None:
     client = publish("/chatter", "std_msgs/String")
     found = json.loads(run("topic", "info", "--json", "/chatter").output)
     assert found.pop("publishers")[0]["node"] == client.node
-    assert found == {"name": "/chatter", "type": "std_msgs/String", "subscribers": []}
+    assert found == {
+        "name": "/chatter",
+        "type": "std_msgs/String",
+        "subscribers": [],
+        "conflicts": [],
+    }
 
 
 def test_unknown_topic_is_an_error_with_a_suggestion(run: Run, publish: Publish) -> None:

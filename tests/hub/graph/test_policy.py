@@ -322,7 +322,7 @@ def test_name_that_the_caller_may_not_list_looks_unknown(
         assert respond(rosapi, member, service, args) != hidden
 
 
-@pytest.mark.parametrize("service", ["ping_node", "kill_node"])
+@pytest.mark.parametrize("service", ["ping_node", "kill_node", "unregister_node"])
 def test_hidden_node_can_be_neither_pinged_nor_killed(rosapi: RosapiClient, service: str) -> None:
     hidden = respond(rosapi, rosapi.client, service, {"node": "/secret_node"})
     unknown = respond(rosapi, rosapi.client, service, {"node": "/nobody"})
