@@ -377,6 +377,8 @@ class Hub:
             "incoming_bytes": self._limits.incoming_bytes(),
             "max_incoming_bytes": self.settings.max_total_incoming_bytes,
             "topics": len(self.graph.topics),
+            "ros1_port": self.ros1.port if self.ros1 is not None else None,
+            "ros1_nodes": len(self.ros1.nodes.by_name) if self.ros1 is not None else 0,
             "dropped": self._clients.dropped(),
             "slow_clients": [
                 {

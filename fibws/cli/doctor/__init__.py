@@ -12,7 +12,7 @@ import click
 
 from fibws.cli import output
 from fibws.cli.common_options import hub_option, json_option
-from fibws.cli.doctor import definitions, graph, hub, machine
+from fibws.cli.doctor import definitions, graph, hub, machine, ros1
 from fibws.cli.doctor.finding import Finding, ok, wrong
 from fibws.client.hub_client import HubClient
 from fibws.errors import NodeError
@@ -46,6 +46,9 @@ def command(hub: str | None, as_json: bool) -> None:
     ends         topics without publishers or subscribers, misspelled names
     names        names used twice
     clients      clients that are too slow and lose messages
+    master       whether ROS_MASTER_URI leads ROS 1 nodes to the hub
+    ros1 nodes   ROS 1 nodes that do not answer, hosts that do not resolve
+    conflicts    ROS 1 nodes that use a topic with another type
 
     The exit code is 1 if something is wrong, 0 if there are only warnings.
     """
@@ -87,7 +90,10 @@ def findings(hub_: str | None) -> Iterator[Finding]:
             yield from hub.round_trip(client)
             before = _snapshot(client)
             client.process(INTERVAL)
-            yield from graph.checks(before, _snapshot(client), but=client.node)
+            now = _snapshot(client)
+            yield from graph.checks(before, now, but=client.node)
+            run_id, port = hub.master(client)
+            yield from ros1.checks(now[0], client.url, run_id, port)
         except NodeError as error:
             yield wrong("hub", str(error), "Check the hub's log. Is it a hub of fibws?")
 

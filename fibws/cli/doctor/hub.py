@@ -153,6 +153,25 @@ def version(url: str) -> Finding:
     )
 
 
+def master(client: HubClient) -> tuple[str, int | None]:
+    """Return the hub's run_id, and the port of its ROS 1 master.
+
+    The port is None if the hub has no master, or shows it only to admins.
+
+    Raises:
+        NodeError: the hub does not respond.
+    """
+    run_id = json.loads(
+        client.call("/rosapi/get_param", {"name": "/run_id", "default": '""'})["value"]
+    )
+    try:
+        _, _, body = _get_from_hub(client.url, "healthz")
+        port = json.loads(body).get("ros1_port")
+    except (OSError, ValueError, AttributeError):
+        port = None
+    return str(run_id), port if isinstance(port, int) else None
+
+
 def round_trip(client: HubClient) -> Iterator[Finding]:
     """Measure the time of a call, and the difference between the clocks.
 

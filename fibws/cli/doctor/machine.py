@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import os
 import platform
+import socket
 import sys
 from collections.abc import Iterator
+from urllib.parse import urlsplit
 
 from fibws import __version__, credentials, hub_address, names, tls
 from fibws.cli import output
@@ -15,7 +17,9 @@ from fibws.errors import AccessError, InvalidAddress, InvalidName
 
 PYTHON = (3, 11)
 PROXIES = ("https_proxy", "http_proxy", "all_proxy", "wss_proxy", "ws_proxy")
-ROS_VARIABLES = ("ROS_MASTER_URI", "ROS_IP", "ROS_HOSTNAME", "ROS_DOMAIN_ID")
+MASTER_URI = "ROS_MASTER_URI"
+ROS1_VARIABLES = (MASTER_URI, "ROS_IP", "ROS_HOSTNAME")
+OTHER_ROS = ("ROS_DOMAIN_ID",)
 """Variables of other ROS installations, which fibws ignores."""
 
 
@@ -128,13 +132,23 @@ def _proxies(hub: str) -> Iterator[Finding]:
 
 
 def _other_ros() -> Iterator[Finding]:
-    found = [name for name in ROS_VARIABLES if os.environ.get(name)]
+    found = [name for name in OTHER_ROS if os.environ.get(name)]
+    if _master_host() not in (*hub_address.LOOPBACK, socket.gethostname()):
+        found = [MASTER_URI, *found]
     if found and not os.environ.get(hub_address.ENVIRONMENT):
         yield warning(
             "environment",
-            f"{', '.join(found)}: set for another ROS; fibws ignores them",
+            f"{', '.join(found)}: for other programs; nodes and commands of fibws ignore this",
             f"To set the hub's address: {hub_address.ENVIRONMENT}=ws://HOST:PORT",
         )
+
+
+def _master_host() -> str:
+    """Return the host of $ROS_MASTER_URI; this machine without one."""
+    try:
+        return urlsplit(os.environ.get(MASTER_URI, "")).hostname or "localhost"
+    except ValueError:
+        return "localhost"
 
 
 def _variables(hub: str) -> str:
@@ -144,6 +158,7 @@ def _variables(hub: str) -> str:
         "ROS_NAMESPACE",
         "FIBWS_INTERFACES",
         credentials.TOKEN_FILE,
+        *ROS1_VARIABLES,
     )
     variables = [
         f"{name}={hub_address.without_token(os.environ[name])}"

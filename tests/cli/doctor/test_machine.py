@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 from collections.abc import Callable
 from importlib import metadata
 
@@ -16,7 +17,13 @@ HUB = "ws://127.0.0.1:9090"
 @pytest.fixture(autouse=True)
 def plain(monkeypatch: pytest.MonkeyPatch) -> None:
     """Unset all variables that are checked."""
-    names = {"FIBWS_HUB", "FIBWS_INTERFACES", "ROS_NAMESPACE", *machine.ROS_VARIABLES}
+    names = {
+        "FIBWS_HUB",
+        "FIBWS_INTERFACES",
+        "ROS_NAMESPACE",
+        *machine.ROS1_VARIABLES,
+        *machine.OTHER_ROS,
+    }
     for name in (*names, *machine.PROXIES, *(each.upper() for each in machine.PROXIES)):
         monkeypatch.delenv(name, raising=False)
 
@@ -118,6 +125,13 @@ def test_variables_of_another_ros_are_a_warning(monkeypatch: pytest.MonkeyPatch)
     assert "ROS_MASTER_URI" in finding.text and "FIBWS_HUB" in finding.advice
     monkeypatch.setenv("FIBWS_HUB", "robot")
     assert verdicts(list(machine.environment("robot"))) == ["ok"]
+
+
+def test_master_on_this_machine_may_be_the_hub(monkeypatch: pytest.MonkeyPatch) -> None:
+    for host in ("localhost", "127.0.0.1", socket.gethostname()):
+        monkeypatch.setenv("ROS_MASTER_URI", f"http://{host}:11311")
+        (finding,) = machine.environment(HUB)
+        assert finding.verdict == "ok" and f"ROS_MASTER_URI=http://{host}" in finding.text
 
 
 @pytest.mark.parametrize(("can_show", "verdict"), [(True, "ok"), (False, "warning")])
