@@ -81,8 +81,8 @@ class Inlet:
 
     def reopen(self) -> None:
         """Open the link again at once, in the name of the node that it is for now."""
+        self._is_renamed = True
         if self.connection is not None:
-            self._is_renamed = True
             self.connection.close()
 
     async def _run(self) -> None:
@@ -96,7 +96,6 @@ class Inlet:
             if self.publisher.source is None and not self.publisher.is_relayed:
                 return
             if self._is_renamed:
-                self._is_renamed = False
                 continue
             await asyncio.sleep(delay * random.uniform(0.8, 1.2))
             delay = min(2 * delay, LONGEST_RETRY)
@@ -104,7 +103,7 @@ class Inlet:
     async def _connect_once(self) -> None:
         """Connect, and return once the connection has ended; raise if it failed before."""
         loop, publisher = asyncio.get_running_loop(), self.publisher
-        self.caller = self._name_caller()
+        self.caller, self._is_renamed = self._name_caller(), False
         answer = await self._calls.call(
             publisher.node.api, "requestTopic", self.caller, publisher.topic, [["TCPROS"]]
         )
@@ -129,6 +128,8 @@ class Inlet:
             async with asyncio.timeout(CONNECT_TIMEOUT):
                 await connection.opened
             self.connection = connection
+            if self._is_renamed:
+                connection.close()
             await connection.ended
         finally:
             self.connection = None

@@ -688,7 +688,8 @@ class Ros1Nodes:
             topic = self._graph.topic(name)
             if topic.conflicts or name in self._publishers or name in self._subscribers:
                 self._retry(topic)
-                self.links.changed(self._graph.topic(name))
+            # An action's status may have no ROS 1 node, and decide who its goals are for.
+            self.links.changed(self._graph.topic(name))
             for subscriber in self.subscribers(name):
                 apis = self.publisher_apis(name, subscriber.owner.hub_host)
                 if subscriber.sent != apis:

@@ -106,6 +106,7 @@ async def test_link_for_goals_is_named_after_the_actions_server(
         page.subscribe("/act/goal", Int32)
         assert (await caller.linked()).header["callerid"] == "/page"
         node.subscribe("/act/goal", Int32)
+        await node.flush()
         await node.advertise("/act/status", GoalStatusArray)
         assert (await caller.linked()).header["callerid"] == "/client"
 
