@@ -11,7 +11,7 @@ import os
 from collections.abc import Callable, Sequence
 from ipaddress import ip_address
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, cast
 
 from fibws.access.rights import Principal
 from fibws.errors import HubError, XmlRpcError
@@ -212,8 +212,8 @@ class _Sniffer(asyncio.Protocol):
         self._received = b""
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        assert isinstance(transport, asyncio.Transport)
-        self._transport = transport
+        # Not checked: uvloop's transports are not subclasses of asyncio's.
+        self._transport = transport = cast(asyncio.Transport, transport)
         self._timer = asyncio.get_running_loop().call_later(
             self._server.open_timeout, transport.abort
         )

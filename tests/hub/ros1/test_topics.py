@@ -24,6 +24,8 @@ from ..graph.recorder import Recorder
 from .conftest import StartPeer
 from .peer import MD5_OF_INT32, Link, Peer
 
+pytestmark = pytest.mark.both_loops
+
 HEADER = {
     "type": "std_msgs/Header",
     "md5sum": "2176decaecbce78abc3b96ef049fabed",
