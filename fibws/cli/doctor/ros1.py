@@ -108,8 +108,8 @@ def reachability(nodes: list[Entry], *, is_hub_here: bool) -> Iterator[Finding]:
         if isinstance(error, socket.gaierror):
             unresolved[urlsplit(api).hostname or ""].append(name)
         elif isinstance(error, _OtherMachine):
-            text = f"{name} has registered {api}, which means another machine to everybody else"
-            found.append(wrong("ros1 nodes", text, f"{DIRECTLY} Please {SET_HOST}."))
+            text = f"{name} has registered {api}, whose host is a loopback address on this machine"
+            found.append(wrong("ros1 nodes", text, f"{DIRECTLY} To fix it, {SET_HOST}."))
         elif node["fault"]:
             text = f"{name} does not answer the hub at {api}: {node['fault']}"
             advice = f"If it has ended: {command_name('node cleanup')}. If it runs: {SET_HOST}."
@@ -146,15 +146,16 @@ def conflicts(topics: list[Entry]) -> Iterator[Finding]:
 
 
 class _OtherMachine(Exception):
-    """The address is of this machine, and the node is not."""
+    """The address is this machine's own, and the node runs on another one."""
 
 
 def _trial(node: Entry, *, is_hub_here: bool) -> Exception | None:
     """Return why a node does not answer here; None if it does."""
-    host = urlsplit(node["api"]).hostname or ""
-    if hub_address.is_loopback(host) and not is_hub_here:
-        return _OtherMachine()
     try:
+        host = urlsplit(node["api"]).hostname or ""
+        addresses = {str(each[4][0]) for each in socket.getaddrinfo(host, None)}
+        if not is_hub_here and all(map(hub_address.is_loopback, addresses)):
+            return _OtherMachine()
         _call(node["api"], "getPid", CALLER)
     except (OSError, ValueError) as error:
         return error
