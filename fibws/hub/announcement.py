@@ -27,6 +27,11 @@ def announcement(settings: Settings, url: str, master_uri: str = "") -> str:
     lines = [f"The hub listens at {url}; open {page}/ in a browser. Press Ctrl-C to stop."]
     if master_uri:
         lines.append(f"ROS 1 nodes join it with: export ROS_MASTER_URI={master_uri}")
+        if settings.ros1_allow and not settings.ros1_host:
+            port = urlsplit(master_uri).port
+            uris = [f"http://{address}:{port}/" for address in addresses_for_others(ALL_IPV4)]
+            if uris:
+                lines.append(f"On machines of --ros1-allow: ROS_MASTER_URI={' or '.join(uris)}")
     parts = urlsplit(url)
     addresses = [
         parts._replace(netloc=f"{address}:{parts.port}").geturl()

@@ -85,3 +85,14 @@ def test_option_is_not_printed_if_the_name_is_allowed(allowed: str) -> None:
 def test_machine_without_a_network_prints_no_empty_list(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ifaddr, "get_adapters", list)
     assert announcement.announcement(Settings(host="0.0.0.0"), URL).count("\n") == 0
+
+
+def test_master_for_other_machines_is_printed_if_they_may_use_it() -> None:
+    local = "http://localhost:11311/"
+    for settings, others in [
+        (Settings(), []),
+        (Settings(ros1_allow=("10.0.0.0/8",)), [f"http://{VPN}:11311/", f"http://{LAN}:11311/"]),
+        (Settings(ros1_allow=("10.0.0.0/8",), ros1_host="robot"), []),
+    ]:
+        text = announcement.announcement(settings, URL, local)
+        assert re.findall(r"http://\S+:11311/", text) == [local, *others]
