@@ -94,9 +94,10 @@ class Ros1Publisher:
         type: ``package/Type`` as it was registered, or ``*``.
         source: the node's source of the graph; None while it may not exchange messages with it.
         is_relayed: whether a link may be opened for it: its type is the topic's, or not known yet.
+        fault: why it conflicts with the topic; empty if it does not.
     """
 
-    __slots__ = ("is_relayed", "node", "source", "topic", "type")
+    __slots__ = ("fault", "is_relayed", "node", "source", "topic", "type")
 
     def __init__(self, node: Ros1Node, topic: str, type_: str) -> None:
         self.node = node
@@ -104,6 +105,7 @@ class Ros1Publisher:
         self.type = type_
         self.source: Source | None = None
         self.is_relayed = True
+        self.fault = ""
 
 
 class Ros1Subscriber:
@@ -113,9 +115,10 @@ class Ros1Subscriber:
         type: ``package/Type`` as it was registered, or ``*``.
         sent: the addresses of publishers that it was sent last; None before that.
         link: its connection to the hub, while there is one.
+        fault: why it conflicts with the topic; empty if it does not.
     """
 
-    __slots__ = ("link", "node", "owner", "sent", "topic", "type")
+    __slots__ = ("fault", "link", "node", "owner", "sent", "topic", "type")
 
     def __init__(self, owner: Ros1Node, topic: str, type_: str) -> None:
         self.owner = owner
@@ -124,6 +127,7 @@ class Ros1Subscriber:
         self.type = type_
         self.sent: list[str] | None = None
         self.link: Link | None = None
+        self.fault = ""
 
     def receive(self, publication: Publication) -> None:
         """Take a message for this subscriber alone; the topic's outlet takes those for all."""
@@ -593,7 +597,9 @@ class Ros1Nodes:
             if publisher.source is None:
                 topic.watching_sources.left(node)
             self._detach_source(publisher)
-            self._conflict(topic, node, publisher.type, str(error), publishes=True)
+            self._conflict(topic, publisher, node, str(error), publishes=True)
+        else:
+            publisher.fault = ""
 
     def _attach_subscriber(self, subscriber: Ros1Subscriber) -> None:
         topic = self._graph.topic(subscriber.topic)
@@ -604,13 +610,25 @@ class Ros1Nodes:
             self._graph.subscribe(topic, subscriber, type_, receiver=receiver)
         except (NotAllowed, OperationError, InterfaceError) as error:
             topic.watching_sinks.left(subscriber.node)
-            self._conflict(topic, subscriber.node, subscriber.type, str(error), publishes=False)
+            self._conflict(topic, subscriber, subscriber.node, str(error), publishes=False)
+        else:
+            subscriber.fault = ""
 
     def _conflict(
-        self, topic: Topic, node: str, type_: str, fault: str, *, publishes: bool
+        self,
+        topic: Topic,
+        registration: Ros1Publisher | Ros1Subscriber,
+        node: str,
+        fault: str,
+        *,
+        publishes: bool,
     ) -> None:
-        logger.warning("%s", shortened(f"{node} exchanges no messages on {topic.name}: {fault}"))
-        self._graph.add_conflict(topic, Conflict(node, type_, publishes, fault))
+        """List a conflict at its topic; it is logged once, although it is tried again often."""
+        if registration.fault != fault:
+            text = f"{node} exchanges no messages on {topic.name}: {fault}"
+            logger.warning("%s", shortened(text))
+        registration.fault = fault
+        self._graph.add_conflict(topic, Conflict(node, registration.type, publishes, fault))
 
     def _detach_conflict(self, topic: str, node: str, *, publishes: bool) -> None:
         found = self._graph.topics.get(topic)

@@ -11,6 +11,7 @@ from contextlib import ExitStack
 from typing import Any
 
 import pytest
+from conftest import StartHub
 
 import fibws
 from fibws.hub import Hub
@@ -246,6 +247,21 @@ async def test_publisher_of_another_type_is_listed_as_a_conflict(
     (await talker.linked()).send(int32(3))
     assert (await anext(messages)).data == 3
     assert hub.graph.topics["/count"].conflicts == []
+
+
+async def test_conflict_is_logged_once(
+    start_hub: StartHub, caplog: pytest.LogCaptureFixture
+) -> None:
+    hub = await start_hub(ros1=0, strict_types=True)
+    assert hub.ros1 is not None
+    async with Peer("/talker", hub.ros1.uri) as talker, Peer("/other", hub.ros1.uri) as other:
+        await talker.advertise("/values", VALUES)
+        for type_ in ("*", "my_msgs/Values"):
+            await other.subscribe("/values", type_)
+            await other.call("getPid")
+        conflicts = [each.node for each in hub.graph.topics["/values"].conflicts]
+        assert sorted(conflicts) == ["/other", "/talker"]
+    assert caplog.text.count("/talker exchanges no messages on /values") == 1
 
 
 # To ROS 1 nodes.
