@@ -70,9 +70,14 @@ def conflict_text(conflict: Entry, topic: Entry) -> str:
         topic: an entry of `GraphSnapshot.topics`.
     """
     verb = "publishes" if conflict["publishes"] else "subscribes to"
-    if conflict["type"] == topic["type"] or not topic["type"]:
-        return f"{verb} {conflict['type']}: {conflict['fault']}"
-    return f"{verb} {conflict['type']}, the topic is {topic['type']}"
+    if is_of_other_type(conflict, topic):
+        return f"{verb} {conflict['type']}, the topic is {topic['type']}"
+    return f"{verb} {conflict['type']}: {conflict['fault']}"
+
+
+def is_of_other_type(conflict: Entry, topic: Entry) -> bool:
+    """Return whether it is the type that keeps messages from passing, not a missing right."""
+    return bool(topic["type"]) and conflict["type"] != topic["type"]
 
 
 def in_namespace(namespace: str | None, entries: Iterable[Entry]) -> list[Entry]:

@@ -17,7 +17,7 @@ from xmlrpc.client import ServerProxy, Transport
 from fibws import hub_address
 from fibws.cli.doctor.finding import Finding, join_names, ok, warning, wrong
 from fibws.cli.output import counted
-from fibws.client.graph_snapshot import Entry, conflict_text
+from fibws.client.graph_snapshot import Entry, conflict_text, is_of_other_type
 from fibws.command_names import command_name
 
 VARIABLE = "ROS_MASTER_URI"
@@ -134,9 +134,9 @@ def conflicts(topics: list[Entry]) -> Iterator[Finding]:
             f"{each['node']} on {topic['name']}: {conflict_text(each, topic)}",
             "It exchanges no messages with the hub's clients there. "
             + (
-                "Grant ROS 1 nodes the right in the section [ros1] of the file of tokens."
-                if each["type"] == topic["type"]
-                else f"Give it another topic: {topic['name']}:=/OTHER"
+                f"Give it another topic: {topic['name']}:=/OTHER"
+                if is_of_other_type(each, topic)
+                else "The section [ros1] of the hub's file of tokens has the rights of ROS 1 nodes."
             ),
         )
         for topic in topics

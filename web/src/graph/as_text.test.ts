@@ -3,6 +3,7 @@ import { expect, test } from "vitest";
 import type { Rates } from "../model";
 import { NO_RATES } from "../rates";
 import { asText } from "./as_text";
+import { NO_MESSAGES } from "./conflicts";
 import { type Picture, picture } from "./picture";
 import { DEFAULTS } from "./toolbar";
 
@@ -64,16 +65,16 @@ test("unreachable nodes and conflicts are named", () => {
       { ...about, id: "node /n", kind: "node", name: "/n", label: "/n", fault: "Timed out" },
       { ...about, id: "topic /t", kind: "topic", name: "/t", label: "/t", fault: "" },
     ],
-    edges: [edge, { ...edge, id: "f", from: "topic /t", to: "node /n", conflict: "not allowed" }],
+    edges: [edge, { ...edge, id: "f", from: "topic /t", to: "node /n", conflict: NO_MESSAGES }],
     groups: [],
     typed: false,
   };
   expect(asText(drawn, NO_RATES).split("\n")).toEqual([
     "node /n  unreachable: Timed out",
     "  ─> /t  no messages: type a/B",
-    "  <─ /t  no messages: not allowed",
+    "  <─ /t  no messages",
     "topic /t",
-    "  ─> /n  no messages: not allowed",
+    "  ─> /n  no messages",
     "  <─ /n  no messages: type a/B",
   ]);
 });

@@ -2,6 +2,7 @@
 
 import { hertz } from "../format";
 import type { Rates } from "../model";
+import { NO_MESSAGES } from "./conflicts";
 import type { Edge, Picture } from "./picture";
 
 /** A line for each element with its type, followed by its edges. */
@@ -41,6 +42,4 @@ export function asText({ elements, edges }: Picture, rates: Rates): string {
 }
 
 const flag = ({ conflict }: Edge): string =>
-  conflict === ""
-    ? ""
-    : `  no messages: ${conflict === "not allowed" ? conflict : `type ${conflict}`}`;
+  conflict === "" ? "" : `  ${NO_MESSAGES}${conflict === NO_MESSAGES ? "" : `: type ${conflict}`}`;

@@ -2,6 +2,9 @@
 
 import type { ConflictInfo, Graph, TopicInfo } from "../model";
 
+/** Stands for the type of a conflict that has another reason, such as a missing right. */
+export const NO_MESSAGES = "no messages";
+
 export interface TopicUser {
   node: string;
   /** The type with which it uses the topic; `*` for any. */
@@ -62,6 +65,12 @@ export class TopicUsers {
 /** A sentence about a conflict, without its node: `publishes a/B, the topic is c/D`. */
 export function conflictText({ type, publishes, fault }: ConflictInfo, topic: TopicInfo): string {
   const verb = publishes ? "publishes" : "subscribes to";
-  if (type === topic.type || topic.type === "") return `${verb} ${type}: ${fault}`;
-  return `${verb} ${type}, the topic is ${topic.type}`;
+  return isOtherType({ type }, topic)
+    ? `${verb} ${type}, the topic is ${topic.type}`
+    : `${verb} ${type}: ${fault}`;
+}
+
+/** Whether it is the type that keeps messages from passing. */
+export function isOtherType({ type }: { type: string }, topic: TopicInfo): boolean {
+  return topic.type !== "" && type !== topic.type;
 }

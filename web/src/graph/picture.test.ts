@@ -235,7 +235,7 @@ describe("ROS 1 nodes", () => {
       ["topic /chatter > node /listener", "", "/listener subscribes to /chatter"],
       [
         "topic /chatter > node /old",
-        "not allowed",
+        "no messages",
         "/old, /chatter: subscribes to std_msgs/String: why",
       ],
     ]);

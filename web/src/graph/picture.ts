@@ -4,7 +4,7 @@ import { type Filter, fieldsOf } from "../filter";
 import { isHidden } from "../hidden_names";
 import type { ActionInfo, ConflictInfo, Graph, TopicInfo } from "../model";
 import { flowKey } from "../rates";
-import { conflictText, TopicUsers } from "./conflicts";
+import { conflictText, isOtherType, NO_MESSAGES, TopicUsers } from "./conflicts";
 import { namespaces } from "./namespaces";
 import type { GraphOptions } from "./toolbar";
 
@@ -41,7 +41,7 @@ export interface Edge {
   latched: boolean;
   dashed: boolean;
   bothWays: boolean;
-  /** What keeps messages from passing: another type than the topic's, or "not allowed". */
+  /** What keeps messages from passing: another type than the topic's, or `NO_MESSAGES`. */
   conflict: string;
   /** Whether its messages may pass between ROS 1 nodes without the hub, which cannot count them. */
   direct: boolean;
@@ -278,7 +278,7 @@ function addTopic(
 /** The short text at an edge for a conflict; empty for none. */
 function flag(conflict: ConflictInfo | null, topic: TopicInfo): string {
   if (conflict === null) return "";
-  return conflict.type === topic.type ? "not allowed" : conflict.type;
+  return isOtherType(conflict, topic) ? conflict.type : NO_MESSAGES;
 }
 
 /** Add an action. One edge stands for what a client sends and receives. */
