@@ -5,9 +5,9 @@ from __future__ import annotations
 import asyncio
 import logging
 import os
-from collections.abc import Awaitable, Callable, Iterable, Sequence
-from contextlib import suppress
+from collections.abc import Awaitable, Callable, Coroutine, Iterable, Sequence
 from http import HTTPStatus
+from itertools import chain
 from time import perf_counter
 from typing import Any, NamedTuple, TypeAlias, cast
 from urllib.parse import urlsplit
@@ -37,9 +37,12 @@ MOST_RESPONSE = 4 * 1024 * 1024
 """Bytes of a node's response."""
 FIRST_RETRY, LONGEST_RETRY = 1.0, 30.0
 """Seconds before a notification that failed is sent again."""
+MOST_HEAD = 16 * 1024
+"""Bytes of a request's head."""
 NOT_POST = (
-    b"This is a ROS master, which programs reach by XML-RPC: export ROS_MASTER_URI=http://%b/\n"
+    "This is a ROS master, which programs reach by XML-RPC: export ROS_MASTER_URI=http://{host}/"
 )
+RESPONSE = b"HTTP/1.1 200 OK\r\nContent-Type: text/xml\r\nContent-length: %d\r\n%b\r\n"
 
 
 class Caller(NamedTuple):
@@ -51,12 +54,34 @@ class Caller(NamedTuple):
     """The hub's address by which it reached the hub."""
 
 
-Answer: TypeAlias = Callable[[str, str, list[Any], Caller], Awaitable[object]]
-"""Returns the value for the path, the method and the parameters of a call; raises `XmlRpcError`."""
+Answer: TypeAlias = Callable[[str, str, list[Any], Caller], object]
+"""Returns the value for the path, the method and the parameters of a call, or an awaitable of it if
+that takes a while; raises `XmlRpcError`."""
+
+
+class _Request(NamedTuple):
+    """The head of a call."""
+
+    path: str
+    length: int
+    is_last: bool
+    """Whether the connection ends after it."""
+
+
+class _Refused(Exception):
+    """A request is refused with a status, a text and a header or none."""
+
+    def __init__(self, status: int, text: str, header: str = "") -> None:
+        super().__init__(text)
+        self.status = status
+        self.header = header
 
 
 class XmlRpcConnection(asyncio.Protocol):
-    """One connection of a caller, with one call after the other.
+    """One connection of a caller, with one call after the other (RFC 9112).
+
+    A small call is answered at once; one that takes a while is served by a task, which lets others
+    have their turn.
 
     Args:
         answer: makes the responses.
@@ -70,12 +95,17 @@ class XmlRpcConnection(asyncio.Protocol):
         self._answer = answer
         self._max_body = max_body
         self._closed = closed
-        self._http = h11.Connection(h11.SERVER)
-        self._unread = 0
+        self._received = bytearray()
+        self._request: _Request | None = None
+        """The head of the call that is arriving."""
+        self._arrived: asyncio.Future[None] | None = None
+        self._has_ended = False
+        self._task: asyncio.Task[None] | None = None
+        """Serves a call that takes a while."""
         self._transport: asyncio.Transport
         self._caller: Caller
-        self._arrived: asyncio.Future[None] | None = None
-        self._task: asyncio.Task[None]
+        self._loop: asyncio.AbstractEventLoop
+        self._timer: asyncio.TimerHandle
         self._writable = asyncio.Event()
         self._writable.set()
 
@@ -85,26 +115,31 @@ class XmlRpcConnection(asyncio.Protocol):
         self._transport = transport = cast(asyncio.Transport, transport)
         peer, local = transport.get_extra_info("peername"), transport.get_extra_info("sockname")
         self._caller = Caller(peer[0] if peer else "", local[0] if local else "")
-        self._task = asyncio.get_running_loop().create_task(self._serve())
+        self._loop = asyncio.get_running_loop()
+        self._timer = self._loop.call_later(IDLE_TIMEOUT, transport.close)
 
     def data_received(self, data: bytes) -> None:
         """Take bytes of a call."""
-        self._http.receive_data(data)
-        self._unread += len(data)
-        if self._unread > MOST_UNREAD:
+        self._received += data
+        if self._task is None:
+            self._advance()
+        elif len(self._received) > MOST_UNREAD:
             self._transport.pause_reading()
         self._wake()
 
     def eof_received(self) -> bool:
         """Keep the connection until the call is answered."""
-        with suppress(h11.RemoteProtocolError):
-            self._http.receive_data(b"")
+        self._has_ended = True
         self._wake()
+        if self._task is None:
+            self._transport.close()
         return True
 
     def pause_writing(self) -> None:
         """Wait for a slow reader."""
         self._writable.clear()
+        if self._task is None:
+            self._start(self._writable.wait())
 
     def resume_writing(self) -> None:
         """Continue."""
@@ -112,7 +147,9 @@ class XmlRpcConnection(asyncio.Protocol):
 
     def connection_lost(self, error: Exception | None) -> None:
         """End."""
-        self._task.cancel()
+        self._timer.cancel()
+        if self._task is not None:
+            self._task.cancel()
         self._closed(self)
 
     def abort(self) -> None:
@@ -123,95 +160,177 @@ class XmlRpcConnection(asyncio.Protocol):
         if self._arrived is not None and not self._arrived.done():
             self._arrived.set_result(None)
 
-    async def _serve(self) -> None:
+    def _advance(self) -> None:
+        """Serve the calls that have arrived, up to one that takes a while."""
         try:
-            while await self._serve_call():
-                self._http.start_next_cycle()
-        except (h11.RemoteProtocolError, h11.LocalProtocolError) as error:
-            await self._refuse(400, str(error).encode())
-        except TimeoutError:
-            pass
-        except Exception:
-            logger.exception("%s: an XML-RPC call failed.", self._caller.host)
-        finally:
-            self._transport.close()
+            while self._task is None and not self._transport.is_closing():
+                request = self._request or self._next_request()
+                if request is None:
+                    return
+                if request.length > SLICE:
+                    self._start(self._serve_large(request))
+                elif len(self._received) < request.length:
+                    return
+                else:
+                    body = bytes(memoryview(self._received)[: request.length])
+                    del self._received[: request.length]
+                    self._serve(request, body)
+        except _Refused as refusal:
+            self._refuse(refusal)
 
-    async def _serve_call(self) -> bool:
-        """Answer one call; return whether another one may follow."""
-        request = await self._next_event(IDLE_TIMEOUT)
-        if not isinstance(request, h11.Request):
-            return False
-        if request.method != b"POST":
-            await self._refuse(405, NOT_POST % self._host(request), (b"Allow", b"POST"))
-            return False
-        size = next((value for name, value in request.headers if name == b"content-length"), None)
-        if size is None:
-            await self._refuse(411, b"A Content-Length is needed\n")
-            return False
-        if int(size) > self._max_body:
-            await self._refuse(413, b"The limit of a call is %d bytes\n" % self._max_body)
-            return False
-        parser, fault = CallParser(), ""
-        async with asyncio.timeout(BODY_TIMEOUT):
-            while not isinstance(event := await self._next_event(None), h11.EndOfMessage):
-                if not isinstance(event, h11.Data):
-                    return False
-                try:
-                    if not fault:
-                        await self._feed(parser, event.data)
-                except XmlRpcError as error:
-                    fault = str(error)
-        await self._respond(await self._body(parser, request.target.decode("latin-1"), fault))
-        return self._http.our_state is h11.DONE and self._http.their_state is h11.DONE
+    def _next_request(self) -> _Request | None:
+        """Return the head of the next call, if it has arrived; raises `_Refused`."""
+        end = self._received.find(b"\r\n\r\n")
+        if end < 0:
+            if len(self._received) > MOST_HEAD:
+                raise _Refused(431, f"The limit of a head is {MOST_HEAD} bytes")
+            return None
+        request = _parse_head(bytes(self._received[:end]), self._max_body)
+        del self._received[: end + 4]
+        self._request = request
+        self._set_timer(BODY_TIMEOUT)
+        return request
 
-    async def _feed(self, parser: CallParser, data: bytes) -> None:
-        if len(data) <= SLICE:
-            parser.feed(bytes(data))
-            return
-        for start in range(0, len(data), SLICE):
-            parser.feed(bytes(data[start : start + SLICE]))
+    def _serve(self, request: _Request, body: bytes) -> None:
+        """Answer a small call."""
+        parser = CallParser()
+        try:
+            parser.feed(body)
+            value = self._call(request, parser)
+            if isinstance(value, Awaitable):
+                self._start(self._serve_slow(request, value))
+                return
+            pieces = iter_response(value)
+            first, second = next(pieces), next(pieces, b"")
+        except XmlRpcError as error:
+            first, second = write_fault(1, str(error)), b""
+        if second:
+            self._start(self._respond_slowly(request, chain((first, second), pieces)))
+        else:
+            self._respond(request, first)
+
+    def _call(self, request: _Request, parser: CallParser) -> object:
+        """Make a call; return its value, or what is to be awaited for it."""
+        method, params = parser.call()
+        return self._answer(request.path, method, params, self._caller)
+
+    async def _serve_large(self, request: _Request) -> None:
+        """Answer a call while its body arrives."""
+        parser, fault, left = CallParser(), "", request.length
+        while left:
+            while not self._received:
+                if self._has_ended:
+                    self._transport.close()
+                    return
+                self._transport.resume_reading()
+                self._arrived = self._loop.create_future()
+                await self._arrived
+            size = min(left, SLICE)
+            data = bytes(memoryview(self._received)[:size])
+            del self._received[:size]
+            left -= len(data)
+            try:
+                if not fault:
+                    parser.feed(data)
+            except XmlRpcError as error:
+                fault = str(error)
             await asyncio.sleep(0)
-
-    async def _body(self, parser: CallParser, path: str, fault: str) -> bytes:
+        self._set_timer(None)
         try:
             if fault:
                 raise XmlRpcError(fault)
-            method, params = parser.call()
-            value = await self._answer(path, method, params, self._caller)
-            return await written(iter_response(value))
+            value = self._call(request, parser)
+            if isinstance(value, Awaitable):
+                value = await value
+            body = await written(iter_response(value))
         except XmlRpcError as error:
-            return write_fault(1, str(error))
+            body = write_fault(1, str(error))
+        self._respond(request, body)
 
-    async def _next_event(self, timeout: float | None) -> object:
-        while (event := self._http.next_event()) is h11.NEED_DATA:
-            self._unread = 0
-            self._transport.resume_reading()
-            self._arrived = asyncio.get_running_loop().create_future()
-            async with asyncio.timeout(timeout):
-                await self._arrived
-        return event
+    async def _serve_slow(self, request: _Request, value: Awaitable[object]) -> None:
+        """Answer a call whose value takes a while."""
+        self._set_timer(None)
+        try:
+            body = await written(iter_response(await value))
+        except XmlRpcError as error:
+            body = write_fault(1, str(error))
+        self._respond(request, body)
 
-    async def _respond(self, body: bytes) -> None:
-        await self._send(200, body, (b"Content-Type", b"text/xml"))
+    async def _respond_slowly(self, request: _Request, pieces: Iterable[bytes]) -> None:
+        self._set_timer(None)
+        self._respond(request, await written(pieces))
 
-    async def _refuse(self, status: int, text: bytes, *headers: tuple[bytes, bytes]) -> None:
-        if self._http.our_state in (h11.IDLE, h11.SEND_RESPONSE):
-            headers = (*headers, (b"Content-Type", b"text/plain"), (b"Connection", b"close"))
-            await self._send(status, text, *headers)
+    def _start(self, work: Coroutine[Any, Any, object]) -> None:
+        """Let a task serve the present call, and the others wait for it."""
+        self._task = self._loop.create_task(self._run(work))
 
-    async def _send(self, status: int, body: bytes, *headers: tuple[bytes, bytes]) -> None:
+    async def _run(self, work: Coroutine[Any, Any, object]) -> None:
+        try:
+            await work
+            await self._writable.wait()
+        except Exception:
+            logger.exception("%s: an XML-RPC call failed.", self._caller.host)
+            self._transport.abort()
+        self._task = None
+        self._transport.resume_reading()
+        self._advance()
+        if self._has_ended and self._task is None:
+            self._transport.close()
+
+    def _respond(self, request: _Request, body: bytes) -> None:
+        self._request = None
         # roscpp finds the length only with this spelling, and one space.
-        length = (b"Content-length", b"%d" % len(body))
-        reason = HTTPStatus(status).phrase.encode()
-        response = h11.Response(status_code=status, headers=[*headers, length], reason=reason)
-        send = self._http.send
-        parts = (send(response), send(h11.Data(body)), send(h11.EndOfMessage()))
-        self._transport.write(b"".join(part for part in parts if part))
-        await self._writable.wait()
+        head = RESPONSE % (len(body), b"Connection: close\r\n" if request.is_last else b"")
+        self._transport.write(head + body)
+        self._set_timer(IDLE_TIMEOUT)
+        if request.is_last:
+            self._transport.close()
 
-    @staticmethod
-    def _host(request: h11.Request) -> bytes:
-        return next((value for name, value in request.headers if name == b"host"), b"HOST:11311")
+    def _refuse(self, refusal: _Refused) -> None:
+        text = f"{refusal}\n".encode()
+        phrase = HTTPStatus(refusal.status).phrase
+        head = (
+            f"HTTP/1.1 {refusal.status} {phrase}\r\nContent-Type: text/plain\r\n{refusal.header}"
+            f"Connection: close\r\nContent-length: {len(text)}\r\n\r\n"
+        )
+        self._transport.write(head.encode("latin-1", "replace") + text)
+        self._transport.close()
+
+    def _set_timer(self, seconds: float | None) -> None:
+        """Close the connection after some time, unless this is called again."""
+        self._timer.cancel()
+        if seconds is not None:
+            self._timer = self._loop.call_later(seconds, self._transport.close)
+
+
+def _parse_head(head: bytes, max_body: int) -> _Request:
+    """Return what the head of a request says; raises `_Refused`."""
+    first, *lines = head.decode("latin-1").split("\r\n")
+    fields: dict[str, str] = {}
+    for line in lines:
+        name, colon, value = line.partition(":")
+        name = name.lower()
+        if not colon or name != name.strip() or (name == "content-length" and name in fields):
+            raise _Refused(400, f"invalid header: {line[:100]!r}")
+        fields[name] = value.strip()
+    match first.split(" "):
+        case ["POST", path, "HTTP/1.1" | "HTTP/1.0" as version]:
+            pass
+        case [_, _, "HTTP/1.1" | "HTTP/1.0"]:
+            host = fields.get("host", "HOST:11311")
+            raise _Refused(405, NOT_POST.format(host=host), "Allow: POST\r\n")
+        case _:
+            raise _Refused(400, f"invalid request: {first[:100]!r}")
+    length = fields.get("content-length")
+    if length is None or "transfer-encoding" in fields:
+        raise _Refused(411, "A Content-Length is needed")
+    if not (length.isascii() and length.isdigit()):
+        raise _Refused(400, f"invalid Content-Length: {length[:100]!r}")
+    if len(length) > 18 or int(length) > max_body:
+        raise _Refused(413, f"The limit of a call is {max_body} bytes")
+    connection = fields.get("connection", "").lower()
+    is_last = connection != "keep-alive" if version == "HTTP/1.0" else connection == "close"
+    return _Request(path, int(length), is_last)
 
 
 async def written(pieces: Iterable[bytes]) -> bytes:

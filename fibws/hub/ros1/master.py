@@ -9,9 +9,8 @@ from __future__ import annotations
 import ipaddress
 import logging
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from typing import Any
-from xml.sax.saxutils import escape
 
 from pydantic_core import from_json
 
@@ -23,7 +22,7 @@ from fibws.hub.ros1 import api
 from fibws.hub.ros1.api import Answer, Check, Method
 from fibws.hub.ros1.http import Caller, NodeCalls
 from fibws.hub.ros1.nodes import ANY, MASTER, Ros1Nodes
-from fibws.hub.ros1.xmlrpc import Written, write_value
+from fibws.hub.ros1.xmlrpc import Written, escaped, write_value
 
 logger = logging.getLogger("fibws.hub")
 
@@ -212,7 +211,7 @@ class Master:
         found = _registrations((name, [node]) for name, node in of_services.items())
         return f"<value><array><data>{publishers}{subscribers}{found}</data></array></value>"
 
-    def _topics(self) -> Iterable[tuple[str, list[str], list[str]]]:
+    def _topics(self) -> Iterable[tuple[str, Collection[str], Collection[str]]]:
         """Yield all topics, with the nodes that publish them and those that subscribe to them."""
         graph, nodes = self._graph, self._nodes
         # ROS 1 nodes are always listed, also those that exchange no messages with the hub.
@@ -220,12 +219,14 @@ class Master:
         names.update(dict.fromkeys(nodes.topics()))
         for name in names:
             topic = graph.topics.get(name)
+            if topic is not None and not topic.conflicts:
+                yield name, topic.sources, topic.subscribers()
+                continue
             publishers = dict.fromkeys(topic.sources if topic is not None else ())
             subscribers = dict.fromkeys(topic.subscribers() if topic is not None else ())
-            if topic is None or topic.conflicts:
-                publishers.update((each.node.name, None) for each in nodes.publishers(name))
-                subscribers.update((each.node, None) for each in nodes.subscribers(name))
-            yield name, list(publishers), list(subscribers)
+            publishers.update((each.node.name, None) for each in nodes.publishers(name))
+            subscribers.update((each.node, None) for each in nodes.subscribers(name))
+            yield name, publishers, subscribers
 
     def _type_of(self, name: str) -> str:
         topic = self._graph.topics.get(name)
@@ -357,14 +358,18 @@ def _namespace(key: str) -> str:
     return key if key.endswith("/") else f"{key}/"
 
 
-def _registrations(found: Iterable[tuple[str, Iterable[str]]]) -> str:
+def _registrations(found: Iterable[tuple[str, Collection[str]]]) -> str:
     """Return the XML of ``[[name, [node, ...]], ...]``, without names that no node has."""
-    parts = []
-    for name, nodes in found:
-        users = "".join(f"<value><string>{escape(node)}</string></value>" for node in nodes)
-        if users:
-            parts.append(
-                f"<value><array><data><value><string>{escape(name)}</string></value>"
-                f"<value><array><data>{users}</data></array></value></data></array></value>"
-            )
+    listed = [each for each in found if each[1]]
+    # Names rarely need escapes: all are looked at together.
+    text = "".join([name for name, _ in listed] + [node for _, nodes in listed for node in nodes])
+    if escaped(text) != text:
+        listed = [(escaped(name), [*map(escaped, nodes)]) for name, nodes in listed]
+    between = "</string></value><value><string>"
+    parts = [
+        f"<value><array><data><value><string>{name}</string></value><value><array><data><value>"
+        f"<string>{between.join(nodes)}</string></value></data></array></value></data></array>"
+        "</value>"
+        for name, nodes in listed
+    ]
     return f"<value><array><data>{''.join(parts)}</data></array></value>"

@@ -180,7 +180,7 @@ class Ros1Server:
 
     # Calls.
 
-    async def _answer(self, path: str, name: str, params: list[Any], caller: Caller) -> object:
+    def _answer(self, path: str, name: str, params: list[Any], caller: Caller) -> object:
         methods, host = self._methods(path), self._settings.ros1_host
         if host:
             caller = caller._replace(hub_host=host)
@@ -192,7 +192,7 @@ class Ros1Server:
             return found.call(method, arguments, caller)
 
         if name == "system.multicall":
-            return await api.multicall(params, call)
+            return api.multicall(params, call)
         return call(name, params)
 
     def _methods(self, path: str) -> dict[str, Method]:

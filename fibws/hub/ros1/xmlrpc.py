@@ -8,12 +8,12 @@ long responses are written in pieces, between which the event loop serves others
 from __future__ import annotations
 
 import base64
+import binascii
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from datetime import datetime
 from typing import Any
 from xml.parsers import expat
-from xmlrpc.client import Fault, Unmarshaller
 
 from fibws.errors import XmlRpcError
 
@@ -27,7 +27,25 @@ _EXACT = 2**53
 _SPECIAL = re.compile("[&<>\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 _ESCAPES = {"&": "&amp;", "<": "&lt;", ">": "&gt;"}
 
+_DATE = "%Y%m%dT%H:%M:%S"
 _HEAD = "<?xml version='1.0'?>\n"
+
+
+_READERS: dict[str, Callable[[str], object]] = {
+    "string": str,
+    "int": int,
+    "i4": int,
+    "i8": int,
+    "double": float,
+    "boolean": {"0": False, "1": True}.__getitem__,
+    "base64": lambda text: binascii.a2b_base64(text),
+    "dateTime.iso8601": lambda text: datetime.strptime(text.strip(), _DATE),
+}
+"""What the text of an element with a value stands for."""
+_CONTAINERS = frozenset({"array", "struct"})
+_WITHOUT_VALUE = frozenset(
+    {"methodCall", "methodResponse", "params", "param", "member", "data", "value"}
+)
 
 
 class CallParser:
@@ -37,14 +55,21 @@ class CallParser:
     """
 
     def __init__(self) -> None:
-        self._target = Unmarshaller(use_builtin_types=True)
-        self._target.xml("", None)  # Strings are decoded already.
-        self._depth = 0
+        self._values: list[Any] = []
+        """The values that are complete, those of open arrays and structs among them."""
+        self._begins: list[int] = []
+        """Where the values of each open array and struct begin."""
+        self._text: list[str] = []
+        """The text since the last tag."""
+        self._is_string = False
+        """Whether no tag has followed the last ``<value>``, so that its text is a string."""
+        self._method = ""
+        self._is_fault = False
         self._parser = parser = expat.ParserCreate()
         parser.StartDoctypeDeclHandler = self._refuse_doctype
         parser.StartElementHandler = self._start
         parser.EndElementHandler = self._end
-        parser.CharacterDataHandler = self._target.data
+        parser.CharacterDataHandler = self._text.append
         parser.buffer_text = True
 
     def feed(self, data: bytes) -> None:
@@ -53,27 +78,24 @@ class CallParser:
 
     def call(self) -> tuple[str, list[Any]]:
         """Return the method and the parameters; raises `XmlRpcError`."""
-        params = self._close()
-        method = self._target.getmethodname()
-        if not isinstance(method, str) or not method:
+        self._parse(b"", True)
+        if not self._method:
             raise XmlRpcError("expected a methodCall with a methodName")
-        return method, params
+        return self._method, self._values
 
     def response(self) -> Any:
         """Return the value of a response; raises `XmlRpcError`, also for a fault."""
-        params = self._close()
-        if len(params) != 1:
-            raise XmlRpcError(f"expected a methodResponse with 1 value, got {len(params)}")
-        return params[0]
-
-    def _close(self) -> list[Any]:
         self._parse(b"", True)
-        try:
-            return list(self._target.close())
-        except Fault as fault:
-            raise XmlRpcError(f"fault {fault.faultCode}: {fault.faultString}") from None
-        except Exception as error:  # The standard library reports bad nesting in many ways.
-            raise XmlRpcError(f"invalid XML-RPC: {error!r}") from None
+        if len(self._values) != 1 or self._method:
+            count = len(self._values)
+            raise XmlRpcError(f"expected a methodResponse with 1 value, got {count}")
+        [value] = self._values
+        if self._is_fault:
+            match value:
+                case {"faultCode": code, "faultString": text}:
+                    raise XmlRpcError(f"fault {code}: {text}")
+            raise XmlRpcError(f"fault: {value!r}"[:500])
+        return value
 
     def _parse(self, data: bytes, is_last: bool) -> None:
         try:
@@ -82,20 +104,50 @@ class CallParser:
             raise
         except expat.ExpatError as error:
             raise XmlRpcError(f"invalid XML: {error}") from None
-        except Exception as error:  # Such as <int>x</int>, or an unknown tag.
+        except (ValueError, LookupError, TypeError) as error:  # Such as <int>x</int>.
             raise XmlRpcError(f"invalid XML-RPC: {error!r}") from None
 
     def _start(self, tag: str, attributes: dict[str, str]) -> None:
-        self._depth += 1
-        if self._depth > 4 * DEEPEST:  # Each level of a struct has four tags.
-            raise XmlRpcError(f"invalid XML-RPC: nested too deeply, limit is {DEEPEST}")
-        if tag == "nil":
-            raise XmlRpcError("invalid XML-RPC: <nil/> is not a value of ROS")
-        self._target.start(tag, attributes)
+        if tag == "value":
+            self._is_string = True
+        else:
+            self._is_string = False
+            if tag in _CONTAINERS:
+                self._begins.append(len(self._values))
+                if len(self._begins) > DEEPEST:
+                    raise XmlRpcError(f"invalid XML-RPC: nested too deeply, limit is {DEEPEST}")
+        self._text.clear()
 
     def _end(self, tag: str) -> None:
-        self._depth -= 1
-        self._target.end(tag)
+        reader = _READERS.get(tag)
+        if reader is not None:
+            self._values.append(reader("".join(self._text)))
+        elif tag in _WITHOUT_VALUE:
+            if self._is_string:
+                self._values.append("".join(self._text))
+        elif tag == "name":
+            self._values.append("".join(self._text))
+        elif tag == "array":
+            begin = self._begins.pop()
+            self._values[begin:] = [self._values[begin:]]
+        elif tag == "struct":
+            self._end_struct()
+        elif tag == "methodName":
+            self._method = "".join(self._text).strip()
+        elif tag == "fault":
+            self._is_fault = True
+        else:
+            raise XmlRpcError(f"invalid XML-RPC: <{tag}> is not a type of ROS")
+        self._is_string = False
+        self._text.clear()
+
+    def _end_struct(self) -> None:
+        begin = self._begins.pop()
+        members = self._values[begin:]
+        names = members[::2]
+        if len(members) % 2 or not all(isinstance(name, str) for name in names):
+            raise XmlRpcError("invalid XML-RPC: each member of a struct has a name and a value")
+        self._values[begin:] = [dict(zip(names, members[1::2], strict=True))]
 
     def _refuse_doctype(self, *arguments: object) -> None:
         raise XmlRpcError("invalid XML-RPC: document types are refused")
@@ -174,7 +226,7 @@ def _write(value: object) -> Iterator[str]:
     """
     match value:
         case str():
-            yield f"<value><string>{_escaped(value)}</string></value>"
+            yield f"<value><string>{escaped(value)}</string></value>"
         case bool():
             yield f"<value><boolean>{value:d}</boolean></value>"
         case int():
@@ -194,7 +246,7 @@ def _write(value: object) -> Iterator[str]:
         case Mapping():
             yield "<value><struct>"
             for key, each in value.items():
-                yield f"<member><name>{_escaped(key)}</name>"
+                yield f"<member><name>{escaped(key)}</name>"
                 yield from _write(each)
                 yield "</member>"
             yield "</struct></value>"
@@ -203,12 +255,12 @@ def _write(value: object) -> Iterator[str]:
         case bytes():
             yield f"<value><base64>{base64.b64encode(value).decode()}</base64></value>"
         case datetime():
-            text = value.strftime("%Y%m%dT%H:%M:%S")
+            text = value.strftime(_DATE)
             yield f"<value><dateTime.iso8601>{text}</dateTime.iso8601></value>"
         case _:
             raise TypeError(f"XML-RPC has no {type(value).__name__}")
 
 
-def _escaped(text: str) -> str:
+def escaped(text: str) -> str:
     """Return a text for XML, with U+FFFD in place of characters that XML cannot hold."""
     return _SPECIAL.sub(lambda found: _ESCAPES.get(found[0], "\ufffd"), text)
