@@ -181,9 +181,9 @@ class XmlRpcConnection(asyncio.Protocol):
     def _next_request(self) -> _Request | None:
         """Return the head of the next call, if it has arrived; raises `_Refused`."""
         end = self._received.find(b"\r\n\r\n")
+        if end > MOST_HEAD or (end < 0 and len(self._received) > MOST_HEAD):
+            raise _Refused(431, f"The limit of a head is {MOST_HEAD} bytes")
         if end < 0:
-            if len(self._received) > MOST_HEAD:
-                raise _Refused(431, f"The limit of a head is {MOST_HEAD} bytes")
             return None
         request = _parse_head(bytes(self._received[:end]), self._max_body)
         del self._received[: end + 4]

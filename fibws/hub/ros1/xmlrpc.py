@@ -38,7 +38,7 @@ _READERS: dict[str, Callable[[str], object]] = {
     "i8": int,
     "double": float,
     "boolean": {"0": False, "1": True}.__getitem__,
-    "base64": lambda text: binascii.a2b_base64(text),
+    "base64": lambda text: binascii.a2b_base64("".join(text.split()), strict_mode=True),
     "dateTime.iso8601": lambda text: datetime.strptime(text.strip(), _DATE),
 }
 """What the text of an element with a value stands for."""
