@@ -16,7 +16,10 @@ def dot(view: View) -> Iterator[str]:
     ends |= {each.node for each in view.services} | {each.node for each in view.actions}
     ends |= {client for each in view.actions for client in each.clients}
     for node in sorted({*view.nodes, *ends}):
-        yield _vertex("node", node, node, "shape=ellipse")
+        if node in view.unreachable:
+            yield _vertex("node", node, f"{node}\nunreachable", "shape=ellipse, style=dashed")
+        else:
+            yield _vertex("node", node, node, "shape=ellipse")
     for topic in view.topics:
         label = f"{topic.name}\n{topic.type}"
         style = "shape=box" if topic.checked else "shape=box, style=dashed"
@@ -25,6 +28,10 @@ def dot(view: View) -> Iterator[str]:
             yield _edge(("node", node), ("topic", topic.name))
         for node in topic.subscribers:
             yield _edge(("topic", topic.name), ("node", node))
+    for conflict in view.conflicts:
+        start, end = ("node", conflict.node), ("topic", conflict.topic)
+        attributes = f"style=dotted, label={_quoted(conflict.text)}"
+        yield _edge(*((start, end) if conflict.publishes else (end, start)), attributes)
     for service in view.services:
         yield _vertex("service", service.name, f"{service.name}\n{service.type}", "shape=cds")
         yield _edge(("service", service.name), ("node", service.node), "style=dashed")

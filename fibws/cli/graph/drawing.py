@@ -48,6 +48,8 @@ def drawing(view: View, pen: Pen, width: int) -> Iterator[tuple[str, bool]]:
         ("Services", _columns([(each.name, each.type, each.node) for each in view.services])),
         ("Actions", _columns([_action(each) for each in view.actions])),
         ("Other nodes", view.idle()),
+        ("Conflicts", [f"{each.node} on {each.topic}: {each.text}" for each in view.conflicts]),
+        ("Unreachable nodes", [f"{node}: {why}" for node, why in view.unreachable.items()]),
     ]
     for head, lines in sections:
         if lines:

@@ -5,8 +5,10 @@ from __future__ import annotations
 import re
 from collections import defaultdict
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Self
+
+from fibws.client.graph_snapshot import conflict_text
 
 HIDDEN_NAMES = frozenset(
     {
@@ -46,6 +48,17 @@ class Topic:
 
 
 @dataclass(frozen=True, slots=True)
+class Conflict:
+    """A ROS 1 node that uses a topic, and exchanges no messages with the hub's clients there."""
+
+    node: str
+    topic: str
+    publishes: bool
+    text: str
+    """What the node does, and why it does not fit."""
+
+
+@dataclass(frozen=True, slots=True)
 class Service:
     """A service with its server."""
 
@@ -75,6 +88,9 @@ class View:
     hidden_nodes: int = 0
     hidden_topics: int = 0
     hidden_services: int = 0
+    conflicts: list[Conflict] = field(default_factory=list)
+    unreachable: dict[str, str] = field(default_factory=dict)
+    """Why ROS 1 nodes do not answer, by their names."""
 
     @classmethod
     def of(
@@ -123,6 +139,18 @@ class View:
                 for each in all_services
                 if each.node not in hidden and not is_hidden(each.name)
             ]
+        shown = {each.name for each in topics}
+        conflicts = [
+            Conflict(each["node"], topic["name"], each["publishes"], conflict_text(each, topic))
+            for topic in graph["topics"]
+            for each in topic["conflicts"]
+            if topic["name"] in shown and each["node"] in nodes
+        ]
+        unreachable = {
+            each["name"]: each["fault"]
+            for each in graph["nodes"]
+            if each["fault"] and each["name"] in nodes
+        }
         return cls(
             nodes=sorted(nodes),
             topics=in_order_of_flow(topics),
@@ -131,6 +159,8 @@ class View:
             hidden_nodes=len(all_nodes) - len(nodes),
             hidden_topics=len(all_topics) - len(topics),
             hidden_services=len(all_services) - len(services),
+            conflicts=conflicts,
+            unreachable=unreachable,
         )
 
     def idle(self) -> list[str]:
@@ -139,6 +169,7 @@ class View:
         busy |= {each.node for each in self.services}
         busy |= {each.node for each in self.actions}
         busy |= {node for action in self.actions for node in action.clients}
+        busy |= {each.node for each in self.conflicts}
         return [node for node in self.nodes if node not in busy]
 
     def as_json(self) -> dict[str, Any]:

@@ -9,7 +9,7 @@ import subprocess
 import pytest
 
 from fibws.cli.graph.dot import dot
-from fibws.cli.graph.view import Action, Service, Topic, View
+from fibws.cli.graph.view import Action, Conflict, Service, Topic, View
 
 ODD = 'a "quoted" \\N \\ <b>\n\x1b'
 VIEW = View(
@@ -54,3 +54,21 @@ def test_graphviz_reads_it(view: View) -> None:
     kinds = {each["name"].split(" ")[0] for each in found["objects"]}
     assert {"node", "topic"} <= kinds
     assert len(found["edges"]) == sum(" -> " in line for line in text.split("\n"))
+
+
+def test_conflicts_are_dotted_and_unreachable_nodes_dashed() -> None:
+    view = View(
+        ["/camera", "/viewer"],
+        [Topic("/chatter", "c/D", True, [], [])],
+        [],
+        [],
+        conflicts=[
+            Conflict("/camera", "/chatter", True, "why"),
+            Conflict("/viewer", "/chatter", False, "why"),
+        ],
+        unreachable={"/camera": "Timed out"},
+    )
+    lines = list(dot(view))
+    assert '  "node /camera" [label="/camera\\nunreachable", shape=ellipse, style=dashed];' in lines
+    assert '  "node /camera" -> "topic /chatter" [style=dotted, label="why"];' in lines
+    assert '  "topic /chatter" -> "node /viewer" [style=dotted, label="why"];' in lines

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from fibws.cli.graph.drawing import ASCII, LINES, Pen, drawing, topics
-from fibws.cli.graph.view import Action, Service, Topic, View
+from fibws.cli.graph.view import Action, Conflict, Service, Topic, View
 
 TEXT = "std_msgs/String"
 
@@ -115,3 +115,21 @@ def test_services_actions_and_other_nodes_follow() -> None:
 def test_line_breaks_in_names_are_escaped() -> None:
     view = View(["/a\n/forged"], [], [], [])
     assert list(drawing(view, LINES, 80))[1] == ("  /a\\n/forged", False)
+
+
+def test_conflicts_and_unreachable_nodes_are_listed_last() -> None:
+    view = View(
+        ["/camera"],
+        [],
+        [],
+        [],
+        conflicts=[Conflict("/camera", "/chatter", True, "publishes a/B, the topic is c/D")],
+        unreachable={"/camera": "Timed out"},
+    )
+    assert [line for line, _ in drawing(view, LINES, 80)][:5] == [
+        "Conflicts",
+        "  /camera on /chatter: publishes a/B, the topic is c/D",
+        "",
+        "Unreachable nodes",
+        "  /camera: Timed out",
+    ]

@@ -8,9 +8,11 @@ from typing import Any
 
 import pytest
 
-from fibws.cli.graph.view import Topic, View, in_order_of_flow, is_hidden
+from fibws.cli.graph.view import Conflict, Topic, View, in_order_of_flow, is_hidden
 
 ME = "/fibws_graph_1_2"
+HUB_CLIENT = {"api": "", "fault": ""}
+"""Of nodes that are connected to the hub."""
 WEB_TEST = Path(__file__).parents[3] / "web" / "src" / "hidden_names.test.ts"
 
 
@@ -25,6 +27,7 @@ def topic(name: str, publishers: str = "", subscribers: str = "", **others: Any)
             {"node": node, "queue_length": 0, "throttle_rate": 0, "compression": "none"}
             for node in subscribers.split()
         ],
+        "conflicts": [],
         **others,
     }
 
@@ -39,9 +42,9 @@ def graph(
     return {
         "revision": 1,
         "nodes": [
-            {"name": "/rosapi", "address": "", "own": True},
-            *({"name": node, "address": "a", "own": False} for node in nodes.split()),
-            {"name": ME, "address": "a", "own": False},
+            {"name": "/rosapi", "address": "", "own": True, **HUB_CLIENT},
+            *({"name": node, "address": "a", "own": False, **HUB_CLIENT} for node in nodes.split()),
+            {"name": ME, "address": "a", "own": False, **HUB_CLIENT},
         ],
         "topics": list(topics),
         "services": [
@@ -192,4 +195,19 @@ def test_json_has_the_names_of_the_view() -> None:
         ],
         "services": [{"name": "/x", "type": "std_srvs/Trigger", "node": "/a"}],
         "actions": [],
+        "conflicts": [],
+        "unreachable": {},
     }
+
+
+def test_conflicts_and_unreachable_ros1_nodes_are_in_the_view() -> None:
+    conflict = {"node": "/camera", "type": "a/B", "publishes": True, "fault": "why"}
+    response = graph(topic("/chatter", "/talker", conflicts=[conflict]), nodes="/camera /talker /x")
+    response["nodes"][1].update(api="http://robot:1/", fault="Timed out")
+    found = view(response)
+    assert found.conflicts == [
+        Conflict("/camera", "/chatter", True, "publishes a/B, the topic is std_msgs/String")
+    ]
+    assert found.unreachable == {"/camera": "Timed out"}
+    assert found.idle() == ["/x"]
+    assert view(response, namespace="/x").conflicts == []
