@@ -84,11 +84,11 @@ def _advice(hub: str, run_id: str, port: int | None, *, is_master: bool) -> str:
     try:
         if _run_id(uri) == run_id:
             return f"For the hub's graph: export {VARIABLE}={uri}"
-        fault = "another master answers"
+        fault, first = "another master answers", "Stop that master, and start"
     except (OSError, ValueError) as error:
-        fault = _text(error)
+        fault, first = _text(error), "Start"
     if not is_master:
-        return f"Start the hub with --ros1 {PORT}, as {command_name('core')} does."
+        return f"{first} the hub with --ros1 {PORT}, as {command_name('core')} does."
     if is_here:
         return f"The hub has printed its {VARIABLE} when it started."
     return (

@@ -5,6 +5,7 @@ from __future__ import annotations
 import socket
 from collections.abc import Iterator
 from typing import Any
+from urllib.parse import urlsplit
 
 import pytest
 from fake_ros1_node import REFUSED, FakeRos1Node
@@ -100,6 +101,17 @@ def test_hub_without_a_master_is_a_warning_only_if_one_is_wanted(
         monkeypatch.setattr(ros1, "PORT", 9)
         (finding,) = found(plain)["master"]
     assert finding.verdict == "warning" and "--ros1" in finding.advice
+
+
+def test_roscore_at_the_hubs_port_has_to_be_stopped(
+    hub: HubThread, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(ros1, "PORT", urlsplit(hub.master_uri).port)
+    monkeypatch.setenv("ROS_MASTER_URI", hub.master_uri)
+    with HubThread() as plain:
+        (finding,) = found(plain)["master"]
+    assert finding.verdict == "warning" and "is not this hub" in finding.text
+    assert finding.advice.startswith("Stop that master")
 
 
 def test_master_that_only_the_hubs_machine_reaches_needs_an_option(
