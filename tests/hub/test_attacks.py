@@ -11,7 +11,7 @@ from __future__ import annotations
 import asyncio
 import json
 import logging
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable, Iterable
 from contextlib import AsyncExitStack
 from pathlib import Path
 from typing import Any
@@ -20,7 +20,9 @@ import pytest
 from conftest import Faults, StartHub
 from websockets.exceptions import InvalidStatus
 
+from fibws.access.token_file import ALL_OF_ROS1
 from fibws.hub import Hub
+from fibws.hub.graph.graph import ExternalNode, Graph
 from fibws.hub.rosapi.nodes import OWN_NODES
 from fibws.interfaces import Interfaces, Validators
 from fibws.interfaces.serialization import Serializers
@@ -153,6 +155,47 @@ async def test_anonymous_clients_do_not_end_each_other(hub: Hub, world: World, a
     else:
         await attacker.call("/rosapi/kill_node", node=victim.name)
         assert await victim.is_alive()
+
+
+class SilentNode(ExternalNode):
+    """A ROS 1 node that does not answer."""
+
+    api, fault, since = "http://127.0.0.1:9/", "Connection refused", 0
+
+    def __init__(self, graph: Graph) -> None:
+        self._graph = graph
+
+    def publishing(self) -> Iterable[str]:
+        return "/map", "/eve/x"
+
+    def subscribing(self) -> Iterable[str]:
+        return ()
+
+    providing = subscribing
+
+    def replaced(self) -> None:
+        raise AssertionError
+
+    def ping(self, done: Callable[[str], object]) -> Callable[[], object]:
+        raise AssertionError
+
+    def shut_down(self, reason: str, done: Callable[[str], object]) -> Callable[[], object]:
+        raise AssertionError
+
+    def unregister(self) -> None:
+        self._graph.leave(self, "/lidar")
+
+
+async def test_ros1_node_is_unregistered_by_admins_alone(
+    hub: Hub, world: World, attacker: Client
+) -> None:
+    hub.graph.enter(SilentNode(hub.graph), "/lidar", ALL_OF_ROS1)
+    response = await attacker.call("/rosapi/unregister_node", node="/lidar")
+    assert not response["result"] or not response["values"]["success"], response
+    assert "/lidar" in hub.graph.nodes
+    boss = await world.client("boss", "/boss")
+    response = await boss.call("/rosapi/unregister_node", node="/lidar")
+    assert response["values"]["success"] and "/lidar" not in hub.graph.nodes
 
 
 # Topics, services and actions of others.
