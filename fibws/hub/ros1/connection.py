@@ -4,14 +4,40 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import socket
 from collections.abc import Callable, Mapping
 from typing import Protocol, cast
 
-from fibws.errors import TcprosError
+from fibws.errors import FibwsError, TcprosError
 from fibws.hub.delivery.clock import Clock
+from fibws.hub.log_text import printable, shortened
 from fibws.hub.ros1.tcpros import LENGTH, check_header_size, decode_header, encode_header
 
 logger = logging.getLogger("fibws.hub")
+
+CLOSE_TIMEOUT = 5.0
+"""Seconds in which a peer must take what was written before the connection is closed."""
+KEEPALIVE = {"TCP_KEEPIDLE": 60, "TCP_KEEPINTVL": 10, "TCP_KEEPCNT": 9}
+"""When the system takes a silent peer for dead, as roscpp and rospy have it."""
+
+
+def detect_dead_peer(transport: asyncio.Transport) -> None:
+    """Let a connection end if the machine of its peer has vanished."""
+    sock = transport.get_extra_info("socket")
+    if sock is None or sock.family not in (socket.AF_INET, socket.AF_INET6):
+        return
+    sock.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+    for option, value in KEEPALIVE.items():
+        if hasattr(socket, option):
+            sock.setsockopt(socket.IPPROTO_TCP, getattr(socket, option), value)
+
+
+def describe(transport: asyncio.Transport) -> str:
+    """Return the ends of a connection, as getBusInfo of roscpp and rospy does."""
+    own, peer = transport.get_extra_info("sockname"), transport.get_extra_info("peername")
+    number = transport.get_extra_info("socket").fileno()
+    ends = f"port {own[1]} to [{peer[0]}:{peer[1]} on socket {number}]"
+    return f"TCPROS connection on {ends}"
 
 
 class Handler(Protocol):
@@ -62,6 +88,8 @@ class TcprosConnection(asyncio.Protocol):
         self.hub_host = ""
         """The address by which it reached the hub."""
         self.transport: asyncio.Transport
+        self.is_paused = False
+        """Whether the peer reads slowly, so that nothing more should be written."""
         self._acceptors = acceptors
         self._clock = clock
         self._timeout = timeout
@@ -76,6 +104,7 @@ class TcprosConnection(asyncio.Protocol):
         peer, local = transport.get_extra_info("peername"), transport.get_extra_info("sockname")
         self.peer = f"{peer[0]}:{peer[1]}" if peer else ""
         self.hub_host = local[0] if local else ""
+        detect_dead_peer(transport)
         self._timer = self._clock.call_later(self._timeout, self._time_out)
 
     def data_received(self, data: bytes) -> None:
@@ -86,16 +115,18 @@ class TcprosConnection(asyncio.Protocol):
         self._received += data
         try:
             self._read_header()
-        except TcprosError as error:
+        except FibwsError as error:
             self.refuse(str(error))
 
     def pause_writing(self) -> None:
         """Tell the handler that the peer reads slowly."""
+        self.is_paused = True
         if self._handler is not None:
             self._handler.pause_writing()
 
     def resume_writing(self) -> None:
         """Tell the handler to continue."""
+        self.is_paused = False
         if self._handler is not None:
             self._handler.resume_writing()
 
@@ -112,9 +143,15 @@ class TcprosConnection(asyncio.Protocol):
 
     def refuse(self, text: str) -> None:
         """Send an error in place of a header, and close; it is logged, too, as roscpp does."""
-        logger.warning("%s: %s", self.peer, text)
-        self.answer({"error": text})
+        logger.warning("%s: %s", self.peer, printable(text))
+        self.answer({"error": shortened(text)})
+        self.close()
+
+    def close(self) -> None:
+        """Close once the peer has taken what was written, or after some seconds."""
         self.transport.close()
+        self._timer.cancel()
+        self._timer = self._clock.call_later(CLOSE_TIMEOUT, self.transport.abort)
 
     def abort(self) -> None:
         """Close at once."""
@@ -133,6 +170,8 @@ class TcprosConnection(asyncio.Protocol):
         for field, acceptor in self._acceptors.items():
             if field in header:
                 self._handler = acceptor.accept(header, self)
+                if self.is_paused:
+                    self.pause_writing()
                 break
         else:
             raise TcprosError("missing required 'topic' or 'service' field")

@@ -12,6 +12,8 @@ from fibws.errors import TcprosError
 
 MOST_HEADER = 2**20
 """Bytes of a header: definitions with all their parts have been seen with 100,000."""
+MOST_MESSAGE = 1_000_000_000
+"""Bytes of a message; roscpp takes more for a broken connection, too."""
 MOST_FIELDS = 1000
 LENGTH = 4
 """Bytes of a length."""
