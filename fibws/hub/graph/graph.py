@@ -42,6 +42,7 @@ from fibws.hub.graph.parameters import Parameters, canonical, names_in
 from fibws.hub.graph.policy import RIGHTS_OF, AllowAll, Kind, Policy
 from fibws.hub.graph.service import Call, Function, InternalServer, Service, ServiceServer
 from fibws.hub.graph.topic import (
+    QUEUE_SIZE,
     Conflict,
     Guard,
     GuardedSource,
@@ -336,14 +337,16 @@ class Graph:
         *,
         latch: bool = False,
         quota: LatchQuota | None = None,
+        queue_size: int = QUEUE_SIZE,
         serialized: bool = False,
         md5sum: str | None = None,
     ) -> Source:
-        """Return the node's source on a topic; the first call decides ``latch``.
+        """Return the node's source; the first call decides ``latch`` and ``queue_size``.
 
         Args:
             definition: the text of the type, if the client brought one.
             quota: bounds the node's latched messages; None bounds nothing.
+            queue_size: as in `Source`.
             serialized: whether the node publishes messages in ROS 1's serialization.
             md5sum: the md5 of the type as the client knows it.
 
@@ -364,19 +367,25 @@ class Graph:
             message_type.check_known()
         source = topic.sources.get(node)
         if source is None:
-            source = self._new_source(node, topic, message_type, latch=latch, quota=quota)
+            make = self._source_class(node, topic)
+            source = make(
+                node,
+                topic,
+                message_type,
+                self.clock.now,
+                latch=latch,
+                quota=quota or LatchQuota(),
+                queue_size=queue_size,
+            )
             topic.add(source)
             self.topics[topic.name] = topic
             self._changed(topic)
         return source
 
-    def _new_source(
-        self, node: str, topic: Topic, type_: MessageType, *, latch: bool, quota: LatchQuota | None
-    ) -> Source:
+    def _source_class(self, node: str, topic: Topic) -> Callable[..., Source]:
         guard = self.guards.get(topic.name)
         is_free = guard is None or node in self.internal or self.policy.is_admin(node)
-        make = Source if guard is None or is_free else partial(GuardedSource, guard)
-        return make(node, topic, type_, self.clock.now, latch=latch, quota=quota or LatchQuota())
+        return Source if guard is None or is_free else partial(GuardedSource, guard)
 
     def remove_source(self, source: Source) -> None:
         """Remove a source from its topic."""

@@ -21,6 +21,9 @@ from fibws.hub.graph.types import Buffer, MessageType
 
 logger = logging.getLogger("fibws.hub")
 
+QUEUE_SIZE = 100
+"""The queue_size of publishers that name none, as in rosbridge."""
+
 
 class SinkReport(NamedTuple):
     """A sink's settings and totals, for rosapi and the page."""
@@ -282,6 +285,8 @@ class Source:
         now: returns the nanoseconds since 1970.
         latch: keep the last message for later subscribers (ROS's latched topics).
         quota: bounds the latched messages of the node.
+        queue_size: most messages that wait for one ROS 1 subscriber that is too slow; 0 or less
+            for no limit.
     """
 
     __slots__ = (
@@ -296,6 +301,7 @@ class Source:
         "make_latest",
         "messages",
         "node",
+        "queue_size",
         "topic",
         "type",
     )
@@ -309,11 +315,13 @@ class Source:
         *,
         latch: bool,
         quota: LatchQuota,
+        queue_size: int = QUEUE_SIZE,
     ) -> None:
         self.node = node
         self.topic = topic
         self.type = type_
         self.latch = latch
+        self.queue_size = queue_size
         self.header = b""
         """The connection header of its messages, as JSON."""
         self.set_headers({})

@@ -18,7 +18,7 @@ from fibws.errors import (
 )
 from fibws.hub.delivery.clock import Timer
 from fibws.hub.graph.peers import PeerWatch
-from fibws.hub.graph.topic import LatchQuota, Source, Topic
+from fibws.hub.graph.topic import QUEUE_SIZE, LatchQuota, Source, Topic
 from fibws.hub.log_text import is_power_of_ten
 from fibws.hub.rosbridge.client import Client
 from fibws.hub.rosbridge.encodings import COMPRESSIONS
@@ -287,6 +287,7 @@ class Topics:
             definition,
             latch=not isinstance(request, SetWill) and request.latch,
             quota=self._quota(),
+            queue_size=request.queue_size if isinstance(request, Advertise) else QUEUE_SIZE,
             serialized=isinstance(request, Advertise) and request.publisher is not None,
             md5sum=md5sum,
         )
