@@ -13,15 +13,17 @@ from collections.abc import Callable, Mapping
 from time import perf_counter
 from typing import Any, cast
 
-from fibws.errors import FibwsError, Ros1Error, TcprosError
+from fibws.errors import FibwsError, InvalidMessage, NodeUnreachable, TcprosError
 from fibws.hub.graph.topic import Source
-from fibws.hub.log_text import is_power_of_ten, shortened
+from fibws.hub.log_text import is_power_of_ten, printable
+from fibws.hub.ros1.connection import describe, detect_dead_peer
 from fibws.hub.ros1.http import NodeCalls
 from fibws.hub.ros1.nodes import Ros1Publisher
 from fibws.hub.ros1.tcpros import (
     ANY,
     LENGTH,
-    check_header_size,
+    MOST_HEADER,
+    MOST_MESSAGE,
     decode_header,
     encode_header,
     require,
@@ -38,25 +40,34 @@ CHECKED_EVERY = 8
 CONNECT_TIMEOUT = 5.0
 FIRST_RETRY, LONGEST_RETRY = 0.1, 20.0
 """Seconds before a lost link is opened again; they double each time, as roscpp's."""
+STEADY = 1.0
+"""Seconds for which a link without messages must last to count as one that works."""
+PATIENCE = 3
+"""Failures in a row until it is logged that a node cannot be reached."""
+MD5_OF_EMPTY = "d41d8cd98f00b204e9800998ecf8427e"
+"""The md5 of types without fields, whose definition is an empty text."""
 
 
 class Inlet:
     """A link to one publisher, opened again and again until it is closed.
 
     Args:
+        number: its id among the links of the hub.
         caller: returns the name of the node that the link is for.
         learn: takes the type, the definition and the md5sum that the publisher tells, and returns
-            its source; None closes the link.
+            its source; None ends the link.
     """
 
     def __init__(
         self,
+        number: int,
         publisher: Ros1Publisher,
         calls: NodeCalls,
         caller: Callable[[], str],
-        learn: Callable[[Ros1Publisher, str, str, str], Source | None],
+        learn: Callable[[Ros1Publisher, str, str | None, str], Source | None],
         max_size: int,
     ) -> None:
+        self.number = number
         self.publisher = publisher
         self.caller = ""
         """The name that the publisher knows."""
@@ -66,52 +77,70 @@ class Inlet:
         self._name_caller = caller
         self._learn = learn
         self._max_size = max_size
-        self._task = asyncio.get_running_loop().create_task(self._run())
+        self._delay = FIRST_RETRY
         self._last_fault = ""
-        self._is_renamed = False
+        self._failures = 0
+        """How often it has failed since it last worked."""
+        self._newest: InletConnection | None = None
+        """The connection that is open, or about to be."""
+        self._is_refused = False
+        self._task = asyncio.get_running_loop().create_task(self._run())
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether it is not opened again, since the publisher's type conflicts with the topic's."""
+        return self._task.done()
 
     def close(self) -> None:
         """Close the link; latched messages that came by it are forgotten."""
-        self._task.cancel()
-        if self.connection is not None:
-            self.connection.close()
+        self._stop()
         source = self.publisher.source
         if source is not None:
             source.forget_latched()
 
+    async def closed(self) -> None:
+        """Wait until a link that is closed has left nothing."""
+        await asyncio.wait([self._task])
+
     def reopen(self) -> None:
         """Open the link again at once, in the name of the node that it is for now."""
-        self._is_renamed = True
-        if self.connection is not None:
-            self.connection.close()
+        self.caller = self._name_caller()
+        older = self._task
+        self._stop()
+        self._task = asyncio.get_running_loop().create_task(self._run(older))
 
-    async def _run(self) -> None:
-        delay = FIRST_RETRY
+    def _stop(self) -> None:
+        self._task.cancel()
+        if self._newest is not None:
+            self._newest.close()
+
+    async def _run(self, older: asyncio.Task[None] | None = None) -> None:
+        if older is not None:
+            await asyncio.wait([older])
         while True:
             try:
                 await self._connect_once()
-                delay, self._last_fault = FIRST_RETRY, ""
-            except (Ros1Error, OSError, TimeoutError, UnicodeError) as error:
+            except (FibwsError, OSError, ValueError) as error:
+                if self._is_refused:
+                    return
+                self._failures += 1
                 self._report(error)
-            if self.publisher.source is None and not self.publisher.is_relayed:
-                return
-            if self._is_renamed:
-                continue
-            await asyncio.sleep(delay * random.uniform(0.8, 1.2))
-            delay = min(2 * delay, LONGEST_RETRY)
+            await asyncio.sleep(self._delay * random.uniform(0.8, 1.2))
+            self._delay = min(2 * self._delay, LONGEST_RETRY)
 
     async def _connect_once(self) -> None:
         """Connect, and return once the connection has ended; raise if it failed before."""
         loop, publisher = asyncio.get_running_loop(), self.publisher
-        self.caller, self._is_renamed = self._name_caller(), False
+        self.caller = self._name_caller()
         answer = await self._calls.call(
             publisher.node.api, "requestTopic", self.caller, publisher.topic, [["TCPROS"]]
         )
         match answer:
-            case ["TCPROS", str() as host, int() as port]:
+            case ["TCPROS", str() as host, int() as port] if 0 < port < 65536:
                 pass
             case _:
-                raise TcprosError(f"requestTopic returned {answer!r}, expected a TCPROS address")
+                fault = f"requestTopic returned {answer!r}, expected ['TCPROS', host, port]"
+                raise TcprosError(fault)
         header = {
             "callerid": self.caller,
             "topic": publisher.topic,
@@ -119,42 +148,51 @@ class Inlet:
             "md5sum": ANY,
             "tcp_nodelay": "1",
         }
-        async with asyncio.timeout(CONNECT_TIMEOUT):
-            transport, connection = await loop.create_connection(
-                lambda: InletConnection(self._opened, self._max_size), host, port
-            )
+        self._is_refused = False
+        self._newest = connection = InletConnection(self._opened, self._max_size)
         try:
-            transport.write(encode_header(header))
             async with asyncio.timeout(CONNECT_TIMEOUT):
+                transport, _ = await loop.create_connection(lambda: connection, host, port)
+                transport.write(encode_header(header))
                 await connection.opened
-            self.connection = connection
-            if self._is_renamed:
-                connection.close()
+            self.connection, began = connection, loop.time()
             await connection.ended
+            if connection.messages or loop.time() - began > STEADY:
+                self._delay, self._failures, self._last_fault = FIRST_RETRY, 0, ""
         finally:
-            self.connection = None
+            connection.close()
+            self.connection = self._newest = None
             source = publisher.source
             if source is not None:
                 source.topic.watching_sources.unlinked(publisher.node.name)
-            transport.abort()
 
     def _opened(self, header: Mapping[str, str]) -> Source:
         """Return the source for a publisher's header; raises `TcprosError`."""
         if "error" in header:
             raise TcprosError(header["error"])
         require(header, "type", "md5sum")
-        definition = header.get("message_definition", "")
-        source = self._learn(self.publisher, header["type"], definition, header["md5sum"])
+        type_, md5sum = header["type"], header["md5sum"]
+        if type_ == ANY:
+            raise TcprosError("expected the type of its messages, got *")
+        definition = header.get("message_definition") or None
+        if md5sum == MD5_OF_EMPTY:
+            definition = definition or ""
+        source = self._learn(self.publisher, type_, definition, md5sum)
         if source is None:
+            self._is_refused = True
             raise TcprosError("its type conflicts with that of the topic")
         source.latch = header.get("latching") == "1"
-        source.set_headers({"type": header["type"], "md5sum": header["md5sum"]})
+        if not source.latch:
+            source.forget_latched()
+        source.set_headers({"type": type_, "md5sum": md5sum})
         source.topic.source_linked(self.publisher.node.name)
         return source
 
     def _report(self, error: Exception) -> None:
-        """Log why the link failed, once."""
-        fault = shortened(str(error) or "no answer in time")
+        """Log why the link failed, once; a node that is ending is unreachable for a moment."""
+        if isinstance(error, (NodeUnreachable, OSError)) and self._failures < PATIENCE:
+            return
+        fault = printable(str(error) or f"no answer within {CONNECT_TIMEOUT:g} s")
         if fault != self._last_fault:
             node, topic = self.publisher.node, self.publisher.topic
             logger.warning("%s: no link to its topic %s: %s.", node.name, topic, fault)
@@ -182,8 +220,10 @@ class InletConnection(asyncio.BufferedProtocol):
         self.bytes = 0
         self._open = open_
         self._max_size = max_size
+        self._limit = MOST_HEADER
+        """Most bytes of what comes next."""
         self._loop = loop
-        self._transport: asyncio.Transport
+        self._transport: asyncio.Transport | None = None
         self._source: Source | None = None
         self._scratch = memoryview(bytearray(SCRATCH))
         self._start = self._end = 0
@@ -191,6 +231,8 @@ class InletConnection(asyncio.BufferedProtocol):
         self._large: memoryview | None = None
         """The buffer of a large message that is arriving."""
         self._large_end = 0
+        self._skipped = 0
+        """The bytes that are still to come of a message that is too large."""
         self._is_closed = False
         self._faults = 0
 
@@ -198,11 +240,16 @@ class InletConnection(asyncio.BufferedProtocol):
         """Wait for the publisher's header."""
         # Not checked: uvloop's transports are not subclasses of asyncio's.
         self._transport = cast(asyncio.Transport, transport)
+        detect_dead_peer(self._transport)
+        if self._is_closed:
+            self._transport.abort()
 
     def get_buffer(self, sizehint: int) -> memoryview:
         """Return where the next bytes are to be put."""
         if self._large is not None:
             return self._large[self._large_end :]
+        if self._skipped:
+            return self._scratch[: self._skipped]
         if self._start and self._end - self._start < LENGTH:
             rest = bytes(self._scratch[self._start : self._end])
             self._start, self._end = 0, len(rest)
@@ -211,15 +258,20 @@ class InletConnection(asyncio.BufferedProtocol):
 
     def buffer_updated(self, count: int) -> None:
         """Take bytes that have arrived."""
-        if self._large is None:
+        if self._is_closed:
+            return
+        if self._large is not None:
+            self._large_end += count
+            self.bytes += count
+            if self._large_end == len(self._large):
+                message, self._large = self._large, None
+                self._deliver(message)
+        elif self._skipped:
+            self._skipped -= count
+            self.bytes += count
+        else:
             self._end += count
             self._process()
-            return
-        self._large_end += count
-        self.bytes += count
-        if self._large_end == len(self._large):
-            message, self._large = self._large, None
-            self._deliver(message)
 
     def connection_lost(self, error: Exception | None) -> None:
         """End."""
@@ -230,10 +282,15 @@ class InletConnection(asyncio.BufferedProtocol):
         if not self.ended.done():
             self.ended.set_result(None)
 
+    def describe(self) -> str:
+        """Return the ends of the connection, as getBusInfo does."""
+        return describe(self._transport) if self._transport is not None else ""
+
     def close(self) -> None:
         """Close the connection: nothing is delivered any more."""
         self._is_closed = True
-        self._transport.abort()
+        if self._transport is not None:
+            self._transport.abort()
 
     def _process(self) -> None:
         """Deliver the messages in the scratch buffer, for as long as a turn lasts."""
@@ -244,16 +301,16 @@ class InletConnection(asyncio.BufferedProtocol):
                 break
             begin = self._start + LENGTH
             size = int.from_bytes(self._scratch[self._start : begin], "little")
-            try:
-                self._check(size)
-            except TcprosError as error:
-                self._break(error)
-                return
+            if size > self._limit:
+                if self._source is None or size > MOST_MESSAGE:
+                    fault = f"{size} bytes announced, limit is {self._limit}"
+                    self._break(TcprosError(f"invalid TCPROS length: {fault}"))
+                    return
+                self._begin_skipping(begin, size)
+                continue
             if begin + size > SCRATCH or (size > available and size > SCRATCH // 4):
                 self._begin_large(begin, size)
-                if self._large is not None:
-                    return
-                continue
+                return
             if size > available - LENGTH:
                 self._make_room()
                 break
@@ -261,14 +318,20 @@ class InletConnection(asyncio.BufferedProtocol):
             self._take(bytes(self._scratch[begin : begin + size]))
             count += 1
             if count % CHECKED_EVERY == 0 and perf_counter() > until:
-                self._transport.pause_reading()
-                self._loop.call_soon(self._resume)
+                self._pause()
                 return
         if self._start == self._end:
             self._start = self._end = 0
 
+    def _pause(self) -> None:
+        """Process the rest when others have had their turn."""
+        assert self._transport is not None
+        self._transport.pause_reading()
+        self._loop.call_soon(self._resume)
+
     def _resume(self) -> None:
         if not self._is_closed:
+            assert self._transport is not None
             self._transport.resume_reading()
             self._process()
 
@@ -281,24 +344,21 @@ class InletConnection(asyncio.BufferedProtocol):
 
     def _begin_large(self, begin: int, size: int) -> None:
         """Move the beginning of a large message to a buffer of its size."""
-        there = min(size, self._end - begin)
+        there = self._end - begin
         self._large = memoryview(bytearray(size))
-        self._large[:there] = self._scratch[begin : begin + there]
+        self._large[:there] = self._scratch[begin : self._end]
         self._large_end = there
         self.bytes += there
-        self._start = begin + there
-        if there < size:
-            self._start = self._end = 0
-            return
-        message, self._large = self._large, None
-        self._deliver(message)
+        self._start = self._end = 0
 
-    def _check(self, size: int) -> None:
-        if self._source is None:
-            check_header_size(size)
-        elif size > self._max_size:
-            fault = f"a message of {size} bytes, limit is {self._max_size} (--max-message-size)"
-            raise TcprosError(fault)
+    def _begin_skipping(self, begin: int, size: int) -> None:
+        """Drop a message that is larger than the hub takes; others may follow."""
+        there = min(size, self._end - begin)
+        self._skipped = size - there
+        self._start = begin + there
+        self.bytes += there
+        limit = f"limit is {self._max_size} (--max-message-size)"
+        self._log(f"a message of {size} bytes was dropped: {limit}")
 
     def _take(self, data: bytes) -> None:
         self.bytes += len(data)
@@ -312,17 +372,23 @@ class InletConnection(asyncio.BufferedProtocol):
             except FibwsError as error:
                 self._break(error)
                 return
+            self._limit = self._max_size
             self.opened.set_result(None)
             return
         self.messages += 1
         try:
             self._source.relay(data)
+        except InvalidMessage as error:
+            self._log(f"a message was dropped: {error}")
         except FibwsError as error:
-            self._faults += 1
-            if is_power_of_ten(self._faults):
-                name, topic = self._source.node, self._source.topic.name
-                text = shortened(f"{name}: a message of {topic} was dropped: {error}")
-                logger.warning("%s (%d so far)", text, self._faults)
+            self._log(str(error))
+
+    def _log(self, fault: str) -> None:
+        assert self._source is not None
+        self._faults += 1
+        if is_power_of_ten(self._faults):
+            text = printable(f"{self._source.node}: {self._source.topic.name}: {fault}")
+            logger.warning("%s (%d so far)", text, self._faults)
 
     def _break(self, error: FibwsError) -> None:
         """Close the connection of a publisher that breaks the protocol."""

@@ -31,6 +31,7 @@ from fibws.hub.graph.graph import ExternalNode, Graph
 from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.service import InternalServer
 from fibws.hub.graph.topic import Conflict, LatchQuota, Receiver, SinkReport, Source, Topic
+from fibws.hub.graph.types import MessageType
 from fibws.hub.log_text import shortened
 from fibws.hub.ros1.http import NodeCalls
 
@@ -114,11 +115,11 @@ class Ros1Subscriber:
     Attributes:
         type: ``package/Type`` as it was registered, or ``*``.
         sent: the addresses of publishers that it was sent last; None before that.
-        link: its connection to the hub, while there is one.
+        link: its connection to the hub, while there is one; the newest of several.
         fault: why it conflicts with the topic; empty if it does not.
     """
 
-    __slots__ = ("fault", "link", "node", "owner", "sent", "topic", "type")
+    __slots__ = ("_dropped", "_messages", "fault", "link", "node", "owner", "sent", "topic", "type")
 
     def __init__(self, owner: Ros1Node, topic: str, type_: str) -> None:
         self.owner = owner
@@ -128,6 +129,8 @@ class Ros1Subscriber:
         self.sent: list[str] | None = None
         self.link: Link | None = None
         self.fault = ""
+        self._messages = 0
+        self._dropped = 0
 
     def receive(self, publication: Publication) -> None:
         """Take a message for this subscriber alone; the topic's outlet takes those for all."""
@@ -138,8 +141,19 @@ class Ros1Subscriber:
         """Do nothing: latched messages are sent when the subscriber connects."""
 
     def report(self) -> SinkReport:
-        """Return the totals of its connection."""
-        return self.link.report() if self.link is not None else SinkReport()
+        """Return the totals of all its connections."""
+        present = self.link.report() if self.link is not None else SinkReport()
+        return present._replace(
+            messages=present.messages + self._messages, dropped=present.dropped + self._dropped
+        )
+
+    def unlink(self, ended: Link, other: Link | None) -> None:
+        """Keep the totals of a connection that has ended, and use another one if there is one."""
+        totals = ended.report()
+        self._messages += totals.messages
+        self._dropped += totals.dropped
+        if self.link is ended:
+            self.link = other
 
 
 class Ros1Node(ExternalNode):
@@ -238,6 +252,8 @@ class Ros1Nodes:
         """By topic and node."""
         self._subscribers: dict[str, dict[str, Ros1Subscriber]] = {}
         self._services: dict[str, Ros1Node] = {}
+        self._types_in_conflict: dict[str, MessageType | None] = {}
+        """By topic: the type that it had when nodes conflicted with it."""
         self._dirty: dict[str, None] = {}
         """The topics whose publishers or subscribers have changed since the last turn."""
         self._tasks: set[asyncio.Task[None]] = set()
@@ -285,6 +301,10 @@ class Ros1Nodes:
         if self.has_own_sources(topic):
             apis[self.hub_api(hub_host)] = None
         return list(apis)
+
+    def is_publisher(self, node: str, topic: str) -> bool:
+        """Return whether a ROS 1 node of this name publishes a topic."""
+        return node in self._publishers.get(topic, ())
 
     def has_own_sources(self, topic: str) -> bool:
         """Return whether a topic has a publisher that is not a ROS 1 node."""
@@ -394,15 +414,25 @@ class Ros1Nodes:
         self._graph.leave(node, node.name)
 
     def learn(
-        self, publisher: Ros1Publisher, type_: str, definition: str, md5sum: str
+        self, publisher: Ros1Publisher, type_: str, definition: str | None, md5sum: str
     ) -> Source | None:
         """Set the type that a publisher has told a link, and return its source.
 
+        Args:
+            definition: the text of the type, if the publisher sends it.
+
         Returns:
-            None if it conflicts with the topic's type, or the policy forbids it.
+            None if it conflicts with the topic's type, the policy forbids it, or the publisher is
+            not registered any more.
         """
+        if publisher not in self.publishers(publisher.topic):
+            return None
         publisher.type = type_
         self._detach_conflict(publisher.topic, publisher.node.name, publishes=True)
+        source = publisher.source
+        if source is not None and not _is_same(source.type, type_, md5sum):
+            # It must not be held to the type that it had before.
+            self._detach_source(publisher)
         self._attach_publisher(publisher, definition, md5sum)
         return publisher.source
 
@@ -588,12 +618,12 @@ class Ros1Nodes:
                 publisher.type,
                 definition,
                 quota=self._quota(),
-                serialized=definition is not None,
+                serialized=md5sum is not None,
                 md5sum=md5sum,
             )
         except (NotAllowed, OperationError, InterfaceError, InvalidMessage) as error:
             # An unknown type may become known by the definition that the publisher tells a link.
-            publisher.is_relayed = isinstance(error, InterfaceError) and definition is None
+            publisher.is_relayed = isinstance(error, InterfaceError) and md5sum is None
             if publisher.source is None:
                 topic.watching_sources.left(node)
             self._detach_source(publisher)
@@ -629,6 +659,7 @@ class Ros1Nodes:
             logger.warning("%s", shortened(text))
         registration.fault = fault
         self._graph.add_conflict(topic, Conflict(node, registration.type, publishes, fault))
+        self._types_in_conflict[topic.name] = topic.type
 
     def _detach_conflict(self, topic: str, node: str, *, publishes: bool) -> None:
         found = self._graph.topics.get(topic)
@@ -704,8 +735,10 @@ class Ros1Nodes:
             return
         for name in dirty:
             topic = self._graph.topic(name)
-            if topic.conflicts or name in self._publishers or name in self._subscribers:
+            if topic.conflicts:
                 self._retry(topic)
+            else:
+                self._types_in_conflict.pop(name, None)
             # An action's status may have no ROS 1 node, and decide who its goals are for.
             self.links.changed(self._graph.topic(name))
             for subscriber in self.subscribers(name):
@@ -718,18 +751,22 @@ class Ros1Nodes:
 
     def _retry(self, topic: Topic) -> None:
         """Attach the registrations that conflicted with a topic's type, if it has another now."""
+        name = topic.name
+        if topic.type is self._types_in_conflict.get(name):
+            return
         for node, _, publishes, _ in list(topic.conflicts):
-            if topic.held:
-                return
-            self._detach_conflict(topic.name, node, publishes=publishes)
+            if self._graph.topic(name).held:
+                break
+            self._detach_conflict(name, node, publishes=publishes)
             if publishes:
-                publisher = self._publishers.get(topic.name, {}).get(node)
+                publisher = self._publishers.get(name, {}).get(node)
                 if publisher is not None:
                     self._attach_publisher(publisher)
             else:
-                subscriber = self.subscriber(node, topic.name)
+                subscriber = self.subscriber(node, name)
                 if subscriber is not None:
                     self._attach_subscriber(subscriber)
+        self._types_in_conflict[name] = self._graph.topic(name).type
 
     def run(
         self, coroutine: Coroutine[Any, Any, None], done: Callable[[str], object]
@@ -774,6 +811,13 @@ def is_api(uri: str) -> bool:
         return url.scheme == "http" and bool(url.hostname) and url.port is not None
     except ValueError:
         return False
+
+
+def _is_same(present: MessageType, type_: str, md5sum: str) -> bool:
+    """Return whether the type that a publisher tells a link is the one that it had before."""
+    if present.md5sum is None or md5sum == ANY:
+        return present.name == type_
+    return present.md5sum == md5sum
 
 
 def _remove(registrations: dict[str, dict[str, Any]], topic: str, node: str) -> None:

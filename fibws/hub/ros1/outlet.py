@@ -2,59 +2,59 @@
 
 from __future__ import annotations
 
-import asyncio
 import logging
 from collections import deque
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 from fibws.errors import FibwsError, TcprosError
 from fibws.hub.graph.graph import ROSBRIDGE, Graph
 from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.topic import SinkReport, Source, Topic
 from fibws.hub.graph.types import Buffer, MessageType
-from fibws.hub.log_text import is_power_of_ten, shortened
+from fibws.hub.log_text import is_power_of_ten, printable
 from fibws.hub.ros1.connection import TcprosConnection
-from fibws.hub.ros1.nodes import Ros1Subscriber
+from fibws.hub.ros1.nodes import Ros1Nodes, Ros1Subscriber
 from fibws.hub.ros1.tcpros import ANY, frame, require
 
 logger = logging.getLogger("fibws.hub")
 
-QUEUE = 100
-"""Messages that wait for a subscriber that reads slowly; older ones are dropped."""
-JOINED = 4096
-"""Bytes of a message up to which copying it is cheaper than writing its length by itself."""
+JOINED = 32 * 1024
+"""Bytes of a message up to which copying it costs less than writing its length by itself."""
 
 
 class Outlet:
     """All links of one topic; the `Receiver` of its ROS 1 subscribers.
 
     Args:
-        external: the names of ROS 1 nodes, whose messages do not pass through the hub.
         max_queued: most bytes that wait for one subscriber.
+        numbers: gives each link its id.
     """
 
-    def __init__(self, name: str, graph: Graph, external: Collection[str], max_queued: int) -> None:
+    def __init__(
+        self, name: str, graph: Graph, nodes: Ros1Nodes, max_queued: int, numbers: Iterator[int]
+    ) -> None:
         self.name = name
         self.links: dict[OutletLink, None] = {}
+        self.queue_length = 0
+        """Messages that may wait for one subscriber: the queue_size of all publishers together;
+        0 for no limit."""
+        self.max_queued = max_queued
         self._graph = graph
-        self._external = external
-        self._max_queued = max_queued
+        self._nodes = nodes
+        self._numbers = numbers
         self._faults = 0
 
     def receive(self, publication: Publication) -> None:
         """Send a message to all subscribers that are connected."""
-        if not self.links or publication.node in self._external:
-            return
+        if not self.links or self._nodes.is_publisher(publication.node, self.name):
+            return  # ROS 1 publishers send their messages themselves.
         try:
-            data = publication.ros1()
+            message = Message(publication.ros1())
         except FibwsError as error:
-            self._faults += 1
-            if is_power_of_ten(self._faults):
-                text = shortened(f"{self.name}: no message for ROS 1 nodes: {error}")
-                logger.warning("%s (%d so far)", text, self._faults)
+            self._log(error)
             return
         for link in tuple(self.links):
-            link.send(data)
+            link.send(message)
 
     def accept(
         self, header: Mapping[str, str], subscriber: Ros1Subscriber, connection: TcprosConnection
@@ -79,11 +79,15 @@ class Outlet:
                 "type": topic.type.name,
             }
         )
-        link = OutletLink(subscriber, md5sum, connection, self._max_queued, self._removed)
+        self.queue_length = _queue_length(sources)
+        link = OutletLink(next(self._numbers), self, subscriber, md5sum, connection)
         for source in sources:
-            publication = source.recall()
-            if publication is not None:
-                link.send(publication.ros1())
+            try:
+                publication = source.recall()
+                if publication is not None:
+                    link.send(Message(publication.ros1()))
+            except FibwsError as error:
+                self._log(error)
         self.links[link] = None
         subscriber.link = link
         topic.watching_sinks.linked(subscriber.node)
@@ -91,105 +95,143 @@ class Outlet:
 
     def own_sources(self, topic: Topic) -> list[Source]:
         """Return the publishers of the topic that are not ROS 1 nodes."""
-        return [each for node, each in topic.sources.items() if node not in self._external]
+        external = self._nodes.by_name
+        return [each for node, each in topic.sources.items() if node not in external]
 
     def settle(self, topic: Topic) -> None:
         """Close the links that the topic's publishers and type do not fit any more."""
-        type_ = topic.type if self.own_sources(topic) else None
+        sources = self.own_sources(topic)
+        self.queue_length = _queue_length(sources)
+        type_ = topic.type if sources else None
         for link in list(self.links):
             is_subscribed = link.subscriber.owner.subscribers.get(self.name) is link.subscriber
             if type_ is None or link.md5sum != type_.md5sum or not is_subscribed:
                 link.close()
 
-    def _removed(self, link: OutletLink) -> None:
-        self.links.pop(link, None)
-        if link.subscriber.link is link:
-            link.subscriber.link = None
-            topic = self._graph.topics.get(self.name)
-            if topic is not None and link.subscriber in topic.sinks():
-                topic.watching_sinks.unlinked(link.subscriber.node)
+    def remove(self, link: OutletLink) -> None:
+        """Forget a link that is closed; nothing happens if that has been done."""
+        if link not in self.links:
+            return
+        del self.links[link]
+        subscriber = link.subscriber
+        others = [each for each in self.links if each.subscriber is subscriber]
+        subscriber.unlink(link, others[-1] if others else None)
+        topic = self._graph.topics.get(self.name)
+        if not others and topic is not None and subscriber in topic.sinks():
+            topic.watching_sinks.unlinked(subscriber.node)
+
+    def _log(self, error: FibwsError) -> None:
+        self._faults += 1
+        if is_power_of_ten(self._faults):
+            text = printable(f"{self.name}: no message for ROS 1 nodes: {error}")
+            logger.warning("%s (%d so far)", text, self._faults)
+
+
+class Message:
+    """A message with its length before it, as links write it.
+
+    Attributes:
+        size: bytes without the length.
+        parts: what is written; one part unless it is large.
+    """
+
+    __slots__ = ("parts", "size")
+
+    def __init__(self, data: Buffer) -> None:
+        self.size = len(data)
+        length = frame(self.size)
+        self.parts = (length + data,) if self.size <= JOINED else (length, data)
 
 
 class OutletLink:
     """The link to one subscriber; a `Handler` of its connection.
 
     Args:
-        removed: called once it has ended.
+        number: its id among the links of the hub.
     """
 
     def __init__(
         self,
+        number: int,
+        outlet: Outlet,
         subscriber: Ros1Subscriber,
         md5sum: str,
         connection: TcprosConnection,
-        max_queued: int,
-        removed: Callable[[OutletLink], object],
     ) -> None:
+        self.number = number
         self.subscriber = subscriber
         self.md5sum = md5sum
-        self.peer = connection.peer
+        self.connection = connection
         self.messages = 0
         self.bytes = 0
         self.dropped = 0
-        self._transport: asyncio.Transport = connection.transport
-        self._max_queued = max_queued
-        self._removed = removed
-        self._queue: deque[Buffer] = deque()
+        self._outlet = outlet
+        self._write = connection.transport.write
+        self._queue: deque[Message] = deque()
         self._queued = 0
-        self._is_paused = False
 
     def receive(self, publication: Publication) -> None:
         """Send a message."""
-        self.send(publication.ros1())
+        self.send(Message(publication.ros1()))
 
-    def send(self, data: Buffer) -> None:
+    def send(self, message: Message) -> None:
         """Send a message, or let it wait while the subscriber reads slowly."""
         self.messages += 1
-        if self._is_paused:
-            self._queue.append(data)
-            self._queued += len(data)
-            while len(self._queue) > QUEUE or self._queued > self._max_queued:
-                self._queued -= len(self._queue.popleft())
-                self.dropped += 1
-        else:
-            self._write(data)
+        if self.connection.is_paused:
+            self._queue.append(message)
+            self._queued += message.size
+            self._trim()
+            return
+        self.bytes += message.size
+        for part in message.parts:
+            self._write(part)
 
     def report(self) -> SinkReport:
         """Return the totals."""
-        return SinkReport(queue_length=QUEUE, messages=self.messages, dropped=self.dropped)
+        return SinkReport(self._outlet.queue_length, messages=self.messages, dropped=self.dropped)
 
     def close(self) -> None:
-        """Close the connection, after what has been written."""
-        self._transport.close()
+        """Close the connection after what has been written; what waits is dropped."""
+        self._end()
+        self.connection.close()
 
     def data_received(self, data: bytes) -> None:
         """Ignore bytes: subscribers send nothing."""
 
     def pause_writing(self) -> None:
-        """Let messages wait."""
-        self._is_paused = True
+        """Do nothing: the connection is marked as paused."""
 
     def resume_writing(self) -> None:
         """Send the messages that wait."""
-        self._is_paused = False
-        while self._queue and not self._is_paused:
-            data = self._queue.popleft()
-            self._queued -= len(data)
-            self._write(data)
+        while self._queue and not self.connection.is_paused:
+            message = self._queue.popleft()
+            self._queued -= message.size
+            self.bytes += message.size
+            for part in message.parts:
+                self._write(part)
 
     def connection_lost(self) -> None:
         """End."""
-        self._queue.clear()
-        self._removed(self)
+        self._end()
 
-    def _write(self, data: Buffer) -> None:
-        size = len(data)
-        self.bytes += size
-        if size <= JOINED:
-            self._transport.write(frame(size) + data)
-        else:
-            self._transport.write(frame(size))
-            self._transport.write(data)
+    def _trim(self) -> None:
+        """Drop the oldest messages that are too many; the newest one stays, however large."""
+        queue, most, outlet = self._queue, self._outlet.queue_length, self._outlet
+        while len(queue) > 1 and (self._queued > outlet.max_queued or (most and len(queue) > most)):
+            self._queued -= queue.popleft().size
+            self.dropped += 1
+
+    def _end(self) -> None:
+        self.dropped += len(self._queue)
+        self._queue.clear()
+        self._queued = 0
+        self._outlet.remove(self)
+
+
+def _queue_length(sources: Iterable[Source]) -> int:
+    """Return how many messages of some publishers may wait; 0 for any number."""
+    sizes = [source.queue_size for source in sources]
+    return sum(sizes) if all(size > 0 for size in sizes) else 0
 
 
 def _check_type(header: Mapping[str, str], topic: Topic, type_: MessageType) -> str:

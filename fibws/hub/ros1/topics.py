@@ -7,7 +7,9 @@ node connects.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import asyncio
+from collections.abc import Mapping
+from itertools import count
 from typing import Any
 
 from fibws.errors import TcprosError
@@ -15,7 +17,7 @@ from fibws.hub.delivery.clock import Clock, Timer
 from fibws.hub.graph.graph import ROSBRIDGE, Graph
 from fibws.hub.graph.topic import Topic
 from fibws.hub.ros1.api import Answer
-from fibws.hub.ros1.connection import TcprosConnection
+from fibws.hub.ros1.connection import TcprosConnection, describe
 from fibws.hub.ros1.http import NodeCalls
 from fibws.hub.ros1.inlet import Inlet
 from fibws.hub.ros1.master import CLIENT
@@ -43,25 +45,23 @@ class TopicLinks:
         """By topic and publisher."""
         self._lingering: dict[str, Timer] = {}
         self._outlets: dict[str, Outlet] = {}
+        self._numbers = count(1)
+        """The ids of links, as for getBusInfo."""
 
     def outlet(self, topic: str) -> Outlet:
         """Return what takes the messages of a topic for all ROS 1 subscribers."""
         found = self._outlets.get(topic)
         if found is None:
-            external, most = self._nodes.by_name, self._settings.max_queued_bytes
-            found = self._outlets[topic] = Outlet(topic, self._graph, external, most)
+            most = self._settings.max_queued_bytes
+            found = Outlet(topic, self._graph, self._nodes, most, self._numbers)
+            self._outlets[topic] = found
         return found
 
     def changed(self, topic: Topic) -> None:
         """Open and close the links of a topic whose publishers or subscribers have changed."""
         self._remove_stale_inlets(topic.name)
-        if any(node not in self._nodes.by_name for node in topic.subscribers()):
-            self._stop_lingering(topic.name)
-            self._open_inlets(topic)
-        elif topic.name in self._inlets and topic.name not in self._lingering:
-            self._lingering[topic.name] = self._clock.call_later(
-                LINGER, lambda: self._close_inlets(topic.name)
-            )
+        if self._nodes.publishers(topic.name):
+            self._update_inlets(topic)
         self._open_goals(topic.name)
         outlet = self._outlets.get(topic.name)
         if outlet is not None:
@@ -82,7 +82,7 @@ class TopicLinks:
     def accept(self, header: Mapping[str, str], connection: TcprosConnection) -> OutletLink:
         """Connect a ROS 1 subscriber; raises `TcprosError`."""
         require(header, "topic", "md5sum", "callerid")
-        topic, caller = header["topic"], header["callerid"]
+        topic, caller = header["topic"], f"/{header['callerid'].lstrip('/')}"
         if not self._nodes.has_own_sources(topic) or not self._may_subscribe(topic):
             raise TcprosError(f"[{ROSBRIDGE}] is not a publisher of [{topic}]")
         subscriber = self._nodes.subscriber(caller, topic)
@@ -93,8 +93,17 @@ class TopicLinks:
     def bus_info(self) -> list[Any]:
         """Return all links, as getBusInfo does."""
         found = []
-        for number, (direction, other, topic, info) in enumerate(self._links()):
-            found.append([number, other, direction, "TCPROS", topic, True, info])
+        for name, outlet in self._outlets.items():
+            for link in outlet.links:
+                text = describe(link.connection.transport)
+                other = link.subscriber.node
+                found.append([link.number, other, "o", "TCPROS", name, True, text])
+        for name, inlets in self._inlets.items():
+            for inlet in inlets.values():
+                if inlet.connection is not None:
+                    text = inlet.connection.describe()
+                    api = inlet.publisher.node.api
+                    found.append([inlet.number, api, "i", "TCPROS", name, True, text])
         return found
 
     def bus_stats(self) -> list[Any]:
@@ -102,16 +111,16 @@ class TopicLinks:
         published: list[Any] = []
         for name, outlet in self._outlets.items():
             links = [
-                [number, link.bytes, link.messages, True]
-                for number, link in enumerate(outlet.links)
+                [link.number, link.bytes, link.messages - link.dropped, True]
+                for link in outlet.links
             ]
             published.append([name, sum(link.bytes for link in outlet.links), links])
         subscribed: list[Any] = [
             [
                 name,
                 [
-                    [number, each.connection.bytes, each.connection.messages, -1, True]
-                    for number, each in enumerate(inlets.values())
+                    [each.number, each.connection.bytes, each.connection.messages, -1, True]
+                    for each in inlets.values()
                     if each.connection is not None
                 ],
             ]
@@ -121,33 +130,36 @@ class TopicLinks:
 
     async def close(self) -> None:
         """Close all links."""
+        inlets = [inlet for inlets in self._inlets.values() for inlet in inlets.values()]
         for topic in list(self._inlets):
             self._stop_lingering(topic)
             self._close_inlets(topic)
+        await asyncio.gather(*(inlet.closed() for inlet in inlets))
         for outlet in self._outlets.values():
             for link in list(outlet.links):
                 link.close()
 
-    def _links(self) -> Iterator[tuple[str, str, str, str]]:
-        for name, outlet in self._outlets.items():
-            for link in outlet.links:
-                yield "o", link.subscriber.node, name, f"TCPROS connection to [{link.peer}]"
-        for name, inlets in self._inlets.items():
-            for inlet in inlets.values():
-                if inlet.connection is not None:
-                    api = inlet.publisher.node.api
-                    yield "i", api, name, f"TCPROS connection to [{api}]"
-
     def _may_subscribe(self, topic: str) -> bool:
         return self._graph.is_allowed(CLIENT, "subscribe", topic)
+
+    def _update_inlets(self, topic: Topic) -> None:
+        """Open links while a client subscribes, and close them some time after the last one."""
+        if any(node not in self._nodes.by_name for node in topic.subscribers()):
+            self._stop_lingering(topic.name)
+            self._open_inlets(topic)
+        elif topic.name in self._inlets and topic.name not in self._lingering:
+            self._lingering[topic.name] = self._clock.call_later(
+                LINGER, lambda: self._close_inlets(topic.name)
+            )
 
     def _open_inlets(self, topic: Topic) -> None:
         server = self._action_server(topic)
         for publisher in self._nodes.publishers(topic.name):
-            inlets = self._inlets.setdefault(topic.name, {})
-            inlet = inlets.get(publisher.node.name)
+            inlet = self._inlets.get(topic.name, {}).get(publisher.node.name)
             if inlet is None and publisher.is_relayed:
+                inlets = self._inlets.setdefault(topic.name, {})
                 inlets[publisher.node.name] = Inlet(
+                    next(self._numbers),
                     publisher,
                     self._calls,
                     lambda: self._caller(self._graph.topic(topic.name)),
@@ -184,14 +196,17 @@ class TopicLinks:
         return next((node for node in servers if node in topic.subscribers()), None)
 
     def _remove_stale_inlets(self, topic: str) -> None:
-        """Close the links to publishers that have left, or may not publish to the hub's clients."""
+        """Close the links that have ended, and those to publishers that may not send any more."""
+        if topic not in self._inlets:
+            return
         publishers = self._nodes.publishers(topic)
-        inlets = self._inlets.get(topic, {})
+        inlets = self._inlets[topic]
         for name, inlet in list(inlets.items()):
-            if inlet.publisher not in publishers or not inlet.publisher.is_relayed:
+            is_current = inlet.publisher in publishers and inlet.publisher.is_relayed
+            if inlet.has_ended or not is_current:
                 inlet.close()
                 del inlets[name]
-        if topic in self._inlets and not inlets:
+        if not inlets:
             del self._inlets[topic]
             self._stop_lingering(topic)
 
