@@ -24,6 +24,7 @@ from bench.metrics import metrics
 from bench.nodes import nodes
 from bench.page import page
 from bench.report import Report
+from bench.ros1_links import ros1_links
 from bench.rosapi import rosapi
 from bench.rospy import rospy
 from bench.servers import binary
@@ -50,6 +51,7 @@ SCENARIOS = {
     "subscriptions": subscriptions,
     "growth": growth,
     "rospy": rospy,
+    "ros1-links": ros1_links,
     "robots": robots.robots,
     "nodes": nodes,
     "stuck": stuck,

@@ -31,7 +31,7 @@ from fibws.hub.ros1.tcpros import (
 
 logger = logging.getLogger("fibws.hub")
 
-SCRATCH = 64 * 1024
+SCRATCH = 128 * 1024
 """Bytes of the buffer in which small messages arrive."""
 TURN = 0.001
 """Seconds for which the messages of one link are delivered before others have their turn."""
