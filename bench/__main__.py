@@ -24,7 +24,7 @@ from bench.metrics import metrics
 from bench.nodes import nodes
 from bench.page import page
 from bench.report import Report
-from bench.ros1_links import ros1_links
+from bench.ros1 import ros1
 from bench.rosapi import rosapi
 from bench.rospy import rospy
 from bench.servers import binary
@@ -51,7 +51,7 @@ SCENARIOS = {
     "subscriptions": subscriptions,
     "growth": growth,
     "rospy": rospy,
-    "ros1-links": ros1_links,
+    "ros1": ros1,
     "robots": robots.robots,
     "nodes": nodes,
     "stuck": stuck,

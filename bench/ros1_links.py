@@ -86,13 +86,16 @@ class Node:
         self._slave = SimpleXMLRPCServer(("127.0.0.1", 0), logRequests=False)
         self._listener = socket.create_server(("127.0.0.1", 0))
         self._listener.settimeout(TIMEOUT_SECONDS)
-        self._slave.register_function(lambda *_: [1, "", 1], "getPid")
-        self._slave.register_function(lambda *_: [1, "", 0], "publisherUpdate")
-        tcpros = ["TCPROS", *self._listener.getsockname()]
-        self._slave.register_function(lambda *_: [1, "", tcpros], "requestTopic")
+        self.answer("getPid", 1)
+        self.answer("publisherUpdate", 0)
+        self.answer("requestTopic", ["TCPROS", *self._listener.getsockname()])
         self._thread = threading.Thread(target=self._slave.serve_forever, args=(0.02,))
         self._thread.start()
         self.api = "http://{}:{}/".format(*self._slave.server_address[:2])
+
+    def answer(self, method: str, value: Any) -> None:
+        """Answer calls of a method with a value."""
+        self._slave.register_function(lambda *_: [1, "", value], method)
 
     def accept(self) -> socket.socket:
         """Accept a link from the hub."""
