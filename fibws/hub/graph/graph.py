@@ -38,7 +38,7 @@ from fibws.hub.graph.action import (
     cancel_service,
 )
 from fibws.hub.graph.clock import GraphClock
-from fibws.hub.graph.parameters import Parameters, canonical, names_in
+from fibws.hub.graph.parameters import Parameters, Prepared, canonical, names_in, prepare
 from fibws.hub.graph.policy import RIGHTS_OF, AllowAll, Kind, Policy
 from fibws.hub.graph.service import Call, Function, InternalServer, Service, ServiceServer
 from fibws.hub.graph.topic import (
@@ -759,15 +759,21 @@ class Graph:
             return self.parameters.text(name)
         return self.parameters.text(name, readable)
 
-    def set_parameter(self, node: str, name: str, value: Any) -> None:
+    def set_parameter(
+        self, node: str, name: str, value: Any, prepared: Prepared | None = None
+    ) -> None:
         """Set a parameter; raises `NotAllowed`, and as `Parameters.set`.
 
         The node must have the right for everything that it sets or replaces.
+
+        Args:
+            prepared: the value as `prepare` returns it, if that was called before.
         """
         name = canonical(name)
-        new = names_in(name, value) if isinstance(value, dict) else (name,)
-        self._check_writable(node, name, (*new, *self.parameters.replaced_by(name)))
-        self.parameters.set(name, value, node)
+        if not self.policy.allows_all:
+            new = names_in(name, value) if isinstance(value, dict) else (name,)
+            self._check_writable(node, name, (*new, *self.parameters.replaced_by(name)))
+        self.parameters.put(prepared or prepare(name, value), node)
 
     def delete_parameter(self, node: str, name: str) -> None:
         """Delete a parameter if there is one; raises `NotAllowed`, and as `Parameters.delete`."""

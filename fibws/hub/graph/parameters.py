@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Collection, Iterator, Set
 from datetime import datetime
-from typing import Any, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 from pydantic_core import from_json, to_json
 
@@ -35,6 +35,33 @@ ENTRY_OVERHEAD = 100
 """Bytes that each parameter and namespace counts for besides its name and its value."""
 
 Namespace: TypeAlias = dict[str, "Namespace | bytes"]
+
+
+class Prepared(NamedTuple):
+    """A parameter's new value, or a namespace's, as `Parameters` keeps it."""
+
+    path: list[str]
+    tree: Namespace | bytes
+    size: int
+    """The bytes that it counts for."""
+
+
+def prepare(name: str, value: object) -> Prepared:
+    """Return what `Parameters.put` takes; for large values, in any thread.
+
+    Args:
+        value: dicts, lists, strings, bools, numbers, bytes and dates; no None.
+
+    Raises:
+        InvalidName: the name, or that of a key in the value, is invalid.
+        ParameterError: a parameter cannot have this value.
+    """
+    path = _path(name)
+    if len(path) == 1 and not isinstance(value, dict):
+        raise ParameterError("/ is the namespace of all parameters: set it to an object")
+    _check_depth(name, len(path) - 2)  # That of the namespace it is in.
+    tree = _to_tree("/".join(path), value, len(path) - 1)
+    return Prepared(path, tree, _size("/".join(path), tree))
 
 
 class Parameters:
@@ -90,32 +117,34 @@ class Parameters:
         """Set a parameter, replacing a value or a namespace; a dict becomes a namespace.
 
         Args:
-            value: dicts, lists, strings, bools, numbers, bytes and dates; no None.
+            value: as for `prepare`.
             node: the node that sets it, for those who watch.
 
         Raises:
-            InvalidName: the name, or that of a key in the value, is invalid.
-            ParameterError: a parameter cannot have this value.
+            InvalidName, ParameterError: as for `prepare`.
             ParametersFull: all parameters together would exceed the limit.
         """
-        path = _path(name)
-        if len(path) == 1 and not isinstance(value, dict):
-            raise ParameterError("/ is the namespace of all parameters: set it to an object")
+        self.put(prepare(name, value), node)
+
+    def put(self, prepared: Prepared, node: str = "") -> None:
+        """Set a parameter to a value that is prepared; raises `ParametersFull`."""
+        path, new, added = prepared
         space, depth = self._above, 0
         while depth < len(path) - 1:
             below = space.get(path[depth])
             if not isinstance(below, dict):
                 break
             space, depth = below, depth + 1
-        for key in reversed(path[depth + 1 :]):
-            value = {key: value}
-        top, key = "/".join(path[: depth + 1]), path[depth]
-        new, old = _to_tree(top, value, depth), space.get(key)
-        needed = self._bytes + _size(top, new)
+        for above in range(len(path) - 1, depth, -1):
+            new = {path[above]: new}
+            added += _size("/".join(path[:above]), {})
+        key = path[depth]
+        old = space.get(key)
+        needed = self._bytes + added
         if old is not None:
-            needed -= _size(top, old)
+            needed -= _size("/".join(path[: depth + 1]), old)
         if needed > self.max_bytes:
-            raise ParametersFull(name, needed, self.max_bytes)
+            raise ParametersFull("/".join(path) or "/", needed, self.max_bytes)
         space[key] = new
         self._bytes = needed
         self._report("/".join(path) or "/", node)

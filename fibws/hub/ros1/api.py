@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Callable, Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import dataclass
 from time import perf_counter
 from typing import Any, TypeAlias
@@ -44,13 +44,13 @@ class Method:
         optional: how many of these may be missing.
     """
 
-    function: Callable[..., Answer]
+    function: Callable[..., Answer | Awaitable[Answer]]
     failed: object
     checks: Sequence[Check] = ()
     optional: int = 0
 
-    def call(self, name: str, params: Sequence[Any], caller: Caller) -> Answer:
-        """Check the arguments and call the function."""
+    def call(self, name: str, params: Sequence[Any], caller: Caller) -> Answer | Awaitable[Answer]:
+        """Check the arguments and call the function; a large call has an answer later."""
         if not params:
             return -1, "missing required caller_id parameter", self.failed
         caller_id, arguments = params[0], params[1:]
@@ -64,17 +64,27 @@ class Method:
             checked = [
                 check(each, caller_id) for check, each in zip(self.checks, arguments, strict=False)
             ]
-            return self.function(caller, caller_id, *checked)
-        except InvalidArgument as error:
-            return -1, str(error), self.failed
-        except FibwsError as error:
-            return -1, str(error), self.failed
+            answer = self.function(caller, caller_id, *checked)
         except Exception as error:
-            logger.exception("The ROS 1 method %s failed.", name)
-            return 0, f"Internal failure: {error}", self.failed
+            return self._failure(name, error)
+        return self._later(name, answer) if isinstance(answer, Awaitable) else answer
+
+    async def _later(self, name: str, answer: Awaitable[Answer]) -> Answer:
+        try:
+            return await answer
+        except Exception as error:
+            return self._failure(name, error)
+
+    def _failure(self, name: str, error: Exception) -> Answer:
+        if isinstance(error, (InvalidArgument, FibwsError)):
+            return -1, str(error), self.failed
+        logger.error("The ROS 1 method %s failed.", name, exc_info=error)
+        return 0, f"Internal failure: {error}", self.failed
 
 
-async def multicall(params: Sequence[Any], call: Callable[[str, list[Any]], Answer]) -> list[Any]:
+async def multicall(
+    params: Sequence[Any], call: Callable[[str, list[Any]], Answer | Awaitable[Answer]]
+) -> list[Any]:
     """Return the values of several calls, letting others have their turn meanwhile.
 
     A call that cannot be made has a struct with ``faultCode`` and ``faultString`` in its place
@@ -93,7 +103,8 @@ async def multicall(params: Sequence[Any], call: Callable[[str, list[Any]], Answ
                 results.append(_fault("Recursive system.multicall forbidden"))
             case {"methodName": str() as method, "params": list() as arguments}:
                 try:
-                    results.append([call(method, arguments)])
+                    answer = call(method, arguments)
+                    results.append([await answer if isinstance(answer, Awaitable) else answer])
                 except XmlRpcError as error:
                     results.append(_fault(str(error)))
             case _:

@@ -52,6 +52,8 @@ class Caller(NamedTuple):
     """The caller's IP address."""
     hub_host: str
     """The hub's address by which it reached the hub."""
+    size: int = 0
+    """The bytes of the call."""
 
 
 Answer: TypeAlias = Callable[[str, str, list[Any], Caller], object]
@@ -212,7 +214,8 @@ class XmlRpcConnection(asyncio.Protocol):
     def _call(self, request: _Request, parser: CallParser) -> object:
         """Make a call; return its value, or what is to be awaited for it."""
         method, params = parser.call()
-        return self._answer(request.path, method, params, self._caller)
+        caller = self._caller._replace(size=request.length)
+        return self._answer(request.path, method, params, caller)
 
     async def _serve_large(self, request: _Request) -> None:
         """Answer a call while its body arrives."""

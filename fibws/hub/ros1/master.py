@@ -6,10 +6,11 @@ where they leave something open, rosmaster's behaviour.
 
 from __future__ import annotations
 
+import asyncio
 import ipaddress
 import logging
 import os
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Awaitable, Callable, Collection, Iterable
 from typing import Any
 
 from pydantic_core import from_json
@@ -17,7 +18,7 @@ from pydantic_core import from_json
 from fibws.errors import ParameterNotSet
 from fibws.hub.audit import Audit
 from fibws.hub.graph.graph import Graph
-from fibws.hub.graph.parameters import native
+from fibws.hub.graph.parameters import Prepared, native, prepare
 from fibws.hub.ros1 import api
 from fibws.hub.ros1.api import Answer, Check, Method
 from fibws.hub.ros1.http import Caller, NodeCalls
@@ -30,6 +31,8 @@ CLIENT = "ros1"
 """Stands for all callers of the master at the policy: their names are not proven. It is no node's
 name, which begins with a slash."""
 MOST_PARAMETER_SUBSCRIPTIONS = 10_000
+LARGE = 32 * 1024
+"""Bytes from which on a parameter is read, or written, in a thread."""
 
 _topic, _service, _node = api.resolved("topic"), api.resolved("service"), api.resolved("node")
 _caller_api, _service_api = api.api("caller_api"), api.api("service_api")
@@ -248,22 +251,38 @@ class Master:
 
     # Parameters.
 
-    def set_param(self, caller: Caller, node: str, key: str, value: Any) -> Answer:
+    def set_param(
+        self, caller: Caller, node: str, key: str, value: Any
+    ) -> Answer | Awaitable[Answer]:
         """Set a parameter, or a namespace, which replaces the one that was there."""
+        if caller.size > LARGE:
+            return self._set_large(node, key, value)
+        return self._set(node, key, value)
+
+    async def _set_large(self, node: str, key: str, value: Any) -> Answer:
+        return self._set(node, key, value, await asyncio.to_thread(prepare, key, value))
+
+    def _set(self, node: str, key: str, value: Any, prepared: Prepared | None = None) -> Answer:
         self._setter = node
         try:
-            self._graph.set_parameter(CLIENT, key, value)
+            self._graph.set_parameter(CLIENT, key, value, prepared)
         finally:
             self._setter = ""
         self._audit.parameter_written(key, node=node)
         return 1, f"parameter {key} set", 0
 
-    def get_param(self, caller: Caller, node: str, key: str) -> Answer:
+    def get_param(self, caller: Caller, node: str, key: str) -> Answer | Awaitable[Answer]:
         """Return a parameter, or a namespace as a struct."""
         try:
-            return 1, f"Parameter [{key}]", self._parameter(key)
+            text = self._graph.get_parameter(CLIENT, key)
         except ParameterNotSet:
             return -1, f"Parameter [{key}] is not set", 0
+        if len(text) > LARGE:
+            return self._get_large(key, text)
+        return 1, f"Parameter [{key}]", _native(text)
+
+    async def _get_large(self, key: str, text: bytes) -> Answer:
+        return 1, f"Parameter [{key}]", await asyncio.to_thread(_native, text)
 
     def delete_param(self, caller: Caller, node: str, key: str) -> Answer:
         """Delete a parameter, or a namespace."""
@@ -313,7 +332,7 @@ class Master:
         return 1, f"Unsubscribe to parameter [{key}]", 1
 
     def _parameter(self, key: str) -> object:
-        return native(from_json(self._graph.get_parameter(CLIENT, key)))
+        return _native(self._graph.get_parameter(CLIENT, key))
 
     def _parameter_or_empty(self, key: str) -> object:
         try:
@@ -352,6 +371,10 @@ def is_loopback(host: str) -> bool:
         return False
     mapped = getattr(address, "ipv4_mapped", None)
     return (mapped or address).is_loopback
+
+
+def _native(text: bytes) -> object:
+    return native(from_json(text))
 
 
 def _namespace(key: str) -> str:

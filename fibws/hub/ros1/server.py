@@ -8,7 +8,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Awaitable, Callable, Sequence
 from ipaddress import ip_address
 from pathlib import Path
 from typing import Any, TypeAlias, cast
@@ -185,7 +185,7 @@ class Ros1Server:
         if host:
             caller = caller._replace(hub_host=host)
 
-        def call(method: str, arguments: Sequence[Any]) -> Answer:
+        def call(method: str, arguments: Sequence[Any]) -> Answer | Awaitable[Answer]:
             found = methods.get(method)
             if found is None:
                 raise XmlRpcError(f'method "{method}" is not supported')
