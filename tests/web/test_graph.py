@@ -107,9 +107,9 @@ async def test_edges_show_rates(hub: Hub, open_page: OpenPage) -> None:
 async def test_unreachable_ros1_node_and_its_conflict_are_flagged(open_page: OpenPage) -> None:
     async with Hub(Settings(port=0, ros1=0)) as hub, chain(hub, "talker", "/numbers", "listener"):
         assert hub.ros1 is not None
-        master = ServerProxy(hub.ros1.uri)
-        arguments = ("/camera", "/numbers", "sensor_msgs/Image", "http://127.0.0.1:9/")
-        await asyncio.to_thread(master.registerPublisher, *arguments)
+        with ServerProxy(hub.ros1.uri) as master:
+            arguments = ("/camera", "/numbers", "sensor_msgs/Image", "http://127.0.0.1:9/")
+            await asyncio.to_thread(master.registerPublisher, *arguments)
         page = await open_page(hub)
         camera = element(page, "node", "/camera")
         await expect(camera).to_contain_text("unreachable")
