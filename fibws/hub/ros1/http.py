@@ -429,7 +429,7 @@ class NodeCalls:
             async with self._room, asyncio.timeout(timeout):
                 return await _post(uri, write_call(method, params))
         except TimeoutError:
-            raise NodeUnreachable(uri, f"no answer within {timeout:g} s") from None
+            raise NodeUnreachable(uri, f"timed out after {timeout:g} s") from None
         except (OSError, UnicodeError) as error:
             raise NodeUnreachable(uri, _reason(error)) from None
         except (h11.RemoteProtocolError, ValueError) as error:
