@@ -29,10 +29,10 @@ class TopicServer(Protocol):
     ) -> Answer:
         """Return how a subscriber can connect."""
 
-    def bus_info(self) -> list[Any]:
-        """Return all connections, as getBusInfo does."""
+    def bus_info(self, node: str) -> list[Any]:
+        """Return the connections for a node, or all if it is empty, as getBusInfo does."""
 
-    def bus_stats(self) -> list[Any]:
+    def bus_stats(self, node: str) -> list[Any]:
         """Return their statistics, as getBusStats does."""
 
 
@@ -71,8 +71,10 @@ class Slave:
             "paramUpdate": Method(self._ignore, 0, (api.anything, api.anything)),
             "getPublications": Method(lambda caller, _: self._publications(node), []),
             "getSubscriptions": Method(lambda caller, _: self._subscriptions(node), []),
-            "getBusInfo": Method(lambda caller, _: (1, "bus info", self._topics.bus_info()), []),
-            "getBusStats": Method(lambda caller, _: (1, "", self._topics.bus_stats()), []),
+            "getBusInfo": Method(
+                lambda caller, _: (1, "bus info", self._topics.bus_info(node)), []
+            ),
+            "getBusStats": Method(lambda caller, _: (1, "", self._topics.bus_stats(node)), []),
             "getMasterUri": Method(self._master_uri, ""),
             "getName": Method(lambda caller, _: (1, "", node), ""),
             "getUri": Method(

@@ -8,7 +8,7 @@ node connects.
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from itertools import count
 from typing import Any
 
@@ -90,15 +90,15 @@ class TopicLinks:
             raise TcprosError(f"[{caller}] is not registered as a subscriber of [{topic}]")
         return self.outlet(topic).accept(header, subscriber, connection)
 
-    def bus_info(self) -> list[Any]:
-        """Return all links, as getBusInfo does."""
+    def bus_info(self, node: str) -> list[Any]:
+        """Return the links for a node of ours, or for all if it is empty, as getBusInfo does."""
         found = []
-        for name, outlet in self._outlets.items():
+        for name, outlet in self._published(node):
             for link in outlet.links:
                 text = describe(link.connection.transport)
                 other = link.subscriber.node
                 found.append([link.number, other, "o", "TCPROS", name, True, text])
-        for name, inlets in self._inlets.items():
+        for name, inlets in self._subscribed(node):
             for inlet in inlets.values():
                 if inlet.connection is not None:
                     text = inlet.connection.describe()
@@ -106,10 +106,10 @@ class TopicLinks:
                     found.append([inlet.number, api, "i", "TCPROS", name, True, text])
         return found
 
-    def bus_stats(self) -> list[Any]:
-        """Return the totals of all links, as getBusStats does."""
+    def bus_stats(self, node: str) -> list[Any]:
+        """Return the totals of the same links, as getBusStats does."""
         published: list[Any] = []
-        for name, outlet in self._outlets.items():
+        for name, outlet in self._published(node):
             links = [
                 [link.number, link.bytes, link.messages - link.dropped, True]
                 for link in outlet.links
@@ -124,9 +124,19 @@ class TopicLinks:
                     if each.connection is not None
                 ],
             ]
-            for name, inlets in self._inlets.items()
+            for name, inlets in self._subscribed(node)
         ]
         return [published, subscribed, []]
+
+    def _published(self, node: str) -> Iterator[tuple[str, Outlet]]:
+        for name, outlet in self._outlets.items():
+            if not node or node in self._graph.topic(name).sources:
+                yield name, outlet
+
+    def _subscribed(self, node: str) -> Iterator[tuple[str, dict[str, Inlet]]]:
+        for name, inlets in self._inlets.items():
+            if not node or node in self._graph.topic(name).subscribers():
+                yield name, inlets
 
     async def close(self) -> None:
         """Close all links."""

@@ -325,3 +325,29 @@ async def test_bus_info_is_what_rosnode_parses(start_peer: StartPeer, node: fibw
     assert text.endswith("]")
     [published, _, _] = await listener.call("getBusStats")
     assert published == [["/count", 4, [[number, 4, 1, True]]]]
+
+
+async def test_bus_info_of_a_client_lists_its_own_links_alone(
+    hub: Hub, start_peer: StartPeer, node: fibws.Node
+) -> None:
+    peer = await start_peer("/peer")
+    await peer.advertise("/in")
+    await peer.advertise("/other")
+    await node.advertise("/out", Int32)
+    async with fibws.Node("second", hub=hub.url) as second:
+        await second.advertise("/elsewhere", Int32)
+        messages = [node.subscribe("/in", Int32), second.subscribe("/other", Int32)]
+        for _ in messages:
+            (await peer.linked()).send(int32(1))
+        for each in messages:
+            await anext(each)
+        for topic in ("/out", "/elsewhere"):
+            await listening(peer, topic)
+        uri = f"{peer.master}node"
+        found = {
+            name: sorted(link[4] for link in await peer.call("getBusInfo", uri=f"{uri}{name}"))
+            for name in ("/client", "/second")
+        }
+        assert found == {"/client": ["/in", "/out"], "/second": ["/elsewhere", "/other"]}
+        published, subscribed, _ = await peer.call("getBusStats", uri=f"{uri}/second")
+        assert [each[0] for each in published + subscribed] == ["/elsewhere", "/other"]
