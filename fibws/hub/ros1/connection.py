@@ -133,8 +133,9 @@ class TcprosConnection(asyncio.Protocol):
     def connection_lost(self, error: Exception | None) -> None:
         """End."""
         self._timer.cancel()
-        if self._handler is not None:
-            self._handler.connection_lost()
+        handler, self._handler = self._handler, None
+        if handler is not None:
+            handler.connection_lost()
         self._closed(self)
 
     def answer(self, fields: Mapping[str, str]) -> None:

@@ -6,6 +6,7 @@ import asyncio
 import random
 import socket
 from collections.abc import Mapping
+from weakref import ref
 
 import pytest
 
@@ -146,6 +147,16 @@ def test_peer_that_does_not_read_cannot_keep_a_connection_open() -> None:
     assert not accepted.transport.is_aborted
     accepted.clock.advance(CLOSE_TIMEOUT)
     assert accepted.transport.is_aborted
+
+
+def test_connection_that_has_ended_is_freed_at_once() -> None:
+    accepted = Accepted()
+    accepted.connection.data_received(encode_header(HEADER))
+    handler = ref(accepted.acceptor)
+    accepted.connection.connection_lost(None)
+    assert accepted.acceptor.events == ["lost"]
+    del accepted.acceptor, accepted.connection._acceptors
+    assert handler() is None
 
 
 async def test_system_detects_a_peer_that_has_vanished() -> None:
