@@ -9,16 +9,16 @@ from __future__ import annotations
 import asyncio
 import logging
 import random
-from collections.abc import Callable, Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from time import perf_counter
 from typing import Any, cast
 
-from fibws.errors import FibwsError, InvalidMessage, NodeUnreachable, TcprosError
+from fibws.errors import FibwsError, InvalidMessage, NodeUnreachable, Ros1Error, TcprosError
 from fibws.hub.graph.topic import Source
 from fibws.hub.log_text import is_power_of_ten, printable
 from fibws.hub.ros1.connection import describe, detect_dead_peer
 from fibws.hub.ros1.http import NodeCalls
-from fibws.hub.ros1.nodes import Ros1Publisher
+from fibws.hub.ros1.nodes import Ros1Node, Ros1Publisher
 from fibws.hub.ros1.tcpros import (
     ANY,
     LENGTH,
@@ -56,6 +56,7 @@ class Inlet:
         caller: returns the name of the node that the link is for.
         learn: takes the type, the definition and the md5sum that the publisher tells, and returns
             its source; None ends the link.
+        ping: checks whether a node answers at all, and logs it for the node if not.
     """
 
     def __init__(
@@ -65,6 +66,7 @@ class Inlet:
         calls: NodeCalls,
         caller: Callable[[], str],
         learn: Callable[[Ros1Publisher, str, str | None, str], Source | None],
+        ping: Callable[[Ros1Node], Awaitable[None]],
         max_size: int,
     ) -> None:
         self.number = number
@@ -76,6 +78,7 @@ class Inlet:
         self._calls = calls
         self._name_caller = caller
         self._learn = learn
+        self._ping = ping
         self._max_size = max_size
         self._delay = FIRST_RETRY
         self._last_fault = ""
@@ -124,7 +127,7 @@ class Inlet:
                 if self._is_refused:
                     return
                 self._failures += 1
-                self._report(error)
+                await self._report(error)
             await asyncio.sleep(self._delay * random.uniform(0.8, 1.2))
             self._delay = min(2 * self._delay, LONGEST_RETRY)
 
@@ -188,10 +191,15 @@ class Inlet:
         source.topic.source_linked(self.publisher.node.name)
         return source
 
-    def _report(self, error: Exception) -> None:
+    async def _report(self, error: Exception) -> None:
         """Log why the link failed, once; a node that is ending is unreachable for a moment."""
-        if isinstance(error, (NodeUnreachable, OSError)) and self._failures < PATIENCE:
-            return
+        if isinstance(error, (NodeUnreachable, OSError)):
+            if self._failures < PATIENCE:
+                return
+            try:
+                await self._ping(self.publisher.node)
+            except Ros1Error:
+                return  # One line for the node is enough.
         fault = printable(str(error) or f"no answer within {CONNECT_TIMEOUT:g} s")
         if fault != self._last_fault:
             node, topic = self.publisher.node, self.publisher.topic

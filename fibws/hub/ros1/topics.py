@@ -174,6 +174,7 @@ class TopicLinks:
                     self._calls,
                     lambda: self._caller(self._graph.topic(topic.name)),
                     self._nodes.learn,
+                    self._nodes.ping,
                     self._settings.max_message_size,
                 )
             elif inlet is not None and server not in (None, inlet.caller):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import hashlib
 import random
+import socket
 import struct
 from collections.abc import Mapping
 from itertools import repeat
@@ -366,31 +367,60 @@ async def test_latched_message_is_forgotten_with_the_latching(
     assert source.recall() is None
 
 
+@pytest.fixture
+def failures(monkeypatch: pytest.MonkeyPatch) -> asyncio.Queue[int]:
+    """How often a link has failed in a row, after each failure."""
+    found: asyncio.Queue[int] = asyncio.Queue()
+    report = inlet.Inlet._report
+
+    async def recorded(self: inlet.Inlet, error: Exception) -> None:
+        await report(self, error)
+        found.put_nowait(self._failures)
+
+    monkeypatch.setattr(inlet.Inlet, "_report", recorded)
+    return found
+
+
 async def test_node_that_ends_is_not_logged_but_one_that_stays_away_is(
     start_peer: StartPeer,
     node: fibws.Node,
-    monkeypatch: pytest.MonkeyPatch,
+    failures: asyncio.Queue[int],
     caplog: pytest.LogCaptureFixture,
 ) -> None:
-    failures: asyncio.Queue[tuple[int, str]] = asyncio.Queue()
-    report = inlet.Inlet._report
-
-    def recorded(self: inlet.Inlet, error: Exception) -> None:
-        report(self, error)
-        failures.put_nowait((self._failures, caplog.text))
-
-    monkeypatch.setattr(inlet.Inlet, "_report", recorded)
     talker = await start_peer("/talker")
-    await talker.advertise("/count")
-    node.subscribe("/count", Int32)
-    link = await talker.linked()
-    link.close()
+    topics = ["/a", "/b", "/c"]
+    for topic in topics:
+        await talker.advertise(topic)
+        node.subscribe(topic, Int32)
+    for _ in topics:
+        (await talker.linked()).close()
     talker.die()
     async with asyncio.timeout(60):
-        for number in range(1, 6):
-            count, text = await failures.get()
-            assert count == number
-            assert text.count("no link") == (number >= inlet.PATIENCE)
+        while (count := await failures.get()) < inlet.PATIENCE:
+            assert "/talker" not in caplog.text
+        while count < 2 * inlet.PATIENCE:
+            count = await failures.get()
+    assert caplog.text.count("/talker is unreachable") == 1
+    assert "no link" not in caplog.text
+
+
+async def test_node_that_answers_but_takes_no_links_is_logged_for_each_topic(
+    start_peer: StartPeer,
+    node: fibws.Node,
+    failures: asyncio.Queue[int],
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as closed:
+        port = closed.getsockname()[1]
+    talker = await start_peer("/talker")
+    talker.answers["requestTopic"] = [1, "", ["TCPROS", "127.0.0.1", port]]
+    await talker.advertise("/count")
+    node.subscribe("/count", Int32)
+    async with asyncio.timeout(60):
+        while await failures.get() < 2 * inlet.PATIENCE:
+            pass
+    assert caplog.text.count("/talker: no link to its topic /count") == 1
+    assert "unreachable" not in caplog.text
 
 
 @pytest.mark.parametrize(
