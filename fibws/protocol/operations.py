@@ -51,6 +51,8 @@ class Advertise(Operation):
     type: str
     latch: bool = False
     queue_size: int = 100
+    """Most messages that wait for one ROS 1 node that reads too slowly; 0 or less for no limit.
+    Other subscribers set their own."""
     definition: str | None = None
     """The type's .msg text, for types that the hub does not have (an addition of fibws)."""
     headers: Headers | None = None
