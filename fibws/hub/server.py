@@ -343,6 +343,8 @@ class Hub:
         use_certificate = self._tls.read() if self._tls is not None else None
         if self._authentication is not None:
             self._authentication.reload()
+            if self.ros1 is not None:
+                self.ros1.set_principal(self._authentication.ros1)
             self._check_logins(self._authentication)
         if use_certificate is not None:
             use_certificate()

@@ -448,6 +448,31 @@ class Ros1Nodes:
 
     # Names.
 
+    def set_principal(self, principal: Principal) -> None:
+        """Give the nodes the rights of a principal instead of those that they had."""
+        self.principal = principal
+        graph = self._graph
+        for node in self.by_name.values():
+            graph.policy.enter(node.name, principal, is_chosen=False, is_taken=False)
+            for topic, publisher in node.publishers.items():
+                is_allowed = graph.is_allowed(node.name, "publish", topic)
+                if is_allowed is not (publisher.source is not None):
+                    self._detach_source(publisher)
+                    self._detach_conflict(topic, node.name, publishes=True)
+                    self._attach_publisher(publisher)
+            for topic, subscriber in node.subscribers.items():
+                is_allowed = graph.is_allowed(node.name, "subscribe", topic)
+                if is_allowed is not (subscriber in graph.topic(topic).sinks()):
+                    graph.unsubscribe(graph.topic(topic), subscriber)
+                    self._detach_conflict(topic, node.name, publishes=False)
+                    self._attach_subscriber(subscriber)
+            for service, uri in node.services.items():
+                if not graph.is_allowed(node.name, "provide", service):
+                    self.service_links.unregister(node, service)
+                self.service_links.register(node, service, uri)
+            for topic in (*node.publishers, *node.subscribers):
+                self._mark(topic)
+
     def replaced(self, node: Ros1Node) -> None:
         """Remove a node whose name another one has taken, and end its process."""
         self._drop(node)

@@ -91,6 +91,11 @@ class Ros1Server:
         if principal is not None:
             graph.policy.enter(CLIENT, principal, is_chosen=False, is_taken=False)
 
+    def set_principal(self, principal: Principal) -> None:
+        """Give ROS 1 nodes the rights of a principal."""
+        self._graph.policy.enter(CLIENT, principal, is_chosen=False, is_taken=False)
+        self.nodes.set_principal(principal)
+
     async def start(self) -> None:
         """Listen, and restore the nodes of an earlier hub; raises `HubError`."""
         loop = asyncio.get_running_loop()
