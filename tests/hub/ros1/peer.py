@@ -112,14 +112,18 @@ class Peer:
 
     async def __aexit__(self, *error: object) -> None:
         self.die()
+        for _ in range(5):  # Connections that are being accepted end, too.
+            await asyncio.sleep(0)
 
     async def listen(self, port: int = 0) -> None:
         """Answer calls and subscribers."""
+        self._is_dead = False
         self._server = await asyncio.start_server(self._serve, "127.0.0.1", port)
         self.port: int = self._server.sockets[0].getsockname()[1]
 
     def die(self) -> None:
         """End as after kill -9: without a word to anybody."""
+        self._is_dead = True
         self._server.close()
         for writer in self._writers:
             writer.transport.abort()
@@ -194,6 +198,9 @@ class Peer:
 
     async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         self._writers.add(writer)
+        if self._is_dead:
+            writer.transport.abort()
+            return
         try:
             start = await reader.readexactly(4)
             if start == b"POST":
@@ -201,7 +208,7 @@ class Peer:
             else:
                 await self._serve_topic(int.from_bytes(start, "little"), reader, writer)
         except (asyncio.IncompleteReadError, ConnectionError):
-            pass
+            writer.transport.abort()
 
     async def _serve_topic(
         self, size: int, reader: asyncio.StreamReader, writer: asyncio.StreamWriter
