@@ -11,8 +11,10 @@ import click
 
 from fibws.cli.common_options import SETTINGS, examples
 from fibws.cli.exit_handling import clean_exit
+from fibws.client.hub_pages import master_variables
 from fibws.command_names import command_name
 from fibws.errors import FibwsError
+from fibws.hub_address import hub_url
 from fibws.processes import command_line, exec_command
 
 if TYPE_CHECKING:
@@ -72,7 +74,9 @@ def command(workspace: Path | None, prefix: str | None, words: tuple[str, ...]) 
             put_on_paths(workspace)
         if not words:
             raise click.UsageError("Missing arguments: PACKAGE PROGRAM, or the path of a script.")
-        exec_command([*_prefix(prefix or ""), *_command_line(words, workspace)])
+        command_words = [*_prefix(prefix or ""), *_command_line(words, workspace)]
+        os.environ.update(master_variables(hub_url(), os.environ))
+        exec_command(command_words)
 
 
 def _prefix(text: str) -> list[str]:

@@ -7,10 +7,10 @@ import os
 import time
 from collections.abc import Iterator
 from typing import Any
-from urllib.parse import urlsplit
 
 from fibws import __version__, hub_address, tls
 from fibws.cli.doctor.finding import Finding, ok, warning, wrong
+from fibws.client import hub_pages
 from fibws.client.hub_client import HubClient
 from fibws.command_names import command_name
 from fibws.errors import (
@@ -26,8 +26,6 @@ from fibws.errors import (
 )
 
 TOKENS = "How to create tokens: fibws token --help"
-PATIENCE = 3.0
-"""Seconds to wait for the response of an HTTP request."""
 ROUND_TRIPS = 5
 SLOW_ROUND_TRIP = 0.1
 """Seconds of a round trip that a person notices."""
@@ -90,7 +88,7 @@ def token(client: HubClient) -> Iterator[Finding]:
     Nothing is said about a hub that does not answer this question.
     """
     try:
-        _, _, body = _get_from_hub(client.url, "login")
+        _, _, body = hub_pages.get(client.url, "login")
         wants = json.loads(body)["required"]
     except (OSError, ValueError, KeyError, TypeError):
         return
@@ -116,7 +114,7 @@ def _source(hub: str | None) -> str:
 def http_server(url: str) -> str:
     """Describe the HTTP server at an address."""
     try:
-        status, headers, _ = _get(url, "")
+        status, headers, _ = hub_pages.get(url, "")
     except (OSError, ValueError):
         return "It does not answer HTTP requests either"
     server = headers.get("server", "")
@@ -126,7 +124,7 @@ def http_server(url: str) -> str:
 def version(url: str) -> Finding:
     """Compare the hub's version with this one."""
     try:
-        status, _, body = _get_from_hub(url, "healthz")
+        status, _, body = hub_pages.get(url, "healthz")
     except (OSError, ValueError) as error:
         return warning(
             "version",
@@ -164,12 +162,7 @@ def master(client: HubClient) -> tuple[str, int | None]:
     run_id = json.loads(
         client.call("/rosapi/get_param", {"name": "/run_id", "default": '""'})["value"]
     )
-    try:
-        _, _, body = _get_from_hub(client.url, "healthz")
-        port = json.loads(body).get("ros1_port")
-    except (OSError, ValueError, AttributeError):
-        port = None
-    return str(run_id), port if isinstance(port, int) else None
+    return str(run_id), hub_pages.ros1_port(client.url)
 
 
 def round_trip(client: HubClient) -> Iterator[Finding]:
@@ -206,34 +199,6 @@ def clock(ahead: float, error: float) -> Finding:
     return warning(
         "clock", text, "Synchronize both clocks with NTP; otherwise stamps cannot be compared."
     )
-
-
-def _get_from_hub(url: str, path: str) -> tuple[int, dict[str, str], bytes]:
-    found = _get(url, path)
-    if found[0] == 403:  # The hub may not accept this name of its machine.
-        return _get(url, path, host="localhost")
-    return found
-
-
-def _get(url: str, path: str, host: str | None = None) -> tuple[int, dict[str, str], bytes]:
-    from http.client import HTTPConnection, HTTPException, HTTPSConnection
-
-    parts = urlsplit(hub_address.page_url(url, path))
-    connection = HTTPConnection(parts.hostname or "", parts.port, timeout=PATIENCE)
-    if parts.scheme == "https":
-        context = tls.TlsFiles.choose().context(url)
-        connection = HTTPSConnection(
-            parts.hostname or "", parts.port, timeout=PATIENCE, context=context
-        )
-    try:
-        connection.request("GET", parts.path, headers={} if host is None else {"Host": host})
-        response = connection.getresponse()
-        headers = {name.lower(): value for name, value in response.getheaders()}
-        return response.status, headers, response.read(65536)
-    except HTTPException as error:
-        raise ValueError(str(error) or type(error).__name__) from None
-    finally:
-        connection.close()
 
 
 def _first_line(body: bytes) -> str:

@@ -20,6 +20,7 @@ import click
 from fibws.cli import output
 from fibws.cli.exit_handling import end_line
 from fibws.client.hub_client import HubClient, is_hub_running
+from fibws.client.hub_pages import master_variables
 from fibws.client.parameters import Parameters
 from fibws.errors import HubUnreachable, LaunchError, NoHub, ParameterNotSet, ServiceError
 from fibws.hub_address import DEFAULT_PORT, ENVIRONMENT, LOOPBACK
@@ -90,6 +91,8 @@ class Run:
         self._packages = packages
         self._url = url
         self._options = options
+        self._environment = dict(os.environ)
+        """The variables of the nodes, before those of their own."""
         self._rosbridges = list(rosbridges(launch, packages))
         self._write_error: OSError | None = None
         folder = log_folder(os.environ) / f"{time.strftime('%Y-%m-%d_%H-%M-%S')}-{os.getpid()}"
@@ -188,6 +191,8 @@ class Run:
         """Set the parameters."""
         self._warn_of_rosbridge()
         self._screen.info(f"FIBWS_HUB={self._url}", bold=True)
+        found = await self._in_thread(lambda: master_variables(self._url, os.environ))
+        self._environment.update(found or {})
         self._screen.info("")
         loop = asyncio.get_running_loop()
 
@@ -251,7 +256,7 @@ class Run:
             if self._runner.is_stopping:
                 return
             try:
-                command = node_command(node, self._packages, self._url, os.environ)
+                command = node_command(node, self._packages, self._url, self._environment)
             except LaunchError as error:
                 self._screen.error(
                     f"ERROR: cannot launch node of type [{node.package}/{node.type}]: {error}"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import os
 import shlex
 import time
 from collections.abc import Callable
@@ -143,7 +142,7 @@ class _TestRun(Run):
         options = ["--gtest_output=xml:" + shlex.quote(str(self._file))]
         options += ["--text"] if self._text else []
         test = replace(self._test, args=" ".join([self._test.args, *options]))
-        command = node_command(test, self._packages, self._url, os.environ)
+        command = node_command(test, self._packages, self._url, self._environment)
         name = test.resolved.lstrip("/")
 
         def on_line(line: str, is_error: bool) -> None:

@@ -31,6 +31,11 @@ PATH = "ROS_PACKAGE_PATH"
 PREFIXES = "CMAKE_PREFIX_PATH"
 """The variable that lists the folders that catkin_make has written: devel/ of each workspace."""
 
+_DISTRIBUTIONS = Path("/opt/ros")
+"""The folder of the installed distributions of ROS, such as ``noetic``."""
+_DEBIAN = Path("/usr")
+"""Where Debian's own packages of ROS have their programs."""
+
 _FIBWS = Path(__file__).parents[2]
 _MODULES = _FIBWS / "ros1" / "python"
 SHARE = _FIBWS / "ros1" / "launch" / "share"
@@ -74,14 +79,22 @@ class Packages:
         roots: folders with packages; the first of two packages of one name counts.
         prefixes: folders with programs as ``lib/<package>/<program>``, which are searched first.
         here: the current folder, for suggestions in errors.
+        installed: folders of an installed ROS, with packages as ``share/<package>`` and programs
+            as in ``prefixes``; these come last.
     """
 
     def __init__(
-        self, roots: Sequence[Path], prefixes: Sequence[Path] = (), here: Path | None = None
+        self,
+        roots: Sequence[Path],
+        prefixes: Sequence[Path] = (),
+        here: Path | None = None,
+        *,
+        installed: Sequence[Path] = (),
     ) -> None:
         self._roots = list(roots)
         self._prefixes = list(prefixes)
         self._here = here
+        self._installed = list(installed)
 
     @classmethod
     def from_environment(
@@ -103,7 +116,9 @@ class Packages:
                 raise WorkspaceError(f"{workspace} is not a workspace: it has no src/")
             roots.insert(0, workspace.resolve() / SOURCE)
             prefixes.insert(0, workspace.resolve() / DEVEL)
-        return cls(roots, prefixes, workspace or Path.cwd())
+        distributions = sorted(_DISTRIBUTIONS.glob("*"))
+        installed = [*_prefixes_of(roots), *distributions, _DEBIAN]
+        return cls(roots, prefixes, workspace or Path.cwd(), installed=installed)
 
     def __iter__(self) -> Iterator[Package]:
         """Yield the packages, sorted by name."""
@@ -135,7 +150,7 @@ class Packages:
         """Return the program of a package, as rosrun finds it.
 
         It is in ``devel/lib/<package>``, where catkin_make puts programs, or else it is an
-        executable file in the package's folder.
+        executable file in the package's folder, or a program of an installed ROS.
 
         Args:
             package: the package's name.
@@ -145,15 +160,28 @@ class Packages:
             PackageNotFound: there is no such package; the text suggests what to do.
             ExecutableNotFound: there is no such program, it is not executable, or there are two.
         """
-        if package not in self._found:
+        owner = self._found.get(package)
+        found = [] if owner is None else self._programs(owner, name)
+        if not found and (installed := self.installed(package, name)) is not None:
+            return installed
+        if owner is None:
             raise PackageNotFound(package, suggestion_for_package(package, name, self, self._here))
-        owner = self._found[package]
-        found = self._programs(owner, name)
         if not found:
             raise ExecutableNotFound(package, name, suggestion_for_program(owner, name, self))
         if len(found) > 1:
             raise ExecutableNotFound(package, name, suggestion_for_several(owner, found))
         return found[0]
+
+    def installed(self, package: str, name: str) -> Path | None:
+        """Return a program of an installed ROS; None if it is not there."""
+        if not package.isidentifier():
+            return None
+        places = (
+            prefix / "lib" / package / name
+            for prefix in self._installed
+            if (prefix / "share" / package).is_dir()
+        )
+        return next((path for path in places if is_executable(path)), None)
 
     def having(self, program: str) -> list[Package]:
         """Return the packages that have a program of that name, executable or not."""
@@ -215,12 +243,18 @@ def _paths(environment: Mapping[str, str], variable: str) -> list[Path]:
     return [Path(each) for each in environment.get(variable, "").split(os.pathsep) if each]
 
 
+def _prefixes_of(roots: Sequence[Path]) -> list[Path]:
+    """Return the folders of an installed ROS whose packages are listed as ``<folder>/share``."""
+    return [root.parent for root in roots if root.name == "share"]
+
+
 def rosrun_command(
     packages: Packages, package: str, program: str, arguments: Sequence[str]
 ) -> tuple[list[str], Path]:
     """Return what rosrun starts for a program, and the folder that the program is in.
 
-    Some programs of ROS, as rqt_graph, are replaced by programs of fibws.
+    Some programs of ROS, as rqt_graph, are replaced by programs of fibws. Others, as RViz, which
+    has no substitute, are started if they are installed.
 
     Args:
         packages: the known packages; those outside fibws come first.
@@ -233,7 +267,12 @@ def rosrun_command(
         OSError: the program's file cannot be read.
     """
     if not packages.has_own(package):
-        found = ros_programs.command_line(package, program, arguments)
+        try:
+            found = ros_programs.command_line(package, program, arguments)
+        except WorkspaceError:
+            if packages.installed(package, program) is None:
+                raise
+            found = None
         if found is not None:
             return found, Path.cwd()
     executable = packages.executable(package, program)

@@ -102,7 +102,7 @@ def test_other_http_server_is_described(serve: Serve) -> None:
 
 def test_server_without_http_is_described(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("fibws.client.websocket.PATIENCE", 0.2)
-    monkeypatch.setattr(doctor, "PATIENCE", 0.2)
+    monkeypatch.setattr("fibws.client.hub_pages.PATIENCE", 0.2)
     with socket.create_server(("127.0.0.1", 0)) as silent:
         finding = failure(f"ws://127.0.0.1:{silent.getsockname()[1]}")
     assert "0.2 s" in finding.text and "HTTP" in finding.text

@@ -126,3 +126,40 @@ def test_rosrun_reports_programs_that_do_not_exist() -> None:
         rosrun_command(Packages([]), "turtlesim", "turtlesim_node", [])
     with pytest.raises(PackageNotFound, match="'qwertz' not found"):
         rosrun_command(Packages([]), "qwertz", "x", [])
+
+
+def install(prefix: Path, package: str, program: str) -> Path:
+    """Install a program as an installed ROS has it."""
+    path = prefix / "lib" / package / program
+    path.parent.mkdir(parents=True)
+    path.write_text("#!/bin/sh\n")
+    path.chmod(0o755)
+    (prefix / "share" / package).mkdir(parents=True)
+    return path
+
+
+def test_programs_of_an_installed_ros_are_found(layout: Layout, tmp_path: Path) -> None:
+    relay = install(tmp_path / "ros", "topic_tools", "relay")
+    folder = layout.package("fibonacci", programs={"src/node": PROGRAM})
+    install(tmp_path / "ros", "fibonacci", "node")
+    packages = Packages([layout.source], installed=[tmp_path / "none", tmp_path / "ros"])
+    assert packages.executable("topic_tools", "relay") == relay
+    assert packages.executable("fibonacci", "node") == folder / "src" / "node"
+    with pytest.raises(PackageNotFound):
+        packages.executable("topic_tools", "mux")
+
+
+def test_prefix_of_an_installed_package_path_is_searched(tmp_path: Path) -> None:
+    relay = install(tmp_path / "ros", "topic_tools", "relay")
+    environment = {"ROS_PACKAGE_PATH": str(tmp_path / "ros" / "share")}
+    packages = Packages.from_environment(environment=environment)
+    assert packages.executable("topic_tools", "relay") == relay
+
+
+def test_installed_program_is_started_if_fibws_has_no_substitute(tmp_path: Path) -> None:
+    rviz = install(tmp_path / "ros", "rviz", "rviz")
+    packages = Packages([], installed=[tmp_path / "ros"])
+    line, folder = rosrun_command(packages, "rviz", "rviz", ["-d", "my.rviz"])
+    assert (line, folder) == ([str(rviz), "-d", "my.rviz"], rviz.parent)
+    with pytest.raises(WorkspaceError, match="opens a window"):
+        rosrun_command(Packages([]), "rviz", "rviz", [])
