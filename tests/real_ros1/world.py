@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import asyncio
+import json
 import os
 import re
 import sys
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
 from typing import Self
@@ -140,6 +141,18 @@ class World:
         self.url, port, self.master, master_port = found.groups()
         self._ports = (port, master_port)
 
+    async def saved(self, nodes: set[str]) -> None:
+        """Wait until the hub has written these nodes, and no others, to its state file."""
+        file = self.folder / "state.json"
+
+        async def are_saved() -> bool:
+            return (
+                file.exists()
+                and {each["name"] for each in json.loads(file.read_bytes())["nodes"]} == nodes
+            )
+
+        await until(are_saved)
+
     async def program(self, *command: str, **environment: str) -> Program:
         """Start a program in the environment of an installed ROS."""
         name = Path(command[0]).name
@@ -187,6 +200,15 @@ class World:
         """Kill all programs that still run."""
         for program in self._programs:
             program.kill()
+
+
+async def until(holds: Callable[[], Awaitable[bool]]) -> None:
+    """Wait until something holds that another process does, and does not report."""
+    async with asyncio.timeout(PATIENCE):
+        while True:
+            if await holds():
+                return
+            await asyncio.sleep(0.02)
 
 
 def _coverage() -> dict[str, str]:
