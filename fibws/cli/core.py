@@ -62,11 +62,11 @@ def command(
             click.echo(f"In the other terminals, type: export {hub_address.ENVIRONMENT}={url}")
         words = [sys.executable, "-P", "-m", "fibws.hub", "--port", str(port)]
         if ros1 and "FIBWS_ROS1" not in os.environ:
-            words += _ros1_words()
+            words += ros1_words()
         exec_command(words)
 
 
-def _ros1_words() -> list[str]:
+def ros1_words() -> list[str]:
     """Return the hub's arguments for ROS 1, or none, saying why, if the port is not free."""
     port = MASTER_PORT
     try:

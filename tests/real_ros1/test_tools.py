@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import re
 import signal
+import socket
 from collections.abc import AsyncIterator
 
 import pytest
@@ -157,6 +158,23 @@ async def test_fibws_starts_installed_programs(
     program = await ros.our(command, "-m", "fibws", *words)
     message = await client.wait_for_message("/again", std_msgs.String, timeout=60)
     assert message.data == "hello"
+    program.process.send_signal(signal.SIGINT)
+    await program.ended()
+
+
+async def test_launch_starts_a_master_for_installed_programs(ros: World) -> None:
+    file = ros.folder / "relay.launch"
+    file.write_text(OUR_LAUNCH)
+    with socket.create_server(("127.0.0.1", 0)) as free, socket.create_server(("", 0)) as other:
+        master = f"http://127.0.0.1:{free.getsockname()[1]}"
+        hub = f"ws://127.0.0.1:{other.getsockname()[1]}"
+    words = ["-m", "fibws", "launch", "--hub", hub, str(file)]
+    program = await ros.our("launch", *words, ROS_MASTER_URI=master)
+    page = await program.found(r"FIBWS_HUB=(ws:\S+\d)")
+    async with fibws.Node("client", hub=page[1]) as node:
+        publisher = await node.advertise("/chatter", std_msgs.String, latch=True)
+        await publisher.publish(std_msgs.String("hello"))
+        assert (await node.wait_for_message("/again", std_msgs.String, timeout=30)).data == "hello"
     program.process.send_signal(signal.SIGINT)
     await program.ended()
 

@@ -18,6 +18,7 @@ from urllib.parse import urlsplit
 import click
 
 from fibws.cli import output
+from fibws.cli.core import ros1_words
 from fibws.cli.exit_handling import end_line
 from fibws.client.hub_client import HubClient, is_hub_running
 from fibws.client.hub_pages import master_variables
@@ -150,7 +151,10 @@ class Run:
             raise NoHub(self._url, "nothing answers")
         self._screen.info("auto-starting new hub")
         port = 80 if where.port is None else where.port
-        self._url = await self._runner.start_hub(where.hostname, port)
+        nodes = self._launch.nodes.values()
+        is_master = any(self._packages.installed(node.package, node.type) for node in nodes)
+        options = ros1_words() if is_master else []
+        self._url = await self._runner.start_hub(where.hostname, port, options)
         self._screen.info(f"its page: {self._url.replace('ws:', 'http:')}/")
         if self._options.has_default_url and urlsplit(self._url).port != DEFAULT_PORT:
             self._screen.info(f"In the other terminals, type: export {ENVIRONMENT}={self._url}")

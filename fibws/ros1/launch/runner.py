@@ -6,7 +6,7 @@ import asyncio
 import os
 import signal
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -116,12 +116,13 @@ class Runner:
             with suppress(NotImplementedError, AttributeError):
                 asyncio.get_running_loop().add_signal_handler(getattr(signal, name), stop)
 
-    async def start_hub(self, host: str, port: int) -> str:
+    async def start_hub(self, host: str, port: int, options: Sequence[str] = ()) -> str:
         """Start a hub, and wait until nodes can connect to it.
 
         Args:
             host: the address to listen on.
             port: its port; 0 for a free one.
+            options: further options of the hub.
 
         Returns:
             Its URL.
@@ -142,7 +143,7 @@ class Runner:
             url_file = Path(temporary) / "url"
             command = [
                 *(sys.executable, "-P", "-m", "fibws.hub", "--host", host, "--port", str(port)),
-                *("--url-file", str(url_file)),
+                *("--url-file", str(url_file), *options),
             ]
             environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
             process = Process("hub", NodeCommand(command, environment, Path.cwd()), on_line)
