@@ -15,6 +15,7 @@ import os
 from collections.abc import Callable, Coroutine, Iterable, Mapping
 from contextlib import suppress
 from socket import gethostname
+from time import perf_counter
 from typing import Any, NamedTuple, Protocol
 from urllib.parse import urlsplit
 
@@ -43,6 +44,8 @@ ANY = "*"
 """The type of a subscriber that takes every message."""
 CHECK_INTERVAL = 10.0
 """Seconds between two checks of a node that is reachable."""
+TURN = 0.001
+"""Seconds for which topics are updated before others have their turn."""
 CHECKS_AT_ONCE = 10
 """Nodes that are checked in a second at most."""
 
@@ -255,7 +258,8 @@ class Ros1Nodes:
         self._types_in_conflict: dict[str, MessageType | None] = {}
         """By topic: the type that it had when nodes conflicted with it."""
         self._dirty: dict[str, None] = {}
-        """The topics whose publishers or subscribers have changed since the last turn."""
+        """The topics whose publishers or subscribers have changed since they were updated."""
+        self._is_update_due = False
         self._tasks: set[asyncio.Task[None]] = set()
         self._is_closed = False
         graph.watch_topics(lambda topic: self._mark(topic.name))
@@ -749,30 +753,44 @@ class Ros1Nodes:
         if self._is_closed:
             return
         self._graph.revision += 1
-        if not self._dirty:
-            asyncio.get_running_loop().call_soon(self._update)
         self._dirty[topic] = None
+        if not self._is_update_due:
+            self._is_update_due = True
+            asyncio.get_running_loop().call_soon(self._update)
 
     def _update(self) -> None:
+        """Update the topics that have changed, for as long as a turn lasts."""
+        until = perf_counter() + TURN
+        try:
+            for _ in range(len(self._dirty)):
+                if self._is_closed:
+                    return
+                name = next(iter(self._dirty))
+                del self._dirty[name]
+                self._update_topic(name)
+                if perf_counter() > until:
+                    return
+        finally:
+            self._is_update_due = bool(self._dirty) and not self._is_closed
+            if self._is_update_due:
+                asyncio.get_running_loop().call_soon(self._update)
+
+    def _update_topic(self, name: str) -> None:
         """Bring links up to date, and send subscribers the publishers that have changed."""
-        dirty, self._dirty = self._dirty, {}
-        if self._is_closed:
-            return
-        for name in dirty:
-            topic = self._graph.topic(name)
-            if topic.conflicts:
-                self._retry(topic)
-            else:
-                self._types_in_conflict.pop(name, None)
-            # An action's status may have no ROS 1 node, and decide who its goals are for.
-            self.links.changed(self._graph.topic(name))
-            for subscriber in self.subscribers(name):
-                apis = self.publisher_apis(name, subscriber.owner.hub_host)
-                if subscriber.sent != apis:
-                    subscriber.sent = apis
-                    self._calls.notify(
-                        subscriber.owner.api, name, "publisherUpdate", MASTER, name, apis
-                    )
+        topic = self._graph.topic(name)
+        if topic.conflicts:
+            self._retry(topic)
+        else:
+            self._types_in_conflict.pop(name, None)
+        # An action's status may have no ROS 1 node, and decide who its goals are for.
+        self.links.changed(self._graph.topic(name))
+        for subscriber in self.subscribers(name):
+            apis = self.publisher_apis(name, subscriber.owner.hub_host)
+            if subscriber.sent != apis:
+                subscriber.sent = apis
+                self._calls.notify(
+                    subscriber.owner.api, name, "publisherUpdate", MASTER, name, apis
+                )
 
     def _retry(self, topic: Topic) -> None:
         """Attach the registrations that conflicted with a topic's type, if it has another now."""

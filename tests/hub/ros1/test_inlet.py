@@ -545,3 +545,27 @@ async def test_publisher_that_has_unregistered_gets_no_source(
     learned = hub.ros1.nodes.learn(publisher, INT32["type"], None, INT32["md5sum"])
     assert learned is None
     assert "/count" not in hub.graph.topics
+
+
+async def test_changes_of_many_topics_leave_others_their_turn(
+    hub: Hub, start_peer: StartPeer, node: fibws.Node, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert hub.ros1 is not None
+    nodes, turns = hub.ros1.nodes, []
+    update = nodes._update
+
+    def counted() -> None:
+        turns.append(len(nodes._dirty))
+        update()
+
+    talker, listener = await start_peer("/talker"), await start_peer("/listener")
+    topics = [f"/t{number}" for number in range(20)]
+    for topic in topics:
+        await talker.advertise(topic)
+        await listener.subscribe(topic)
+    monkeypatch.setattr("fibws.hub.ros1.nodes.TURN", 0.0)
+    monkeypatch.setattr(nodes, "_update", counted)
+    nodes.remove(nodes.by_name["/talker"])
+    updates = [await listener.called("publisherUpdate") for _ in topics]
+    assert sorted(updates) == sorted([topic, []] for topic in topics)
+    assert turns[:20] == list(range(20, 0, -1))
