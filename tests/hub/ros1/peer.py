@@ -105,6 +105,7 @@ class Peer:
         self.links: asyncio.Queue[Link] = asyncio.Queue()
         self._server: asyncio.Server
         self._writers: set[asyncio.StreamWriter] = set()
+        self._is_dead = False
 
     async def __aenter__(self) -> Self:
         await self.listen()
@@ -197,6 +198,9 @@ class Peer:
     # As a server.
 
     async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        if self._is_dead:  # It was accepted while this ended.
+            writer.transport.abort()
+            return
         self._writers.add(writer)
         if self._is_dead:
             writer.transport.abort()
