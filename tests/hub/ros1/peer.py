@@ -202,9 +202,6 @@ class Peer:
             writer.transport.abort()
             return
         self._writers.add(writer)
-        if self._is_dead:
-            writer.transport.abort()
-            return
         try:
             start = await reader.readexactly(4)
             if start == b"POST":

@@ -393,7 +393,7 @@ async def test_node_that_ends_is_not_logged_but_one_that_stays_away_is(
         await talker.advertise(topic)
         node.subscribe(topic, Int32)
     for _ in topics:
-        (await talker.linked()).close()
+        await talker.linked()
     talker.die()
     async with asyncio.timeout(60):
         while (count := await failures.get()) < inlet.PATIENCE:
