@@ -89,7 +89,7 @@ BELOW_IN_HUB = {
         "hub.rosbridge",
     }
     | {"hub.settings", "hub.log_text", "hub.websocket.endpoint"},
-    "ros1": {"errors", "names", "access.rights", "interfaces", "hub.graph", "hub.ros1"}
+    "ros1": {"errors", "files", "names", "access.rights", "interfaces", "hub.graph", "hub.ros1"}
     | {"hub.audit", "hub.delivery.clock", "hub.log_text", "hub.settings"},
     "rosapi": {"errors", "names", "protocol", "interfaces", "access.rights", "hub.graph"}
     | {"hub.delivery", "hub.rosapi", "hub.log_text", "hub.audit"},

@@ -17,6 +17,7 @@ from typing import Any, TypeAlias
 from fibws import names
 from fibws.errors import FibwsError, InvalidName, XmlRpcError
 from fibws.hub.ros1.http import TURN, Caller
+from fibws.hub.ros1.xmlrpc import Written, write_value
 
 logger = logging.getLogger("fibws.hub")
 
@@ -83,32 +84,41 @@ class Method:
 
 
 async def multicall(
-    params: Sequence[Any], call: Callable[[str, list[Any]], Answer | Awaitable[Answer]]
-) -> list[Any]:
+    params: Sequence[Any],
+    call: Callable[[str, list[Any]], Answer | Awaitable[Answer]],
+    most: int,
+) -> list[Written]:
     """Return the values of several calls, letting others have their turn meanwhile.
 
     A call that cannot be made has a struct with ``faultCode`` and ``faultString`` in its place
     (https://mirrors.talideon.com/articles/multicall.html).
 
+    Args:
+        most: characters of all values together.
+
     Raises:
-        XmlRpcError: the parameter is not a list of calls.
+        XmlRpcError: the parameter is not a list of calls, or the values are too large.
     """
     if len(params) != 1 or not isinstance(params[0], list) or len(params[0]) > MOST_CALLS:
         raise XmlRpcError(f"system.multicall: expected one list of at most {MOST_CALLS} calls")
-    results: list[Any] = []
+    results: list[Written] = []
     until = perf_counter() + TURN
     for each in params[0]:
         match each:
             case {"methodName": "system.multicall"}:
-                results.append(_fault("Recursive system.multicall forbidden"))
+                result: object = _fault("Recursive system.multicall forbidden")
             case {"methodName": str() as method, "params": list() as arguments}:
                 try:
                     answer = call(method, arguments)
-                    results.append([await answer if isinstance(answer, Awaitable) else answer])
+                    result = [await answer if isinstance(answer, Awaitable) else answer]
                 except XmlRpcError as error:
-                    results.append(_fault(str(error)))
+                    result = _fault(str(error))
             case _:
-                results.append(_fault("expected a struct with methodName and params"))
+                result = _fault("expected a struct with methodName and params")
+        results.append(Written(write_value(result)))
+        most -= len(results[-1].xml)
+        if most < 0:
+            raise XmlRpcError("system.multicall: the values are too large; make fewer calls")
         if perf_counter() > until:
             await asyncio.sleep(0)
             until = perf_counter() + TURN

@@ -255,7 +255,7 @@ class Master:
         self, caller: Caller, node: str, key: str, value: Any
     ) -> Answer | Awaitable[Answer]:
         """Set a parameter, or a namespace, which replaces the one that was there."""
-        if caller.size > LARGE:
+        if caller.size > LARGE and isinstance(value, dict | list):
             return self._set_large(node, key, value)
         return self._set(node, key, value)
 
@@ -330,6 +330,14 @@ class Master:
             if not subscribers:
                 del self._parameter_subscribers[namespace]
         return 1, f"Unsubscribe to parameter [{key}]", 1
+
+    def forget(self, uri: str) -> None:
+        """Report no changes of parameters to a node that is gone."""
+        for namespace, nodes in list(self._parameter_subscribers.items()):
+            for node in [node for node, of_node in nodes.items() if of_node == uri]:
+                del nodes[node]
+            if not nodes:
+                del self._parameter_subscribers[namespace]
 
     def _parameter(self, key: str) -> object:
         return _native(self._graph.get_parameter(CLIENT, key))

@@ -261,6 +261,8 @@ class Ros1Nodes:
         """The topics whose publishers or subscribers have changed since they were updated."""
         self._is_update_due = False
         self._tasks: set[asyncio.Task[None]] = set()
+        self.gone: Callable[[str], object] = lambda api: None
+        """Called with an address at which no node is registered any more."""
         self._is_closed = False
         graph.watch_topics(lambda topic: self._mark(topic.name))
 
@@ -455,9 +457,18 @@ class Ros1Nodes:
     def set_principal(self, principal: Principal) -> None:
         """Give the nodes the rights of a principal instead of those that they had."""
         self.principal = principal
-        graph = self._graph
+        self._graph.revision += 1
         for node in self.by_name.values():
-            graph.policy.enter(node.name, principal, is_chosen=False, is_taken=False)
+            self._graph.policy.enter(node.name, principal, is_chosen=False, is_taken=False)
+        self._start(self._apply_rights())
+
+    async def _apply_rights(self) -> None:
+        """Attach what the nodes may use now, and detach what they may not, in slices."""
+        graph = self._graph
+        for node in list(self.by_name.values()):
+            await asyncio.sleep(0)
+            if self.by_name.get(node.name) is not node:
+                continue
             for topic, publisher in node.publishers.items():
                 is_allowed = graph.is_allowed(node.name, "publish", topic)
                 if is_allowed is not (publisher.source is not None):
@@ -491,13 +502,14 @@ class Ros1Nodes:
         try:
             pid = await self._calls.call(node.api, "getPid", MASTER)
             is_known = node.pid is not None
-            if (is_known and pid != node.pid) or (not is_known and self._at(node.api)):
+            if (is_known and pid != node.pid) or (not is_known and self.at(node.api)):
                 return
             await self.shut_down(node, reason)
         except Ros1Error as error:
             logger.info("%s, which was replaced, did not end: %s.", node.name, error)
 
-    def _at(self, api: str) -> list[Ros1Node]:
+    def at(self, api: str) -> list[Ros1Node]:
+        """Return the nodes at an address; a process may have several."""
         return [each for each in self.by_name.values() if each.api == api]
 
     def _enter(self, name: str, api: str, hub_host: str) -> Ros1Node | None:
@@ -587,14 +599,16 @@ class Ros1Nodes:
 
     def _set_pid(self, node: Ros1Node, pid: object) -> None:
         """Set the process that answers at a node's address."""
-        if not isinstance(pid, int) or self.by_name.get(node.name) is not node:
+        if not isinstance(pid, int) or not 0 < pid < 2**31:
+            pid = None  # It answers all the same.
+        if self.by_name.get(node.name) is not node:
             return
         self.set_fault(node.api, "")
-        for each in self._at(node.api):
-            if each.pid not in (None, pid):
+        for each in self.at(node.api):
+            if pid is not None and each.pid not in (None, pid):
                 logger.info("%s is gone: another process has its address.", each.name)
                 self.remove(each)
-        if node.pid is None:
+        if node.pid is None and pid is not None:
             node.pid = pid
             self.changed()
 
@@ -609,7 +623,10 @@ class Ros1Nodes:
             for node in nodes:
                 await asyncio.sleep(pause)
                 if self.by_name.get(node.name) is node:
-                    await self._check(node, refused)
+                    try:
+                        await self._check(node, refused)
+                    except Exception:
+                        logger.exception("%s could not be checked.", node.name)
             refused = {node: times for node, times in refused.items() if node in nodes}
             if not nodes:
                 await asyncio.sleep(CHECK_INTERVAL)
@@ -743,8 +760,9 @@ class Ros1Nodes:
             self._remove_service(node, service)
         if self.by_name.get(node.name) is node:
             del self.by_name[node.name]
-        if not self._at(node.api):
+        if not self.at(node.api):
             self._calls.forget(node.api)
+            self.gone(node.api)
         self.changed()
 
     # Telling others.

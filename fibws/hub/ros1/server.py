@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, TypeAlias, cast
 
 from fibws.access.rights import Principal
-from fibws.errors import HubError, XmlRpcError
+from fibws.errors import HubError, NodeUnreachable, XmlRpcError
 from fibws.hub.audit import Audit
 from fibws.hub.graph.graph import Graph
 from fibws.hub.graph.topic import LatchQuota
@@ -68,7 +68,7 @@ class Ros1Server:
         self._audit = audit
         self._networks = settings.ros1_networks
         self._connections: set[Connection | _Sniffer] = set()
-        self._calls = NodeCalls(lambda uri, error: self.nodes.set_fault(uri, error.fault))
+        self._calls = NodeCalls(self._failed)
         self.nodes = Ros1Nodes(
             graph,
             self._calls,
@@ -83,6 +83,7 @@ class Ros1Server:
         self._services = ServiceLinks(graph, self.nodes, settings, search)
         self.nodes.links, self.nodes.service_links = self._topics, self._services
         self._master = Master(graph, self.nodes, self._calls, audit, shut_down)
+        self.nodes.gone = self._master.forget
         self._slave = Slave(graph, self.nodes, self._topics, kill, lambda: self.port)
         self._of_hub = self._slave.methods("") | self._master.methods
         self._state: StateFile | None = None
@@ -134,6 +135,14 @@ class Ros1Server:
             connection.abort()
         await self._calls.close()
         await asyncio.gather(self._watching, return_exceptions=True)
+
+    def _failed(self, uri: str, error: NodeUnreachable) -> None:
+        """Take note that a notification has failed; a node that is registered is sent it again."""
+        if self.nodes.at(uri):
+            self.nodes.set_fault(uri, error.fault)
+        else:
+            self._master.forget(uri)
+            self._calls.forget(uri)
 
     @property
     def uri(self) -> str:
@@ -197,7 +206,7 @@ class Ros1Server:
             return found.call(method, arguments, caller)
 
         if name == "system.multicall":
-            return api.multicall(params, call)
+            return api.multicall(params, call, BODIES * self._settings.max_parameter_bytes)
         return call(name, params)
 
     def _methods(self, path: str) -> dict[str, Method]:

@@ -9,13 +9,14 @@ from __future__ import annotations
 import asyncio
 import json
 import logging
-import os
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
 
-from pydantic import TypeAdapter, ValidationError
+from pydantic import TypeAdapter
 
-from fibws.hub.ros1.nodes import SavedNode
+from fibws.files import replace_file
+from fibws.hub.ros1.nodes import SavedNode, is_api
 
 logger = logging.getLogger("fibws.hub")
 
@@ -38,6 +39,7 @@ class StateFile:
         self._saved = saved
         self._writing: asyncio.Task[None] | None = None
         self._is_changed = False
+        self._is_closing = asyncio.Event()
 
     def read(self) -> list[SavedNode]:
         """Return the nodes of the file; none if there is no file, or it cannot be read."""
@@ -45,10 +47,11 @@ class StateFile:
             document = json.loads(self._path.read_bytes())
             if document["version"] != VERSION:
                 raise ValueError(f"version {document['version']} is not {VERSION}")
-            return _NODES.validate_python(document["nodes"])
+            nodes = _NODES.validate_python(document["nodes"])
+            return [node for node in nodes if node.name.startswith("/") and is_api(node.api)]
         except FileNotFoundError:
             return []
-        except (OSError, ValueError, LookupError, TypeError, ValidationError) as error:
+        except (OSError, ValueError, LookupError, TypeError, RecursionError) as error:
             reason = str(error).splitlines()[0]
             logger.warning("%s is ignored: it is not a state file: %s.", self._path, reason)
             return []
@@ -61,30 +64,25 @@ class StateFile:
 
     async def close(self) -> None:
         """Write what has changed."""
+        self._is_closing.set()
         if self._writing is not None:
-            self._writing.cancel()
-            await asyncio.gather(self._writing, return_exceptions=True)
-        if self._is_changed:
-            self._write(self._text())
+            await self._writing
 
     async def _write_later(self) -> None:
         while self._is_changed:
-            await asyncio.sleep(DELAY)
+            with suppress(TimeoutError):
+                async with asyncio.timeout(DELAY):
+                    await self._is_closing.wait()
             self._is_changed = False
             await asyncio.to_thread(self._write, self._text())
 
-    def _text(self) -> str:
+    def _text(self) -> bytes:
         nodes = [each._asdict() for each in self._saved()]
-        return json.dumps({"version": VERSION, "nodes": nodes})
+        return json.dumps({"version": VERSION, "nodes": nodes}).encode()
 
-    def _write(self, text: str) -> None:
-        new = self._path.with_name(f"{self._path.name}.{os.getpid()}")
+    def _write(self, text: bytes) -> None:
         try:
             self._path.parent.mkdir(parents=True, exist_ok=True)
-            with new.open("w") as file:
-                file.write(text)
-                file.flush()
-                os.fsync(file.fileno())
-            new.replace(self._path)
+            replace_file(self._path, text)
         except OSError as error:
             logger.warning("%s cannot be written: %s.", self._path, error.strerror)

@@ -255,7 +255,7 @@ def _write(value: object) -> Iterator[str]:
         case bytes():
             yield f"<value><base64>{base64.b64encode(value).decode()}</base64></value>"
         case datetime():
-            text = value.strftime(_DATE)
+            text = f"{value.year:04}{value:%m%dT%H:%M:%S}"
             yield f"<value><dateTime.iso8601>{text}</dateTime.iso8601></value>"
         case _:
             raise TypeError(f"XML-RPC has no {type(value).__name__}")

@@ -155,6 +155,45 @@ async def test_node_whose_process_has_ended_is_removed(
     assert "/a" not in hub.graph.topics
 
 
+async def test_invalid_process_ids_do_not_end_the_checks(
+    quick_checks: None, hub: Hub, start_peer: StartPeer
+) -> None:
+    odd = await start_peer("/odd")
+    odd.answers["getPid"] = [1, "", "text"]
+    other = await start_peer("/other")
+    await odd.advertise("/a")
+    await other.advertise("/b")
+    assert hub.ros1 is not None
+    for pid in (10**25, -1, 0):  # Python's own XML-RPC cannot send the first one.
+        hub.ros1.nodes._set_pid(known(hub)["/odd"], pid)
+    odd.die()
+    await until(lambda: known(hub)["/odd"].fault)
+    other.die()
+    await until(lambda: known(hub)["/other"].fault)
+    assert known(hub)["/odd"].pid is None
+
+
+async def test_changes_of_parameters_are_forgotten_with_their_node(
+    hub: Hub, start_peer: StartPeer
+) -> None:
+    peer, other = await start_peer("/peer"), await start_peer("/other")
+    await peer.advertise("/a")
+    await peer.call("subscribeParam", peer.api, "/x")
+    await peer.call("unregisterPublisher", "/a", peer.api)
+    await other.call("subscribeParam", other.api, "/x")
+    other.die()
+    third = await start_peer("/third")
+    await third.call("subscribeParam", third.api, "/x")
+    for value in (1, 2):
+        await start_peer("/setter")
+        hub.graph.parameters.set("/x", value)
+        assert await third.called("paramUpdate") == ["/x/", value]
+    assert hub.ros1 is not None
+    subscribers = hub.ros1._master._parameter_subscribers
+    await until(lambda: subscribers["/x/"] == {"/third": third.api})
+    assert not [method for method, _ in peer.calls._queue if method == "paramUpdate"]  # type: ignore[attr-defined]
+
+
 # A restart.
 
 
@@ -203,7 +242,16 @@ async def test_another_program_at_the_address_is_not_taken_for_the_node(
 
 
 @pytest.mark.parametrize(
-    "text", ["", "{", "[]", '{"version": 99, "nodes": []}', '{"version": 1, "nodes": [{}]}', "\0"]
+    "text",
+    [
+        "",
+        "{",
+        "[]",
+        "[" * 200_000,
+        '{"version": 99, "nodes": []}',
+        '{"version": 1, "nodes": [{}]}',
+        "\0",
+    ],
 )
 async def test_damaged_state_file_is_ignored(
     start_hub: StartHub, tmp_path: Path, caplog: pytest.LogCaptureFixture, text: str

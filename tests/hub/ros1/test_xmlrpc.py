@@ -36,6 +36,7 @@ VALUES: list[Any] = [
     b"",
     b"\x00\xff",
     datetime(2020, 2, 29, 12, 34, 56),
+    datetime(1, 1, 1),
     [],
     [1, [2, [3]], "x"],
     {},
