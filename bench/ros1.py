@@ -8,10 +8,10 @@ import signal
 import socket
 import subprocess
 import tempfile
-import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 from xmlrpc.client import dumps, loads
@@ -171,26 +171,25 @@ def _calls(port: int, count: int) -> Iterator[tuple[str, float]]:
 def _pauses(name: str, plan: Plan) -> list[float]:
     """Return how long a client of the hub waits for a response while the master is used, in ms."""
     found: list[float] = []
-    done = threading.Event()
-    with _hub(name) as (port, websocket_port, _):
-
-        def use() -> None:
-            for _ in range(1 if plan.quick else 3):
-                for _ in _calls(port, CALLS // 2):
-                    pass
-            done.set()
-
-        thread = threading.Thread(target=use)
+    with on_load_cpu(), _hub(name) as (port, websocket_port, _):
+        # In a process of its own: threads of this one would have to wait for each other.
+        user = get_context("spawn").Process(target=_use, args=(port, 1 if plan.quick else 3))
         with Client(websocket_port, "/bench") as client:
-            thread.start()
-            while not done.is_set():
+            user.start()
+            while user.is_alive():
                 start = time.perf_counter()
                 client.send(operation("call_service", service="/rosapi/get_time"))
                 client.receive()
                 found.append((time.perf_counter() - start) * 1e3)
                 time.sleep(0.001)
-        thread.join()
+        user.join()
     return found
+
+
+def _use(port: int, rounds: int) -> None:
+    for _ in range(rounds):
+        for _ in _calls(port, CALLS // 2):
+            pass
 
 
 def _register(name: str) -> float:

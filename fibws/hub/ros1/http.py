@@ -19,9 +19,11 @@ from fibws.hub.ros1.xmlrpc import CallParser, iter_response, write_call, write_f
 
 logger = logging.getLogger("fibws.hub")
 
-SLICE = 16 * 1024
-"""Bytes of XML that are parsed at once, in about a millisecond."""
-TURN = 0.002
+SLICE = 4 * 1024
+"""Bytes of XML that are parsed at once, in about half a millisecond."""
+SMALL = 8 * 1024
+"""Bytes of a call that is served at once."""
+TURN = 0.001
 """Seconds after which a long answer lets others have their turn."""
 IDLE_TIMEOUT = 60.0
 """Seconds for which a connection is kept that sends nothing."""
@@ -169,7 +171,7 @@ class XmlRpcConnection(asyncio.Protocol):
                 request = self._request or self._next_request()
                 if request is None:
                     return
-                if request.length > SLICE:
+                if request.length > SMALL:
                     self._start(self._serve_large(request))
                 elif len(self._received) < request.length:
                     return
