@@ -1,4 +1,4 @@
-"""What the hub shows by HTTP: its page, its state, and the port of its ROS 1 master."""
+"""The hub's answers by HTTP: its page, its state, and the port of its ROS 1 master."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def ros1_port(url: str) -> int | None:
 def master_variables(url: str, environment: Mapping[str, str]) -> dict[str, str]:
     """Return the variables with which programs of an installed ROS 1 join a hub's graph.
 
-    They are empty if the hub is no ROS 1 master, or the environment names its port already.
+    They are empty if the hub is not a ROS 1 master, or the environment names its port already.
 
     Args:
         url: the hub's URL.

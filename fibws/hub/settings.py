@@ -77,7 +77,7 @@ class Settings:
     ros1: int | None = _setting(
         None,
         "Port of a ROS 1 master for nodes of a real ROS, usually 11311; 0 chooses a free one. "
-        "Without, there is none.",
+        "Default: no master.",
     )
     ros1_host: str = _setting(
         "",

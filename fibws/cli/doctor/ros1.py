@@ -182,7 +182,7 @@ def _call(uri: str, method: str, *arguments: object) -> object:
 
 
 class _Transport(Transport):
-    """Gives up when there is no answer."""
+    """A transport that ends a call without an answer after some time."""
 
     def make_connection(self, host: Any) -> HTTPConnection:
         connection = super().make_connection(host)

@@ -55,7 +55,7 @@ class Conflict:
     topic: str
     publishes: bool
     text: str
-    """What the node does, and why it does not fit."""
+    """The words for the node's use of the topic, and for the fault."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -190,6 +190,11 @@ class Peer:
                 if name == method:
                     return params
 
+    def calls_of(self, method: str) -> int:
+        """Return how often a method has been called, and forget all calls so far."""
+        calls = [self.calls.get_nowait() for _ in range(self.calls.qsize())]
+        return sum(name == method for name, _ in calls)
+
     async def linked(self) -> Link:
         """Wait for a subscriber."""
         async with asyncio.timeout(60):

@@ -59,7 +59,7 @@ async def test_process_that_has_taken_an_address_is_not_ended(
     other = await start_peer("/other")
     await other.advertise("/more")
     await until(lambda: known(hub)["/other"].pid)
-    assert "shutdown" not in {method for method, _ in [*older.calls._queue]}  # type: ignore[attr-defined]
+    assert older.calls_of("shutdown") == 0
 
 
 async def test_ros1_node_takes_the_name_of_a_client(hub: Hub, start_peer: StartPeer) -> None:
@@ -191,7 +191,7 @@ async def test_changes_of_parameters_are_forgotten_with_their_node(
     assert hub.ros1 is not None
     subscribers = hub.ros1._master._parameter_subscribers
     await until(lambda: subscribers["/x/"] == {"/third": third.api})
-    assert not [method for method, _ in peer.calls._queue if method == "paramUpdate"]  # type: ignore[attr-defined]
+    assert peer.calls_of("paramUpdate") == 0
 
 
 # A restart.
