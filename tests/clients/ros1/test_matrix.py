@@ -27,6 +27,10 @@ from fibws.msg import default_interfaces
 HERE = Path(__file__).parent
 PATIENCE = 50
 """Seconds to wait for each step."""
+GOAL_PATIENCE, TRIES = 15, 3
+LOSING = {"real_rospy", "roscpp"}
+"""ROS's own actionlib loses feedback and results at random, even within one process: such a goal is
+sent again."""
 
 REAL_PYTHON = "/usr/bin/python3"
 ROSPY = Path(fibws.ros1.__file__).parent / "python"
@@ -156,6 +160,8 @@ class Peers:
         self._processes: dict[str, asyncio.subprocess.Process] = {}
         self._watching: list[asyncio.Task[None]] = []
         self._seen: set[tuple[str, str, str]] = set()
+        self._failed: set[tuple[str, str, str]] = set()
+        """The goals whose feedback or result was not as it should be."""
         self._news = asyncio.Event()
         self.wrong: list[str] = []
         self.complaints: list[str] = []
@@ -201,16 +207,28 @@ class Peers:
         """Wait until everything has been seen; return what was not."""
         missing = await self._wait_for(expected())
         for goals in rounds():
-            for peer, _, server in goals:
-                self._tell(peer, server)
-            missing |= await self._wait_for(goals)
+            missing |= await self._act(goals)
         return sorted(" ".join(each) for each in missing)
 
-    async def _wait_for(self, wanted: set[tuple[str, str, str]]) -> set[tuple[str, str, str]]:
+    async def _act(self, goals: set[tuple[str, str, str]]) -> set[tuple[str, str, str]]:
+        """Let peers send goals to each other; return those that were not executed."""
+        for _ in range(TRIES):
+            missing = goals - self._seen
+            self._failed.clear()
+            for peer, _, server in missing:
+                self._tell(peer, server)
+            missing = await self._wait_for(missing, GOAL_PATIENCE)
+            if not any(LOSING & {peer, server} for peer, _, server in missing):
+                return missing
+        return missing
+
+    async def _wait_for(
+        self, wanted: set[tuple[str, str, str]], patience: float = PATIENCE
+    ) -> set[tuple[str, str, str]]:
         """Wait until the peers have seen something; return what they have not."""
         try:
-            async with asyncio.timeout(PATIENCE):
-                while not wanted <= self._seen:
+            async with asyncio.timeout(patience):
+                while not wanted <= self._seen | self._failed:
                     self._news.clear()
                     await self._news.wait()
         except TimeoutError:
@@ -236,10 +254,13 @@ class Peers:
             except (ValueError, TypeError):
                 self.complaints.append(f"{peer}: {line.decode()}")
                 continue
-            self._seen.add((peer, what, of))
-            self._news.set()
-            if not is_right(what, of, value):
+            if is_right(what, of, value):
+                self._seen.add((peer, what, of))
+            elif what == "action":
+                self._failed.add((peer, what, of))
+            else:
                 self.wrong.append(f"{peer} got from {of}: {what} {value}")
+            self._news.set()
 
     async def _complain(self, peer: str, process: asyncio.subprocess.Process) -> None:
         assert process.stderr is not None
