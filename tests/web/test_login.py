@@ -28,6 +28,7 @@ class TokenHub:
 
 @fixture
 async def token_hub(tmp_path: Path) -> AsyncIterator[TokenHub]:
+    """A hub with tokens; tests name it before `open_page`, so that it outlives their pages."""
     path = tmp_path / "tokens.toml"
     path.touch()
     async with Hub(Settings(port=0, tokens=path)) as hub:
@@ -39,7 +40,7 @@ async def log_in(page: Page, token: str) -> None:
     await page.get_by_role("button", name="Log in").click()
 
 
-async def test_page_logs_in_and_stays_logged_in(open_page: OpenPage, token_hub: TokenHub) -> None:
+async def test_page_logs_in_and_stays_logged_in(token_hub: TokenHub, open_page: OpenPage) -> None:
     page = await open_page(token_hub.hub, state="closed")
     await expect(page.get_by_label("Token", exact=True)).to_be_focused()
     await expect(page.locator("#stage")).to_be_hidden()
@@ -57,7 +58,7 @@ async def test_page_logs_in_and_stays_logged_in(open_page: OpenPage, token_hub: 
 
 
 async def test_wrong_token_is_refused_with_the_reason(
-    open_page: OpenPage, token_hub: TokenHub, complaints: Complaints
+    token_hub: TokenHub, open_page: OpenPage, complaints: Complaints
 ) -> None:
     page = await open_page(token_hub.hub, state="closed")
     await log_in(page, "fibws_wrong")
@@ -67,7 +68,7 @@ async def test_wrong_token_is_refused_with_the_reason(
     await expect(page.locator("#account")).to_contain_text("dashboard")
 
 
-async def test_logout_hides_what_was_shown(open_page: OpenPage, token_hub: TokenHub) -> None:
+async def test_logout_hides_what_was_shown(token_hub: TokenHub, open_page: OpenPage) -> None:
     page = await open_page(token_hub.hub, state="closed")
     await log_in(page, token_hub.dashboard)
     await page.get_by_role("button", name="Log out").click()
@@ -78,7 +79,7 @@ async def test_logout_hides_what_was_shown(open_page: OpenPage, token_hub: Token
     await expect(page.get_by_label("Token", exact=True)).to_be_visible()
 
 
-async def test_revoked_token_asks_for_another(open_page: OpenPage, token_hub: TokenHub) -> None:
+async def test_revoked_token_asks_for_another(token_hub: TokenHub, open_page: OpenPage) -> None:
     page = await open_page(token_hub.hub, state="closed")
     await log_in(page, token_hub.dashboard)
     await expect(page.locator("#hub")).to_have_attribute("data-state", "open")
@@ -90,7 +91,7 @@ async def test_revoked_token_asks_for_another(open_page: OpenPage, token_hub: To
     await expect(page.locator("#hub")).to_have_attribute("data-state", "open")
 
 
-async def test_missing_right_is_named(open_page: OpenPage, token_hub: TokenHub) -> None:
+async def test_missing_right_is_named(token_hub: TokenHub, open_page: OpenPage) -> None:
     async with fibws.Node("talker", hub=token_hub.hub.url, token=token_hub.robot) as node:
         await node.advertise("numbers", "std_msgs/Int32")
         page = await open_page(token_hub.hub, "#/topics/%2Fnumbers", state="closed")
@@ -102,7 +103,7 @@ async def test_missing_right_is_named(open_page: OpenPage, token_hub: TokenHub) 
 
 
 async def test_page_of_another_hub_sends_its_token_by_an_operation(
-    open_page: OpenPage, hub: Hub, token_hub: TokenHub
+    token_hub: TokenHub, open_page: OpenPage, hub: Hub
 ) -> None:
     page = await open_page(hub, f"?hub={token_hub.hub.url}/%3Ftoken%3D{token_hub.dashboard}")
     async with fibws.Node("talker", hub=token_hub.hub.url, token=token_hub.robot) as node:
@@ -113,7 +114,7 @@ async def test_page_of_another_hub_sends_its_token_by_an_operation(
 
 
 async def test_script_sends_its_token_as_a_subprotocol(
-    open_page: OpenPage, hub: Hub, token_hub: TokenHub
+    token_hub: TokenHub, open_page: OpenPage, hub: Hub
 ) -> None:
     page = await open_page(hub)
     script = """([url, token]) => new Promise((resolve) => {
@@ -132,7 +133,7 @@ async def test_script_sends_its_token_as_a_subprotocol(
 
 
 async def test_form_warns_of_a_connection_without_encryption(
-    open_page: OpenPage, token_hub: TokenHub, tmp_path: Path
+    token_hub: TokenHub, open_page: OpenPage, tmp_path: Path
 ) -> None:
     page = await open_page(token_hub.hub, state="closed")
     await expect(page.get_by_text("not encrypted")).to_have_count(0)
