@@ -28,8 +28,9 @@ what a queue of one had: a difference counts if it comes each time."""
 AT_RANDOM = re.compile(
     r"Got a transition callback on a goal handle that we're not tracking$"
     r"|Received comm state PREEMPTING when in simple state DONE with SimpleActionClient in NS "
+    r"|TCPServer\[\d+\] shutting down$"
 )
-"""What the real actionlib logs at random, depending on which of its threads is faster."""
+"""What the real ROS logs at random, depending on which of its threads is faster."""
 SCRIPTS = Path(__file__).parent / "scripts"
 PYTHON = "/usr/bin/python3"
 """Debian's, which its ROS packages are installed for."""
@@ -170,7 +171,7 @@ class _Program:
 
     def outcome(self, part: Part) -> Outcome:
         assert self._process.returncode is not None
-        out = plain(self._out)
+        out = [line for line in plain(self._out) if not AT_RANDOM.search(line)]
         if part.after is not None:
             out = out[next(number for number, line in enumerate(out) if part.after in line) :]
         # Tracebacks show the insides of rospy.
