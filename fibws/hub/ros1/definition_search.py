@@ -84,8 +84,8 @@ class DefinitionSearch:
 
         Raises:
             InvalidTypeName: the name is not valid.
-            InterfaceError: there is no such definition, or only others of the same name; the text
-                says where it was looked for and what to do.
+            InterfaceError: not found, or found only with another md5; the text names the folders
+                that were searched, and what to do.
         """
         name = Interfaces.canonical(name)
         package, _, short = name.partition("/")

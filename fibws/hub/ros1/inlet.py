@@ -18,7 +18,6 @@ from fibws.hub.graph.topic import Source
 from fibws.hub.log_text import is_power_of_ten, printable
 from fibws.hub.ros1.connection import describe, detect_dead_peer
 from fibws.hub.ros1.http import NodeCalls
-from fibws.hub.ros1.nodes import Ros1Node, Ros1Publisher
 from fibws.hub.ros1.tcpros import (
     ANY,
     LENGTH,
@@ -28,6 +27,7 @@ from fibws.hub.ros1.tcpros import (
     encode_header,
     require,
 )
+from fibws.hub.ros1.topic_registrations import Registrant, Ros1Publisher
 
 logger = logging.getLogger("fibws.hub")
 
@@ -49,7 +49,7 @@ MD5_OF_EMPTY = "d41d8cd98f00b204e9800998ecf8427e"
 
 
 class Inlet:
-    """A link to one publisher, opened again and again until it is closed.
+    """A link to one publisher, reopened until it is closed.
 
     Args:
         number: its id among the links of the hub.
@@ -66,7 +66,7 @@ class Inlet:
         calls: NodeCalls,
         caller: Callable[[], str],
         learn: Callable[[Ros1Publisher, str, str | None, str], Source | None],
-        ping: Callable[[Ros1Node], Awaitable[None]],
+        ping: Callable[[Registrant], Awaitable[None]],
         max_size: int,
     ) -> None:
         self.number = number

@@ -22,14 +22,15 @@ from fibws.hub.graph.parameters import Prepared, native, prepare
 from fibws.hub.ros1 import api
 from fibws.hub.ros1.api import Answer, Check, Method
 from fibws.hub.ros1.http import Caller, NodeCalls
-from fibws.hub.ros1.nodes import ANY, MASTER, Ros1Nodes
+from fibws.hub.ros1.nodes import Ros1Nodes
+from fibws.hub.ros1.topic_registrations import ANY, MASTER
 from fibws.hub.ros1.xmlrpc import Written, escaped, write_value
 
 logger = logging.getLogger("fibws.hub")
 
 CLIENT = "ros1"
-"""Stands for all callers of the master at the policy: their names are not proven. It is no node's
-name, which begins with a slash."""
+"""The policy's name for all callers of the master, because their own names are not proven. Names of
+nodes begin with a slash, so that none is equal to it."""
 MOST_PARAMETER_SUBSCRIPTIONS = 10_000
 LARGE = 32 * 1024
 """Bytes from which on a parameter is read, or written, in a thread."""
@@ -106,15 +107,15 @@ class Master:
         """Register a publisher; the value is the URIs of the topic's subscribers."""
         self._nodes.add_publisher(node, topic, type_, uri, caller.hub_host)
         text = f"Registered [{node}] as publisher of [{topic}]"
-        return 1, text, self._nodes.subscriber_apis(topic, caller.hub_host)
+        return 1, text, self._nodes.topics.subscriber_apis(topic, caller.hub_host)
 
     def register_subscriber(
         self, caller: Caller, node: str, topic: str, type_: str, uri: str
     ) -> Answer:
         """Register a subscriber; the value is the URIs of the topic's publishers."""
         self._nodes.add_subscriber(node, topic, type_, uri, caller.hub_host)
-        apis = self._nodes.publisher_apis(topic, caller.hub_host)
-        subscriber = self._nodes.subscriber(node, topic)
+        apis = self._nodes.topics.publisher_apis(topic, caller.hub_host)
+        subscriber = self._nodes.topics.subscriber(node, topic)
         if subscriber is not None:
             subscriber.sent = apis
         return 1, f"Subscribed to [{topic}]", apis
@@ -170,7 +171,9 @@ class Master:
         found = self._nodes.service(service)
         uri = found[1] if found is not None else ""
         if not uri and service in self._visible("service", self._graph.services):
-            uri = self._nodes.hub_api(caller.hub_host).replace("http:", "rosrpc:").rstrip("/")
+            uri = (
+                self._nodes.topics.hub_api(caller.hub_host).replace("http:", "rosrpc:").rstrip("/")
+            )
         return (1, f"rosrpc URI: [{uri}]", uri) if uri else (-1, "no provider", "")
 
     # The graph.
@@ -181,7 +184,7 @@ class Master:
         if found is not None:
             return 1, "node api", found.api
         if name in self._graph.nodes and self._graph.is_node_visible(CLIENT, name):
-            return 1, "node api", self._nodes.hub_api(caller.hub_host, name)
+            return 1, "node api", self._nodes.topics.hub_api(caller.hub_host, name)
         return -1, f"unknown node [{name}]", ""
 
     def get_system_state(self, caller: Caller, node: str) -> Answer:
@@ -190,7 +193,7 @@ class Master:
 
     def get_uri(self, caller: Caller, node: str) -> Answer:
         """Return the master's URI."""
-        return 1, "", self._nodes.hub_api(caller.hub_host)
+        return 1, "", self._nodes.topics.hub_api(caller.hub_host)
 
     def get_pid(self, caller: Caller, node: str) -> Answer:
         """Return the hub's process."""
@@ -219,7 +222,7 @@ class Master:
         graph, nodes = self._graph, self._nodes
         # ROS 1 nodes are always listed, also those that exchange no messages with the hub.
         names = dict.fromkeys(self._visible("topic", graph.topics))
-        names.update(dict.fromkeys(nodes.topics()))
+        names.update(dict.fromkeys(nodes.topics.names()))
         for name in names:
             topic = graph.topics.get(name)
             if topic is not None and not topic.conflicts:
@@ -227,16 +230,16 @@ class Master:
                 continue
             publishers = dict.fromkeys(topic.sources if topic is not None else ())
             subscribers = dict.fromkeys(topic.subscribers() if topic is not None else ())
-            publishers.update((each.node.name, None) for each in nodes.publishers(name))
-            subscribers.update((each.node, None) for each in nodes.subscribers(name))
+            publishers.update((each.node.name, None) for each in nodes.topics.publishers(name))
+            subscribers.update((each.node, None) for each in nodes.topics.subscribers(name))
             yield name, publishers, subscribers
 
     def _type_of(self, name: str) -> str:
         topic = self._graph.topics.get(name)
         if topic is not None and topic.type is not None:
             return topic.type.name
-        types = [each.type for each in self._nodes.publishers(name)]
-        types += [each.type for each in self._nodes.subscribers(name)]
+        types = [each.type for each in self._nodes.topics.publishers(name)]
+        types += [each.type for each in self._nodes.topics.subscribers(name)]
         return next((type_ for type_ in types if type_ != ANY), ANY)
 
     def _visible(self, kind: Any, names: Iterable[str]) -> Iterable[str]:
@@ -355,7 +358,7 @@ class Master:
     def _parameter_changed(self, name: str, _: str) -> None:
         """Report a change to the subscribers of the parameter, and of all above and below it.
 
-        The node that has set it is not told, as by rosmaster.
+        The node that has set it gets no update, as with rosmaster.
         """
         changed = _namespace(name)
         for subscribed, nodes in self._parameter_subscribers.items():

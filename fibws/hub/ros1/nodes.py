@@ -1,9 +1,7 @@
 """The ROS 1 nodes that have registered at the hub's master, as nodes of the graph.
 
-What a node publishes and subscribes to is a source or a sink of the graph's topic, so that every
-tool sees one graph. A ROS 1 master refuses nobody: a node that uses a topic with another type than
-it has there is registered, and found by other ROS 1 nodes, but it exchanges no messages with the
-hub's clients; the topic lists it among its conflicts. The same goes for what the policy forbids.
+A node's name and address, whether it still runs, and what a later hub needs to know about it. What
+nodes publish and subscribe to is in `fibws.hub.ros1.topic_registrations`.
 """
 
 from __future__ import annotations
@@ -15,49 +13,27 @@ import os
 from collections.abc import Callable, Coroutine, Iterable, Mapping
 from contextlib import suppress
 from socket import gethostname
-from time import perf_counter
 from typing import Any, NamedTuple, Protocol
 from urllib.parse import urlsplit
 
 from fibws.access.rights import Principal
 from fibws.errors import (
-    InterfaceError,
-    InvalidMessage,
     NodeUnreachable,
     NotAllowed,
-    OperationError,
     Ros1Error,
 )
 from fibws.hub.graph.graph import ExternalNode, Graph
-from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.service import InternalServer
-from fibws.hub.graph.topic import Conflict, LatchQuota, Receiver, SinkReport, Source, Topic
-from fibws.hub.graph.types import MessageType
-from fibws.hub.log_text import shortened
+from fibws.hub.graph.topic import LatchQuota
 from fibws.hub.ros1.http import NodeCalls
+from fibws.hub.ros1.topic_registrations import MASTER, Registrant, TopicRegistrations
 
 logger = logging.getLogger("fibws.hub")
 
-MASTER = "/master"
-"""The caller_id of the master's own calls."""
-ANY = "*"
-"""The type of a subscriber that takes every message."""
 CHECK_INTERVAL = 10.0
 """Seconds between two checks of a node that is reachable."""
-TURN = 0.001
-"""Seconds for which topics are updated before others have their turn."""
 CHECKS_AT_ONCE = 10
 """Nodes that are checked in a second at most."""
-
-
-class Links(Protocol):
-    """The connections by which ROS 1 nodes exchange messages with the hub's clients."""
-
-    def outlet(self, topic: str) -> Receiver:
-        """Return what takes the messages of a topic for all ROS 1 subscribers."""
-
-    def changed(self, topic: Topic) -> None:
-        """Take note that publishers or subscribers of a topic have changed."""
 
 
 class ServiceLinks(Protocol):
@@ -68,13 +44,6 @@ class ServiceLinks(Protocol):
 
     def unregister(self, node: Ros1Node, service: str) -> None:
         """Remove it."""
-
-
-class Link(Receiver, Protocol):
-    """A connection to a ROS 1 subscriber."""
-
-    def report(self) -> SinkReport:
-        """Return its totals."""
 
 
 class SavedNode(NamedTuple):
@@ -91,75 +60,7 @@ class SavedNode(NamedTuple):
     """Services with their URIs."""
 
 
-class Ros1Publisher:
-    """A ROS 1 node's registration as a publisher of a topic.
-
-    Attributes:
-        type: ``package/Type`` as it was registered, or ``*``.
-        source: the node's source of the graph; None while it may not exchange messages with it.
-        is_relayed: whether a link may be opened for it: its type is the topic's, or not known yet.
-        fault: why it conflicts with the topic; empty if it does not.
-    """
-
-    __slots__ = ("fault", "is_relayed", "node", "source", "topic", "type")
-
-    def __init__(self, node: Ros1Node, topic: str, type_: str) -> None:
-        self.node = node
-        self.topic = topic
-        self.type = type_
-        self.source: Source | None = None
-        self.is_relayed = True
-        self.fault = ""
-
-
-class Ros1Subscriber:
-    """A ROS 1 node's registration as a subscriber of a topic; a `Sink`.
-
-    Attributes:
-        type: ``package/Type`` as it was registered, or ``*``.
-        sent: the addresses of publishers that it was sent last; None before that.
-        link: its connection to the hub, while there is one; the newest of several.
-        fault: why it conflicts with the topic; empty if it does not.
-    """
-
-    __slots__ = ("_dropped", "_messages", "fault", "link", "node", "owner", "sent", "topic", "type")
-
-    def __init__(self, owner: Ros1Node, topic: str, type_: str) -> None:
-        self.owner = owner
-        self.node = owner.name
-        self.topic = topic
-        self.type = type_
-        self.sent: list[str] | None = None
-        self.link: Link | None = None
-        self.fault = ""
-        self._messages = 0
-        self._dropped = 0
-
-    def receive(self, publication: Publication) -> None:
-        """Take a message for this subscriber alone; the topic's outlet takes those for all."""
-        if self.link is not None:
-            self.link.receive(publication)
-
-    def replay(self, publication: Publication) -> None:
-        """Do nothing: latched messages are sent when the subscriber connects."""
-
-    def report(self) -> SinkReport:
-        """Return the totals of all its connections."""
-        present = self.link.report() if self.link is not None else SinkReport()
-        return present._replace(
-            messages=present.messages + self._messages, dropped=present.dropped + self._dropped
-        )
-
-    def unlink(self, ended: Link, other: Link | None) -> None:
-        """Keep the totals of a connection that has ended, and use another one if there is one."""
-        totals = ended.report()
-        self._messages += totals.messages
-        self._dropped += totals.dropped
-        if self.link is ended:
-            self.link = other
-
-
-class Ros1Node(ExternalNode):
+class Ros1Node(Registrant, ExternalNode):
     """A ROS 1 node; a `Node` of the graph.
 
     Args:
@@ -169,17 +70,13 @@ class Ros1Node(ExternalNode):
         since: when it registered, in nanoseconds since 1970.
 
     Attributes:
-        pid: its process, once it has told it.
+        pid: its process id; None while unknown.
         services: the URIs of its services, by their names.
     """
 
     def __init__(self, name: str, api: str, hub_host: str, since: int, nodes: Ros1Nodes) -> None:
-        self.name = name
-        self.api = api
-        self.hub_host = hub_host
+        super().__init__(name, api, hub_host)
         self.pid: int | None = None
-        self.publishers: dict[str, Ros1Publisher] = {}
-        self.subscribers: dict[str, Ros1Subscriber] = {}
         self.services: dict[str, str] = {}
         self.fault = ""
         self.since = since
@@ -229,7 +126,7 @@ class Ros1Nodes:
 
     Attributes:
         by_name: the nodes.
-        links: set before the first node registers, as are the service links.
+        service_links: set before the first node registers, as are the links of `topics`.
         changed: called after each change of what the state file holds.
     """
 
@@ -243,46 +140,21 @@ class Ros1Nodes:
         port: Callable[[], int],
     ) -> None:
         self.by_name: dict[str, Ros1Node] = {}
-        self.links: Links
         self.service_links: ServiceLinks
         self.changed: Callable[[], object] = lambda: None
         self.principal = principal
         self._graph = graph
         self._calls = calls
-        self._quota = quota
-        self._port = port
-        self._publishers: dict[str, dict[str, Ros1Publisher]] = {}
-        """By topic and node."""
-        self._subscribers: dict[str, dict[str, Ros1Subscriber]] = {}
+        self.topics = TopicRegistrations(
+            graph, calls, self.by_name, quota=quota, port=port, changed=lambda: self.changed()
+        )
+        """Their publishers and subscribers."""
         self._services: dict[str, Ros1Node] = {}
-        self._types_in_conflict: dict[str, MessageType | None] = {}
-        """By topic: the type that it had when nodes conflicted with it."""
-        self._dirty: dict[str, None] = {}
-        """The topics whose publishers or subscribers have changed since they were updated."""
-        self._is_update_due = False
         self._tasks: set[asyncio.Task[None]] = set()
         self.gone: Callable[[str], object] = lambda api: None
         """Called with an address at which no node is registered any more."""
-        self._is_closed = False
-        graph.watch_topics(lambda topic: self._mark(topic.name))
 
     # Looking up.
-
-    def publishers(self, topic: str) -> list[Ros1Publisher]:
-        """Return the ROS 1 publishers of a topic."""
-        return list(self._publishers.get(topic, {}).values())
-
-    def subscribers(self, topic: str) -> list[Ros1Subscriber]:
-        """Return the ROS 1 subscribers of a topic."""
-        return list(self._subscribers.get(topic, {}).values())
-
-    def topics(self) -> Iterable[str]:
-        """Return the topics of all registrations."""
-        return {**self._publishers, **self._subscribers}
-
-    def subscriber(self, node: str, topic: str) -> Ros1Subscriber | None:
-        """Return a node's registration as a subscriber."""
-        return self._subscribers.get(topic, {}).get(node)
 
     def service(self, name: str) -> tuple[Ros1Node, str] | None:
         """Return the node of a service, and the service's URI."""
@@ -293,73 +165,21 @@ class Ros1Nodes:
         """Return all services with their nodes."""
         return self._services.items()
 
-    def hub_api(self, hub_host: str, node: str = "") -> str:
-        """Return the URI of the hub for those who reach it at a host: its own, or a node's.
-
-        roscpp tells publishers apart by host and port, so that publishers are always the hub.
-        """
-        host = f"[{hub_host}]" if ":" in hub_host else hub_host
-        return f"http://{host}:{self._port()}/{f'node{node}' if node else ''}"
-
-    def publisher_apis(self, topic: str, hub_host: str) -> list[str]:
-        """Return the URIs of a topic's publishers, the hub's once for all of its clients."""
-        apis = dict.fromkeys(each.node.api for each in self.publishers(topic))
-        if self.has_own_sources(topic):
-            apis[self.hub_api(hub_host)] = None
-        return list(apis)
-
-    def is_publisher(self, node: str, topic: str) -> bool:
-        """Return whether a ROS 1 node of this name publishes a topic."""
-        return node in self._publishers.get(topic, ())
-
-    def has_own_sources(self, topic: str) -> bool:
-        """Return whether a topic has a publisher that is not a ROS 1 node."""
-        found = self._graph.topics.get(topic)
-        return found is not None and any(node not in self.by_name for node in found.sources)
-
-    def subscriber_apis(self, topic: str, hub_host: str) -> list[str]:
-        """Return the URIs of a topic's subscribers, the hub's once for all of its clients."""
-        apis = dict.fromkeys(each.owner.api for each in self.subscribers(topic))
-        found = self._graph.topics.get(topic)
-        if found is not None and any(node not in self.by_name for node in found.subscribers()):
-            apis[self.hub_api(hub_host)] = None
-        return list(apis)
-
     # Registering.
 
     def add_publisher(self, name: str, topic: str, type_: str, api: str, hub_host: str) -> bool:
         """Register a publisher; return whether the node may have its name."""
         node = self._enter(name, api, hub_host)
-        if node is None:
-            return False
-        older = node.publishers.get(topic)
-        if older is not None:
-            if type_ in (older.type, ANY):
-                return True
-            self._remove_publisher(older)
-        publisher = Ros1Publisher(node, topic, type_)
-        node.publishers[topic] = self._publishers.setdefault(topic, {})[name] = publisher
-        self._attach_publisher(publisher)
-        self._mark(topic)
-        self.changed()
-        return True
+        if node is not None:
+            self.topics.add_publisher(node, topic, type_)
+        return node is not None
 
     def add_subscriber(self, name: str, topic: str, type_: str, api: str, hub_host: str) -> bool:
         """Register a subscriber; return whether the node may have its name."""
         node = self._enter(name, api, hub_host)
-        if node is None:
-            return False
-        older = node.subscribers.get(topic)
-        if older is not None:
-            if type_ in (older.type, ANY):
-                return True
-            self._remove_subscriber(older)
-        subscriber = Ros1Subscriber(node, topic, type_)
-        node.subscribers[topic] = self._subscribers.setdefault(topic, {})[name] = subscriber
-        self._attach_subscriber(subscriber)
-        self._mark(topic)
-        self.changed()
-        return True
+        if node is not None:
+            self.topics.add_subscriber(node, topic, type_)
+        return node is not None
 
     def add_service(self, name: str, service: str, uri: str, api: str, hub_host: str) -> bool:
         """Register a service, which another node may have had before; return whether it may."""
@@ -381,21 +201,21 @@ class Ros1Nodes:
         return True
 
     def remove_publisher(self, name: str, topic: str, api: str) -> bool:
-        """Remove a registration; return whether there was one."""
-        publisher = self._publishers.get(topic, {}).get(name)
-        if publisher is None or publisher.node.api != api:
+        """Remove a registration; return whether it was there."""
+        node = self.by_name.get(name)
+        if node is None or node.api != api or topic not in node.publishers:
             return False
-        self._remove_publisher(publisher)
-        self._settle(publisher.node)
+        self.topics.remove_publisher(node.publishers[topic])
+        self._settle(node)
         return True
 
     def remove_subscriber(self, name: str, topic: str, api: str) -> bool:
-        """Remove a registration; return whether there was one."""
-        subscriber = self._subscribers.get(topic, {}).get(name)
-        if subscriber is None or subscriber.owner.api != api:
+        """Remove a registration; return whether it was there."""
+        node = self.by_name.get(name)
+        if node is None or node.api != api or topic not in node.subscribers:
             return False
-        self._remove_subscriber(subscriber)
-        self._settle(subscriber.owner)
+        self.topics.remove_subscriber(node.subscribers[topic])
+        self._settle(node)
         return True
 
     def remove_service(self, service: str, uri: str) -> bool:
@@ -418,29 +238,6 @@ class Ros1Nodes:
         """Remove a node that is gone, with all its registrations."""
         self._drop(node)
         self._graph.leave(node, node.name)
-
-    def learn(
-        self, publisher: Ros1Publisher, type_: str, definition: str | None, md5sum: str
-    ) -> Source | None:
-        """Set the type that a publisher has told a link, and return its source.
-
-        Args:
-            definition: the text of the type, if the publisher sends it.
-
-        Returns:
-            None if it conflicts with the topic's type, the policy forbids it, or the publisher is
-            not registered any more.
-        """
-        if publisher not in self.publishers(publisher.topic):
-            return None
-        publisher.type = type_
-        self._detach_conflict(publisher.topic, publisher.node.name, publishes=True)
-        source = publisher.source
-        if source is not None and not _is_same(source.type, type_, md5sum):
-            # It must not be held to the type that it had before.
-            self._detach_source(publisher)
-        self._attach_publisher(publisher, definition, md5sum)
-        return publisher.source
 
     def set_fault(self, api: str, fault: str) -> None:
         """Set why the nodes at an address do not answer; empty if they do."""
@@ -469,24 +266,11 @@ class Ros1Nodes:
             await asyncio.sleep(0)
             if self.by_name.get(node.name) is not node:
                 continue
-            for topic, publisher in node.publishers.items():
-                is_allowed = graph.is_allowed(node.name, "publish", topic)
-                if is_allowed is not (publisher.source is not None):
-                    self._detach_source(publisher)
-                    self._detach_conflict(topic, node.name, publishes=True)
-                    self._attach_publisher(publisher)
-            for topic, subscriber in node.subscribers.items():
-                is_allowed = graph.is_allowed(node.name, "subscribe", topic)
-                if is_allowed is not (subscriber in graph.topic(topic).sinks()):
-                    graph.unsubscribe(graph.topic(topic), subscriber)
-                    self._detach_conflict(topic, node.name, publishes=False)
-                    self._attach_subscriber(subscriber)
+            self.topics.apply_rights(node)
             for service, uri in node.services.items():
                 if not graph.is_allowed(node.name, "provide", service):
                     self.service_links.unregister(node, service)
                 self.service_links.register(node, service, uri)
-            for topic in (*node.publishers, *node.subscribers):
-                self._mark(topic)
 
     def replaced(self, node: Ros1Node) -> None:
         """Remove a node whose name another one has taken, and end its process."""
@@ -536,7 +320,7 @@ class Ros1Nodes:
         with suppress(Ros1Error):
             await self.ping(node)
 
-    async def ping(self, node: Ros1Node) -> None:
+    async def ping(self, node: Registrant) -> None:
         """Get the process that answers at a node's address; raises `Ros1Error`."""
         try:
             pid = await self._calls.call(node.api, "getPid", MASTER)
@@ -597,11 +381,12 @@ class Ros1Nodes:
         for topic in node.subscribers.keys() - subscriptions.keys():
             self.remove_subscriber(name, topic, api)
 
-    def _set_pid(self, node: Ros1Node, pid: object) -> None:
+    def _set_pid(self, registrant: Registrant, pid: object) -> None:
         """Set the process that answers at a node's address."""
         if not isinstance(pid, int) or not 0 < pid < 2**31:
-            pid = None  # It answers all the same.
-        if self.by_name.get(node.name) is not node:
+            pid = None  # Invalid, but the node is reachable.
+        node = self.by_name.get(registrant.name)
+        if node is None or node is not registrant:
             return
         self.set_fault(node.api, "")
         for each in self.at(node.api):
@@ -615,7 +400,7 @@ class Ros1Nodes:
     # Checking that nodes are alive.
 
     async def watch(self) -> None:
-        """Check again and again whether the nodes answer."""
+        """Check periodically whether the nodes answer."""
         refused: dict[Ros1Node, int] = {}
         while True:
             nodes = list(self.by_name.values())
@@ -645,99 +430,7 @@ class Ros1Nodes:
         except Ros1Error:
             pass  # It answers, if only with an error.
 
-    # Attaching to the graph.
-
-    def _attach_publisher(
-        self, publisher: Ros1Publisher, definition: str | None = None, md5sum: str | None = None
-    ) -> None:
-        publisher.is_relayed = True
-        if publisher.type == ANY:
-            return
-        topic = self._graph.topic(publisher.topic)
-        node = publisher.node.name
-        if node not in topic.sources:
-            topic.watching_sources.unlinked(node)
-        try:
-            publisher.source = self._graph.advertise(
-                topic,
-                node,
-                publisher.type,
-                definition,
-                quota=self._quota(),
-                serialized=md5sum is not None,
-                md5sum=md5sum,
-            )
-        except (NotAllowed, OperationError, InterfaceError, InvalidMessage) as error:
-            # An unknown type may become known by the definition that the publisher tells a link.
-            publisher.is_relayed = isinstance(error, InterfaceError) and md5sum is None
-            if publisher.source is None:
-                topic.watching_sources.left(node)
-            self._detach_source(publisher)
-            self._conflict(topic, publisher, node, str(error), publishes=True)
-        else:
-            publisher.fault = ""
-
-    def _attach_subscriber(self, subscriber: Ros1Subscriber) -> None:
-        topic = self._graph.topic(subscriber.topic)
-        type_ = None if subscriber.type == ANY else subscriber.type
-        topic.watching_sinks.unlinked(subscriber.node)
-        try:
-            receiver = self.links.outlet(topic.name)
-            self._graph.subscribe(topic, subscriber, type_, receiver=receiver)
-        except (NotAllowed, OperationError, InterfaceError) as error:
-            topic.watching_sinks.left(subscriber.node)
-            self._conflict(topic, subscriber, subscriber.node, str(error), publishes=False)
-        else:
-            subscriber.fault = ""
-
-    def _conflict(
-        self,
-        topic: Topic,
-        registration: Ros1Publisher | Ros1Subscriber,
-        node: str,
-        fault: str,
-        *,
-        publishes: bool,
-    ) -> None:
-        """List a conflict at its topic; it is logged once, although it is tried again often."""
-        if registration.fault != fault:
-            text = f"{node} exchanges no messages on {topic.name}: {fault}"
-            logger.warning("%s", shortened(text))
-        registration.fault = fault
-        self._graph.add_conflict(topic, Conflict(node, registration.type, publishes, fault))
-        self._types_in_conflict[topic.name] = topic.type
-
-    def _detach_conflict(self, topic: str, node: str, *, publishes: bool) -> None:
-        found = self._graph.topics.get(topic)
-        if found is not None:
-            self._graph.remove_conflict(found, node, publishes=publishes)
-
-    def _detach_source(self, publisher: Ros1Publisher) -> None:
-        source, publisher.source = publisher.source, None
-        if source is not None:
-            self._graph.remove_source(source)
-
     # Removing.
-
-    def _remove_publisher(self, publisher: Ros1Publisher) -> None:
-        node, topic = publisher.node, publisher.topic
-        del node.publishers[topic]
-        _remove(self._publishers, topic, node.name)
-        self._detach_source(publisher)
-        self._detach_conflict(topic, node.name, publishes=True)
-        self._mark(topic)
-        self.changed()
-
-    def _remove_subscriber(self, subscriber: Ros1Subscriber) -> None:
-        node, topic = subscriber.owner, subscriber.topic
-        del node.subscribers[topic]
-        _remove(self._subscribers, topic, node.name)
-        found = self._graph.topics.get(topic)
-        if found is not None:
-            self._graph.unsubscribe(found, subscriber)
-        self._detach_conflict(topic, node.name, publishes=False)
-        self._mark(topic)
-        self.changed()
 
     def _remove_service(self, node: Ros1Node, service: str) -> None:
         del node.services[service]
@@ -753,9 +446,9 @@ class Ros1Nodes:
     def _drop(self, node: Ros1Node) -> None:
         """Remove all registrations of a node."""
         for publisher in list(node.publishers.values()):
-            self._remove_publisher(publisher)
+            self.topics.remove_publisher(publisher)
         for subscriber in list(node.subscribers.values()):
-            self._remove_subscriber(subscriber)
+            self.topics.remove_subscriber(subscriber)
         for service in list(node.services):
             self._remove_service(node, service)
         if self.by_name.get(node.name) is node:
@@ -765,77 +458,13 @@ class Ros1Nodes:
             self.gone(node.api)
         self.changed()
 
-    # Telling others.
-
-    def _mark(self, topic: str) -> None:
-        if self._is_closed:
-            return
-        self._graph.revision += 1
-        self._dirty[topic] = None
-        if not self._is_update_due:
-            self._is_update_due = True
-            asyncio.get_running_loop().call_soon(self._update)
-
-    def _update(self) -> None:
-        """Update the topics that have changed, for as long as a turn lasts."""
-        until = perf_counter() + TURN
-        try:
-            for _ in range(len(self._dirty)):
-                if self._is_closed:
-                    return
-                name = next(iter(self._dirty))
-                del self._dirty[name]
-                self._update_topic(name)
-                if perf_counter() > until:
-                    return
-        finally:
-            self._is_update_due = bool(self._dirty) and not self._is_closed
-            if self._is_update_due:
-                asyncio.get_running_loop().call_soon(self._update)
-
-    def _update_topic(self, name: str) -> None:
-        """Bring links up to date, and send subscribers the publishers that have changed."""
-        topic = self._graph.topic(name)
-        if topic.conflicts:
-            self._retry(topic)
-        else:
-            self._types_in_conflict.pop(name, None)
-        # An action's status may have no ROS 1 node, and decide who its goals are for.
-        self.links.changed(self._graph.topic(name))
-        for subscriber in self.subscribers(name):
-            apis = self.publisher_apis(name, subscriber.owner.hub_host)
-            if subscriber.sent != apis:
-                subscriber.sent = apis
-                self._calls.notify(
-                    subscriber.owner.api, name, "publisherUpdate", MASTER, name, apis
-                )
-
-    def _retry(self, topic: Topic) -> None:
-        """Attach the registrations that conflicted with a topic's type, if it has another now."""
-        name = topic.name
-        if topic.type is self._types_in_conflict.get(name):
-            return
-        for node, _, publishes, _ in list(topic.conflicts):
-            if self._graph.topic(name).held:
-                break
-            self._detach_conflict(name, node, publishes=publishes)
-            if publishes:
-                publisher = self._publishers.get(name, {}).get(node)
-                if publisher is not None:
-                    self._attach_publisher(publisher)
-            else:
-                subscriber = self.subscriber(node, name)
-                if subscriber is not None:
-                    self._attach_subscriber(subscriber)
-        self._types_in_conflict[name] = self._graph.topic(name).type
-
     def run(
         self, coroutine: Coroutine[Any, Any, None], done: Callable[[str], object]
     ) -> Callable[[], object]:
         """Run a coroutine, and call ``done`` with the text of its `Ros1Error`, or an empty one.
 
         Returns:
-            A function that cancels it, whereupon ``done`` is not called.
+            A function that cancels it; ``done`` is not called then.
         """
 
         async def run() -> None:
@@ -856,7 +485,7 @@ class Ros1Nodes:
 
     async def close(self) -> None:
         """Remove the nodes from the graph; the next hub finds them by the state file."""
-        self._is_closed = True
+        self.topics.close()
         for node in list(self.by_name.values()):
             self.remove(node)
         tasks = list(self._tasks)
@@ -872,19 +501,6 @@ def is_api(uri: str) -> bool:
         return url.scheme == "http" and bool(url.hostname) and url.port is not None
     except ValueError:
         return False
-
-
-def _is_same(present: MessageType, type_: str, md5sum: str) -> bool:
-    """Return whether the type that a publisher tells a link is the one that it had before."""
-    if present.md5sum is None or md5sum == ANY:
-        return present.name == type_
-    return present.md5sum == md5sum
-
-
-def _remove(registrations: dict[str, dict[str, Any]], topic: str, node: str) -> None:
-    del registrations[topic][node]
-    if not registrations[topic]:
-        del registrations[topic]
 
 
 def _fault(error: Ros1Error) -> str:

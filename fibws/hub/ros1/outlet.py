@@ -13,8 +13,9 @@ from fibws.hub.graph.topic import SinkReport, Source, Topic
 from fibws.hub.graph.types import Buffer, MessageType
 from fibws.hub.log_text import is_power_of_ten, printable
 from fibws.hub.ros1.connection import TcprosConnection
-from fibws.hub.ros1.nodes import Ros1Nodes, Ros1Subscriber
+from fibws.hub.ros1.nodes import Ros1Nodes
 from fibws.hub.ros1.tcpros import ANY, frame, require
+from fibws.hub.ros1.topic_registrations import Ros1Subscriber
 
 logger = logging.getLogger("fibws.hub")
 
@@ -46,7 +47,7 @@ class Outlet:
 
     def receive(self, publication: Publication) -> None:
         """Send a message to all subscribers that are connected."""
-        if not self.links or self._nodes.is_publisher(publication.node, self.name):
+        if not self.links or self._nodes.topics.is_publisher(publication.node, self.name):
             return  # ROS 1 publishers send their messages themselves.
         try:
             message = Message(publication.ros1())

@@ -81,7 +81,7 @@ class Ros1Server:
         self._topics = TopicLinks(graph, self.nodes, self._calls, loop, settings)
         search = DefinitionSearch(settings.interfaces, os.environ)
         self._services = ServiceLinks(graph, self.nodes, settings, search)
-        self.nodes.links, self.nodes.service_links = self._topics, self._services
+        self.nodes.topics.links, self.nodes.service_links = self._topics, self._services
         self._master = Master(graph, self.nodes, self._calls, audit, shut_down)
         self.nodes.gone = self._master.forget
         self._slave = Slave(graph, self.nodes, self._topics, kill, lambda: self.port)

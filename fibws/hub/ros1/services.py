@@ -66,7 +66,7 @@ class RemoteService:
         self._learning: asyncio.Task[CallFailed | None] | None = None
         self._watching: asyncio.Task[None] | None = None
         self._fault: CallFailed | None = None
-        """Why there is no definition, and until when that is not looked for again."""
+        """Why the definition is missing; used again until `_fault_ends`."""
         self._fault_ends = 0.0
 
     @property
@@ -200,7 +200,7 @@ class RemoteService:
         return type_, md5sum
 
     async def _define(self, type_: str, md5sum: str) -> None:
-        """Give the service its type; raise `InterfaceError` if there is no definition."""
+        """Give the service its type; raise `InterfaceError` if the definition is missing."""
         graph, text = self._links.graph, None
         try:
             if graph.definitions.known("srv", type_).service_md5(type_) != md5sum:

@@ -16,7 +16,8 @@ from fibws.hub.ros1 import api
 from fibws.hub.ros1.api import Answer, Method
 from fibws.hub.ros1.http import Caller
 from fibws.hub.ros1.master import CLIENT
-from fibws.hub.ros1.nodes import ANY, Ros1Nodes
+from fibws.hub.ros1.nodes import Ros1Nodes
+from fibws.hub.ros1.topic_registrations import ANY
 
 _topic = api.resolved("topic")
 
@@ -78,7 +79,7 @@ class Slave:
             "getMasterUri": Method(self._master_uri, ""),
             "getName": Method(lambda caller, _: (1, "", node), ""),
             "getUri": Method(
-                lambda caller, _: (1, "", self._nodes.hub_api(caller.hub_host, node)), ""
+                lambda caller, _: (1, "", self._nodes.topics.hub_api(caller.hub_host, node)), ""
             ),
             "getPid": Method(lambda caller, _: (1, "", os.getpid()), -1),
             "shutdown": Method(
@@ -101,7 +102,7 @@ class Slave:
         return 1, "", 0
 
     def _master_uri(self, caller: Caller, caller_id: str) -> Answer:
-        uri = self._nodes.hub_api(caller.hub_host)
+        uri = self._nodes.topics.hub_api(caller.hub_host)
         return 1, uri, uri
 
     def _publications(self, node: str) -> Answer:

@@ -22,6 +22,8 @@ logger = logging.getLogger("fibws.hub")
 
 DELAY = 0.1
 """Seconds after a change in which further ones are waited for."""
+RETRY = 10.0
+"""Seconds after a failed write until the next attempt."""
 VERSION = 1
 _NODES = TypeAdapter(list[SavedNode])
 
@@ -30,7 +32,7 @@ class StateFile:
     """Keeps the nodes in a file.
 
     Args:
-        path: of the file, whose folder is made if there is none.
+        path: of the file; a missing folder is created.
         saved: returns the nodes.
     """
 
@@ -40,9 +42,11 @@ class StateFile:
         self._writing: asyncio.Task[None] | None = None
         self._is_changed = False
         self._is_closing = asyncio.Event()
+        self._fault = ""
+        """Why the last write failed; empty if it succeeded."""
 
     def read(self) -> list[SavedNode]:
-        """Return the nodes of the file; none if there is no file, or it cannot be read."""
+        """Return the nodes of the file; an empty list if it is missing or invalid."""
         try:
             document = json.loads(self._path.read_bytes())
             if document["version"] != VERSION:
@@ -69,12 +73,15 @@ class StateFile:
             await self._writing
 
     async def _write_later(self) -> None:
+        """Write until nothing has changed; try again after a failure, and at the end once more."""
         while self._is_changed:
             with suppress(TimeoutError):
-                async with asyncio.timeout(DELAY):
+                async with asyncio.timeout(RETRY if self._fault else DELAY):
                     await self._is_closing.wait()
             self._is_changed = False
             await asyncio.to_thread(self._write, self._text())
+            if self._fault and not self._is_closing.is_set():
+                self._is_changed = True
 
     def _text(self) -> bytes:
         nodes = [each._asdict() for each in self._saved()]
@@ -85,4 +92,11 @@ class StateFile:
             self._path.parent.mkdir(parents=True, exist_ok=True)
             replace_file(self._path, text)
         except OSError as error:
-            logger.warning("%s cannot be written: %s.", self._path, error.strerror)
+            fault = error.strerror or str(error)
+            if fault != self._fault:
+                logger.warning("%s cannot be written: %s.", self._path, fault)
+            self._fault = fault
+        else:
+            if self._fault:
+                logger.warning("%s is written again.", self._path)
+            self._fault = ""

@@ -60,20 +60,20 @@ class TopicLinks:
     def changed(self, topic: Topic) -> None:
         """Open and close the links of a topic whose publishers or subscribers have changed."""
         self._remove_stale_inlets(topic.name)
-        if self._nodes.publishers(topic.name):
+        if self._nodes.topics.publishers(topic.name):
             self._update_inlets(topic)
         self._open_goals(topic.name)
         outlet = self._outlets.get(topic.name)
         if outlet is not None:
             outlet.settle(topic)
-            if not outlet.links and not self._nodes.subscribers(topic.name):
+            if not outlet.links and not self._nodes.topics.subscribers(topic.name):
                 del self._outlets[topic.name]
 
     def request_topic(
         self, caller: str, topic: str, protocols: list[Any], host: str, port: int
     ) -> Answer:
         """Return how a subscriber can connect to the hub for a topic: by TCPROS."""
-        if not self._nodes.has_own_sources(topic) or not self._may_subscribe(topic):
+        if not self._nodes.topics.has_own_sources(topic) or not self._may_subscribe(topic):
             return -1, f"Not a publisher of [{topic}]", []
         if any(isinstance(each, list) and each[:1] == ["TCPROS"] for each in protocols):
             return 1, f"ready on {host}:{port}", ["TCPROS", host, port]
@@ -83,9 +83,9 @@ class TopicLinks:
         """Connect a ROS 1 subscriber; raises `TcprosError`."""
         require(header, "topic", "md5sum", "callerid")
         topic, caller = header["topic"], f"/{header['callerid'].lstrip('/')}"
-        if not self._nodes.has_own_sources(topic) or not self._may_subscribe(topic):
+        if not self._nodes.topics.has_own_sources(topic) or not self._may_subscribe(topic):
             raise TcprosError(f"[{ROSBRIDGE}] is not a publisher of [{topic}]")
-        subscriber = self._nodes.subscriber(caller, topic)
+        subscriber = self._nodes.topics.subscriber(caller, topic)
         if subscriber is None:
             raise TcprosError(f"[{caller}] is not registered as a subscriber of [{topic}]")
         return self.outlet(topic).accept(header, subscriber, connection)
@@ -164,7 +164,7 @@ class TopicLinks:
 
     def _open_inlets(self, topic: Topic) -> None:
         server = self._action_server(topic)
-        for publisher in self._nodes.publishers(topic.name):
+        for publisher in self._nodes.topics.publishers(topic.name):
             inlet = self._inlets.get(topic.name, {}).get(publisher.node.name)
             if inlet is None and publisher.is_relayed:
                 inlets = self._inlets.setdefault(topic.name, {})
@@ -173,7 +173,7 @@ class TopicLinks:
                     publisher,
                     self._calls,
                     lambda: self._caller(self._graph.topic(topic.name)),
-                    self._nodes.learn,
+                    self._nodes.topics.learn,
                     self._nodes.ping,
                     self._settings.max_message_size,
                 )
@@ -210,7 +210,7 @@ class TopicLinks:
         """Close the links that have ended, and those to publishers that may not send any more."""
         if topic not in self._inlets:
             return
-        publishers = self._nodes.publishers(topic)
+        publishers = self._nodes.topics.publishers(topic)
         inlets = self._inlets[topic]
         for name, inlet in list(inlets.items()):
             is_current = inlet.publisher in publishers and inlet.publisher.is_relayed

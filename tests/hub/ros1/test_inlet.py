@@ -539,10 +539,10 @@ async def test_publisher_that_has_unregistered_gets_no_source(
     assert hub.ros1 is not None
     talker = await start_peer("/talker")
     await talker.advertise("/count")
-    [publisher] = hub.ros1.nodes.publishers("/count")
+    [publisher] = hub.ros1.nodes.topics.publishers("/count")
     await talker.call("unregisterPublisher", "/count", talker.api)
     # Its header may arrive before the link is closed.
-    learned = hub.ros1.nodes.learn(publisher, INT32["type"], None, INT32["md5sum"])
+    learned = hub.ros1.nodes.topics.learn(publisher, INT32["type"], None, INT32["md5sum"])
     assert learned is None
     assert "/count" not in hub.graph.topics
 
@@ -552,10 +552,10 @@ async def test_changes_of_many_topics_leave_others_their_turn(
 ) -> None:
     assert hub.ros1 is not None
     nodes, turns = hub.ros1.nodes, []
-    update = nodes._update
+    update = nodes.topics._update
 
     def counted() -> None:
-        turns.append(len(nodes._dirty))
+        turns.append(len(nodes.topics._dirty))
         update()
 
     talker, listener = await start_peer("/talker"), await start_peer("/listener")
@@ -563,8 +563,8 @@ async def test_changes_of_many_topics_leave_others_their_turn(
     for topic in topics:
         await talker.advertise(topic)
         await listener.subscribe(topic)
-    monkeypatch.setattr("fibws.hub.ros1.nodes.TURN", 0.0)
-    monkeypatch.setattr(nodes, "_update", counted)
+    monkeypatch.setattr("fibws.hub.ros1.topic_registrations.TURN", 0.0)
+    monkeypatch.setattr(nodes.topics, "_update", counted)
     nodes.remove(nodes.by_name["/talker"])
     updates = [await listener.called("publisherUpdate") for _ in topics]
     assert sorted(updates) == sorted([topic, []] for topic in topics)

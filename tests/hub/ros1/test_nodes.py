@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import errno
 import json
 import os
 from collections.abc import Callable
@@ -13,6 +14,7 @@ from conftest import StartHub
 
 import fibws
 from fibws.errors import NodeReplaced
+from fibws.files import replace_file
 from fibws.hub import Hub
 from fibws.hub.ros1 import nodes as module
 from fibws.hub.ros1 import state
@@ -209,7 +211,7 @@ async def test_nodes_are_back_after_a_restart(
         await talker.call("registerService", "/add", "rosrpc://127.0.0.1:1", talker.api)
         await gone.advertise("/never")
         await until(lambda: path.exists() and path.read_text().count("/gone") == 1)
-        await until(lambda: path.read_text().count(str(talker.pid)) == 2)
+        await until(lambda: path.read_text().count(f'"pid": {talker.pid}') == 2)
         gone.die()
         del talker.publishes["/count"]
         talker.publishes["/since"] = {"type": "std_msgs/Int32"}
@@ -261,6 +263,33 @@ async def test_damaged_state_file_is_ignored(
     hub = await start_hub(ros1=0, ros1_state=path)
     assert known(hub) == {}
     assert str(path) in caplog.text
+
+
+async def test_state_file_is_written_once_its_folder_is_writable(
+    start_hub: StartHub,
+    tmp_path: Path,
+    caplog: pytest.LogCaptureFixture,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(state, "DELAY", 0.0)
+    monkeypatch.setattr(state, "RETRY", 0.001)
+    attempts = 0
+
+    def counted(path: Path, text: bytes) -> None:
+        nonlocal attempts
+        attempts += 1
+        if attempts < 4:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        replace_file(path, text)
+
+    monkeypatch.setattr(state, "replace_file", counted)
+    path = tmp_path / "state.json"
+    hub = await start_hub(ros1=0, ros1_state=path)
+    assert hub.ros1 is not None
+    async with Peer("/talker", hub.ros1.uri) as talker:
+        await talker.advertise("/count")
+        await until(lambda: path.exists() and "/talker" in path.read_text())
+    assert caplog.text.count(os.strerror(errno.ENOSPC)) == 1
 
 
 async def test_state_file_that_cannot_be_written_is_reported(

@@ -16,9 +16,9 @@ from fibws.hub.graph.publication import Publication
 from fibws.hub.graph.topic import Source
 from fibws.hub.graph.types import Buffer
 from fibws.hub.ros1.connection import TcprosConnection
-from fibws.hub.ros1.nodes import Ros1Subscriber
 from fibws.hub.ros1.outlet import JOINED, Outlet, OutletLink
 from fibws.hub.ros1.tcpros import decode_header
+from fibws.hub.ros1.topic_registrations import Ros1Subscriber
 from fibws.msg.geometry_msgs import Point, PointStamped
 from fibws.msg.std_msgs import Int32
 
@@ -46,7 +46,7 @@ class Topic:
     def __init__(self, type_: str = BYTES, max_queued: int = 2**20) -> None:
         self.graph = Graph(STANDARD, lambda: NANOSECONDS)
         self.nodes = new_nodes(self.graph)
-        self.nodes.links = self
+        self.nodes.topics.links = self
         self.type = type_
         self._outlet = Outlet("/t", self.graph, self.nodes, max_queued, count(1))
 

@@ -18,6 +18,7 @@ from fibws.access.rights import Rights
 from fibws.access.token_file import TokenFile
 from fibws.errors import HubError
 from fibws.hub import Hub
+from fibws.hub.graph.topic import Topic
 from fibws.hub.ros1 import server as module
 from fibws.hub.settings import Settings
 
@@ -113,10 +114,16 @@ async def test_rights_of_ros1_nodes_are_those_of_the_file_of_tokens(
         assert published == [["/other/count", "std_msgs/Int32"]]
         assert (await talker.ask("setParam", "/x", 1))[0] == -1
         path.write_text(path.read_text().replace("/allowed/**", "/other/**"))
+        detached = asyncio.Event()
+
+        def changed(topic: Topic) -> None:
+            if topic.name == "/allowed/count" and "/talker" not in topic.sources:
+                detached.set()
+
+        hub.graph.watch_topics(changed)
         hub.reload()
         async with asyncio.timeout(60):
-            while "/talker" in hub.graph.topics["/allowed/count"].sources:  # noqa: ASYNC110
-                await asyncio.sleep(0)
+            await detached.wait()
         assert "/talker" in hub.graph.topics["/other/count"].sources
         assert hub.graph.topics["/other/count"].conflicts == []
 

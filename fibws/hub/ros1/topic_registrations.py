@@ -1,0 +1,470 @@
+"""The topics of ROS 1 nodes: registrations of publishers and subscribers in the graph.
+
+What a node publishes and subscribes to is a source or a sink of the graph's topic, so that every
+tool sees one graph. A ROS 1 master refuses nobody: a node that uses a topic with another type than
+it has there is registered, and found by other ROS 1 nodes, but it exchanges no messages with the
+hub's clients; the topic lists it among its conflicts. The same goes for what the policy forbids.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Callable, Container, Iterable
+from time import perf_counter
+from typing import Any, Protocol
+
+from fibws.errors import InterfaceError, InvalidMessage, NotAllowed, OperationError
+from fibws.hub.graph.graph import Graph
+from fibws.hub.graph.publication import Publication
+from fibws.hub.graph.topic import Conflict, LatchQuota, Receiver, SinkReport, Source, Topic
+from fibws.hub.graph.types import MessageType
+from fibws.hub.log_text import shortened
+from fibws.hub.ros1.http import NodeCalls
+
+logger = logging.getLogger("fibws.hub")
+
+MASTER = "/master"
+"""The caller_id of the master's own calls."""
+ANY = "*"
+"""The type of a subscriber that takes every message."""
+TURN = 0.001
+"""Seconds for which topics are updated before others have their turn."""
+
+
+class Links(Protocol):
+    """The connections by which ROS 1 nodes exchange messages with the hub's clients."""
+
+    def outlet(self, topic: str) -> Receiver:
+        """Return what takes the messages of a topic for all ROS 1 subscribers."""
+
+    def changed(self, topic: Topic) -> None:
+        """Take note that publishers or subscribers of a topic have changed."""
+
+
+class Link(Receiver, Protocol):
+    """A connection to a ROS 1 subscriber."""
+
+    def report(self) -> SinkReport:
+        """Return its totals."""
+
+
+class Registrant:
+    """A node, as its registrations know it.
+
+    Args:
+        name: its global name.
+        api: the URI of its XML-RPC server.
+        hub_host: the address by which it reached the hub.
+    """
+
+    def __init__(self, name: str, api: str, hub_host: str) -> None:
+        self.name = name
+        self.api = api
+        self.hub_host = hub_host
+        self.publishers: dict[str, Ros1Publisher] = {}
+        self.subscribers: dict[str, Ros1Subscriber] = {}
+
+
+class Ros1Publisher:
+    """A ROS 1 node's registration as a publisher of a topic.
+
+    Attributes:
+        type: ``package/Type`` as it was registered, or ``*``.
+        source: the node's source of the graph; None while it may not exchange messages with it.
+        is_relayed: whether a link may be opened for it: its type is the topic's, or not known yet.
+        fault: why it conflicts with the topic; empty if it does not.
+    """
+
+    __slots__ = ("fault", "is_relayed", "node", "source", "topic", "type")
+
+    def __init__(self, node: Registrant, topic: str, type_: str) -> None:
+        self.node = node
+        self.topic = topic
+        self.type = type_
+        self.source: Source | None = None
+        self.is_relayed = True
+        self.fault = ""
+
+
+class Ros1Subscriber:
+    """A ROS 1 node's registration as a subscriber of a topic; a `Sink`.
+
+    Attributes:
+        type: ``package/Type`` as it was registered, or ``*``.
+        sent: the addresses of publishers that it was sent last; None before that.
+        link: its connection to the hub, while there is one; the newest of several.
+        fault: why it conflicts with the topic; empty if it does not.
+    """
+
+    __slots__ = ("_dropped", "_messages", "fault", "link", "node", "owner", "sent", "topic", "type")
+
+    def __init__(self, owner: Registrant, topic: str, type_: str) -> None:
+        self.owner = owner
+        self.node = owner.name
+        self.topic = topic
+        self.type = type_
+        self.sent: list[str] | None = None
+        self.link: Link | None = None
+        self.fault = ""
+        self._messages = 0
+        self._dropped = 0
+
+    def receive(self, publication: Publication) -> None:
+        """Take a message for this subscriber alone; the topic's outlet takes those for all."""
+        if self.link is not None:
+            self.link.receive(publication)
+
+    def replay(self, publication: Publication) -> None:
+        """Do nothing: latched messages are sent when the subscriber connects."""
+
+    def report(self) -> SinkReport:
+        """Return the totals of all its connections."""
+        present = self.link.report() if self.link is not None else SinkReport()
+        return present._replace(
+            messages=present.messages + self._messages, dropped=present.dropped + self._dropped
+        )
+
+    def unlink(self, ended: Link, other: Link | None) -> None:
+        """Keep the totals of a connection that has ended, and use another one if there is one."""
+        totals = ended.report()
+        self._messages += totals.messages
+        self._dropped += totals.dropped
+        if self.link is ended:
+            self.link = other
+
+
+class TopicRegistrations:
+    """The publishers and subscribers of all ROS 1 nodes.
+
+    Args:
+        names: the names of the registered nodes.
+        quota: returns the bound of a node's latched messages.
+        port: returns the port of the hub's master.
+        changed: called after each change of the registrations.
+
+    Attributes:
+        links: set before the first node registers.
+    """
+
+    def __init__(
+        self,
+        graph: Graph,
+        calls: NodeCalls,
+        names: Container[str],
+        *,
+        quota: Callable[[], LatchQuota],
+        port: Callable[[], int],
+        changed: Callable[[], object],
+    ) -> None:
+        self.links: Links
+        self._graph = graph
+        self._calls = calls
+        self._names = names
+        self._quota = quota
+        self._port = port
+        self._changed = changed
+        self._publishers: dict[str, dict[str, Ros1Publisher]] = {}
+        """By topic and node."""
+        self._subscribers: dict[str, dict[str, Ros1Subscriber]] = {}
+        self._types_in_conflict: dict[str, MessageType | None] = {}
+        """By topic: the type that it had when nodes conflicted with it."""
+        self._dirty: dict[str, None] = {}
+        """The topics whose publishers or subscribers have changed since they were updated."""
+        self._is_update_due = False
+        self._is_closed = False
+        graph.watch_topics(lambda topic: self._mark(topic.name))
+
+    def close(self) -> None:
+        """Send no more updates to nodes."""
+        self._is_closed = True
+
+    # Looking up.
+
+    def publishers(self, topic: str) -> list[Ros1Publisher]:
+        """Return the ROS 1 publishers of a topic."""
+        return list(self._publishers.get(topic, {}).values())
+
+    def subscribers(self, topic: str) -> list[Ros1Subscriber]:
+        """Return the ROS 1 subscribers of a topic."""
+        return list(self._subscribers.get(topic, {}).values())
+
+    def names(self) -> Iterable[str]:
+        """Return the topics of all registrations."""
+        return {**self._publishers, **self._subscribers}
+
+    def subscriber(self, node: str, topic: str) -> Ros1Subscriber | None:
+        """Return a node's registration as a subscriber."""
+        return self._subscribers.get(topic, {}).get(node)
+
+    def hub_api(self, hub_host: str, node: str = "") -> str:
+        """Return the URI of the hub, or of a node, for clients that reach the hub at this host.
+
+        roscpp identifies publishers by host and port, so that publishers are always the hub.
+        """
+        host = f"[{hub_host}]" if ":" in hub_host else hub_host
+        return f"http://{host}:{self._port()}/{f'node{node}' if node else ''}"
+
+    def publisher_apis(self, topic: str, hub_host: str) -> list[str]:
+        """Return the URIs of a topic's publishers, the hub's once for all of its clients."""
+        apis = dict.fromkeys(each.node.api for each in self.publishers(topic))
+        if self.has_own_sources(topic):
+            apis[self.hub_api(hub_host)] = None
+        return list(apis)
+
+    def is_publisher(self, node: str, topic: str) -> bool:
+        """Return whether a ROS 1 node of this name publishes a topic."""
+        return node in self._publishers.get(topic, ())
+
+    def has_own_sources(self, topic: str) -> bool:
+        """Return whether a topic has a publisher that is not a ROS 1 node."""
+        found = self._graph.topics.get(topic)
+        return found is not None and any(node not in self._names for node in found.sources)
+
+    def subscriber_apis(self, topic: str, hub_host: str) -> list[str]:
+        """Return the URIs of a topic's subscribers, the hub's once for all of its clients."""
+        apis = dict.fromkeys(each.owner.api for each in self.subscribers(topic))
+        found = self._graph.topics.get(topic)
+        if found is not None and any(node not in self._names for node in found.subscribers()):
+            apis[self.hub_api(hub_host)] = None
+        return list(apis)
+
+    # Registering.
+
+    def add_publisher(self, node: Registrant, topic: str, type_: str) -> None:
+        """Register a publisher."""
+        older = node.publishers.get(topic)
+        if older is not None:
+            if type_ in (older.type, ANY):
+                return
+            self.remove_publisher(older)
+        publisher = Ros1Publisher(node, topic, type_)
+        node.publishers[topic] = self._publishers.setdefault(topic, {})[node.name] = publisher
+        self._attach_publisher(publisher)
+        self._mark(topic)
+        self._changed()
+
+    def add_subscriber(self, node: Registrant, topic: str, type_: str) -> None:
+        """Register a subscriber."""
+        older = node.subscribers.get(topic)
+        if older is not None:
+            if type_ in (older.type, ANY):
+                return
+            self.remove_subscriber(older)
+        subscriber = Ros1Subscriber(node, topic, type_)
+        node.subscribers[topic] = self._subscribers.setdefault(topic, {})[node.name] = subscriber
+        self._attach_subscriber(subscriber)
+        self._mark(topic)
+        self._changed()
+
+    def remove_publisher(self, publisher: Ros1Publisher) -> None:
+        """Remove a registration."""
+        node, topic = publisher.node, publisher.topic
+        del node.publishers[topic]
+        _remove(self._publishers, topic, node.name)
+        self._detach_source(publisher)
+        self._detach_conflict(topic, node.name, publishes=True)
+        self._mark(topic)
+        self._changed()
+
+    def remove_subscriber(self, subscriber: Ros1Subscriber) -> None:
+        """Remove a registration."""
+        node, topic = subscriber.owner, subscriber.topic
+        del node.subscribers[topic]
+        _remove(self._subscribers, topic, node.name)
+        found = self._graph.topics.get(topic)
+        if found is not None:
+            self._graph.unsubscribe(found, subscriber)
+        self._detach_conflict(topic, node.name, publishes=False)
+        self._mark(topic)
+        self._changed()
+
+    def learn(
+        self, publisher: Ros1Publisher, type_: str, definition: str | None, md5sum: str
+    ) -> Source | None:
+        """Set the type that a publisher has sent to a link, and return its source.
+
+        Args:
+            definition: the text of the type, if the publisher sends it.
+
+        Returns:
+            None if it conflicts with the topic's type, the policy forbids it, or the publisher is
+            not registered any more.
+        """
+        if publisher not in self.publishers(publisher.topic):
+            return None
+        publisher.type = type_
+        self._detach_conflict(publisher.topic, publisher.node.name, publishes=True)
+        source = publisher.source
+        if source is not None and not _is_same(source.type, type_, md5sum):
+            # It must not be held to the type that it had before.
+            self._detach_source(publisher)
+        self._attach_publisher(publisher, definition, md5sum)
+        return publisher.source
+
+    def apply_rights(self, node: Registrant) -> None:
+        """Attach what a node may use now, and detach what it may not."""
+        graph = self._graph
+        for topic, publisher in node.publishers.items():
+            is_allowed = graph.is_allowed(node.name, "publish", topic)
+            if is_allowed is not (publisher.source is not None):
+                self._detach_source(publisher)
+                self._detach_conflict(topic, node.name, publishes=True)
+                self._attach_publisher(publisher)
+        for topic, subscriber in node.subscribers.items():
+            is_allowed = graph.is_allowed(node.name, "subscribe", topic)
+            if is_allowed is not (subscriber in graph.topic(topic).sinks()):
+                graph.unsubscribe(graph.topic(topic), subscriber)
+                self._detach_conflict(topic, node.name, publishes=False)
+                self._attach_subscriber(subscriber)
+        for topic in (*node.publishers, *node.subscribers):
+            self._mark(topic)
+
+    # Attaching to the graph.
+
+    def _attach_publisher(
+        self, publisher: Ros1Publisher, definition: str | None = None, md5sum: str | None = None
+    ) -> None:
+        publisher.is_relayed = True
+        if publisher.type == ANY:
+            return
+        topic = self._graph.topic(publisher.topic)
+        node = publisher.node.name
+        if node not in topic.sources:
+            topic.watching_sources.unlinked(node)
+        try:
+            publisher.source = self._graph.advertise(
+                topic,
+                node,
+                publisher.type,
+                definition,
+                quota=self._quota(),
+                serialized=md5sum is not None,
+                md5sum=md5sum,
+            )
+        except (NotAllowed, OperationError, InterfaceError, InvalidMessage) as error:
+            # An unknown type may become known by the definition that the publisher sends.
+            publisher.is_relayed = isinstance(error, InterfaceError) and md5sum is None
+            if publisher.source is None:
+                topic.watching_sources.left(node)
+            self._detach_source(publisher)
+            self._conflict(topic, publisher, node, str(error), publishes=True)
+        else:
+            publisher.fault = ""
+
+    def _attach_subscriber(self, subscriber: Ros1Subscriber) -> None:
+        topic = self._graph.topic(subscriber.topic)
+        type_ = None if subscriber.type == ANY else subscriber.type
+        topic.watching_sinks.unlinked(subscriber.node)
+        try:
+            receiver = self.links.outlet(topic.name)
+            self._graph.subscribe(topic, subscriber, type_, receiver=receiver)
+        except (NotAllowed, OperationError, InterfaceError) as error:
+            topic.watching_sinks.left(subscriber.node)
+            self._conflict(topic, subscriber, subscriber.node, str(error), publishes=False)
+        else:
+            subscriber.fault = ""
+
+    def _conflict(
+        self,
+        topic: Topic,
+        registration: Ros1Publisher | Ros1Subscriber,
+        node: str,
+        fault: str,
+        *,
+        publishes: bool,
+    ) -> None:
+        """List a conflict at its topic; it is logged once, although it is tried again often."""
+        if registration.fault != fault:
+            text = f"{node} exchanges no messages on {topic.name}: {fault}"
+            logger.warning("%s", shortened(text))
+        registration.fault = fault
+        self._graph.add_conflict(topic, Conflict(node, registration.type, publishes, fault))
+        self._types_in_conflict[topic.name] = topic.type
+
+    def _detach_conflict(self, topic: str, node: str, *, publishes: bool) -> None:
+        found = self._graph.topics.get(topic)
+        if found is not None:
+            self._graph.remove_conflict(found, node, publishes=publishes)
+
+    def _detach_source(self, publisher: Ros1Publisher) -> None:
+        source, publisher.source = publisher.source, None
+        if source is not None:
+            self._graph.remove_source(source)
+
+    # Sending updates.
+
+    def _mark(self, topic: str) -> None:
+        if self._is_closed:
+            return
+        self._graph.revision += 1
+        self._dirty[topic] = None
+        if not self._is_update_due:
+            self._is_update_due = True
+            asyncio.get_running_loop().call_soon(self._update)
+
+    def _update(self) -> None:
+        """Update the topics that have changed, for as long as a turn lasts."""
+        until = perf_counter() + TURN
+        try:
+            for _ in range(len(self._dirty)):
+                if self._is_closed:
+                    return
+                name = next(iter(self._dirty))
+                del self._dirty[name]
+                self._update_topic(name)
+                if perf_counter() > until:
+                    return
+        finally:
+            self._is_update_due = bool(self._dirty) and not self._is_closed
+            if self._is_update_due:
+                asyncio.get_running_loop().call_soon(self._update)
+
+    def _update_topic(self, name: str) -> None:
+        """Bring links up to date, and send subscribers the publishers that have changed."""
+        topic = self._graph.topic(name)
+        if topic.conflicts:
+            self._retry(topic)
+        else:
+            self._types_in_conflict.pop(name, None)
+        # An action's status may have no ROS 1 node, and decide who its goals are for.
+        self.links.changed(self._graph.topic(name))
+        for subscriber in self.subscribers(name):
+            apis = self.publisher_apis(name, subscriber.owner.hub_host)
+            if subscriber.sent != apis:
+                subscriber.sent = apis
+                self._calls.notify(
+                    subscriber.owner.api, name, "publisherUpdate", MASTER, name, apis
+                )
+
+    def _retry(self, topic: Topic) -> None:
+        """Attach the registrations that conflicted with a topic's type, if it has another now."""
+        name = topic.name
+        if topic.type is self._types_in_conflict.get(name):
+            return
+        for node, _, publishes, _ in list(topic.conflicts):
+            if self._graph.topic(name).held:
+                break
+            self._detach_conflict(name, node, publishes=publishes)
+            if publishes:
+                publisher = self._publishers.get(name, {}).get(node)
+                if publisher is not None:
+                    self._attach_publisher(publisher)
+            else:
+                subscriber = self.subscriber(node, name)
+                if subscriber is not None:
+                    self._attach_subscriber(subscriber)
+        self._types_in_conflict[name] = self._graph.topic(name).type
+
+
+def _is_same(present: MessageType, type_: str, md5sum: str) -> bool:
+    """Return whether the type that a publisher sends to a link is its present one."""
+    if present.md5sum is None or md5sum == ANY:
+        return present.name == type_
+    return present.md5sum == md5sum
+
+
+def _remove(registrations: dict[str, dict[str, Any]], topic: str, node: str) -> None:
+    del registrations[topic][node]
+    if not registrations[topic]:
+        del registrations[topic]
